@@ -1,0 +1,345 @@
+"""What acts on a machine: forces on points, moments on links, springs, and gas or liquid in cylinders.
+
+Conventions
+-----------
+A force acts at a point along `angle`, measured from the x axis of the link it turns with (the frame's unless
+`turns_with` names another); a positive value acts along that direction. A moment acts on a link, positive
+counter-clockwise. `acts` limits an action to the part of the cycle in which its point moves "along" or
+"against" its direction. `role` sorts the work: "driving", "useful" (the resistance the machine is for) or
+"harmful" (losses).
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.parts import FRAME, Angle, AngularSpeed, Length, Name, Number, Part, quantity
+from engine.tables import TableError, make_table
+
+Force = quantity("force")
+Moment = quantity("moment")
+Pressure = quantity("pressure")
+Power = quantity("power")
+Time = quantity("time")
+Speed = quantity("speed")
+Stiffness = quantity("stiffness")
+Damping = quantity("damping")
+QuadraticDrag = quantity("quadratic_drag")
+TorsionalStiffness = quantity("torsional_stiffness")
+TorsionalDamping = quantity("torsional_damping")
+TorsionalQuadraticDrag = quantity("torsional_quadratic_drag")
+
+Role = Literal["driving", "useful", "harmful"]
+Interpolation = Literal["linear", "pchip", "spline"]
+
+
+class OnPoint(Part):
+    """A force at a point, along a fixed direction of the frame or of a link."""
+
+    on: Name
+    angle: Angle
+    turns_with: Name = FRAME
+    acts: Literal["always", "along", "against"] = "always"
+    role: Role = "useful"
+
+
+class ResistingOnPoint(Part):
+    """A force that opposes the velocity of a point: all of it, or its component along `angle` when given."""
+
+    on: Name
+    angle: Angle | None = None
+    turns_with: Name = FRAME
+    acts: Literal["always", "along", "against"] = "always"
+    role: Role = "harmful"
+
+    @model_validator(mode="after")
+    def _direction_is_known(self) -> "ResistingOnPoint":
+        if self.angle is None and (self.acts != "always" or self.turns_with != FRAME):
+            raise ValueError("acts and turns_with refer to a direction: give angle")
+        return self
+
+
+class OnLink(Part):
+    """A moment on a link or shaft."""
+
+    on: Name
+    acts: Literal["always", "along", "against"] = "always"
+    role: Role = "useful"
+
+
+class ResistingOnLink(OnLink):
+    """A moment that opposes the rotation of a link or shaft."""
+
+    role: Role = "harmful"
+
+
+class Tabled(Part):
+    """A characteristic given by a table over the crank angle, a slider's stroke, or time.
+
+    Exactly one of `over_angle`, `over_stroke`, `over_time` holds the abscissae. Over a stroke, `slider` names
+    the slider and `measured_from` the zero: the guide's point, or the low or high end of the stroke (then the
+    distance from that end, positive inwards). Over the angle the table repeats with the cycle.
+    """
+
+    over_angle: list[Angle] | None = None
+    over_stroke: list[Length] | None = None
+    over_time: list[Time] | None = None
+    slider: Name | None = None
+    measured_from: Literal["guide", "low end", "high end"] = "guide"
+    interpolation: Interpolation
+    outside: Literal["hold", "zero"] = "hold"
+    scale: Number = 1.0
+
+    @property
+    def abscissae(self) -> list[float]:
+        """The abscissae given, whichever they are."""
+        return next(t for t in (self.over_angle, self.over_stroke, self.over_time) if t is not None)
+
+    @property
+    def ordinates(self) -> list[float]:
+        """The forces or moments of the table."""
+        return getattr(self, "force", None) or self.moment
+
+    @model_validator(mode="after")
+    def _table_is_sound(self) -> "Tabled":
+        given = [k for k in ("over_angle", "over_stroke", "over_time") if getattr(self, k) is not None]
+        if len(given) != 1:
+            raise ValueError("give exactly one of over_angle, over_stroke, over_time")
+        if (given == ["over_stroke"]) != (self.slider is not None):
+            raise ValueError("over_stroke and slider belong together: name the slider whose stroke is meant")
+        try:
+            make_table(self.abscissae, self.ordinates, self.interpolation, outside=self.outside)
+        except TableError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+
+class ConstantForce(OnPoint):
+    """A force of constant value."""
+
+    type: Literal["constant"]
+    force: Force
+
+
+class TableForce(OnPoint, Tabled):
+    """A force by a table."""
+
+    type: Literal["table"]
+    force: list[Force]
+
+
+class ForceAgainstMotion(ResistingOnPoint):
+    """A resistance of constant value against the motion."""
+
+    type: Literal["against_motion"]
+    force: Annotated[Force, Field(ge=0)]
+
+
+class LinearDragForce(ResistingOnPoint):
+    """Viscous resistance −c v."""
+
+    type: Literal["linear_drag"]
+    coefficient: Annotated[Damping, Field(ge=0)]
+
+
+class QuadraticDragForce(ResistingOnPoint):
+    """Aerodynamic or hydraulic resistance −c v|v|."""
+
+    type: Literal["quadratic_drag"]
+    coefficient: Annotated[QuadraticDrag, Field(ge=0)]
+
+
+class PowerDragForce(ResistingOnPoint):
+    """Resistance that grows with a power of the speed: `force` at `at_speed`, times (v/at_speed)^exponent."""
+
+    type: Literal["power_drag"]
+    force: Annotated[Force, Field(ge=0)]
+    at_speed: Annotated[Speed, Field(gt=0)]
+    exponent: Annotated[Number, Field(ge=0)]
+
+
+class ConstantMoment(OnLink):
+    """A moment of constant value."""
+
+    type: Literal["constant"]
+    moment: Moment
+
+
+class TableMoment(OnLink, Tabled):
+    """A moment by a table."""
+
+    type: Literal["table"]
+    moment: list[Moment]
+
+
+class MomentAgainstMotion(ResistingOnLink):
+    """A resisting moment of constant value against the rotation."""
+
+    type: Literal["against_motion"]
+    moment: Annotated[Moment, Field(ge=0)]
+
+
+class LinearDragMoment(ResistingOnLink):
+    """Viscous resistance −c ω."""
+
+    type: Literal["linear_drag"]
+    coefficient: Annotated[TorsionalDamping, Field(ge=0)]
+
+
+class QuadraticDragMoment(ResistingOnLink):
+    """Fan or hydraulic resistance −c ω|ω|."""
+
+    type: Literal["quadratic_drag"]
+    coefficient: Annotated[TorsionalQuadraticDrag, Field(ge=0)]
+
+
+class PowerDragMoment(ResistingOnLink):
+    """Resistance that grows with a power of the speed: `moment` at `at_speed`, times (ω/at_speed)^exponent."""
+
+    type: Literal["power_drag"]
+    moment: Annotated[Moment, Field(ge=0)]
+    at_speed: Annotated[AngularSpeed, Field(gt=0)]
+    exponent: Annotated[Number, Field(ge=0)]
+
+
+class TorsionSpring(Part):
+    """A torsion spring between a link and the frame: −k (θ − free_angle), θ in (−π, π]."""
+
+    type: Literal["torsion_spring"]
+    on: Name
+    stiffness: TorsionalStiffness
+    free_angle: Angle = 0.0
+
+
+class DCMotor(Part):
+    """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it."""
+
+    type: Literal["dc_motor"]
+    on: Name
+    stall_moment: Annotated[Moment, Field(gt=0)]
+    no_load_speed: Annotated[AngularSpeed, Field(gt=0)]
+
+
+class InductionMotor(Part):
+    """An induction motor by Kloss: breakdown moment and slip, or nameplate data, on the crank or a shaft geared to it."""
+
+    type: Literal["induction_motor"]
+    on: Name
+    synchronous_speed: Annotated[AngularSpeed, Field(gt=0)]
+    breakdown_moment: Annotated[Moment, Field(gt=0)] | None = None
+    breakdown_slip: Annotated[Number, Field(gt=0)] | None = None
+    power: Annotated[Power, Field(gt=0)] | None = None
+    rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+    breakdown_ratio: Annotated[Number, Field(gt=1)] | None = None
+    starting_ratio: Annotated[Number, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_description(self) -> "InductionMotor":
+        kloss = (self.breakdown_moment, self.breakdown_slip)
+        nameplate = (self.power, self.rated_speed, self.breakdown_ratio)
+        if None not in kloss and all(v is None for v in (*nameplate, self.starting_ratio)):
+            return self
+        if None not in nameplate and all(v is None for v in kloss):
+            if not self.rated_speed < self.synchronous_speed:
+                raise ValueError("rated_speed must be below synchronous_speed")
+            return self
+        raise ValueError(
+            "give either breakdown_moment and breakdown_slip (Kloss), or power, rated_speed and "
+            "breakdown_ratio, with starting_ratio if known (nameplate)"
+        )
+
+
+ForceAction = Annotated[
+    ConstantForce | TableForce | ForceAgainstMotion | LinearDragForce | QuadraticDragForce | PowerDragForce,
+    Field(discriminator="type"),
+]
+MomentAction = Annotated[
+    ConstantMoment
+    | TableMoment
+    | MomentAgainstMotion
+    | LinearDragMoment
+    | QuadraticDragMoment
+    | PowerDragMoment
+    | TorsionSpring
+    | DCMotor
+    | InductionMotor,
+    Field(discriminator="type"),
+]
+
+
+class Spring(Part):
+    """A spring with an optional damper between two points: pulls with k (L − free_length) + c dL/dt."""
+
+    between: tuple[Name, Name]
+    stiffness: Stiffness = 0.0
+    free_length: Annotated[Length, Field(ge=0)] = 0.0
+    damping: Annotated[Damping, Field(ge=0)] = 0.0
+
+
+class Cylinder(Part):
+    """Gas or liquid behind a piston: a slider, its bore, and at which end of the stroke the cylinder head is.
+
+    `head` "high": the head lies beyond the high end of the slide coordinate, and pressure pushes the piston
+    towards the low end. `ambient` is the pressure on the other side of the piston. `clearance` is the
+    clearance volume over the swept volume.
+    """
+
+    piston: Name
+    bore: Annotated[Length, Field(gt=0)]
+    head: Literal["high", "low"] = "high"
+    ambient: Pressure = 101_325.0
+
+
+class Compressor(Cylinder):
+    """A reciprocating compressor: polytropic compression and expansion between two pressures."""
+
+    type: Literal["compressor"]
+    clearance: Annotated[Number, Field(gt=0)]
+    suction: Annotated[Pressure, Field(gt=0)]
+    discharge: Annotated[Pressure, Field(gt=0)]
+    n_compression: Annotated[Number, Field(gt=0)] = 1.3
+    n_expansion: Annotated[Number, Field(gt=0)] = 1.3
+    role: Role = "useful"
+
+
+class Pump(Cylinder):
+    """A piston pump: suction pressure away from the head, discharge pressure towards it."""
+
+    type: Literal["pump"]
+    suction: Annotated[Pressure, Field(ge=0)]
+    discharge: Annotated[Pressure, Field(ge=0)]
+    role: Role = "useful"
+
+
+class FourStroke(Cylinder):
+    """A four-stroke engine: expansion from `peak`, exhaust, intake, polytropic compression.
+
+    The power stroke begins at the head-end dead centre that follows φ = `firing_angle` (needs 2 revolutions a cycle).
+    """
+
+    type: Literal["four_stroke"]
+    clearance: Annotated[Number, Field(gt=0)]
+    intake: Annotated[Pressure, Field(gt=0)]
+    exhaust: Annotated[Pressure, Field(gt=0)]
+    peak: Annotated[Pressure, Field(gt=0)]
+    n_compression: Annotated[Number, Field(gt=0)] = 1.32
+    n_expansion: Annotated[Number, Field(gt=0)] = 1.28
+    firing_angle: Angle = 0.0
+    role: Role = "driving"
+
+
+class TwoStroke(Cylinder):
+    """A two-stroke engine: expansion from `peak` until the ports open after the fraction `port` of the stroke."""
+
+    type: Literal["two_stroke"]
+    clearance: Annotated[Number, Field(gt=0)]
+    intake: Annotated[Pressure, Field(gt=0)]
+    exhaust: Annotated[Pressure, Field(gt=0)]
+    peak: Annotated[Pressure, Field(gt=0)]
+    n_compression: Annotated[Number, Field(gt=0)] = 1.32
+    n_expansion: Annotated[Number, Field(gt=0)] = 1.28
+    port: Annotated[Number, Field(gt=0, le=1)]
+    role: Role = "driving"
+
+
+CylinderAction = Annotated[Compressor | Pump | FourStroke | TwoStroke, Field(discriminator="type")]

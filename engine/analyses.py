@@ -1,0 +1,232 @@
+"""What is computed from the rows of a variant: the summaries, each with its error figure.
+
+Steps and results are written with a mark `$` on every name that depends on the resolution. Each step is carried
+out twice, at all positions and at every second one (`$` → `_half`); the difference of the two results is the
+estimate of the discretisation error.
+"""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.actions import DCMotor, InductionMotor
+from engine.drives import dc_motor, induction_motor, kloss_from_nameplate
+from engine.model import Model
+from engine.quantities import STATISTICS, InputUnits, Quantity, has_cycle, machine_summaries, statistics_of
+from engine.scene import Numbers, Scene
+
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
+
+
+class RowStep(NamedTuple):
+    """A statement about whole rows; `targets` are the numbers and rows it produces."""
+
+    targets: tuple[str, ...]
+    statement: str
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """Names that the statement uses but doesn't produce."""
+        return frozenset(_NAME.findall(self.statement)) - set(self.targets)
+
+
+class Result(NamedTuple):
+    """Expressions of a summary and of its error figure; `may_be_undefined` where NaN is an answer."""
+
+    value: str
+    error: str
+    may_be_undefined: bool = False
+
+
+def row_of(model: Model, field: str) -> str:
+    """Name of the row that holds a field."""
+    if field in model.linear:
+        return "lin_" + field.replace(".", "__")
+    if field in model.angles:
+        return "ang_" + field.removesuffix(".angle")
+    if field in ("work", "speed"):
+        return f"row_{field}"
+    return f"row_{model.variables[field]}"
+
+
+class Analyses:
+    """The summaries of a model.
+
+    Attributes
+    ----------
+    steps : list of RowStep
+    results : dict of str to Result
+    summaries : dict of str to Quantity
+        Every summary but the statistics of fields, which `add_statistics` adds as they are asked.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.periodic = has_cycle(model.scene)
+        self.steps: list[RowStep] = []
+        self.results: dict[str, Result] = {}
+        self.summaries = {q.name: q for q in machine_summaries(model.scene, model.structure)}
+        self._angles()
+        self._strokes()
+        for group, sine in model.mechanism.sines.items():
+            self._step(f"least_{sine}$", f"least_magnitude(row_{sine}$)")
+            self.results[f"{group}.transmission_angle"] = difference(f"math.asin(min(1.0, least_{sine}$))")
+        first_kind = model.linear["reduced_inertia"].constant
+        self.results["first_kind_inertia"] = Result(first_kind, "0.0")
+        self._motors()
+        if self.periodic:
+            self._cycle()
+
+    def _step(self, targets: str, call: str) -> None:
+        self.steps.append(RowStep(tuple(t.strip() for t in targets.split(",")), f"{targets} = {call}"))
+
+    def _fill(self, row: str, call: str) -> None:
+        self.steps.append(RowStep((row,), call))
+
+    def add_statistics(self, field: Quantity) -> None:
+        """Make the statistics of a field available."""
+        row = row_of(self.model, field.name)
+        if f"{field.name}.min" in self.summaries:
+            return
+        low, high, mean, rms, missed = (f"{row}_{w}" for w in ("low", "high", "mean", "rms", "missed"))
+        self._step(f"{low}$, {high}$, {mean}$, {rms}$, {missed}$", f"statistics({row}$, {self.periodic})")
+        q = InputUnits.of(self.model.scene).q
+        self.summaries.update({s.name: s for s in statistics_of(field, q)})
+        peak = f"max(abs({low}$), abs({high}$))"
+        for suffix, value in (
+            ("min", f"{low}$"),
+            ("max", f"{high}$"),
+            ("range", f"{high}$ - {low}$"),
+            ("peak", peak),
+        ):
+            change = difference(value).error
+            self.results[f"{field.name}.{suffix}"] = Result(value, f"max({change}, 2.0 * {missed}$)")
+        self.results[f"{field.name}.mean"] = difference(f"{mean}$")
+        self.results[f"{field.name}.rms"] = difference(f"{rms}$")
+        for suffix, value in (("min_at", low), ("max_at", high)):
+            self._step(f"{value}_at$", f"first + h * place_of({row}$, {value}$)")
+            self.results[f"{field.name}.{suffix}"] = Result(f"{value}_at$", "h")
+        assert len(STATISTICS) == 8
+
+    def _angles(self) -> None:
+        for field, (c, s) in self.model.angles.items():
+            row = row_of(self.model, field)
+            self._fill(f"{row}$", f"unwrap_angle(row_{c}$, row_{s}$, {row}$)")
+
+    def _strokes(self) -> None:
+        m = self.model.mechanism
+        for name, slide in m.slides.items():
+            ends = f"low_{name}$, high_{name}$, low_at_{name}$, high_at_{name}$"
+            self._step(ends, f"stroke_ends(row_{slide.d}$, row_{slide.dv}$, first, h$, {self.periodic})")
+            self._ends(name, "stroke", name, False)
+        for name in self.model.structure.links:
+            ends = ", ".join(f"{end}_turn_{name}$" for end in ("low", "high", "low_at", "high_at"))
+            w = m.links[name].w or "zero"
+            self._step(ends, f"swing_ends(ang_{name}$, row_{w}$, first, h$, {self.periodic})")
+            self._ends(name, "swing", f"turn_{name}", True)
+
+    def _ends(self, name: str, kind: str, variable: str, may_be_undefined: bool) -> None:
+        def add(what: str, value: str) -> None:
+            self.results[f"{name}.{what}"] = difference(value)._replace(may_be_undefined=may_be_undefined)
+
+        add(kind, f"high_{variable}$ - low_{variable}$")
+        add(f"{kind}_low_at", f"low_at_{variable}$")
+        add(f"{kind}_high_at", f"high_at_{variable}$")
+        if self.periodic:
+            add(f"{kind}_time_ratio", f"quick_return_ratio(low_at_{variable}$, high_at_{variable}$)")
+
+    def _motors(self) -> None:
+        moments = self.model.moments
+        if moments.motors:
+            slot = self.model.program.derived(
+                "motor_moment", lambda n: motor_moment(self.model.scene, moments.motors, n), "load"
+            )
+            self.results["motor_moment"] = Result(slot, "0.0")
+
+    # The steady cycle and its flywheel
+
+    def _cycle(self) -> None:
+        omega = self.model.program.number("input.speed", "load")
+        inertia, moment = "lin_reduced_inertia$", "lin_reduced_moment$"
+        self._step("mean_moment$", f"mean_of({moment})")
+        self._step("useful$", "mean_of(lin_useful_moment$)")
+        self._step("residual$", f"derivative_residual({inertia}, lin_reduced_inertia_phi$, h$)")
+        self._fill("row_work$", f"cumulative_work({moment}, mean_moment$, h$, row_work$)")
+        self._step("doubt", "work_doubt(lin_reduced_moment, h)")
+        jump = "doubt / (h * n)"
+        self.results["required_drive_moment"] = difference("-mean_moment$", jump)
+        self.results["required_power"] = difference(f"-mean_moment$ * {omega}", f"abs({omega}) * {jump}")
+        self.results["mean_useful_moment"] = difference("-useful$", jump)
+        self.results["power_balance_residual"] = Result("residual$", "0.0")
+        self._flywheel(inertia, omega)
+
+    def _flywheel(self, inertia: str, omega: str) -> None:
+        p, flywheel = self.model.program, self.model.scene.flywheel
+        asked = flywheel is not None and flywheel.speed_fluctuation is not None
+        delta = p.number("flywheel.speed_fluctuation", "load") if asked else "one"
+        first_kind = self.model.linear["reduced_inertia"].constant
+        self._step(
+            "excess$, by_excess$, merzalov$, wittenbauer$",
+            f"flywheel_sizes({inertia}, row_work$, {omega}, {delta}, {first_kind})",
+        )
+        self.results["excess_work"] = difference("excess$", "doubt")
+        if flywheel is None:
+            return
+        if asked:
+            jump = f"doubt / ({delta} * {omega} * {omega})"
+            self.results["flywheel_excess_work"] = difference("by_excess$", jump)
+            self.results["flywheel_merzalov"] = difference("merzalov$", jump)
+            self.results["flywheel_wittenbauer"] = difference("wittenbauer$", jump)
+            relative = f"2.0 * {jump} / abs(wittenbauer)"
+            self.results["excess_work_difference"] = difference("by_excess$ / wittenbauer$ - 1.0", relative)
+            self.results["merzalov_difference"] = difference("merzalov$ / wittenbauer$ - 1.0", relative)
+        given = flywheel.inertia is not None
+        if given or asked:
+            wheel = p.number("flywheel.inertia", "load") if given else "max(wittenbauer$, 0.0)"
+            self._speeds(inertia, omega, wheel)
+
+    def _speeds(self, inertia: str, omega: str, wheel: str) -> None:
+        self._step("wheel$", wheel)
+        self._step("energy$, slowest$, fastest$", f"speed_with_flywheel({inertia}, row_work$, wheel$, {omega})")
+        self._fill("row_speed$", f"speed_row({inertia}, row_work$, wheel$, energy$, row_speed$)")
+        jump = f"doubt / (2.0 * energy / {omega} / {omega})"
+        share = f"{jump} / abs({omega})"
+        self.results["speed_fluctuation"] = difference(
+            f"(fastest$ - slowest$) / abs({omega})", f"2.0 * {share} / abs({omega})", may_be_undefined=False
+        )
+        self.results["speed_min"] = difference("slowest$", share)
+        self.results["speed_max"] = difference("fastest$", share)
+
+
+def difference(value: str, more: str = "", may_be_undefined: bool = False) -> Result:
+    """Result whose error is its change from half the positions, plus `more`."""
+    change = f"abs(({value}) - ({value.replace('$', '_half')}))"
+    return Result(value, f"{change} + {more}" if more else change, may_be_undefined)
+
+
+def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> float | np.ndarray:
+    """Moment of the motors at the input's speed, reduced to the input link [N·m], for every variant."""
+    total: float | np.ndarray = 0.0
+    for name in motors:
+        motor, at = scene.moments[name], f"moments.{name}"
+        ratio = 1.0 if motor.on == scene.input.link else numbers[f"shafts.{motor.on}.ratio"]
+        # A motor drives its shaft the way it is meant to turn.
+        speed = np.abs(numbers["input.speed"] * ratio)
+        if isinstance(motor, DCMotor):
+            law = np.vectorize(dc_motor, otypes=[float])
+            moment = law(numbers[f"{at}.stall_moment"], numbers[f"{at}.no_load_speed"], speed)
+        else:
+            law = np.vectorize(induction_motor, otypes=[float])
+            moment = law(*kloss_constants(motor, at, numbers), numbers[f"{at}.synchronous_speed"], speed)
+        total = total + moment * np.abs(ratio) * np.sign(numbers["input.speed"])
+    return total
+
+
+def kloss_constants(motor: InductionMotor, at: str, numbers: Numbers) -> tuple:
+    """Breakdown moment and slip, and rotor ratio, of an induction motor, as given or from its nameplate."""
+    if motor.breakdown_moment is not None:
+        return numbers[f"{at}.breakdown_moment"], numbers[f"{at}.breakdown_slip"], 0.0
+    keys = ["power", "rated_speed", "synchronous_speed", "breakdown_ratio"]
+    keys += ["starting_ratio"] if motor.starting_ratio is not None else []
+    return kloss_from_nameplate(*(numbers[f"{at}.{key}"] for key in keys))

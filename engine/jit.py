@@ -1,0 +1,120 @@
+"""How the mechanics is compiled: one decorator for scalar functions, one set of floating-point rules, one cache.
+
+Numba's own cache notices a change only in the file that holds the cached function, not in the files whose
+functions it calls. A generated kernel therefore lives in a folder named by a digest of everything that goes
+into it: its text, all sources of this package, and the versions of the compilers.
+"""
+
+import hashlib
+import importlib.util
+import os
+import pickle
+import platform
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+import llvmlite
+import numba
+from numba import njit
+
+# `nnan` and `ninf` are left out on purpose: a NaN must survive from the position that can't be assembled
+# to the status of the variant. `reassoc` lets sums over positions be vectorised.
+FLOATING_POINT_RULES = frozenset({"contract", "arcp", "nsz", "reassoc"})
+
+KERNEL_OPTIONS = {
+    "error_model": "numpy",
+    "fastmath": set(FLOATING_POINT_RULES),
+    "parallel": True,
+    "nogil": True,
+    "cache": True,
+}
+
+
+def scalar(function: Callable) -> Callable:
+    """Compile a scalar function of the mechanics; it is compiled into whatever kernel calls it.
+
+    Division by zero gives infinity or NaN, as in NumPy, and never raises.
+    """
+    return njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES))(function)
+
+
+@cache
+def sources_digest() -> str:
+    """Digest of this package's sources and of the compilers' versions."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    digest.update(f"{numba.__version__} {llvmlite.__version__} {platform.python_version()}".encode())
+    return digest.hexdigest()
+
+
+def cache_folder() -> Path:
+    """Folder for generated kernels: the user's cache, or a temporary one where that can't be written."""
+    home = os.environ.get("XDG_CACHE_HOME")
+    try:
+        folder = (Path(home) if home else Path.home() / ".cache") / "machine-sweeps"
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    except (OSError, RuntimeError):
+        pass
+    return _temporary_folder()
+
+
+@cache
+def _temporary_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="machine-sweeps-"))
+
+
+def _kernel_folder(text: str) -> Path:
+    digest = hashlib.sha256(f"{sources_digest()}\0{text}".encode()).hexdigest()
+    return cache_folder() / digest[:32]
+
+
+@cache
+def load_kernel(text: str) -> ModuleType:
+    """Module of a generated source, compiled on the first call of its functions and cached on disk.
+
+    Parameters
+    ----------
+    text : str
+        Source of the module.
+    """
+    folder = _kernel_folder(text)
+    path = folder / "kernel.py"
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        draft = folder / f"kernel.{os.getpid()}.tmp"
+        draft.write_text(text, encoding="utf8")
+        os.replace(draft, path)
+    name = f"engine_kernel_{folder.name}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def call(text: str, function: str, *arguments: object) -> object:
+    """Call a function of a generated source; a broken cache is thrown away and the call made once more.
+
+    Parameters
+    ----------
+    text : str
+        Source of the module.
+    function : str
+        Its function.
+    *arguments
+        Passed on.
+    """
+    try:
+        return getattr(load_kernel(text), function)(*arguments)
+    except (EOFError, pickle.UnpicklingError):
+        load_kernel.cache_clear()
+        shutil.rmtree(_kernel_folder(text), ignore_errors=True)
+        return getattr(load_kernel(text), function)(*arguments)

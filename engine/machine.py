@@ -1,0 +1,333 @@
+"""The door: a machine made ready to answer what is asked, for one variant or for millions."""
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from engine.analyses import Analyses
+from engine.jit import call
+from engine.kernels import Form, KernelWriter, Source
+from engine.model import Model
+from engine.parts import CrankInput
+from engine.quantities import STATISTICS, Quantity, has_cycle
+from engine.scene import Numbers, Scene, scene_numbers, within_limits
+from engine.tables import table_value
+from engine.verdicts import Verdict
+
+SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
+ROUNDING = 16
+WORTH_FACTORISING = 3
+
+
+class AskError(ValueError):
+    """A field, summary or setting that can't be asked of a machine."""
+
+
+class Outcome(NamedTuple):
+    """Results of a set of variants.
+
+    Attributes
+    ----------
+    status : ndarray (variants,) of uint8
+        `Verdict` codes.
+    status_group : ndarray (variants,) of int16
+        Number of the structural group that is to blame (see `Machine.groups`), −1 where none is.
+    status_at : ndarray (variants,)
+        Input position at which it fails [rad, or m of a sliding input]; NaN where it doesn't.
+    summaries, errors : dict of str to ndarray (variants,)
+        Asked summaries and their error figures, SI.
+    fields : dict of str to ndarray (variants, positions)
+        Asked fields, SI.
+    """
+
+    status: np.ndarray
+    status_group: np.ndarray
+    status_at: np.ndarray
+    summaries: dict[str, np.ndarray]
+    errors: dict[str, np.ndarray]
+    fields: dict[str, np.ndarray]
+
+
+class Machine:
+    """A scene with what is asked of it: fields and summaries.
+
+    Parameters
+    ----------
+    scene : Scene
+    summaries, fields : iterable of str
+        Names from `available_summaries` and `available_fields`.
+    varied : iterable of str
+        Paths of the scene's numbers that `evaluate` will be given.
+    positions : int
+        Intervals per cycle (or over the input's range), even, at least 8.
+    dtype : float64 or float32
+
+    Raises
+    ------
+    SceneError
+        The scene can't be ordered into structural groups.
+    AskError
+        Something asked doesn't exist.
+
+    Examples
+    --------
+    >>> from engine import Machine, Scene
+    >>> scene = Scene.model_validate({
+    ...     "points": {"O": {"x": 0, "y": 0}},
+    ...     "guides": {"way": {}},
+    ...     "input": {"type": "crank", "pivot": "O", "pin": "A", "length": "50 mm", "speed": "60 rpm"},
+    ...     "groups": {"g": {"type": "RRP", "inner": "B",
+    ...                      "first": {"link": "rod", "joint": "A", "length": "200 mm"},
+    ...                      "second": {"link": "ram", "guide": "way"}}},
+    ... })
+    >>> outcome = Machine(scene, summaries=["ram.stroke"]).evaluate({})
+    >>> round(float(outcome.summaries["ram.stroke"][0]), 12)
+    0.1
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        summaries: Iterable[str] = (),
+        fields: Iterable[str] = (),
+        varied: Iterable[str] = (),
+        positions: int = 720,
+        dtype: type = np.float64,
+    ) -> None:
+        self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
+        self.varied = tuple(varied)
+        self.asked_summaries, self.asked_fields = list(summaries), list(fields)
+        _check_positions(positions)
+        self._limits = scene_numbers(scene)
+        _check_names(self.varied, self._limits, "number of the scene")
+        self.model = Model(scene, frozenset(self.varied))
+        _check_names(self.asked_fields, self.available_fields, "field")
+        self.analyses = Analyses(self.model)
+        self._add_statistics()
+        _check_names(self.asked_summaries, self.analyses.summaries, "summary")
+        self._writer = KernelWriter(self.model, self.analyses, self.asked_fields, self.asked_summaries)
+        self._sources: dict[Form, Source] = {}
+
+    @property
+    def available_fields(self) -> dict[str, Quantity]:
+        """Every field one may ask of this scene."""
+        return self.model.fields
+
+    @property
+    def available_summaries(self) -> dict[str, Quantity]:
+        """Every summary one may ask, besides the statistics FIELD.min, .max, .range, .peak, .mean, .rms, .min_at, .max_at."""
+        return self.analyses.summaries
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
+        return self.source("whole").groups
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Input positions: crank angles [rad], or displacement as a fraction of the range of a sliding input."""
+        drive = self.scene.input
+        if has_cycle(self.scene):
+            return np.arange(self.positions) * (2 * math.pi * drive.revolutions / self.positions)
+        share = np.arange(self.positions + 1) / self.positions
+        if isinstance(drive, CrankInput):
+            return drive.start + (drive.stop - drive.start) * share
+        return share
+
+    def _add_statistics(self) -> None:
+        for name in self.asked_summaries:
+            field, _, suffix = name.rpartition(".")
+            if suffix in STATISTICS and field in self.available_fields:
+                self.analyses.add_statistics(self.available_fields[field])
+
+    def source(self, form: Form) -> Source:
+        """Generated source of the kernel, to be read, in its "whole" or "factorised" form."""
+        if form not in self._sources:
+            self._sources[form] = self._writer.source(form, self.dtype)
+        return self._sources[form]
+
+    # Evaluation
+
+    def evaluate(
+        self,
+        varied: Mapping[str, np.ndarray],
+        drop: np.ndarray | None = None,
+        buffer: np.ndarray | None = None,
+    ) -> Outcome:
+        """Evaluate a set of variants.
+
+        Parameters
+        ----------
+        varied : mapping of path to ndarray (variants,)
+            Values (SI) of the paths named as varied; empty for the scene as it is, one variant.
+        drop : ndarray (variants,) of bool, optional
+            Variants not to evaluate; their status is DROPPED.
+        buffer : ndarray (asked fields, at least variants, positions), optional
+            Memory for the fields, from `new_buffer`; the outcome's fields are views of it.
+
+        Raises
+        ------
+        AskError
+            The paths are not those the machine was made for.
+        """
+        if set(varied) != set(self.varied):
+            raise AskError(f"varied must hold exactly {list(self.varied)}, got {sorted(varied)}")
+        arrays = {path: np.atleast_1d(np.asarray(v, dtype=np.float64)) for path, v in varied.items()}
+        variants = next((a.shape[0] for a in arrays.values()), 1)
+        status = np.zeros(variants, np.uint8)
+        for path, values in arrays.items():
+            status[~within_limits(self._limits[path], values)] = Verdict.OUTSIDE_LIMITS
+        if drop is not None:
+            status[drop] = Verdict.DROPPED
+        keep = np.flatnonzero(status == Verdict.OK)
+        room = (self.new_buffer(variants) if buffer is None else buffer)[:, :variants]
+        outcome = self._blank(status, room)
+        if keep.size:
+            chosen = {path: values[keep] for path, values in arrays.items()} if keep.size < variants else arrays
+            self._fill(outcome, keep, Numbers(self.scene, chosen), room[:, : keep.size])
+        # Results were packed at the front; spread them to their variants, the last first.
+        if keep.size < variants:
+            for row in room:
+                row[keep[::-1]] = row[: keep.size][::-1].copy()
+                row[status != Verdict.OK] = np.nan
+        return outcome
+
+    def new_buffer(self, variants: int) -> np.ndarray:
+        """Memory for the asked fields of a number of variants; worth reusing from block to block."""
+        return np.empty((len(self.asked_fields), variants, self.nodes.size), self.dtype)
+
+    def _blank(self, status: np.ndarray, room: np.ndarray) -> Outcome:
+        variants = status.shape[0]
+
+        def numbers() -> dict[str, np.ndarray]:
+            return {name: np.full(variants, np.nan) for name in self.asked_summaries}
+
+        fields = dict(zip(self.asked_fields, room, strict=True))
+        at = np.full(variants, np.nan)
+        return Outcome(status, np.full(variants, -1, np.int16), at, numbers(), numbers(), fields)
+
+    def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, fields: np.ndarray) -> None:
+        """Evaluate the variants `keep`, their fields packed into `fields`, and write their summaries and verdicts."""
+        source = self.source("whole")
+        # An overflow on the way to a parameter ends as a status, not as a warning.
+        with np.errstate(all="ignore"):
+            parameters = self.model.parameters(list(source.slots), numbers, keep.size, self.dtype)
+        form, grouping = self._form(parameters, source)
+        source = self.source(form)
+        values = np.empty((keep.size, len(self.asked_summaries)))
+        errors, doubts, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
+        nodes = self.nodes.astype(self.dtype)
+        count = keep.size if grouping is None else grouping[0].size - 1
+        call(
+            source.text,
+            "kernel",
+            parameters,
+            *self._places(nodes),
+            self.dtype.type(self.nodes[1] - self.nodes[0]),
+            ROUNDING * float(np.finfo(self.dtype).eps),
+            min(count, 16 * numba.get_num_threads()),
+            *(grouping or ()),
+            *self._tables(source),
+            values,
+            errors,
+            fields,
+            doubts,
+            checks,
+        )
+        undefined = ~np.isfinite(values)
+        values[undefined] = errors[undefined] = np.nan
+        for i, name in enumerate(self.asked_summaries):
+            outcome.summaries[name][keep], outcome.errors[name][keep] = values[:, i], errors[:, i]
+        self._judge(outcome, keep, parameters, doubts, ~np.isfinite(checks) | self._undefined(undefined))
+
+    def _places(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Positions and their cosines and sines, one table for all variants."""
+        return nodes, np.cos(self.nodes).astype(self.dtype), np.sin(self.nodes).astype(self.dtype)
+
+    def _form(self, parameters: np.ndarray, source: Source) -> tuple[Form, tuple[np.ndarray, np.ndarray] | None]:
+        """Which form to use: factorised where each shape serves several variants."""
+        shapes = np.ascontiguousarray(parameters[:, : source.shape_slots])
+        variants = parameters.shape[0]
+        if variants < 2 * WORTH_FACTORISING:
+            return "whole", None
+        keys = shapes.view(np.dtype((np.void, shapes.dtype.itemsize * shapes.shape[1]))).ravel()
+        _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
+        if counts.size * WORTH_FACTORISING > variants:
+            return "whole", None
+        members = np.argsort(inverse, kind="stable")
+        starts = np.concatenate(([0], np.cumsum(counts)))
+        return "factorised", _spread(starts, members, 4 * numba.get_num_threads())
+
+    def _tables(self, source: Source) -> list[object]:
+        arguments: list[object] = []
+        for name in source.tables:
+            table = self.model.moments.tables[name]
+            arguments += [table.breaks, table.coefficients, table.start, table.period]
+        for name in source.angle_tables:
+            table = self.model.moments.angle_tables[name]
+            arguments.append(np.array([table_value(*table, q) for q in self.nodes], self.dtype))
+        return arguments
+
+    # Verdicts
+
+    def _judge(
+        self,
+        outcome: Outcome,
+        keep: np.ndarray,
+        parameters: np.ndarray,
+        doubts: np.ndarray,
+        not_finite: np.ndarray,
+    ) -> None:
+        """Give every variant its verdict, and those that fail the place and the group to blame."""
+        least = SINGULAR_SINE[self.dtype]
+        doubtful = np.flatnonzero(~(doubts < 1.0 / least**2))
+        places = self._places(self.nodes.astype(self.dtype))
+        # Both forms share the order of slots, and `diagnose` is the same in both.
+        text = self.source("whole").text
+        for i in doubtful:
+            group, place, sine = call(text, "diagnose", parameters, i, *places)
+            if sine >= least or place < 0:
+                continue
+            verdict = Verdict.CANNOT_ASSEMBLE if sine < 0 else Verdict.SINGULAR
+            outcome.status[keep[i]] = verdict
+            outcome.status_group[keep[i]] = group
+            outcome.status_at[keep[i]] = self._at(place, parameters, i)
+        blamed = keep[not_finite & (outcome.status[keep] == Verdict.OK)]
+        outcome.status[blamed] = Verdict.NOT_FINITE
+
+    def _undefined(self, undefined: np.ndarray) -> np.ndarray:
+        """Variants with an undefined summary that should have a value."""
+        must = [i for i, n in enumerate(self.asked_summaries) if not self.analyses.results[n].may_be_undefined]
+        return undefined[:, must].any(axis=1)
+
+    def _at(self, place: int, parameters: np.ndarray, variant: int) -> float:
+        if isinstance(self.scene.input, CrankInput):
+            return self.nodes[place]
+        slots = self.source("whole").slots
+        start, stop = (parameters[variant, slots.index(f"num_input__{key}")] for key in ("start", "stop"))
+        return start + (stop - start) * self.nodes[place]
+
+
+def _spread(starts: np.ndarray, members: np.ndarray, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+    """Split large groups so that a sweep of loads on a single shape still uses every core."""
+    longest = max(-(-members.size // pieces), 64)
+    cuts = [np.arange(a, b, longest) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    return np.append(np.concatenate(cuts), members.size), members
+
+
+def _check_positions(positions: int) -> None:
+    if isinstance(positions, bool) or not isinstance(positions, (int, np.integer)) or positions < 8 or positions % 2:
+        raise AskError(f"positions = {positions!r}: an even number of at least 8 is needed, such as 360 or 720")
+
+
+def _check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
+    known = list(known)
+    for name in names:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=3)
+            hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
+            raise AskError(f"{name!r} is not a {kind} of this scene{hint}")

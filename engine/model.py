@@ -1,0 +1,178 @@
+"""The model of a scene: its program, and every row that may be asked of it, as sums of terms or plain variables."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.inertia import body_inertia, body_mass
+from engine.mechanism import Mechanism, centre_along
+from engine.moments import Moments, Term
+from engine.parts import FRAME, CrankInput
+from engine.program import Program
+from engine.quantities import dynamic_fields, kinematic_fields
+from engine.scene import Numbers, Scene
+from engine.structure import Structure, order
+
+
+class LinearRow(NamedTuple):
+    """A row that is a constant plus a sum of coefficient × basis: linear in the loads."""
+
+    constant: str | None
+    terms: tuple[tuple[str, str], ...]
+
+
+class Model:
+    """Everything that can be computed of a scene, not yet what is asked.
+
+    Parameters
+    ----------
+    scene : Scene
+    varied : frozenset of str
+        Paths of numbers that will vary; what is zero and doesn't vary is left out of the model.
+
+    Attributes
+    ----------
+    program : Program
+    structure : Structure
+    linear : dict of str to LinearRow
+        Rows linear in the loads, by field name.
+    variables : dict of str to str
+        Fields that are a variable of the program.
+    angles : dict of str to (str, str)
+        Fields that are an angle of a direction (cosine, sine).
+    fields : dict of str to Quantity
+        Every field one may ask.
+    """
+
+    def __init__(self, scene: Scene, varied: frozenset[str] = frozenset()) -> None:
+        self.scene, self.varied = scene, varied
+        self.structure: Structure = order(scene)
+        self.program = Program()
+        self.mechanism = Mechanism(scene, self.structure, self.program, varied)
+        self.linear: dict[str, LinearRow] = {}
+        self._reduce_inertia()
+        self.moments = Moments(scene, self.mechanism, self.program, varied)
+        self._sum_moments()
+        self.variables, self.angles = self._kinematic_rows()
+        self.fields = {
+            q.name: q for q in (*kinematic_fields(scene, self.structure), *dynamic_fields(scene, self.actions))
+        }
+
+    @property
+    def actions(self) -> tuple[str, ...]:
+        """Names of the actions with a reduced moment row, gravity among them."""
+        return tuple(dict.fromkeys(term.action for term in self.moments.terms))
+
+    # Reduced inertia
+
+    def _first_kind(self, numbers: Numbers) -> float | np.ndarray:
+        """Inertia that reduces to a constant: bodies on the input, shafts geared to it and bodies on those."""
+        scene, total = self.scene, 0.0
+        turning = {scene.input.link: 1.0} if isinstance(scene.input, CrankInput) else {}
+        for name, shaft in scene.shafts.items():
+            if shaft.geared_to == scene.input.link:
+                turning[name] = numbers[f"shafts.{name}.ratio"]
+                total = total + numbers[f"shafts.{name}.inertia"] * turning[name] ** 2
+        for name, body in scene.bodies.items():
+            mass = body_mass(scene, name, numbers)
+            if body.link in turning:
+                radius2 = centre_along(scene, name, numbers) ** 2 + numbers[f"bodies.{name}.y"] ** 2
+                inertia = body_inertia(scene, name, numbers)
+                total = total + (mass * radius2 + inertia) * turning[body.link] ** 2
+            elif body.link == scene.input.link:
+                total = total + mass
+        return total
+
+    def _reduce_inertia(self) -> None:
+        scene, p, m = self.scene, self.program, self.mechanism
+        inertia: list[tuple[str, str]] = []
+        slope: list[tuple[str, str]] = []
+        constant = {scene.input.link} | {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
+        for name, body in scene.bodies.items():
+            centre, link = m.centre(name), m.links[body.link]
+            if body.link in constant:
+                continue
+            mass = p.derived(f"bodies.{name}.mass_of", lambda n, name=name: body_mass(scene, name, n), "load")
+            p.about(f"inertia of {name}", "velocity")
+            inertia.append((mass, p.fresh(f"translation_inertia({centre.vx}, {centre.vy})")))
+            p.about(f"inertia of {name}", "acceleration")
+            rate = p.fresh(f"translation_inertia_phi({centre.vx}, {centre.vy}, {centre.ax}, {centre.ay})")
+            slope.append((mass, rate))
+            if self._turns_with_inertia(name):
+                own = p.derived(f"bodies.{name}.inertia_of", lambda n, name=name: body_inertia(scene, name, n), "load")
+                self._rotation(own, link, f"inertia of {name}", inertia, slope)
+        for name, shaft in scene.shafts.items():
+            if shaft.geared_to != scene.input.link:
+                own = p.number(f"shafts.{name}.inertia", "load")
+                self._rotation(own, m.links[name], f"shaft {name}", inertia, slope)
+        first_kind = p.derived("first_kind_inertia", self._first_kind, "load")
+        self.linear["reduced_inertia"] = LinearRow(first_kind, tuple(inertia))
+        self.linear["reduced_inertia_phi"] = LinearRow(None, tuple(slope))
+
+    def _turns_with_inertia(self, name: str) -> bool:
+        body = self.scene.bodies[name]
+        if self.mechanism.links[body.link].w is None:
+            return False
+        given = body.shape is not None or bool(body.inertia) or f"bodies.{name}.inertia" in self.varied
+        return given
+
+    def _rotation(self, own: str, link: object, subject: str, inertia: list, slope: list) -> None:
+        p = self.program
+        p.about(subject, "velocity")
+        inertia.append((own, p.fresh(f"rotation_inertia({link.w})")))
+        if link.e is not None:
+            p.about(subject, "acceleration")
+            slope.append((own, p.fresh(f"rotation_inertia_phi({link.w}, {link.e})")))
+
+    # Reduced moments
+
+    def _sum_moments(self) -> None:
+        def row(terms: list[Term]) -> LinearRow:
+            return LinearRow(None, tuple((t.coefficient, t.basis) for t in terms))
+
+        terms = self.moments.terms
+        for action in self.actions:
+            self.linear[f"{action}.moment"] = row([t for t in terms if t.action == action])
+        self.linear["reduced_moment"] = row(terms)
+        self.linear["useful_moment"] = row([t for t in terms if t.role == "useful"])
+        # At uniform speed the input moment carries the change of kinetic energy: M_in = ½ω² dI/dφ − M.
+        half_square = self.program.derived("input.half_square", lambda n: 0.5 * n["input.speed"] ** 2, "load")
+        minus = [(f"-{t.coefficient}", t.basis) for t in terms]
+        rates = [(f"{half_square} * {c}", b) for c, b in self.linear["reduced_inertia_phi"].terms]
+        self.linear["input_moment"] = LinearRow(None, (*rates, *minus))
+
+    # Kinematic fields
+
+    def _kinematic_rows(self) -> tuple[dict[str, str], dict[str, tuple[str, str]]]:
+        m = self.mechanism
+        variables: dict[str, str] = {}
+        angles: dict[str, tuple[str, str]] = {}
+        on_frame = {n for n, p in self.scene.points.items() if p.link == FRAME}
+        for name, point in m.points.items():
+            if name not in on_frame and not name.startswith("_"):
+                for axis in ("x", "y"):
+                    variables[f"{name}.{axis}"] = getattr(point, axis)
+                    variables[f"{name}.{axis}_phi"] = getattr(point, f"v{axis}")
+                    variables[f"{name}.{axis}_phiphi"] = getattr(point, f"a{axis}")
+        for name in self.structure.links:
+            link = m.links[name]
+            angles[f"{name}.angle"] = (link.c, link.s)
+            variables[f"{name}.angle_phi"] = link.w or "zero"
+            variables[f"{name}.angle_phiphi"] = link.e or "zero"
+        for name, slide in m.slides.items():
+            variables[f"{name}.slide"] = slide.d
+            variables[f"{name}.slide_phi"] = slide.dv
+            variables[f"{name}.slide_phiphi"] = slide.da
+        variables.update({f"{name}.transmission": sine for name, sine in m.sines.items()})
+        return variables, angles
+
+    def numbers(self, varied: dict[str, np.ndarray]) -> Numbers:
+        """The scene's numbers with those of a set of variants in their place."""
+        return Numbers(self.scene, varied)
+
+    def parameters(self, slots: list[str], numbers: Numbers, variants: int, dtype: np.dtype) -> np.ndarray:
+        """Values of slots for every variant, (variants, slots)."""
+        values = np.empty((variants, len(slots)), dtype)
+        for column, slot in enumerate(slots):
+            values[:, column] = self.program.slots[slot].compute(numbers)
+        return values

@@ -1,0 +1,173 @@
+"""Sums and extremes of a row: one quantity of one variant over all positions.
+
+Extremes run in eight independent lanes, because a compiler may not reorder comparisons that could meet NaN;
+a row with a NaN or infinity anywhere has NaN for its statistics, never the extreme of the rest.
+"""
+
+import math
+
+import numpy as np
+
+from engine.jit import scalar
+
+LANES = 8
+
+
+@scalar
+def combined_max(a: np.ndarray, b: np.ndarray, slope: float) -> float:
+    """Greatest of a − slope·b over a row; NaN are passed over."""
+    n = a.shape[0]
+    m0 = m1 = m2 = m3 = m4 = m5 = m6 = m7 = a[0] - slope * b[0]
+    for k in range(0, n - n % LANES, LANES):
+        m0 = max(m0, a[k] - slope * b[k])
+        m1 = max(m1, a[k + 1] - slope * b[k + 1])
+        m2 = max(m2, a[k + 2] - slope * b[k + 2])
+        m3 = max(m3, a[k + 3] - slope * b[k + 3])
+        m4 = max(m4, a[k + 4] - slope * b[k + 4])
+        m5 = max(m5, a[k + 5] - slope * b[k + 5])
+        m6 = max(m6, a[k + 6] - slope * b[k + 6])
+        m7 = max(m7, a[k + 7] - slope * b[k + 7])
+    for k in range(n - n % LANES, n):
+        m0 = max(m0, a[k] - slope * b[k])
+    return max(max(max(m0, m1), max(m2, m3)), max(max(m4, m5), max(m6, m7)))
+
+
+@scalar
+def combined_min(a: np.ndarray, b: np.ndarray, slope: float) -> float:
+    """Least of a − slope·b over a row; NaN are passed over."""
+    n = a.shape[0]
+    m0 = m1 = m2 = m3 = m4 = m5 = m6 = m7 = a[0] - slope * b[0]
+    for k in range(0, n - n % LANES, LANES):
+        m0 = min(m0, a[k] - slope * b[k])
+        m1 = min(m1, a[k + 1] - slope * b[k + 1])
+        m2 = min(m2, a[k + 2] - slope * b[k + 2])
+        m3 = min(m3, a[k + 3] - slope * b[k + 3])
+        m4 = min(m4, a[k + 4] - slope * b[k + 4])
+        m5 = min(m5, a[k + 5] - slope * b[k + 5])
+        m6 = min(m6, a[k + 6] - slope * b[k + 6])
+        m7 = min(m7, a[k + 7] - slope * b[k + 7])
+    for k in range(n - n % LANES, n):
+        m0 = min(m0, a[k] - slope * b[k])
+    return min(min(min(m0, m1), min(m2, m3)), min(min(m4, m5), min(m6, m7)))
+
+
+@scalar
+def greatest(row: np.ndarray) -> float:
+    """Greatest value of a row; NaN are passed over."""
+    return combined_max(row, row, 0.0)
+
+
+@scalar
+def least(row: np.ndarray) -> float:
+    """Least value of a row; NaN are passed over."""
+    return combined_min(row, row, 0.0)
+
+
+@scalar
+def mean_of(row: np.ndarray) -> float:
+    """Mean over equally spaced positions; for a periodic row that is the trapezoid rule over the cycle."""
+    total = 0.0
+    for k in range(row.shape[0]):
+        total += row[k]
+    return total / row.shape[0]
+
+
+@scalar
+def place_of(row: np.ndarray, value: float) -> float:
+    """First position index at which a row takes a value; NaN if it never does."""
+    for k in range(row.shape[0]):
+        if row[k] == value:
+            return float(k)
+    return math.nan
+
+
+@scalar
+def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float]:
+    """Least, greatest, mean and root-mean-square value of a row, and how far its extremes may be missed.
+
+    Parameters
+    ----------
+    row : ndarray (positions,)
+    periodic : bool
+        Whether the last position is followed by the first.
+
+    Returns
+    -------
+    low, high, mean, rms : float
+        At the positions themselves, means by the trapezoid rule; NaN if any value is NaN or infinite.
+    missed : float
+        Height of the parabola through an extreme and its neighbours above it: what the extremes of a smooth
+        curve can lie beyond those of its positions.
+    """
+    n = row.shape[0]
+    total = squares = 0.0
+    for k in range(n):
+        total += row[k]
+        squares += row[k] * row[k]
+    if not math.isfinite(squares):
+        return math.nan, math.nan, math.nan, math.nan, math.nan
+    count = n
+    if not periodic:
+        count = n - 1
+        total -= 0.5 * (row[0] + row[n - 1])
+        squares -= 0.5 * (row[0] * row[0] + row[n - 1] * row[n - 1])
+    low, high = least(row), greatest(row)
+    missed = max(vertex_height(row, high, 1.0, periodic), vertex_height(row, low, -1.0, periodic))
+    return low, high, total / count, math.sqrt(squares / count), missed
+
+
+@scalar
+def vertex_height(row: np.ndarray, extreme: float, sign: float, periodic: bool) -> float:
+    """Height of the parabola's vertex beyond an extreme of a row, from its two neighbours; 0 at an open end."""
+    n = row.shape[0]
+    k = int(place_of(row, extreme))
+    if not periodic and (k in (0, n - 1)):
+        return 0.0
+    before = sign * row[k - 1 if k > 0 else n - 1]
+    after = sign * row[k + 1 if k + 1 < n else 0]
+    here = sign * row[k]
+    curvature = here - before + here - after
+    if curvature <= 0.0:
+        return 0.0
+    slope = after - before
+    return slope * slope / (8.0 * curvature)
+
+
+@scalar
+def least_magnitude(row: np.ndarray) -> float:
+    """Least |value| of a row of one sign; 0 where the sign changes, NaN if any value is NaN."""
+    if not math.isfinite(mean_of(row)):
+        return math.nan
+    low, high = least(row), greatest(row)
+    return 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
+
+
+@scalar
+def halve(row: np.ndarray, half: np.ndarray) -> None:
+    """Copy every second position of a row into `half`."""
+    for k in range(half.shape[0]):
+        half[k] = row[2 * k]
+
+
+@scalar
+def derivative_residual(row: np.ndarray, derivative: np.ndarray, h: float) -> float:
+    """How far a periodic row's given derivative is from sixth-order central differences of the row itself.
+
+    Returns
+    -------
+    float
+        Greatest difference over the cycle relative to the greatest derivative; 0 where both vanish.
+    """
+    n = row.shape[0]
+    worst = largest = total = 0.0
+    for k in range(n):
+        d1 = row[(k + 1) % n] - row[k - 1]
+        d2 = row[(k + 2) % n] - row[k - 2]
+        d3 = row[(k + 3) % n] - row[k - 3]
+        difference = abs((45.0 * d1 - 9.0 * d2 + d3) / (60.0 * h) - derivative[k])
+        worst = max(worst, difference)
+        largest = max(largest, abs(derivative[k]))
+        total += difference
+    if not math.isfinite(total):
+        return math.nan
+    return worst / largest if largest > 0.0 else worst

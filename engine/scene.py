@@ -1,0 +1,145 @@
+"""A scene: one machine, whole, and the numbers in it by their paths."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, NamedTuple, get_args
+
+import numpy as np
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import Field
+
+from engine.actions import CylinderAction, ForceAction, MomentAction, Spring
+from engine.parts import (
+    Acceleration,
+    Body,
+    CrankInput,
+    Dimension,
+    Flywheel,
+    Group,
+    Guide,
+    Mode,
+    Name,
+    Part,
+    Point,
+    Shaft,
+    SliderInput,
+)
+
+
+class SceneError(ValueError):
+    """A scene that is refused; `problems` holds (path, message) pairs in the mechanic's words."""
+
+    def __init__(self, problems: list[tuple[str, str]]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(f"{path}: {message}" if path else message for path, message in problems))
+
+
+class Scene(Part):
+    """One machine: geometry, input, structural groups, bodies, and what acts on it.
+
+    Groups may stand in any order. `gravity` acts along −y. `source` says where the numbers come from.
+    """
+
+    title: str = ""
+    source: str = ""
+    gravity: Acceleration = 0.0
+    points: dict[Name, Point] = {}
+    guides: dict[Name, Guide] = {}
+    input: Annotated[CrankInput | SliderInput, Field(discriminator="type")]
+    groups: dict[Name, Group] = {}
+    shafts: dict[Name, Shaft] = {}
+    bodies: dict[Name, Body] = {}
+    forces: dict[Name, ForceAction] = {}
+    moments: dict[Name, MomentAction] = {}
+    springs: dict[Name, Spring] = {}
+    cylinders: dict[Name, CylinderAction] = {}
+    flywheel: Flywheel | None = None
+
+
+class SceneNumber(NamedTuple):
+    """A number of a scene: its value (SI), its dimension and the limits it must keep."""
+
+    value: float
+    dimension: str
+    limits: tuple[Gt | Ge | Lt | Le, ...]
+
+
+def _marks(annotation: object, metadata: list) -> list:
+    """All marks in a field's annotation, those inside optionals too."""
+    found = list(metadata)
+    for inner in get_args(annotation):
+        found += _marks(inner, list(getattr(inner, "__metadata__", ())))
+    return found
+
+
+def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
+    for key, field in type(part).model_fields.items():
+        value = getattr(part, key)
+        here = f"{path}.{key}" if path else key
+        if isinstance(value, Part):
+            yield from _walk(value, here)
+        elif isinstance(value, dict):
+            for name, inner in value.items():
+                yield from _walk(inner, f"{here}.{name}")
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            marks = _marks(field.annotation, field.metadata)
+            dimension = next((str(m) for m in marks if isinstance(m, Dimension)), None)
+            if dimension is not None or field.annotation == Mode:
+                limits = tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
+                yield here, SceneNumber(float(value), dimension or "number", limits)
+
+
+def scene_numbers(scene: Scene) -> dict[str, SceneNumber]:
+    """Every number of a scene that a study may vary, by its path, such as "groups.rod.first.length".
+
+    Entries of tables, counts (revolutions, arms) and numbers that the scene doesn't give are not among them.
+    """
+    return dict(_walk(scene, ""))
+
+
+def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
+    """Which values keep the number's limits and are finite; an assembly mode must be +1 or −1.
+
+    Parameters
+    ----------
+    number : SceneNumber
+    values : ndarray
+        Values in SI units, any shape.
+    """
+    keep = np.isfinite(values)
+    for limit in number.limits:
+        match limit:
+            case Gt(gt=bound):
+                keep &= values > bound
+            case Ge(ge=bound):
+                keep &= values >= bound
+            case Lt(lt=bound):
+                keep &= values < bound
+            case Le(le=bound):
+                keep &= values <= bound
+    return keep
+
+
+class Numbers(Mapping[str, float | np.ndarray]):
+    """The numbers of a scene for a set of variants: those that vary as arrays, all others as floats.
+
+    Parameters
+    ----------
+    scene : Scene
+    varied : mapping of path to ndarray (variants,)
+        Values in SI units; every path must be a number of the scene.
+    """
+
+    def __init__(self, scene: Scene, varied: Mapping[str, np.ndarray]) -> None:
+        self._fixed = {path: number.value for path, number in scene_numbers(scene).items()}
+        self._varied = varied
+
+    def __getitem__(self, path: str) -> float | np.ndarray:
+        if path in self._varied:
+            return self._varied[path]
+        return self._fixed[path]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fixed)
+
+    def __len__(self) -> int:
+        return len(self._fixed)

@@ -1,0 +1,170 @@
+"""Ends of stroke: the dead centres of a slider or rocker, its stroke, and the strokes of an engine's cycle."""
+
+import math
+
+import numpy as np
+
+from engine.jit import scalar
+
+
+@scalar
+def extreme_between(d0: float, d1: float, v0: float, v1: float, h: float) -> tuple[float, float]:
+    """Extreme of the cubic through two positions with given values and derivatives.
+
+    Parameters
+    ----------
+    d0, d1 : float
+        Values at the ends of the interval.
+    v0, v1 : float
+        Derivatives there, of opposite signs.
+    h : float
+        Length of the interval.
+
+    Returns
+    -------
+    t : float
+        Place of the extreme as a fraction of the interval.
+    d : float
+        Its value; the error is (h⁴/384) max|d⁗|.
+    """
+    m0, m1, rise = h * v0, h * v1, d1 - d0
+    a = 3.0 * (m0 + m1 - 2.0 * rise)
+    half_b = 3.0 * rise - 2.0 * m0 - m1
+    root = math.sqrt(half_b * half_b - a * m0)
+    # The root of a t² + 2 half_b t + m0 in (0, 1), in the form that doesn't subtract nearly equal numbers.
+    t = m0 / (root - half_b) if m0 > 0.0 else -m0 / (root + half_b)
+    return t, d0 + t * (m0 + t * (half_b + t * a / 3.0))
+
+
+@scalar
+def stroke_ends(
+    d: np.ndarray, v: np.ndarray, start: float, h: float, periodic: bool
+) -> tuple[float, float, float, float]:
+    """Lowest and highest value of a coordinate over the cycle, and where it takes them.
+
+    Parameters
+    ----------
+    d, v : ndarray (positions,)
+        Coordinate and its derivative by q at equally spaced positions.
+    start, h : float
+        First position and spacing.
+    periodic : bool
+        Whether the last position is followed by the first.
+
+    Returns
+    -------
+    low, high : float
+        [unit of d]; NaN where any position is.
+    low_at, high_at : float
+        Positions, the unit of h.
+    """
+    n = d.shape[0]
+    low = high = d[0]
+    low_at = high_at = start
+    total = 0.0
+    for k in range(n):
+        total += d[k] + v[k]
+        if d[k] < low:
+            low, low_at = d[k], start + k * h
+        if d[k] > high:
+            high, high_at = d[k], start + k * h
+        after = k + 1
+        if after == n:
+            if not periodic:
+                break
+            after = 0
+        if v[k] * v[after] < 0.0:
+            t, extreme = extreme_between(d[k], d[after], v[k], v[after], h)
+            if extreme < low:
+                low, low_at = extreme, start + (k + t) * h
+            if extreme > high:
+                high, high_at = extreme, start + (k + t) * h
+    if not math.isfinite(total):
+        return math.nan, math.nan, math.nan, math.nan
+    return low, high, low_at, high_at
+
+
+@scalar
+def swing_ends(
+    angle: np.ndarray, w: np.ndarray, start: float, h: float, periodic: bool
+) -> tuple[float, float, float, float]:
+    """Extreme angles of a rocker, as `stroke_ends`; NaN for a link that turns all the way round.
+
+    Parameters
+    ----------
+    angle, w : ndarray (positions,)
+        Continuous angle [rad] and its derivative by q.
+    start, h : float
+        First position and spacing.
+    periodic : bool
+        Whether the last position is followed by the first.
+    """
+    n = angle.shape[0]
+    closing = angle[n - 1] - angle[0] + 0.5 * h * (w[n - 1] + w[0])
+    if periodic and abs(closing) > math.pi:
+        return math.nan, math.nan, math.nan, math.nan
+    return stroke_ends(angle, w, start, h, periodic)
+
+
+@scalar
+def quick_return_ratio(low_at: float, high_at: float) -> float:
+    """Quick-return ratio: crank angle of the slow stroke over that of the fast one, at least 1.
+
+    Parameters
+    ----------
+    low_at, high_at : float
+        Crank angles of the two dead centres [rad].
+    """
+    turn = 2.0 * math.pi
+    up = (high_at - low_at) % turn
+    return max(up, turn - up) / min(up, turn - up)
+
+
+@scalar
+def four_stroke_number(head_at: float, firing: float, forward: float, phi: float, toward_head: bool) -> int:
+    """Which stroke of a four-stroke engine: 0 power, 1 exhaust, 2 intake, 3 compression.
+
+    Parameters
+    ----------
+    head_at : float
+        Crank angle of a head-end dead centre [rad].
+    firing : float
+        The power stroke begins at the first head-end dead centre that follows this angle [rad].
+    forward : float
+        Sign of the crank's speed.
+    phi : float
+        Crank angle [rad].
+    toward_head : bool
+        Whether the piston moves towards the head.
+    """
+    turn = 2.0 * math.pi
+    # A dead centre within rounding of the firing angle is meant, not the one a whole turn later.
+    turns_to_fire = math.ceil(forward * (firing - head_at) / turn - 1e-6)
+    since = forward * (phi - head_at) / turn - turns_to_fire
+    first_turn = math.floor(since) % 2 == 0
+    if first_turn:
+        return 1 if toward_head else 0
+    return 3 if toward_head else 2
+
+
+@scalar
+def two_stroke_number(toward_head: bool) -> int:
+    """Which stroke of a two-stroke engine: 0 power, 1 compression."""
+    return 1 if toward_head else 0
+
+
+@scalar
+def unwrap_angle(c: np.ndarray, s: np.ndarray, angle: np.ndarray) -> None:
+    """Angle of a link as a continuous function of the position, written into `angle`.
+
+    Parameters
+    ----------
+    c, s : ndarray (positions,)
+        Cosine and sine of the link's angle.
+    angle : ndarray (positions,)
+        Receives the angle [rad], starting in (−π, π]; each step turns by less than half a revolution.
+    """
+    angle[0] = math.atan2(s[0], c[0])
+    for k in range(1, c.shape[0]):
+        turned = math.atan2(s[k] * c[k - 1] - c[k] * s[k - 1], c[k] * c[k - 1] + s[k] * s[k - 1])
+        angle[k] = angle[k - 1] + turned

@@ -1,0 +1,31 @@
+"""Verdicts on a variant: status codes, each with a sentence that says what is wrong and what to do."""
+
+from enum import IntEnum
+
+
+class Verdict(IntEnum):
+    """Status of a variant."""
+
+    OK = 0
+    CANNOT_ASSEMBLE = 1
+    SINGULAR = 2
+    OUTSIDE_LIMITS = 3
+    DROPPED = 4
+    NOT_FINITE = 5
+    NOT_COMPUTED = 255
+
+
+SENTENCES = {
+    Verdict.OK: "computed",
+    Verdict.CANNOT_ASSEMBLE: (
+        "a group can't be assembled at some position: its links don't reach; lengthen them or bring the outer joints nearer"
+    ),
+    Verdict.SINGULAR: (
+        "a group passes through a singular position (dead centre of the driven side, change point): velocities are "
+        "infinite or undefined there; change a length, or limit the input's range"
+    ),
+    Verdict.OUTSIDE_LIMITS: "a varied number is outside its limits (a length must be positive, an assembly mode ±1, …)",
+    Verdict.DROPPED: "dropped by a constraint of the study",
+    Verdict.NOT_FINITE: "a result is infinite or undefined: an overflow, or a characteristic without a value there",
+    Verdict.NOT_COMPUTED: "not computed yet",
+}

@@ -1,0 +1,1 @@
+"""Studies over machines: sampling, execution, HDF5 results, pictures, command line."""

@@ -1,0 +1,197 @@
+"""Making a result file: every dataset in its full size, filled with "nothing yet", before any work.
+
+A file that never grows has nothing to lose: killing its writer or filling the disk can spoil the rows
+being written, but not HDF5's own tables or the rows written earlier.
+"""
+
+import json
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from .errors import StoreError, explained, is_busy
+from .layout import NOT_COMPUTED, Column, Layout
+
+_VARIANTS_AT_ONCE = 1 << 20
+_FINAL_TEXTS = {"finished": 32, "outcome": 2000}
+
+
+def part_path(path: Path) -> Path:
+    """Return the name under which a file is worked on: `out.part.h5` for `out.h5`."""
+    return path.with_name(f"{path.stem}.part{path.suffix}")
+
+
+def check_space(path: Path, layout: Layout, freed: int = 0) -> None:
+    """Raise a `StoreError` naming need and free space if the file would not fit.
+
+    Parameters
+    ----------
+    path : Path
+        Where the file is to lie.
+    layout : Layout
+        Its shape.
+    freed : int
+        Bytes that become free before it is made.
+    """
+    with explained(path, "look for free disk space for"):
+        free = shutil.disk_usage(path.absolute().parent).free + freed
+    if layout.bytes() > free:
+        raise StoreError(
+            f"{path} needs {_size(layout.bytes())}, {_size(free)} are free on its disk. Ask for fewer "
+            f"variants or fields, store fields as float32, or give another --out."
+        )
+
+
+def create_part(part: Path, layout: Layout, replaces: str) -> None:
+    """Make the part file, which appears under its name only once it is complete.
+
+    Parameters
+    ----------
+    part : Path
+        Its name.
+    layout : Layout
+        Its shape and attributes.
+    replaces : str
+        Study hash of the finished file it is going to replace, or "".
+
+    Raises
+    ------
+    StoreError
+        Another sweep makes or has made the same file, or the system refuses.
+    """
+    raw = part.with_name(f"{part.name}.new")
+    remove_unlocked(raw)
+    with explained(part, "create"):
+        try:
+            # "x" lets one process in; the look at the part file comes after, so none is overwritten.
+            with h5py.File(raw, "x") as file:
+                if part.exists():
+                    raise StoreError(f"another sweep is writing {part}. Give another --out.")
+                _fill(file, layout, replaces)
+        except FileExistsError:
+            raise StoreError(f"another sweep is creating {part}. Give another --out.") from None
+        except BaseException:
+            raw.unlink(missing_ok=True)
+            raise
+        raw.replace(part)
+
+
+def remove_unlocked(path: Path) -> None:
+    """Delete a part file, if there is one that no other process is working on.
+
+    Raises
+    ------
+    StoreError
+        Another process holds it.
+    """
+    if not path.exists():
+        return
+    try:
+        h5py.File(path, "r+").close()
+    except (OSError, RuntimeError) as error:
+        # Any other error means a damaged file, which is as good to delete as a sound one.
+        if is_busy(error):
+            raise StoreError(f"another sweep is writing {path}: wait, or give another --out.") from error
+    with explained(path, "delete"):
+        path.unlink()
+
+
+def write_final_text(file: h5py.File, name: str, text: str) -> None:
+    """Overwrite a root attribute that was made with room for it, `finished` or `outcome`.
+
+    A new attribute would make the file grow and HDF5 rearrange its tables, and a kill just then spoil
+    a file whose blocks are all done.
+    """
+    size = _FINAL_TEXTS[name]
+    whole = text.encode()[:size].decode(errors="ignore")
+    attribute = h5py.h5a.open(file.id, name.encode())
+    attribute.write(np.array(whole.encode(), h5py.string_dtype("utf-8", size)))
+
+
+def _fill(file: h5py.File, layout: Layout, replaces: str) -> None:
+    scales = {"variant": _variant_scale(file, layout)}
+    if layout.fields:
+        scales["position"] = _position_scale(file, layout)
+    for column in layout.columns:
+        dataset = _dataset(file, column.name, layout.shape(column), np.dtype(column.dtype), _nothing(column))
+        for axis, name in enumerate(column.dims):
+            dataset.dims[axis].attach_scale(scales[name])
+        _describe(dataset, column.long_name, column.units)
+        if layout.coordinates and column.name not in layout.coordinates:
+            dataset.attrs["coordinates"] = " ".join(layout.coordinates)
+        if column.name == "status":
+            _describe_codes(dataset, layout.status_codes)
+    file.attrs["Conventions"] = "CF-1.11"
+    for name, text in layout.attributes.items():
+        file.attrs[name] = text
+    for name, size in _FINAL_TEXTS.items():
+        file.attrs.create(name, b"", dtype=h5py.string_dtype("utf-8", size))
+    # In a group of its own, as the root's datasets must all lie along the scales for xarray.
+    progress = file.create_group("progress")
+    progress.attrs["layout"] = json.dumps(layout.record())
+    progress.attrs["replaces"] = replaces
+    _dataset(progress, "block_done", (layout.blocks,), np.dtype(np.uint8), 0)
+
+
+def _dataset(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: float) -> h5py.Dataset:
+    # Filling writes every byte: a full disk shows here and not after hours of work.
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_layout(h5py.h5d.CONTIGUOUS)
+    properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    properties.set_fill_time(h5py.h5d.FILL_TIME_ALLOC)
+    properties.set_fill_value(np.array(fill, dtype))
+    properties.set_obj_track_times(False)
+    kind, space = h5py.h5t.py_create(dtype, logical=True), h5py.h5s.create_simple(shape)
+    return h5py.Dataset(h5py.h5d.create(group.id, name.encode(), kind, space, properties))
+
+
+def _nothing(column: Column) -> float:
+    """Return what stands in rows not written: no number that a reader could take for a result."""
+    dtype = np.dtype(column.dtype)
+    if column.name == "status":
+        return NOT_COMPUTED
+    if dtype.kind == "f":
+        return np.nan
+    return np.iinfo(dtype).min if dtype.kind == "i" else np.iinfo(dtype).max
+
+
+def _variant_scale(file: h5py.File, layout: Layout) -> h5py.Dataset:
+    scale = _dataset(file, "variant", (layout.variants,), layout.variant_dtype, 0)
+    for start in range(0, layout.variants, _VARIANTS_AT_ONCE):
+        stop = min(start + _VARIANTS_AT_ONCE, layout.variants)
+        scale[start:stop] = np.arange(start, stop, dtype=layout.variant_dtype)
+    return _as_scale(scale, "variant", "number of the design variant", "1")
+
+
+def _position_scale(file: h5py.File, layout: Layout) -> h5py.Dataset:
+    name = layout.position_name
+    scale = _dataset(file, name, (len(layout.position),), np.dtype(np.float64), np.nan)
+    scale[:] = layout.position
+    return _as_scale(scale, name, layout.position_long_name, layout.position_units)
+
+
+def _as_scale(dataset: h5py.Dataset, name: str, long_name: str, units: str) -> h5py.Dataset:
+    dataset.make_scale(name)
+    _describe(dataset, long_name, units)
+    return dataset
+
+
+def _describe(dataset: h5py.Dataset, long_name: str, units: str) -> None:
+    dataset.attrs["long_name"] = long_name
+    dataset.attrs["units"] = units
+
+
+def _describe_codes(dataset: h5py.Dataset, codes: dict[int, str]) -> None:
+    meanings = {**codes, NOT_COMPUTED: "not computed"}
+    dataset.attrs["flag_values"] = np.array(sorted(meanings), dataset.dtype)
+    # CF separates meanings by blanks, so that there are none within.
+    dataset.attrs["flag_meanings"] = " ".join("_".join(meanings[code].split()) for code in sorted(meanings))
+
+
+def _size(count: int) -> str:
+    for unit, scale in (("GB", 1e9), ("MB", 1e6)):
+        if count >= scale:
+            return f"{count / scale:.1f} {unit}"
+    return f"{count / 1e3:.1f} kB"

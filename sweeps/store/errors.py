@@ -1,0 +1,73 @@
+"""What the store tells its user when a file cannot be made, written or read."""
+
+import errno
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+RESTART = "Give another --out, or --restart to start over."
+
+_FULL = "The disk or the quota is full, or a file-size limit is reached. Make room or give another --out."
+_DENIED = "The system does not allow it. Look at the permissions, or give another --out."
+_NO_LOCKS = "This file system has no locks: set HDF5_USE_FILE_LOCKING=FALSE and run one sweep per file."
+_BUSY = "Another sweep is writing it, or another program has it open. Wait for it, or give another --out."
+_ENOTSUPP = 524  # Linux NFS and Lustre answer with this number, which errno does not name
+
+_MENDS = {
+    errno.EAGAIN: _BUSY,
+    errno.ENOLCK: _NO_LOCKS,
+    errno.ENOSYS: _NO_LOCKS,
+    _ENOTSUPP: _NO_LOCKS,
+    errno.ENOSPC: _FULL,
+    errno.EFBIG: _FULL,
+    errno.EDQUOT: _FULL,
+    errno.EACCES: _DENIED,
+    errno.EPERM: _DENIED,
+    errno.EROFS: _DENIED,
+    errno.ENOENT: "The file or its folder does not exist.",
+    errno.ENOTDIR: "Its folder is not a folder.",
+    errno.EISDIR: "This is a folder. Give a file name.",
+}
+
+
+class StoreError(Exception):
+    """A result file cannot be made, continued, written or read; the text says why and what to do."""
+
+
+@contextmanager
+def explained(path: Path, action: str, mend: str = "The system refuses.") -> Iterator[None]:
+    """Turn what h5py and the operating system raise inside the block into a `StoreError`.
+
+    Parameters
+    ----------
+    path : Path
+        The file worked on.
+    action : str
+        What fails when something is raised, as in "cannot `write` out.h5".
+    mend : str
+        What to do about it where the system's error number tells nothing.
+
+    Raises
+    ------
+    StoreError
+        Naming the path, the mend and the system's words.
+    """
+    try:
+        yield
+    except (OSError, RuntimeError, ValueError, KeyError) as error:
+        raise StoreError(f"cannot {action} {path}: {_MENDS.get(_number(error), mend)} ({error})") from error
+
+
+def is_busy(error: Exception) -> bool:
+    """Whether opening failed because another process holds the lock."""
+    return _number(error) == errno.EAGAIN
+
+
+def _number(error: Exception) -> int:
+    number = getattr(error, "errno", None)
+    if number:
+        return number
+    # Some of HDF5's failures come as RuntimeError with the number in the text only.
+    found = re.search(r"errno = (\d+)", str(error))
+    return int(found.group(1)) if found else 0

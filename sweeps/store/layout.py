@@ -1,0 +1,225 @@
+"""What a result file holds: its columns, its axes and how its variants fall into blocks."""
+
+import hashlib
+import math
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+NOT_COMPUTED = 255
+"""Status code of a variant whose block has not been written yet."""
+
+DIMS = (("variant",), ("variant", "position"))
+RESERVED = ("variant", "progress")
+RESERVED_ATTRIBUTES = ("Conventions", "finished", "outcome")
+# HDF5 takes a page for the headers and heap of each dataset; one more covers the groups.
+_PAGE = 4096
+
+
+class Column(NamedTuple):
+    """One dataset of a result file.
+
+    Attributes
+    ----------
+    name : str
+        Dataset name, without blanks and slashes.
+    long_name : str
+        What it is, in words.
+    units : str
+        Units as CF and UDUNITS spell them: "kg m2", "N m", "rad s-1", "1".
+    dims : tuple of str
+        ("variant",), or ("variant", "position") for a field.
+    dtype : type
+        A numpy float or integer type.
+    """
+
+    name: str
+    long_name: str
+    units: str
+    dims: tuple[str, ...] = ("variant",)
+    dtype: Any = np.float64
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The fixed shape of a result file.
+
+    Attributes
+    ----------
+    variants : int
+        Number of design variants.
+    block : int
+        Variants per block, the unit that is written and flagged as done.
+    columns : tuple of Column
+        The datasets.
+    attributes : dict
+        Text attributes of the root. `study_hash` is required: it names the study. `study` and
+        `scene`, the texts, are shown as a difference when a file turns out to be of another study.
+    coordinates : tuple of str
+        Names of the parameter columns, which readers such as xarray make coordinates.
+    status_codes : dict
+        Meaning of each code in the column `status`. 255 is kept for "not computed".
+    position : ndarray, optional
+        Coordinate over the positions; needed as soon as a column is a field.
+    position_name, position_long_name, position_units : str
+        Name, meaning and units of that coordinate.
+
+    Raises
+    ------
+    ValueError
+        The parts contradict each other.
+    """
+
+    variants: int
+    block: int
+    columns: tuple[Column, ...]
+    attributes: dict[str, str]
+    coordinates: tuple[str, ...] = ()
+    status_codes: dict[int, str] = field(default_factory=dict)
+    position: np.ndarray | None = None
+    position_name: str = "phi"
+    position_long_name: str = "crank angle"
+    position_units: str = "rad"
+
+    def __post_init__(self) -> None:
+        if self.variants < 1 or self.block < 1:
+            raise ValueError(f"variants = {self.variants} and block = {self.block} must be at least 1")
+        if "study_hash" not in self.attributes:
+            raise ValueError("attributes lack study_hash, which names the study")
+        reserved = [name for name in RESERVED_ATTRIBUTES if name in self.attributes]
+        if reserved:
+            raise ValueError(f"attributes {', '.join(reserved)} are written by the store itself")
+        self._check_columns()
+        self._check_coordinates()
+        if NOT_COMPUTED in self.status_codes:
+            raise ValueError(f"status code {NOT_COMPUTED} is kept for variants not computed")
+
+    def _check_columns(self) -> None:
+        names = [*RESERVED, *([self.position_name] if self.fields else []), *(c.name for c in self.columns)]
+        doubled = [name for name, count in Counter(names).items() if count > 1]
+        if doubled:
+            raise ValueError(f"column names given twice or reserved: {', '.join(doubled)}")
+        for column in self.columns:
+            if not re.fullmatch(r"[^\s/.][^\s/]*", column.name):
+                raise ValueError(f"column name {column.name!r}: no blanks, no slashes, no leading dot")
+            if column.dims not in DIMS:
+                raise ValueError(f"column {column.name}: dims {column.dims!r} are none of {DIMS}")
+            if np.dtype(column.dtype).kind not in "fiu":
+                raise ValueError(f"column {column.name}: {column.dtype!r} is no float or integer type")
+            if column.name == "status" and np.iinfo(column.dtype).max < NOT_COMPUTED:
+                raise ValueError(f"column status: {column.dtype!r} cannot hold {NOT_COMPUTED}")
+
+    def _check_coordinates(self) -> None:
+        flat = {c.name for c in self.columns if c.dims == ("variant",)}
+        unknown = [name for name in self.coordinates if name not in flat]
+        if unknown:
+            raise ValueError(f"coordinates {', '.join(unknown)} are no columns over variants")
+        if self.fields and (self.position is None or np.ndim(self.position) != 1):
+            raise ValueError(f"fields need a one-dimensional position, got {self.position!r}")
+
+    @property
+    def fields(self) -> tuple[Column, ...]:
+        """The columns over variants and positions."""
+        return tuple(c for c in self.columns if "position" in c.dims)
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return -(-self.variants // self.block)
+
+    @property
+    def study_hash(self) -> str:
+        """The name of the study."""
+        return self.attributes["study_hash"]
+
+    def slice(self, i: int) -> slice:
+        """Return the variants of block `i`.
+
+        Raises
+        ------
+        IndexError
+            There is no such block.
+        """
+        if not 0 <= i < self.blocks:
+            raise IndexError(f"block {i} is not within 0 .. {self.blocks - 1}")
+        return slice(i * self.block, min((i + 1) * self.block, self.variants))
+
+    def shape(self, column: Column) -> tuple[int, ...]:
+        """Return the shape of a column's dataset."""
+        return (self.variants, len(self.position)) if "position" in column.dims else (self.variants,)
+
+    @property
+    def variant_dtype(self) -> np.dtype:
+        """Type of the variant numbers: four bytes while they suffice."""
+        return np.dtype(np.int32 if self.variants <= np.iinfo(np.int32).max else np.int64)
+
+    def bytes(self) -> int:
+        """Return an upper bound on the size of the file."""
+        data = sum(math.prod(self.shape(c)) * np.dtype(c.dtype).itemsize for c in self.columns)
+        axes = self.variants * self.variant_dtype.itemsize + (8 * len(self.position) if self.fields else 0)
+        text = sum(len(f"{key}{value}".encode()) for key, value in self.attributes.items())
+        return data + axes + self.blocks + text + (len(self.columns) + 16) * _PAGE
+
+    def record(self) -> dict[str, Any]:
+        """Return what a file must agree in to be continued, in types that JSON has."""
+        return {
+            "variants": self.variants,
+            "block": self.block,
+            "position": self._position_record(),
+            "columns": {
+                c.name: {
+                    "long_name": c.long_name,
+                    "units": c.units,
+                    "dims": list(c.dims),
+                    "dtype": np.dtype(c.dtype).name,
+                }
+                for c in self.columns
+            },
+            "coordinates": list(self.coordinates),
+            "status codes": {str(code): meaning for code, meaning in sorted(self.status_codes.items())},
+        }
+
+    def _position_record(self) -> dict[str, Any] | None:
+        if not self.fields:
+            return None
+        values = np.ascontiguousarray(self.position, dtype="<f8")
+        return {
+            "name": self.position_name,
+            "long_name": self.position_long_name,
+            "units": self.position_units,
+            "count": len(values),
+            "values (sha256)": hashlib.sha256(values.tobytes()).hexdigest(),
+        }
+
+
+def differences(theirs: dict[str, Any], ours: dict[str, Any]) -> list[str]:
+    """Name what two layout records differ in.
+
+    Parameters
+    ----------
+    theirs, ours : dict
+        Records of the file and of the study at hand, from `Layout.record`.
+
+    Returns
+    -------
+    list of str
+        One sentence part for each difference, empty when the records agree.
+    """
+    found = []
+    for key, value in ours.items():
+        other = theirs.get(key)
+        if other == value:
+            continue
+        if isinstance(value, dict) and isinstance(other, dict):
+            inner = [k for k in {**other, **value} if other.get(k) != value.get(k)]
+            found += [f"{key} {k}: {_shown(other, k)} in the file, {_shown(value, k)} now" for k in inner]
+        else:
+            found.append(f"{key}: {other!r} in the file, {value!r} now")
+    return found
+
+
+def _shown(record: dict[str, Any], key: str) -> str:
+    return repr(record[key]) if key in record else "absent"
