@@ -1,0 +1,326 @@
+// The benchmark's baseline: the same rows and summaries, written by hand for each machine.
+//
+// Straight-line dyad formulas with square root and division only, one table of cosines and sines, everything that
+// depends on the variant alone moved out of the loop over positions, that loop vectorised, variants shared among
+// the threads. Built by benchmark.py with -O3 -march=native -ffast-math -fopenmp.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace {
+
+struct Vec {
+    double x, y;
+};
+
+inline Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
+inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
+inline Vec operator*(double s, Vec a) { return {s * a.x, s * a.y}; }
+inline double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
+inline Vec left(Vec a) { return {-a.y, a.x}; }
+
+// A place on a link, in units of the vector between the link's joints: along it and to its left.
+struct Place {
+    double along, across;
+    Place(double x, double y, double length) : along(x / length), across(y / length) {}
+    Vec of(Vec link) const { return {along * link.x - across * link.y, along * link.y + across * link.x}; }
+};
+
+struct Body {
+    double mass, inertia, weight;
+    Place centre;
+    Body(double m, double x, double y, double j, double gravity, double length)
+        : mass(m), inertia(j), weight(m * gravity), centre(x, y, length) {}
+};
+
+struct Reduced {
+    double inertia, slope, moment;
+    void add(const Body& b, Vec v, Vec a, double w, double e) {
+        inertia += b.mass * dot(v, v) + b.inertia * (w * w);
+        slope += 2.0 * (b.mass * dot(v, a) + b.inertia * (w * e));
+        moment -= b.weight * v.y;
+    }
+};
+
+// Dyad RRR between joints whose velocities and accelerations are given: the two link vectors and their rates.
+struct RRR {
+    double sum2, difference2, product, mode;
+    RRR(double r1, double r2, double m)
+        : sum2((r1 + r2) * (r1 + r2)), difference2((r1 - r2) * (r1 - r2)), product(r1 * r1 - r2 * r2), mode(m) {}
+
+    struct State {
+        Vec p1, p2;
+        double w1, w2, e1, e2;
+    };
+
+    inline void position(Vec l, Vec& p1, Vec& p2, double& root) const {
+        double d2 = dot(l, l), half = 0.5 / d2;
+        root = mode * std::sqrt((sum2 - d2) * (d2 - difference2));
+        double p = half * (product + d2), h = half * root;
+        p1 = {p * l.x - h * l.y, p * l.y + h * l.x};
+        p2 = p1 - l;
+    }
+
+    inline State solve(Vec a, Vec d, Vec va, Vec vd, Vec aa, Vec ad) const {
+        State s;
+        double root;
+        position(d - a, s.p1, s.p2, root);
+        double scale = 2.0 / root;
+        Vec g = vd - va;
+        s.w1 = scale * dot(g, s.p2);
+        s.w2 = scale * dot(g, s.p1);
+        g = ad - aa + (s.w1 * s.w1) * s.p1 - (s.w2 * s.w2) * s.p2;
+        s.e1 = scale * dot(g, s.p2);
+        s.e2 = scale * dot(g, s.p1);
+        return s;
+    }
+};
+
+inline Vec velocity(Vec v, double w, Vec arm) { return v + w * left(arm); }
+inline Vec acceleration(Vec a, double w, double e, Vec arm) { return a + e * left(arm) - (w * w) * arm; }
+
+// Parameters come in the order that benchmark.py lists for each machine.
+
+struct SliderCrank {
+    Vec o, guide, u, force;
+    double r, l, offset, mode, moment, crank_inertia;
+    Body crank, rod, ram;
+    explicit SliderCrank(const double* p)
+        : o{p[1], p[2]}, guide{p[3], p[4]}, u{std::cos(p[5]), std::sin(p[5])},
+          force{p[23] * std::cos(p[22]), p[23] * std::sin(p[22])}, r(p[6]), l(p[7]), offset(p[8]), mode(p[9]),
+          moment(p[24]), crank_inertia(p[10] * (p[11] * p[11] + p[12] * p[12]) + p[13]),
+          crank(p[10], p[11], p[12], p[13], p[0], p[6]), rod(p[14], p[15], p[16], p[17], p[0], p[7]),
+          ram(p[18], p[19], p[20], 0.0, p[0], 1.0) {}
+
+    inline Reduced at(double c, double s) const {
+        Vec arm{r * c, r * s}, va = left(arm);
+        Vec from = o + arm - guide;
+        double across = u.x * from.y - u.y * from.x - offset;
+        double root = mode * std::sqrt((l - across) * (l + across));
+        Vec p{root * u.x + across * u.y, root * u.y - across * u.x};
+        // w k x p - slide u = -va and its derivative; the component across the guide gives w, p the slide.
+        double over = 1.0 / root;
+        double w = over * (u.y * va.x - u.x * va.y);
+        double slide = dot(va, p) * over;
+        Vec g = arm + (w * w) * p;
+        double e = over * (u.x * g.y - u.y * g.x);
+        double slide2 = -over * dot(g, p);
+        Vec vb = slide * u, ab = slide2 * u;
+        Reduced out{crank_inertia, 0.0, -crank.weight * crank.centre.of(arm).x};
+        Vec centre = rod.centre.of(p);
+        out.add(rod, velocity(va, w, centre), acceleration(Vec{-arm.x, -arm.y}, w, e, centre), w, e);
+        out.add(ram, vb, ab, 0.0, 0.0);
+        out.moment += dot(force, vb) + moment * w;
+        return out;
+    }
+};
+
+struct FourBar {
+    Vec o, d, force;
+    double r, moment, crank_inertia;
+    RRR dyad;
+    Place point;
+    Body crank, rod, rocker;
+    explicit FourBar(const double* p)
+        : o{p[1], p[2]}, d{p[3], p[4]}, force{p[25] * std::cos(p[24]), p[25] * std::sin(p[24])}, r(p[5]),
+          moment(p[26]), crank_inertia(p[9] * (p[10] * p[10] + p[11] * p[11]) + p[12]), dyad(p[6], p[7], p[8]),
+          point(p[21], p[22], p[6]), crank(p[9], p[10], p[11], p[12], p[0], p[5]),
+          rod(p[13], p[14], p[15], p[16], p[0], p[6]), rocker(p[17], p[18], p[19], p[20], p[0], p[7]) {}
+
+    inline Vec coupler_point(double c, double s) const {
+        Vec a = o + Vec{r * c, r * s}, p1, p2;
+        double root;
+        dyad.position(d - a, p1, p2, root);
+        return a + point.of(p1);
+    }
+
+    inline Reduced at(double c, double s) const {
+        Vec arm{r * c, r * s}, va = left(arm), aa{-arm.x, -arm.y}, rest{0.0, 0.0};
+        RRR::State g = dyad.solve(o + arm, d, va, rest, aa, rest);
+        Reduced out{crank_inertia, 0.0, -crank.weight * crank.centre.of(arm).x};
+        Vec centre = rod.centre.of(g.p1);
+        out.add(rod, velocity(va, g.w1, centre), acceleration(aa, g.w1, g.e1, centre), g.w1, g.e1);
+        centre = rocker.centre.of(g.p2);
+        out.add(rocker, velocity(rest, g.w2, centre), acceleration(rest, g.w2, g.e2, centre), g.w2, g.e2);
+        out.moment += dot(force, velocity(va, g.w1, point.of(g.p1))) + moment * g.w2;
+        return out;
+    }
+};
+
+struct SixBar {
+    Vec o, d, e, force;
+    double r, moment, crank_inertia;
+    RRR first, second;
+    Place point;
+    Body crank, rod, rocker, bar, lever;
+    explicit SixBar(const double* p)
+        : o{p[1], p[2]}, d{p[3], p[4]}, e{p[5], p[6]}, force{p[37] * std::cos(p[36]), p[37] * std::sin(p[36])},
+          r(p[7]), moment(p[38]), crank_inertia(p[14] * (p[15] * p[15] + p[16] * p[16]) + p[17]),
+          first(p[8], p[9], p[10]), second(p[11], p[12], p[13]), point(p[34], p[35], p[9]),
+          crank(p[14], p[15], p[16], p[17], p[0], p[7]), rod(p[18], p[19], p[20], p[21], p[0], p[8]),
+          rocker(p[22], p[23], p[24], p[25], p[0], p[9]), bar(p[26], p[27], p[28], p[29], p[0], p[11]),
+          lever(p[30], p[31], p[32], p[33], p[0], p[12]) {}
+
+    inline Reduced at(double c, double s) const {
+        Vec arm{r * c, r * s}, va = left(arm), aa{-arm.x, -arm.y}, rest{0.0, 0.0};
+        RRR::State g = first.solve(o + arm, d, va, rest, aa, rest);
+        Vec out_arm = point.of(g.p2), vc = g.w2 * left(out_arm);
+        Vec ac = acceleration(rest, g.w2, g.e2, out_arm);
+        RRR::State h = second.solve(d + out_arm, e, vc, rest, ac, rest);
+        Reduced out{crank_inertia, 0.0, -crank.weight * crank.centre.of(arm).x};
+        Vec centre = rod.centre.of(g.p1);
+        out.add(rod, velocity(va, g.w1, centre), acceleration(aa, g.w1, g.e1, centre), g.w1, g.e1);
+        centre = rocker.centre.of(g.p2);
+        out.add(rocker, velocity(rest, g.w2, centre), acceleration(rest, g.w2, g.e2, centre), g.w2, g.e2);
+        centre = bar.centre.of(h.p1);
+        out.add(bar, velocity(vc, h.w1, centre), acceleration(ac, h.w1, h.e1, centre), h.w1, h.e1);
+        centre = lever.centre.of(h.p2);
+        out.add(lever, velocity(rest, h.w2, centre), acceleration(rest, h.w2, h.e2, centre), h.w2, h.e2);
+        out.moment += dot(force, h.w2 * left(h.p2)) + moment * h.w2;
+        return out;
+    }
+};
+
+template <class Machine>
+void fields(const double* parameters, int count, int variants, int n, const double* cosines, const double* sines,
+            double* inertia, double* slope, double* moment) {
+#pragma omp parallel for schedule(static)
+    for (int v = 0; v < variants; ++v) {
+        const Machine machine(parameters + static_cast<long>(v) * count);
+        const long at = static_cast<long>(v) * n;
+        double* __restrict i_row = inertia + at;
+        double* __restrict s_row = slope + at;
+        double* __restrict m_row = moment + at;
+#pragma omp simd
+        for (int k = 0; k < n; ++k) {
+            const Reduced r = machine.at(cosines[k], sines[k]);
+            i_row[k] = r.inertia;
+            s_row[k] = r.slope;
+            m_row[k] = r.moment;
+        }
+    }
+}
+
+struct Sizes {
+    double drive, excess, by_excess, merzalov, wittenbauer;
+};
+
+// Flywheel sizes from the rows of I and M, the work being accumulated by the trapezoid rule.
+Sizes flywheel_sizes(const double* __restrict inertia, const double* __restrict moment, double* __restrict work, int n,
+                     double h, double omega, double delta, double first_kind) {
+    double total = 0.0;
+#pragma omp simd reduction(+ : total)
+    for (int k = 0; k < n; ++k) total += moment[k];
+    const double mean = total / n;
+    double sum = 0.0;
+    work[0] = 0.0;
+    for (int k = 1; k < n; ++k) {
+        sum += 0.5 * h * (moment[k - 1] + moment[k] - 2.0 * mean);
+        work[k] = sum;
+    }
+    const double middle = 0.5 * omega * omega;
+    const double fast = middle * (1.0 + 0.5 * delta) * (1.0 + 0.5 * delta);
+    const double slow = middle * (1.0 - 0.5 * delta) * (1.0 - 0.5 * delta);
+    double w_max = work[0], w_min = work[0], m_max = work[0] - middle * inertia[0], m_min = m_max;
+    double top = work[0] - fast * inertia[0], bottom = work[0] - slow * inertia[0];
+#pragma omp simd reduction(max : w_max, m_max, top) reduction(min : w_min, m_min, bottom)
+    for (int k = 0; k < n; ++k) {
+        const double w = work[k], i = inertia[k];
+        w_max = std::max(w_max, w);
+        w_min = std::min(w_min, w);
+        m_max = std::max(m_max, w - middle * i);
+        m_min = std::min(m_min, w - middle * i);
+        top = std::max(top, w - fast * i);
+        bottom = std::min(bottom, w - slow * i);
+    }
+    const double scale = 1.0 / (delta * omega * omega);
+    return {-mean, w_max - w_min, scale * (w_max - w_min), scale * (m_max - m_min) - first_kind,
+            scale * (top - bottom)};
+}
+
+// What a jump of the moment hidden between two positions may do to the work.
+double jump_work(const double* __restrict moment, int n, double h) {
+    double worst = std::max(std::abs(moment[n - 1] - 2.0 * moment[0] + moment[1]),
+                            std::abs(moment[n - 2] - 2.0 * moment[n - 1] + moment[0]));
+#pragma omp simd reduction(max : worst)
+    for (int k = 1; k < n - 1; ++k)
+        worst = std::max(worst, std::abs(moment[k - 1] - 2.0 * moment[k] + moment[k + 1]));
+    return 0.5 * h * worst;
+}
+
+template <class Machine>
+void summaries(const double* parameters, int count, int variants, int n, const double* cosines, const double* sines,
+               double h, double omega, double delta, double* values, double* errors) {
+#pragma omp parallel
+    {
+        std::vector<double> scratch(5 * n);
+        double* __restrict inertia = scratch.data();
+        double* __restrict moment = inertia + n;
+        double* __restrict work = moment + n;
+        double* __restrict half_inertia = work + n;
+        double* __restrict half_moment = half_inertia + n;
+#pragma omp for schedule(static)
+        for (int v = 0; v < variants; ++v) {
+            const Machine machine(parameters + static_cast<long>(v) * count);
+#pragma omp simd
+            for (int k = 0; k < n; ++k) {
+                const Reduced r = machine.at(cosines[k], sines[k]);
+                inertia[k] = r.inertia;
+                moment[k] = r.moment;
+            }
+            for (int k = 0; k < n / 2; ++k) {
+                half_inertia[k] = inertia[2 * k];
+                half_moment[k] = moment[2 * k];
+            }
+            const double first_kind = machine.crank_inertia;
+            const Sizes full = flywheel_sizes(inertia, moment, work, n, h, omega, delta, first_kind);
+            const Sizes half =
+                flywheel_sizes(half_inertia, half_moment, work, n / 2, 2.0 * h, omega, delta, first_kind);
+            const double jump = jump_work(moment, n, h), share = jump / (delta * omega * omega);
+            const double more[5] = {jump / (h * n), jump, share, share, share};
+            const double at_full[5] = {full.drive, full.excess, full.by_excess, full.merzalov, full.wittenbauer};
+            const double at_half[5] = {half.drive, half.excess, half.by_excess, half.merzalov, half.wittenbauer};
+            for (int i = 0; i < 5; ++i) {
+                values[5L * v + i] = at_full[i];
+                errors[5L * v + i] =
+                    std::abs(at_full[i] - at_half[i]) + more[i] + 16.0 * 2.220446049250313e-16 * std::abs(at_full[i]);
+            }
+        }
+    }
+}
+
+}  // namespace
+
+extern "C" {
+
+#define FIELDS(name, Machine)                                                                                     \
+    void name##_fields(const double* p, int count, int variants, int n, const double* c, const double* s,         \
+                       double* inertia, double* slope, double* moment) {                                          \
+        fields<Machine>(p, count, variants, n, c, s, inertia, slope, moment);                                     \
+    }                                                                                                             \
+    void name##_summaries(const double* p, int count, int variants, int n, const double* c, const double* s,      \
+                          double h, double omega, double delta, double* values, double* errors) {                 \
+        summaries<Machine>(p, count, variants, n, c, s, h, omega, delta, values, errors);                         \
+    }
+
+FIELDS(slider_crank, SliderCrank)
+FIELDS(four_bar, FourBar)
+FIELDS(six_bar, SixBar)
+
+void four_bar_positions(const double* p, int count, int variants, int n, const double* c, const double* s, double* x,
+                        double* y) {
+#pragma omp parallel for schedule(static)
+    for (int v = 0; v < variants; ++v) {
+        const FourBar machine(p + static_cast<long>(v) * count);
+        double* __restrict x_row = x + static_cast<long>(v) * n;
+        double* __restrict y_row = y + static_cast<long>(v) * n;
+#pragma omp simd
+        for (int k = 0; k < n; ++k) {
+            const Vec at = machine.coupler_point(c[k], s[k]);
+            x_row[k] = at.x;
+            y_row[k] = at.y;
+        }
+    }
+}
+}

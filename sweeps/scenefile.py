@@ -1,0 +1,171 @@
+"""Scenes as TOML files: reading, with the CSV tables beside them, and writing."""
+
+import csv
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from engine import Scene, SceneError, scene_numbers
+from engine.structure import order
+from engine.units import DIMENSIONS
+from sweeps.textfile import InputError, line_of, parse_toml, read_text, validate
+
+_HEADER = re.compile(r"^\s*(?P<key>[\w.\[\]]+)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
+
+
+def read_scene(path: Path) -> Scene:
+    """Scene from a TOML file.
+
+    Raises
+    ------
+    InputError
+        Anything wrong with the text or with the mechanism it describes.
+    """
+    text = read_text(path)
+    return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
+
+
+def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefix: tuple[str, ...] = ()) -> Scene:
+    """Scene from parsed tables; checks that the mechanism can be ordered.
+
+    Parameters
+    ----------
+    data : dict
+        Parsed tables of the scene.
+    text, source : str
+        The text they come from and its name, for error messages.
+    folder : Path
+        Where CSV files are looked for.
+    prefix : tuple of str
+        Keys of the table in which the scene stands in the text.
+    """
+    for table in ("forces", "moments"):
+        actions = data.get(table)
+        for name, action in actions.items() if isinstance(actions, dict) else ():
+            if isinstance(action, dict) and "file" in action:
+                where = (line_of(text, [*prefix, table, name, "file"]), f"{table}.{name}.file")
+                action |= _table_columns(folder, action.pop("file"), source, where)
+    scene = validate(Scene, data, text, source)
+    try:
+        order(scene)
+    except SceneError as error:
+        problems = [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in error.problems]
+        raise InputError(source, problems) from None
+    return scene
+
+
+def _table_columns(folder: Path, name: object, source: str, where: tuple[int | None, str]) -> dict[str, list[str]]:
+    """Columns of a CSV table as lists of texts with units."""
+    try:
+        columns = read_csv(folder / str(name))
+    except InputError as error:
+        raise InputError(source, [(*where, str(error))]) from None
+    return {key: [f"{value} {unit}".strip() for value in values] for key, (unit, values) in columns.items()}
+
+
+def read_csv(path: Path) -> dict[str, tuple[str, list[str]]]:
+    """Columns of a CSV file whose header cells are `name [unit]`: (unit, values as text) by name.
+
+    Raises
+    ------
+    InputError
+        Unreadable file, a header that isn't of that form, rows of the wrong length, or cells that aren't numbers.
+    """
+    rows = [row for row in csv.reader(io.StringIO(read_text(path))) if row and not row[0].lstrip().startswith("#")]
+    if len(rows) < 2:
+        raise InputError(path.name, [(None, "", "needs a header line and at least one row of numbers")])
+    headers = [_HEADER.match(cell) for cell in rows[0]]
+    if None in headers:
+        bad = rows[0][headers.index(None)]
+        raise InputError(path.name, [(1, "", f"header {bad!r}: write a name and a unit, such as 'force [kN]'")])
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(headers):
+            raise InputError(path.name, [(number, "", f"has {len(row)} cells, the header {len(headers)}")])
+        for cell in row:
+            if not _is_number(cell):
+                raise InputError(path.name, [(number, "", f"{cell!r} is not a number; use a decimal point")])
+    return {
+        header["key"]: (header["unit"] or "", [row[i].strip() for row in rows[1:]]) for i, header in enumerate(headers)
+    }
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+# CF spellings that the reader of texts takes as they are, but for a number without a unit.
+def number_text(value: float, dimension: str) -> str | float:
+    """A number as a scene text writes it, in SI units."""
+    unit = DIMENSIONS[dimension].unit
+    if dimension == "number":
+        return value
+    return f"{value!r} {_TEXT_UNITS.get(dimension, unit)}"
+
+
+_TEXT_UNITS = {
+    "angular_speed": "rad/s",
+    "speed": "m/s",
+    "acceleration": "m/s2",
+    "density": "kg/m3",
+    "stiffness": "N/m",
+    "torsional_stiffness": "N m/rad",
+    "damping": "N s/m",
+    "torsional_damping": "N m s/rad",
+    "quadratic_drag": "N s2/m2",
+    "torsional_quadratic_drag": "N m s2/rad2",
+    "inertia": "kg m2",
+    "moment": "N m",
+}
+
+
+def write_scene(scene: Scene, values: dict[str, float] | None = None) -> str:
+    """TOML text of a scene, with some of its numbers replaced.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : dict of str to float, optional
+        New values (SI) by path, such as those of one variant of a study.
+    """
+    data = scene.model_dump(exclude_none=True, exclude_defaults=True, mode="json")
+    _restore_tags(scene, data)
+    for path, number in scene_numbers(scene).items():
+        value = number.value if values is None or path not in values else values[path]
+        *tables, last = path.split(".")
+        table = data
+        for key in tables:
+            table = table.setdefault(key, {})
+        if last in table or (values is not None and path in values):
+            table[last] = int(value) if last == "mode" else number_text(value, number.dimension)
+    _label_tables(scene, data)
+    return tomli_w.dumps(data)
+
+
+def _restore_tags(part: object, data: dict[str, Any]) -> None:
+    """Put back the keys that name a kind, whatever their defaults."""
+    for key in type(part).model_fields:
+        value = getattr(part, key)
+        if key == "type":
+            data["type"] = value
+        elif hasattr(type(value), "model_fields"):
+            _restore_tags(value, data.setdefault(key, {}))
+        elif isinstance(value, dict):
+            for name, inner in value.items():
+                _restore_tags(inner, data.setdefault(key, {}).setdefault(name, {}))
+
+
+def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
+    """Write the columns of tables with their units."""
+    units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
+    for table, unit in (("forces", "N"), ("moments", "N m")):
+        for action in data.get(table, {}).values():
+            for key in (*units, "force", "moment"):
+                if isinstance(action.get(key), list):
+                    action[key] = [f"{v!r} {units.get(key, unit)}" for v in action[key]]
