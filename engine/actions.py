@@ -221,7 +221,7 @@ class DCMotor(Part):
 
 
 class InductionMotor(Part):
-    """An induction motor by Kloss: breakdown moment and slip, or nameplate data, on the crank or a shaft geared to it."""
+    """An induction motor by Kloss or by its nameplate, on the crank or a shaft geared to it."""
 
     type: Literal["induction_motor"]
     on: Name

@@ -66,7 +66,7 @@ class Analyses:
         self.periodic = has_cycle(model.scene)
         self.steps: list[RowStep] = []
         self.results: dict[str, Result] = {}
-        self.summaries = {q.name: q for q in machine_summaries(model.scene, model.structure)}
+        self.summaries = {q.name: q for q in machine_summaries(model.scene, model.structure, turning_links(model))}
         self._angles()
         self._strokes()
         for group, sine in model.mechanism.sines.items():
@@ -120,7 +120,7 @@ class Analyses:
             ends = f"low_{name}$, high_{name}$, low_at_{name}$, high_at_{name}$"
             self._step(ends, f"stroke_ends(row_{slide.d}$, row_{slide.dv}$, first, h$, {self.periodic})")
             self._ends(name, "stroke", name, False)
-        for name in self.model.structure.links:
+        for name in turning_links(self.model):
             ends = ", ".join(f"{end}_turn_{name}$" for end in ("low", "high", "low_at", "high_at"))
             w = m.links[name].w or "zero"
             self._step(ends, f"swing_ends(ang_{name}$, row_{w}$, first, h$, {self.periodic})")
@@ -197,6 +197,12 @@ class Analyses:
         )
         self.results["speed_min"] = difference("slowest$", share)
         self.results["speed_max"] = difference("fastest$", share)
+
+
+def turning_links(model: Model) -> tuple[str, ...]:
+    """Links that turn but aren't known to turn uniformly: those that may swing."""
+    links = model.mechanism.links
+    return tuple(name for name in model.structure.links if links[name].w is not None and links[name].e is not None)
 
 
 def difference(value: str, more: str = "", may_be_undefined: bool = False) -> Result:

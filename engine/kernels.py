@@ -7,20 +7,18 @@ are computed once for the shape and combined for each variant's masses and loads
 
 import re
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from engine.analyses import Analyses, Result, row_of
+from engine.kernel_text import Form, KernelText
 from engine.model import Model
-from engine.parts import CrankInput
 from engine.program import Step
 
 _ROW = re.compile(r"\b(?:row|lin|ang|law|bas)_\w+")
 _SLOT = re.compile(r"\bnum_\w+")
 _WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
-
-Form = Literal["whole", "factorised"]
 
 
 class Node(NamedTuple):
@@ -157,7 +155,7 @@ class KernelWriter:
         everything = "\n".join((*body_a, *geometry, *variant))
         diagnosis = self._diagnosis(groups)
         slots = self._slots("\n".join((everything, *diagnosis)))
-        writer = _Layout(self.model, form, dtype, slots, self._rows(everything, form, per_variant))
+        writer = KernelText(self.model, form, dtype, slots, self._rows(everything, form, per_variant))
         text = writer.module(body_a, geometry, variant, diagnosis, len(self.fields))
         shape = sum(self.model.program.slots[s].role == "shape" for s in slots)
         return Source(
@@ -322,124 +320,6 @@ class KernelWriter:
                 f"    least, group, place = abs({sine}), {i}, k",
             ]
         return lines
-
-
-class _Layout:
-    """Puts the lines of a kernel into a module."""
-
-    def __init__(self, model: Model, form: Form, dtype: np.dtype, slots: list[str], rows: dict[str, str]) -> None:
-        self.model, self.form, self.dtype = model, form, np.dtype(dtype)
-        self.slots, self.rows = slots, rows
-
-    def tables(self, text: str) -> tuple[str, ...]:
-        """Searched tables that a text uses."""
-        return tuple(t for t in self.model.moments.tables if f"table_{t}_breaks" in text)
-
-    def angle_tables(self, text: str) -> tuple[str, ...]:
-        """Tables over the crank angle that a text uses."""
-        return tuple(t for t in self.model.moments.angle_tables if f"angle_table_{t}[" in text)
-
-    def _table_arguments(self, text: str) -> list[str]:
-        found = [
-            f"table_{t}_{field}" for t in self.tables(text) for field in ("breaks", "coefficients", "start", "period")
-        ]
-        return found + [f"angle_table_{t}" for t in self.angle_tables(text)]
-
-    def _loads(self, role: str) -> list[str]:
-        slots = self.model.program.slots
-        return [f"{s} = P[v, {i}]" for i, s in enumerate(self.slots) if slots[s].role == role]
-
-    def _step(self) -> list[str]:
-        if isinstance(self.model.scene.input, CrankInput):
-            return ["h = step", "first = nodes[0]", "h_half = h + h"]
-        length = "(num_input__stop - num_input__start)"
-        return [f"h = step * {length}", "first = num_input__start", "h_half = h + h"]
-
-    def module(
-        self,
-        position_loop: list[str],
-        geometry: list[str],
-        variant: list[str],
-        diagnosis: list[str],
-        fields: int,
-    ) -> str:
-        """Text of the module."""
-        text = "\n".join((*position_loop, *geometry, *variant))
-        arguments = ", ".join(
-            ["P", "nodes", "cos_nodes", "sin_nodes", "step", "rounding", "chunks"]
-            + (["starts", "members"] if self.form == "factorised" else [])
-            + self._table_arguments(text)
-            + ["values", "errors", "fields", "doubts", "checks"]
-        )
-        scratch = [r for r, home in self.rows.items() if home == "scratch"]
-        half = [r for r, home in self.rows.items() if home == "half"]
-        direct = [f"{r} = {home}" for r, home in self.rows.items() if home not in ("scratch", "half")]
-        lines = [f"def kernel({arguments}):", "    n = nodes.shape[0]"]
-        count = "P.shape[0]" if self.form == "whole" else "starts.shape[0] - 1"
-        lines += [f"    count = {count}", "    for chunk in prange(chunks):"]
-        lines += [f"        scratch = np.empty(({max(len(scratch), 1)}, n), dtype)"]
-        lines += [f"        {r} = scratch[{i}]" for i, r in enumerate(scratch)]
-        if half:
-            lines += [f"        halves = np.empty(({len(half)}, (n + 1) // 2), dtype)"]
-            lines += [f"        {r} = halves[{i}]" for i, r in enumerate(half)]
-        lines += ["        for group in range(chunk * count // chunks, (chunk + 1) * count // chunks):"]
-        lines += self._inside(position_loop, geometry, variant, direct)
-        return "\n".join([self._head(), *lines, "", "", *self._diagnose(diagnosis), ""])
-
-    def _inside(
-        self, position_loop: list[str], geometry: list[str], variant: list[str], direct: list[str]
-    ) -> list[str]:
-        pad = " " * 12
-        if self.form == "whole":
-            first = ["v = group", *self._loads("shape"), *self._loads("load"), *self._step(), *direct]
-            return [pad + line for line in (*first, *position_loop, *geometry, *variant)]
-        first = ["v = members[starts[group]]", *self._loads("shape"), *self._step()]
-        lines = [pad + line for line in (*first, *position_loop, *geometry)]
-        lines += [f"{pad}for member in range(starts[group], starts[group + 1]):"]
-        each = ["v = members[member]", *self._loads("load"), *direct, *variant]
-        return lines + [f"{pad}    {line}" for line in each]
-
-    def _head(self) -> str:
-        imports = [
-            f'"""Kernel of one machine\'s structure, {self.form}; written by engine.kernels."""',
-            "",
-            "import math",
-            "",
-            "import numpy as np",
-            "from numba import njit, prange",
-            "",
-            "from engine.dyads import *",
-            "from engine.flywheel import *",
-            "from engine.indicator import *",
-            "from engine.jit import KERNEL_OPTIONS",
-            "from engine.links import *",
-            "from engine.loads import *",
-            "from engine.reduction import *",
-            "from engine.rows import *",
-            "from engine.strokes import *",
-            "from engine.tables import table_value",
-            "",
-            f"dtype = np.{self.dtype.name}",
-            f"one = np.{self.dtype.name}(1)",
-            f"zero = np.{self.dtype.name}(0)",
-            "",
-            "",
-            "@njit(**KERNEL_OPTIONS)",
-        ]
-        return "\n".join(imports)
-
-    def _diagnose(self, diagnosis: list[str]) -> list[str]:
-        text = "\n".join(diagnosis)
-        loads = [f"    {s} = P[v, {i}]" for i, s in enumerate(self.slots) if re.search(rf"\b{s}\b", text)]
-        return [
-            "@njit(**{**KERNEL_OPTIONS, 'parallel': False})",
-            "def diagnose(P, v, nodes, cos_nodes, sin_nodes):",
-            "    least, group, place = one / zero, -1, -1",
-            *loads,
-            "    for k in range(nodes.shape[0]):",
-            *(f"        {line}" for line in (diagnosis or ["pass"])),
-            "    return group, place, least",
-        ]
 
 
 def describe(steps: Iterable[Step]) -> dict[str, list[str]]:

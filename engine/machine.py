@@ -3,6 +3,7 @@
 import difflib
 import math
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from typing import NamedTuple
 
 import numba
@@ -10,7 +11,8 @@ import numpy as np
 
 from engine.analyses import Analyses
 from engine.jit import call
-from engine.kernels import Form, KernelWriter, Source
+from engine.kernel_text import Form
+from engine.kernels import KernelWriter, Source
 from engine.model import Model
 from engine.parts import CrankInput
 from engine.quantities import STATISTICS, Quantity, has_cycle
@@ -111,6 +113,7 @@ class Machine:
         _check_names(self.asked_summaries, self.analyses.summaries, "summary")
         self._writer = KernelWriter(self.model, self.analyses, self.asked_fields, self.asked_summaries)
         self._sources: dict[Form, Source] = {}
+        self.forms_used: set[Form] = set()
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
@@ -119,7 +122,7 @@ class Machine:
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
-        """Every summary one may ask, besides the statistics FIELD.min, .max, .range, .peak, .mean, .rms, .min_at, .max_at."""
+        """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
         return self.analyses.summaries
 
     @property
@@ -137,6 +140,19 @@ class Machine:
         if isinstance(drive, CrankInput):
             return drive.start + (drive.stop - drive.start) * share
         return share
+
+    @property
+    def has_cycle(self) -> bool:
+        """Whether the input turns fully."""
+        return has_cycle(self.scene)
+
+    @property
+    def input_values(self) -> np.ndarray:
+        """Values of the input at the positions of the scene as it is [rad, or m of a sliding input]."""
+        drive = self.scene.input
+        if isinstance(drive, CrankInput):
+            return self.nodes
+        return drive.start + (drive.stop - drive.start) * self.nodes
 
     def _add_statistics(self) -> None:
         for name in self.asked_summaries:
@@ -217,6 +233,7 @@ class Machine:
         with np.errstate(all="ignore"):
             parameters = self.model.parameters(list(source.slots), numbers, keep.size, self.dtype)
         form, grouping = self._form(parameters, source)
+        self.forms_used.add(form)
         source = self.source(form)
         values = np.empty((keep.size, len(self.asked_summaries)))
         errors, doubts, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
@@ -315,7 +332,7 @@ class Machine:
 def _spread(starts: np.ndarray, members: np.ndarray, pieces: int) -> tuple[np.ndarray, np.ndarray]:
     """Split large groups so that a sweep of loads on a single shape still uses every core."""
     longest = max(-(-members.size // pieces), 64)
-    cuts = [np.arange(a, b, longest) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    cuts = [np.arange(a, b, longest) for a, b in pairwise(starts)]
     return np.append(np.concatenate(cuts), members.size), members
 
 

@@ -1,4 +1,4 @@
-"""The kinematics of an ordered mechanism as steps of a program: links and points, one structural group after another."""
+"""The kinematics of an ordered mechanism as steps of a program, one structural group after another."""
 
 from typing import NamedTuple
 

@@ -113,8 +113,7 @@ class Model:
         body = self.scene.bodies[name]
         if self.mechanism.links[body.link].w is None:
             return False
-        given = body.shape is not None or bool(body.inertia) or f"bodies.{name}.inertia" in self.varied
-        return given
+        return body.shape is not None or bool(body.inertia) or f"bodies.{name}.inertia" in self.varied
 
     def _rotation(self, own: str, link: object, subject: str, inertia: list, slope: list) -> None:
         p = self.program

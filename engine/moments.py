@@ -271,9 +271,10 @@ class Moments:
         firing = number.get("firing_angle", "zero")
         head_at = f"{cylinder.head}_at_{cylinder.piston}"
         turn = f"{head_at}, {firing}, {self._forward}, nodes[k], {toward}"
+        lines = f"{number.get('suction')}, {number.get('discharge')}"
         pressure = {
-            "compressor": f"polytropic_compressor({gas}, {toward}, {number.get('suction')}, {number.get('discharge')}, {exponents})",
-            "pump": f"pump({toward}, {number.get('suction')}, {number.get('discharge')})",
+            "compressor": f"polytropic_compressor({gas}, {toward}, {lines}, {exponents})",
+            "pump": f"pump({toward}, {lines})",
             "four_stroke": f"four_stroke_engine({gas}, four_stroke_number({turn}), {pressures})",
             "two_stroke": f"two_stroke_engine({gas}, two_stroke_number({toward}), {pressures}, {number.get('port')})",
         }[cylinder.type]

@@ -8,7 +8,8 @@ its own axes: origin and x axis of
 - a crank or shaft: its pivot, towards the pin (a shaft: along its angle);
 - a link of RRR and the rod of RRP: its outer joint, towards the inner joint;
 - a slider: its joint (the outer joint of a block of RPR or RPP), along the guide or slot it slides on;
-- the rocker of RPR: its pivot, along the slot; the sliding link of RPP: the crossing of slot and guide, along the guide.
+- the rocker of RPR: its pivot, along the slot;
+- the sliding link of RPP: the crossing of slot and guide, along the guide.
 
 Numbers are SI when given as numbers and take units when given as text ("80 mm").
 """
@@ -74,7 +75,7 @@ class Point(Part):
 
 
 class Guide(Part):
-    """A straight guide on a link (the frame when no link is named), through a point, at an angle to the link's x axis."""
+    """A straight guide on a link (the frame when none is named), through a point, at an angle to the link's x axis."""
 
     link: Name = FRAME
     x: Length = 0.0
@@ -143,7 +144,7 @@ class Block(Part):
 
 
 class Rocker(Part):
-    """The slotted link of RPR, pivoted at a known point; the block's pivot lies at `offset` to the left of the slot's line."""
+    """The slotted link of RPR, pivoted at a known point; the block's pivot lies `offset` to the left of the slot."""
 
     link: Name
     joint: Name

@@ -113,8 +113,8 @@ def statistics_of(field: Quantity, q: str) -> list[Quantity]:
     ]
 
 
-def machine_summaries(scene: Scene, structure: Structure) -> list[Quantity]:
-    """Summaries that are not statistics of one field."""
+def machine_summaries(scene: Scene, structure: Structure, turning: tuple[str, ...]) -> list[Quantity]:
+    """Summaries that are not statistics of one field; `turning` names the links that may swing."""
     q = InputUnits.of(scene).q
     found = [
         Quantity(f"{g}.transmission_angle", f"least transmission angle of group {g} over the cycle", "rad")
@@ -122,7 +122,7 @@ def machine_summaries(scene: Scene, structure: Structure) -> list[Quantity]:
     ]
     for kind, names, unit, word in (
         ("stroke", structure.sliders, "m", "slider"),
-        ("swing", structure.links, "rad", "link"),
+        ("swing", turning, "rad", "link"),
     ):
         for name in names:
             found.append(Quantity(f"{name}.{kind}", f"{kind} of {word} {name}", unit))

@@ -4,12 +4,10 @@ A mechanism is ordered when every group hangs on points and guides that are know
 degrees of freedom as input links, one. Lower pairs only: W = 3n − 2p₁ (Chebyshev), and W = 0 for each group.
 """
 
-import difflib
-from collections.abc import Iterable
 from typing import NamedTuple
 
-from engine.actions import DCMotor, InductionMotor, OnPoint, ResistingOnPoint, Tabled, TorsionSpring
-from engine.parts import FRAME, CrankInput, Hinged, Sliding, Yoke
+from engine.names import definitions, did_you_mean, input_point, misplaced, references, sliders
+from engine.parts import FRAME, Sliding, Yoke
 from engine.scene import Scene, SceneError
 
 
@@ -38,104 +36,10 @@ class Structure(NamedTuple):
     sliders: tuple[str, ...]
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
-    known = sorted(known)
-    near = difflib.get_close_matches(name, known, n=1)
-    listed = ", ".join(known) if known else "none"
-    return f"known are: {listed}" + (f"; did you mean {near[0]!r}?" if near else "")
-
-
 def group_links(scene: Scene, name: str) -> tuple[str, str]:
     """Names of the two links of a group."""
     group = scene.groups[name]
     return group.first.link, group.second.link
-
-
-def _definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
-    """Where each point, guide and link is defined; a name defined twice is refused."""
-    problems: list[tuple[str, str]] = []
-    points: dict[str, str] = {}
-    guides: dict[str, str] = {}
-    links: dict[str, str] = {FRAME: FRAME}
-    everything: dict[str, str] = {FRAME: "the frame"}
-
-    def define(kind: dict[str, str], name: str, path: str) -> None:
-        if kind is links and name in links and name != FRAME:
-            problems.append(
-                (
-                    path,
-                    f"link {name!r} is already moved by {links[name]}: over-constrained, W < 1; a link belongs to one group",
-                )
-            )
-        elif name in everything:
-            problems.append((path, f"the name {name!r} is already taken by {everything[name]}; choose another"))
-        kind.setdefault(name, path)
-        everything.setdefault(name, path)
-
-    drive = scene.input
-    define(links, drive.link, "input.link")
-    define(
-        points,
-        drive.pin if isinstance(drive, CrankInput) else drive.point,
-        "input." + ("pin" if isinstance(drive, CrankInput) else "point"),
-    )
-    for name, group in scene.groups.items():
-        for side in ("first", "second"):
-            define(links, getattr(group, side).link, f"groups.{name}.{side}.link")
-        if hasattr(group, "inner"):
-            define(points, group.inner, f"groups.{name}.inner")
-    for name in scene.shafts:
-        define(links, name, f"shafts.{name}")
-    for name in scene.points:
-        define(points, name, f"points.{name}")
-    for name in scene.guides:
-        define(guides, name, f"guides.{name}")
-    for table in ("forces", "moments", "springs", "cylinders"):
-        for name in getattr(scene, table):
-            define({}, name, f"{table}.{name}")
-    if problems:
-        raise SceneError(problems)
-    return points, guides, links
-
-
-def _references(scene: Scene) -> list[tuple[str, str, str]]:
-    """Every name a scene refers to, as (path, kind, name)."""
-    refs: list[tuple[str, str, str]] = []
-    drive = scene.input
-    if isinstance(drive, CrankInput):
-        refs.append(("input.pivot", "point", drive.pivot))
-    else:
-        refs.append(("input.guide", "guide", drive.guide))
-    for name, group in scene.groups.items():
-        for side in ("first", "second"):
-            part, path = getattr(group, side), f"groups.{name}.{side}"
-            if isinstance(part, (Sliding, Yoke)):
-                refs.append((f"{path}.guide", "guide", part.guide))
-            else:
-                refs.append((f"{path}.joint", "point", part.joint))
-    for table in ("points", "guides", "bodies"):
-        for name, part in getattr(scene, table).items():
-            refs.append((f"{table}.{name}.link", "link", part.link))
-    for name, shaft in scene.shafts.items():
-        refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
-        if shaft.pivot is not None:
-            refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
-    for name, force in scene.forces.items():
-        refs.append((f"forces.{name}.on", "point", force.on))
-        if isinstance(force, (OnPoint, ResistingOnPoint)):
-            refs.append((f"forces.{name}.turns_with", "link", force.turns_with))
-    for name, moment in scene.moments.items():
-        refs.append((f"moments.{name}.on", "link", moment.on))
-    for table in ("forces", "moments"):
-        for name, action in getattr(scene, table).items():
-            if isinstance(action, Tabled) and action.slider is not None:
-                refs.append((f"{table}.{name}.slider", "link", action.slider))
-    for name, spring in scene.springs.items():
-        refs += [(f"springs.{name}.between", "point", end) for end in spring.between]
-    for name, cylinder in scene.cylinders.items():
-        refs.append((f"cylinders.{name}.piston", "link", cylinder.piston))
-    return refs
 
 
 def _outer(group: object) -> list[tuple[str, str]]:
@@ -148,8 +52,7 @@ def _ordered(scene: Scene) -> tuple[list[Element], dict[str, str | None], dict[s
     """Elements in order as far as the ordering goes; the link of each known point and guide."""
     elements = [Element("input", scene.input.link)]
     known_links = {FRAME, scene.input.link}
-    drive = scene.input
-    points = {(drive.pin if isinstance(drive, CrankInput) else drive.point): drive.link}
+    points = {input_point(scene): scene.input.link}
     guides: dict[str, str] = {}
     grown = True
     while grown:
@@ -231,11 +134,11 @@ def order(scene: Scene) -> Structure:
         Unknown or repeated names, links moved by two groups (over-constrained), groups that hang on each
         other (higher class) or on the frame alone, and actions on what can't carry them.
     """
-    points, guides, links = _definitions(scene)
+    points, guides, links = definitions(scene)
     kinds = {"point": points, "guide": guides, "link": links}
     problems = [
         (path, f"{name!r} is not a {kind} of this scene; " + did_you_mean(name, kinds[kind]))
-        for path, kind, name in _references(scene)
+        for path, kind, name in references(scene)
         if name not in kinds[kind]
     ]
     if problems:
@@ -243,7 +146,7 @@ def order(scene: Scene) -> Structure:
     elements, known_points, known_guides = _ordered(scene)
     problems = _why_unordered(scene, elements, known_points, known_guides)
     if not problems:
-        problems = _check_movable(scene, known_points, known_guides) + _check_carriers(scene)
+        problems = _check_movable(scene, known_points, known_guides) + misplaced(scene)
     if problems:
         raise SceneError(problems)
     return Structure(tuple(elements), _moving_links(scene), sliders(scene))
@@ -252,98 +155,3 @@ def order(scene: Scene) -> Structure:
 def _moving_links(scene: Scene) -> tuple[str, ...]:
     pivoted = [name for name, shaft in scene.shafts.items() if shaft.pivot is not None]
     return (scene.input.link, *pivoted, *(link for name in scene.groups for link in group_links(scene, name)))
-
-
-def sliders(scene: Scene) -> tuple[str, ...]:
-    """Links with a slide coordinate: on a guide, or (a block) in the slot of the other link of its group."""
-    found = [] if isinstance(scene.input, CrankInput) else [scene.input.link]
-    for group in scene.groups.values():
-        found += [part.link for part in (group.first, group.second) if isinstance(part, (Sliding, Yoke))]
-        if group.type in ("RPR", "RPP"):
-            found.append(group.first.link)
-    return tuple(found)
-
-
-def hinged_pairs(scene: Scene) -> tuple[tuple[str, str, str], ...]:
-    """(link, joint, joint) of every bar of the groups, for drawing."""
-    bars = []
-    for group in scene.groups.values():
-        bars += [(p.link, p.joint, group.inner) for p in (group.first, group.second) if isinstance(p, Hinged)]
-    return tuple(bars)
-
-
-def _check_carriers(scene: Scene) -> list[tuple[str, str]]:
-    """Frame points where the frame is meant, motors on shafts of constant ratio, strokes of sliders that slide."""
-    problems = []
-    on_frame = {name for name, point in scene.points.items() if point.link == FRAME}
-    pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
-    pivots += [(f"shafts.{n}.pivot", s.pivot) for n, s in scene.shafts.items() if s.pivot is not None]
-    problems += [
-        (path, f"{name!r} is not on the frame; " + did_you_mean(name, on_frame))
-        for path, name in pivots
-        if name not in on_frame
-    ]
-    if not isinstance(scene.input, CrankInput) and scene.guides[scene.input.guide].link != FRAME:
-        problems.append(
-            (
-                "input.guide",
-                f"{scene.input.guide!r} is on a moving link; the input's guide must be on the frame",
-            )
-        )
-    geared = {scene.input.link} | {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
-    for name, shaft in scene.shafts.items():
-        if shaft.pivot is not None and shaft.geared_to != scene.input.link:
-            problems.append(
-                (
-                    f"shafts.{name}.pivot",
-                    "only a shaft geared to the input crank can carry points; leave pivot out",
-                )
-            )
-        if not isinstance(scene.input, CrankInput) and shaft.geared_to == scene.input.link:
-            problems.append(
-                (
-                    f"shafts.{name}.geared_to",
-                    "a shaft can't be geared to a sliding input; name a turning link",
-                )
-            )
-    loose = {n for n, s in scene.shafts.items() if s.pivot is None}
-    for table in ("points", "guides", "bodies"):
-        for name, part in getattr(scene, table).items():
-            if part.link in loose:
-                problems.append(
-                    (
-                        f"{table}.{name}.link",
-                        f"shaft {part.link!r} has no pivot; give it one, or use the shaft's inertia",
-                    )
-                )
-            if table == "bodies" and part.link == FRAME:
-                problems.append(
-                    (
-                        f"bodies.{name}.link",
-                        "a body on the frame doesn't move and has no effect; name a moving link",
-                    )
-                )
-    for name, moment in scene.moments.items():
-        if isinstance(moment, (DCMotor, InductionMotor)) and moment.on not in geared:
-            problems.append(
-                (
-                    f"moments.{name}.on",
-                    f"a motor drives the crank or a shaft geared to it, not {moment.on!r}; allowed: {', '.join(sorted(geared))}",
-                )
-            )
-        if moment.on == FRAME or (isinstance(moment, TorsionSpring) and moment.on in loose):
-            problems.append((f"moments.{name}.on", f"{moment.on!r} can't carry this moment; name a moving link"))
-    slide = set(sliders(scene))
-    named = [(f"cylinders.{n}.piston", c.piston) for n, c in scene.cylinders.items()]
-    for table in ("forces", "moments"):
-        named += [
-            (f"{table}.{n}.slider", a.slider)
-            for n, a in getattr(scene, table).items()
-            if isinstance(a, Tabled) and a.slider is not None
-        ]
-    problems += [
-        (path, f"{link!r} doesn't slide; sliders are: {', '.join(sorted(slide)) or 'none'}")
-        for path, link in named
-        if link not in slide
-    ]
-    return problems

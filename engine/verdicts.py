@@ -18,7 +18,7 @@ class Verdict(IntEnum):
 SENTENCES = {
     Verdict.OK: "computed",
     Verdict.CANNOT_ASSEMBLE: (
-        "a group can't be assembled at some position: its links don't reach; lengthen them or bring the outer joints nearer"
+        "a group can't be assembled at some position: its links don't reach; lengthen them or move their joints"
     ),
     Verdict.SINGULAR: (
         "a group passes through a singular position (dead centre of the driven side, change point): velocities are "

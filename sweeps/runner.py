@@ -82,6 +82,8 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
     return {
         "title": study.title or study.name,
         "question": study.question,
+        "parameters": " ".join(study.parameters),
+        "best": _goal_text(study),
         "study": study.text,
         "scene": write_scene(study.scene),
         "study_hash": study.digest,
@@ -90,6 +92,13 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
         "machine": f"{platform.machine()} {platform.system()}, {numba.config.NUMBA_NUM_THREADS} threads",
     }
+
+
+def _goal_text(study: Study) -> str:
+    if study.best is None:
+        return ""
+    way = "minimise" if study.best.minimise else "maximise"
+    return f"{way} {study.best.goal}" + (f" where {study.best.where}" if study.best.where else "")
 
 
 def run_study(

@@ -13,10 +13,10 @@ import numpy as np
 from engine import AskError, Machine, Scene, scene_numbers
 from engine.jit import sources_digest
 from engine.scene import SceneNumber
-from engine.units import UnitError, in_text
+from engine.units import DIMENSIONS, UnitError, in_text
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
 from sweeps.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
-from sweeps.scenefile import read_csv, read_scene, scene_from, write_scene
+from sweeps.scenefile import read_csv, read_scene, scene_from
 from sweeps.studyfile import AXIS_KEYS, Best, Between, Listing, Range, StudyText, flatten
 from sweeps.textfile import InputError, line_of, parse_toml, read_text, validate
 
@@ -81,7 +81,9 @@ class Study:
         AskError
             An asked summary or field doesn't exist.
         """
-        return Machine(self.scene, self.summaries, self.fields, self.paths, self.positions, np.dtype(self.precision).type)
+        return Machine(
+            self.scene, self.summaries, self.fields, self.paths, self.positions, np.dtype(self.precision).type
+        )
 
     def values(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Parameters of the variants start … stop − 1 (SI) and which of them are dropped by a condition.
@@ -111,11 +113,6 @@ class Study:
             "engine": sources_digest(),
         }
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
-
-    def variant_scene(self, variant: int) -> str:
-        """TOML text of the scene of one variant."""
-        values, _ = self.values(variant, variant + 1)
-        return write_scene(self.scene, {p: float(values[p][0]) for p in self.paths})
 
 
 def _axis_content(axis: Axis) -> dict[str, Any]:
@@ -160,13 +157,17 @@ def read_study(path: Path) -> Study:
     data = parse_toml(text, path.name)
     if "scene" not in data and "input" in data:
         scene = read_scene(path)
-        return _checked(Study(scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text), path)
+        return _checked(
+            Study(scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text), path
+        )
     return _Reader(path, text, data).study()
 
 
 def default_summaries(scene: Scene) -> tuple[str, ...]:
-    """What is asked of a machine where nothing is named: everything about its cycle and its flywheel."""
-    return tuple(n for n in Machine(scene).available_summaries if "." not in n and not n.startswith("first_kind"))
+    """What is asked of a machine where nothing is named: everything about its cycle and its flywheel, and strokes."""
+    left_out = ("first_kind_inertia", "power_balance_residual")
+    available = Machine(scene).available_summaries
+    return tuple(n for n in available if n not in left_out and ("." not in n or n.endswith((".stroke", "_angle"))))
 
 
 class _Reader:
@@ -336,13 +337,15 @@ class _Reader:
     def _condition(self, text: str, keys: list[str], known: Iterable[str], number: int) -> Expression | None:
         expression = self._expression(text, keys, known)
         if expression and not expression.is_condition:
-            self._problem(keys, f"entry {number + 1}, {text!r}, is a number; a condition such as 'a < b' is needed here")
+            self._problem(
+                keys, f"entry {number + 1}, {text!r}, is a number; a condition such as 'a < b' is needed here"
+            )
             return None
         return expression
 
     def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> Expression | None:
         try:
-            expression = parse(text, _any_quantity)
+            expression = parse(text, any_quantity)
         except ExpressionError as error:
             self._problem(keys, str(error))
             return None
@@ -356,10 +359,8 @@ def _split(keys: list[str]) -> list[str]:
     return [part for key in keys for part in key.split(".")]
 
 
-def _any_quantity(text: str) -> float:
+def any_quantity(text: str) -> float:
     """SI value of a quantity of whatever dimension, in an expression."""
-    from engine.units import DIMENSIONS
-
     for dimension in DIMENSIONS:
         try:
             return in_text(text, dimension)
@@ -373,7 +374,7 @@ def _checked(study: Study, path: Path) -> Study:
     try:
         study.machine()
         if study.best and study.best.where:
-            parse(study.best.where, _any_quantity)
+            parse(study.best.where, any_quantity)
     except AskError as error:
         key = "positions" if "positions" in str(error) else "outputs"
         raise InputError(path.name, [(line_of(study.text, [key]), key, str(error))]) from None

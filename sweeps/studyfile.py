@@ -113,5 +113,3 @@ def flatten(table: object, leaf_keys: set[str] | None, path: tuple[str, ...] = (
     for key, inner in table.items():
         found |= flatten(inner, leaf_keys, (*path, key))
     return found
-
-

@@ -1,4 +1,4 @@
-"""Reading TOML texts into validated models, with errors that name file, line, key, value, what is allowed and the mend."""
+"""Reading TOML texts into validated models; errors name file, line, key, value, what is allowed and the mend."""
 
 import difflib
 import re
@@ -120,7 +120,9 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return "the key 'type' is missing: it says what kind this is"
         case "literal_error":
             allowed = re.findall(r"'([^']+)'", context["expected"])
-            return f"{_shown(value)} is not allowed" + (_allowed(str(value), allowed) or f"; allowed: {context['expected']}")
+            return f"{_shown(value)} is not allowed" + (
+                _allowed(str(value), allowed) or f"; allowed: {context['expected']}"
+            )
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
             words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
             bound = next(f"{words[k]} {context[k]:g}" for k in words if k in context)

@@ -78,69 +78,70 @@ class Pose:
         return self.c * ex + self.s * ey, self.c * ey - self.s * ex
 
 
+def _inverse(matrix):
+    rough = matrix.astype(float)
+    try:
+        return np.linalg.inv(rough)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(rough)
+
+
 def _solved(matrix, right):
     """Batched linear solution, refined to the precision of REAL."""
-    rough = matrix.astype(float)
-    x = np.zeros_like(right)
+    inverse, x = _inverse(matrix), np.zeros_like(right)
     for _ in range(4):
-        residual = right - np.einsum("pij,pj->pi", matrix, x)
-        x = x + np.linalg.solve(rough, residual.astype(float)[..., None])[..., 0]
+        residual = right - np.einsum("...ij,...j->...i", matrix, x)
+        x = x + np.einsum("...ij,...j->...i", inverse, residual.astype(float))
     return x
 
 
+def _parts(jets: list[Jet], order: str, shape: tuple[int, ...]) -> np.ndarray:
+    return np.stack([np.broadcast_to(getattr(f, order), shape) for f in jets], axis=-1)
+
+
 def _jacobian(closure: Callable, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and Jacobian of the closure at u; the known links' own motion is subtracted."""
-    n = u.shape[1]
-    zero = np.zeros(n)
-    stack = [closure([Jet(u[:, i], seed[i]) for i in range(n)]) for seed in (zero, *np.eye(n))]
-    values = np.stack([f.v for f in stack[0]], axis=1)
-    columns = [np.stack([a.d - b.d for a, b in zip(s, stack[0], strict=True)], axis=1) for s in stack[1:]]
-    return values, np.stack(columns, axis=2)
+    """Values and Jacobian of the closure at u (..., unknowns), by one seed for each unknown.
+
+    The first derivative without a seed is the known links' own motion, which is subtracted.
+    """
+    n, shape = u.shape[-1], u.shape[:-1]
+    seeds = np.vstack((np.zeros(n), np.eye(n))).reshape(n + 1, *([1] * len(shape)), n)
+    found = closure([Jet(u[..., i], seeds[..., i]) for i in range(n)])
+    slopes = _parts(found, "d", (n + 1, *shape))
+    return _parts(found, "v", shape), np.moveaxis(slopes[1:] - slopes[0], 0, -1)
 
 
 def _newton(closure: Callable, u: np.ndarray) -> np.ndarray:
-    """Newton's method at every position; NaN where it doesn't arrive."""
-    u = u.astype(REAL)
+    """Newton's method at every position and from every start; NaN where it doesn't arrive."""
+    size = 1.0 + np.abs(u).max(axis=-1, keepdims=True)
     for _ in range(40):
         values, jacobian = _jacobian(closure, u)
-        broken = ~np.isfinite(jacobian.astype(float)).all(axis=(1, 2))
-        jacobian[broken] = np.eye(u.shape[1])
-        jacobian += 1e-300 * np.eye(u.shape[1])
-        try:
-            step = _solved(jacobian, values)
-        except np.linalg.LinAlgError:
-            jacobian += 1e-9 * np.eye(u.shape[1])
-            step = _solved(jacobian, values)
+        jacobian[~np.isfinite(jacobian.astype(float)).all(axis=(-2, -1))] = np.eye(u.shape[-1])
+        # Rounding of the step is mended by the next one: the residual decides.
+        step = np.matmul(_inverse(jacobian), values.astype(float)[..., None])[..., 0]
         # Steps of more than a radian or so leave the neighbourhood; lengths here are of order one.
-        longest = np.abs(step).max(axis=1, keepdims=True)
+        longest = np.abs(step).max(axis=-1, keepdims=True)
         u = u - step * np.minimum(1.0, 1.0 / np.maximum(longest, 1e-300))
-        if np.nanmax(longest) < 1e-25:
+        if np.nanmax(longest / size) < 64 * np.finfo(REAL).eps:
             break
     values, _ = _jacobian(closure, u)
-    size = 1.0 + np.abs(u).max(axis=1)
-    u[~(np.abs(values).max(axis=1) < 1e-14 * size)] = np.nan
-    return u
+    arrived = np.abs(values).max(axis=-1, keepdims=True) < 1e-14 * size
+    return np.where(arrived, u, np.nan)
 
 
 def _assembled(closure: Callable, in_mode: Callable, starts: list, positions: int) -> list[Jet]:
     """Solution in the asked assembly mode, with its derivatives; NaN where no start leads to one."""
-    found = np.full((positions, len(starts[0])), np.nan, REAL)
-    for start in starts:
-        missing = np.isnan(found).any(axis=1)
-        if not missing.any():
-            break
-        guess = np.stack([np.broadcast_to(np.asarray(x, REAL), positions) for x in start], axis=1)
-        with np.errstate(all="ignore"):
-            u = _newton(closure, guess)
-            good = missing & in_mode([jet(x) for x in u.T])
-        found[good] = u[good]
-    known = np.isfinite(found).all(axis=1)
-    _, jacobian = _jacobian(closure, np.where(known[:, None], found, 0.1))
-    jacobian[~known] = np.eye(found.shape[1])
+    guesses = [np.broadcast_to(np.asarray(x, REAL), positions) for start in starts for x in start]
+    with np.errstate(all="ignore"):
+        ends = _newton(closure, np.stack(guesses, -1).reshape(positions, len(starts), -1).swapaxes(0, 1))
+        good = in_mode([jet(x) for x in np.moveaxis(ends, -1, 0)])
+    found = ends[good.argmax(axis=0), np.arange(positions)]
+    found[~good.any(axis=0)] = np.nan
+    _, jacobian = _jacobian(closure, np.nan_to_num(found))
     rest = closure([Jet(x) for x in found.T])
-    first = _solved(jacobian, -np.stack([f.d + 0 * found[:, 0] for f in rest], axis=1))
+    first = _solved(jacobian, -_parts(rest, "d", found.shape[:-1]))
     rest = closure([Jet(x, d) for x, d in zip(found.T, first.T, strict=True)])
-    second = _solved(jacobian, -np.stack([f.dd + 0 * found[:, 0] for f in rest], axis=1))
+    second = _solved(jacobian, -_parts(rest, "dd", found.shape[:-1]))
     return [Jet(*parts) for parts in zip(found.T, first.T, second.T, strict=True)]
 
 
@@ -156,29 +157,40 @@ class Motion:
     def __init__(self, scene: Scene, q: np.ndarray) -> None:
         self.scene = scene
         self.q = np.atleast_1d(np.asarray(q, REAL))
-        ones = np.ones_like(self.q)
-        self.input = Jet(self.q, ones, 0 * ones)
+        self.q_jet = Jet(self.q, 1, 0)
+        self._solved: set[str] = set()
         self.links: dict[str, Pose] = {FRAME: Pose(0 * self.q, 0 * self.q, 0 * self.q)}
         self.points: dict[str, tuple[Jet, Jet]] = {}
         self.guides: dict[str, Pose] = {}
         self.slides: dict[str, Jet] = {}
         self.transmissions: dict[str, np.ndarray] = {}
-        waiting = [self._known_parts, self._input, *self._shafts(), *self._groups()]
+        self.extend(scene)
+
+    def extend(self, scene: Scene) -> "Motion":
+        """Solve what a scene has beyond what is known, in whatever order it becomes possible."""
+        self.scene = scene
+        waiting = [("input", scene.input.link, scene.input)]
+        waiting += [("shaft", name, s) for name, s in scene.shafts.items()]
+        waiting += [(g.type.lower(), name, g) for name, g in scene.groups.items()]
+        waiting = [w for w in waiting if w[1] not in self._solved]
         while waiting:
-            # A part whose neighbours aren't known yet raises KeyError and is tried again later.
-            rest = [part for part in waiting if not self._tried(part)]
-            assert len(rest) < len(waiting) or rest == [self._known_parts], "the scene can't be ordered"
-            waiting = rest if rest != [self._known_parts] else []
+            self._carried_parts()
+            ready = [w for w in waiting if self._hangs_on_known(w[2])]
+            assert ready, "the scene can't be ordered"
+            for kind, name, part in ready:
+                getattr(self, kind)(name, part)
+                self._solved.add(name)
+                self._carried_parts()
+            waiting = [w for w in waiting if w not in ready]
+        return self
 
-    def _tried(self, part: Callable) -> bool:
-        try:
-            done = part() is not False
-        except KeyError:
-            return False
-        self._known_parts()
-        return done
+    def _hangs_on_known(self, part: object) -> bool:
+        known = {"pivot": self.points, "joint": self.points, "guide": self.guides, "geared_to": self.links}
+        sides = [getattr(part, side) for side in ("first", "second") if hasattr(part, side)] or [part]
+        names = [(getattr(side, key, None), table) for side in sides for key, table in known.items()]
+        return all(name in table for name, table in names if name is not None)
 
-    def _known_parts(self) -> bool:
+    def _carried_parts(self) -> None:
         for name, p in self.scene.points.items():
             if p.link in self.links and name not in self.points:
                 self.points[name] = self.links[p.link].point(p.x, p.y)
@@ -186,36 +198,23 @@ class Motion:
             if g.link in self.links and name not in self.guides:
                 link = self.links[g.link]
                 self.guides[name] = Pose(*link.point(g.x, g.y), link.theta + g.angle)
-        return False
 
-    def _input(self) -> None:
-        drive = self.scene.input
+    # Elements
+
+    def input(self, name: str, drive: object) -> None:
         if isinstance(drive, CrankInput):
-            self.links[drive.link] = Pose(*self.points[drive.pivot], self.input)
-            self.points[drive.pin] = self.links[drive.link].point(drive.length, 0)
+            self.links[name] = Pose(*self.points[drive.pivot], self.q_jet)
+            self.points[drive.pin] = self.links[name].point(drive.length, 0)
             return
         guide = self.guides[drive.guide]
-        self.links[drive.link] = Pose(*guide.point(self.input, 0), guide.theta)
-        self.points[drive.point] = guide.point(self.input, 0)
-        self.slides[drive.link] = self.input
+        self.slides[name] = self.q_jet
+        self.points[drive.point] = guide.point(self.q_jet, 0)
+        self.links[name] = Pose(*self.points[drive.point], guide.theta)
 
-    def _shafts(self) -> list[Callable]:
-        def turn(name: str) -> Callable:
-            shaft = self.scene.shafts[name]
-
-            def part() -> None:
-                theta = self.links[shaft.geared_to].theta * shaft.ratio + shaft.phase
-                pivot = (Jet(0), Jet(0)) if shaft.pivot is None else self.points[shaft.pivot]
-                self.links[name] = Pose(*pivot, theta)
-
-            return part
-
-        return [turn(name) for name in self.scene.shafts]
-
-    def _groups(self) -> list[Callable]:
-        return [
-            lambda name=name, g=g: getattr(self, g.type.lower())(name, g) for name, g in self.scene.groups.items()
-        ]
+    def shaft(self, name: str, shaft: object) -> None:
+        theta = self.links[shaft.geared_to].theta * shaft.ratio + shaft.phase
+        pivot = (jet(0), jet(0)) if shaft.pivot is None else self.points[shaft.pivot]
+        self.links[name] = Pose(*pivot, theta)
 
     def _assemble(self, name: str, g: object, closure: Callable, in_mode: Callable, starts: list) -> tuple:
         u = _assembled(lambda u: closure(Pose(*u[:3]), Pose(*u[3:])), in_mode, starts, self.q.size)
@@ -243,7 +242,7 @@ class Motion:
         def in_mode(u: list[Jet]) -> np.ndarray:
             b = Pose(*u[:3]).point(g.first.length, 0)
             left = (d[0] - a[0]) * (b[1] - a[1]) - (d[1] - a[1]) * (b[0] - a[0])
-            return left.v * g.mode > 0
+            return left.v * g.mode > 0  # B lies to the left of A → D for mode +1
 
         starts = [(a[0].v, a[1].v, t1, d[0].v, d[1].v, t2) for t1 in QUARTERS for t2 in QUARTERS]
         one, two = self._assemble(name, g, closure, in_mode, starts)
@@ -378,7 +377,6 @@ def reduced_inertia(motion: Motion) -> np.ndarray:
 
 def reduced_inertia_phi(scene: Scene, q: np.ndarray, h: float = 0.02) -> np.ndarray:
     """dI/dq by the central difference of tenth order: truncation h¹⁰·I⁽¹¹⁾/2772."""
-    weights = np.array([5 / 6, -5 / 21, 5 / 84, -5 / 504, 1 / 1260], REAL)
     weights = np.array([2100, -600, 150, -25, 2], REAL) / 2520
     q = np.asarray(q, REAL)
     ends = [(reduced_inertia(Motion(scene, q + k * h)), reduced_inertia(Motion(scene, q - k * h))) for k in range(1, 6)]
@@ -451,8 +449,7 @@ def moments(motion: Motion) -> dict[str, np.ndarray]:
     for name, force in scene.forces.items():
         x, y = motion.points[force.on]
         if force.angle is None:
-            v = speed * np.sqrt(x.d**2 + y.d**2)
-            v = np.abs(v)
+            v = abs(speed) * np.sqrt(x.d**2 + y.d**2)
         else:
             direction = Pose(0, 0, motion.links[force.turns_with].theta + force.angle)
             v = speed * (direction.c.v * x.d + direction.s.v * y.d)

@@ -181,6 +181,6 @@ def test_wheel_summaries__need_a_form_and_an_inertia():
     assert wheel_summaries(scene_with({"inertia": 1.0})) == []
     assert wheel_summaries(scene_with({"wheel": form})) == []
     found = wheel_summaries(scene_with({"speed_fluctuation": 0.02, "wheel": form}))
-    names = "diameter mass width rim_speed rim_speed_share hoop_stress energy".split()
+    names = ["diameter", "mass", "width", "rim_speed", "rim_speed_share", "hoop_stress", "energy"]
     assert [q.name for q in found] == [f"wheel_{name}" for name in names]
     assert [q.units for q in found] == ["m", "kg", "m", "m s-1", "1", "Pa", "J"]

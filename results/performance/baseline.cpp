@@ -8,23 +8,26 @@
 #include <cmath>
 #include <vector>
 
+// Left to itself the compiler leaves calls inside the loop over positions of the larger machines.
+#define INLINE inline __attribute__((always_inline))
+
 namespace {
 
 struct Vec {
     double x, y;
 };
 
-inline Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
-inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
-inline Vec operator*(double s, Vec a) { return {s * a.x, s * a.y}; }
-inline double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
-inline Vec left(Vec a) { return {-a.y, a.x}; }
+INLINE Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
+INLINE Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
+INLINE Vec operator*(double s, Vec a) { return {s * a.x, s * a.y}; }
+INLINE double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
+INLINE Vec left(Vec a) { return {-a.y, a.x}; }
 
 // A place on a link, in units of the vector between the link's joints: along it and to its left.
 struct Place {
     double along, across;
     Place(double x, double y, double length) : along(x / length), across(y / length) {}
-    Vec of(Vec link) const { return {along * link.x - across * link.y, along * link.y + across * link.x}; }
+    INLINE Vec of(Vec link) const { return {along * link.x - across * link.y, along * link.y + across * link.x}; }
 };
 
 struct Body {
@@ -36,7 +39,7 @@ struct Body {
 
 struct Reduced {
     double inertia, slope, moment;
-    void add(const Body& b, Vec v, Vec a, double w, double e) {
+    INLINE void add(const Body& b, Vec v, Vec a, double w, double e) {
         inertia += b.mass * dot(v, v) + b.inertia * (w * w);
         slope += 2.0 * (b.mass * dot(v, a) + b.inertia * (w * e));
         moment -= b.weight * v.y;
@@ -54,7 +57,7 @@ struct RRR {
         double w1, w2, e1, e2;
     };
 
-    inline void position(Vec l, Vec& p1, Vec& p2, double& root) const {
+    INLINE void position(Vec l, Vec& p1, Vec& p2, double& root) const {
         double d2 = dot(l, l), half = 0.5 / d2;
         root = mode * std::sqrt((sum2 - d2) * (d2 - difference2));
         double p = half * (product + d2), h = half * root;
@@ -62,7 +65,7 @@ struct RRR {
         p2 = p1 - l;
     }
 
-    inline State solve(Vec a, Vec d, Vec va, Vec vd, Vec aa, Vec ad) const {
+    INLINE State solve(Vec a, Vec d, Vec va, Vec vd, Vec aa, Vec ad) const {
         State s;
         double root;
         position(d - a, s.p1, s.p2, root);
@@ -77,8 +80,8 @@ struct RRR {
     }
 };
 
-inline Vec velocity(Vec v, double w, Vec arm) { return v + w * left(arm); }
-inline Vec acceleration(Vec a, double w, double e, Vec arm) { return a + e * left(arm) - (w * w) * arm; }
+INLINE Vec velocity(Vec v, double w, Vec arm) { return v + w * left(arm); }
+INLINE Vec acceleration(Vec a, double w, double e, Vec arm) { return a + e * left(arm) - (w * w) * arm; }
 
 // Parameters come in the order that benchmark.py lists for each machine.
 
@@ -93,7 +96,7 @@ struct SliderCrank {
           crank(p[10], p[11], p[12], p[13], p[0], p[6]), rod(p[14], p[15], p[16], p[17], p[0], p[7]),
           ram(p[18], p[19], p[20], 0.0, p[0], 1.0) {}
 
-    inline Reduced at(double c, double s) const {
+    INLINE Reduced at(double c, double s) const {
         Vec arm{r * c, r * s}, va = left(arm);
         Vec from = o + arm - guide;
         double across = u.x * from.y - u.y * from.x - offset;
@@ -111,7 +114,7 @@ struct SliderCrank {
         Vec centre = rod.centre.of(p);
         out.add(rod, velocity(va, w, centre), acceleration(Vec{-arm.x, -arm.y}, w, e, centre), w, e);
         out.add(ram, vb, ab, 0.0, 0.0);
-        out.moment += dot(force, vb) + moment * w;
+        out.moment += dot(force, vb) + moment;
         return out;
     }
 };
@@ -128,14 +131,14 @@ struct FourBar {
           point(p[21], p[22], p[6]), crank(p[9], p[10], p[11], p[12], p[0], p[5]),
           rod(p[13], p[14], p[15], p[16], p[0], p[6]), rocker(p[17], p[18], p[19], p[20], p[0], p[7]) {}
 
-    inline Vec coupler_point(double c, double s) const {
+    INLINE Vec coupler_point(double c, double s) const {
         Vec a = o + Vec{r * c, r * s}, p1, p2;
         double root;
         dyad.position(d - a, p1, p2, root);
         return a + point.of(p1);
     }
 
-    inline Reduced at(double c, double s) const {
+    INLINE Reduced at(double c, double s) const {
         Vec arm{r * c, r * s}, va = left(arm), aa{-arm.x, -arm.y}, rest{0.0, 0.0};
         RRR::State g = dyad.solve(o + arm, d, va, rest, aa, rest);
         Reduced out{crank_inertia, 0.0, -crank.weight * crank.centre.of(arm).x};
@@ -162,7 +165,7 @@ struct SixBar {
           rocker(p[22], p[23], p[24], p[25], p[0], p[9]), bar(p[26], p[27], p[28], p[29], p[0], p[11]),
           lever(p[30], p[31], p[32], p[33], p[0], p[12]) {}
 
-    inline Reduced at(double c, double s) const {
+    INLINE Reduced at(double c, double s) const {
         Vec arm{r * c, r * s}, va = left(arm), aa{-arm.x, -arm.y}, rest{0.0, 0.0};
         RRR::State g = first.solve(o + arm, d, va, rest, aa, rest);
         Vec out_arm = point.of(g.p2), vc = g.w2 * left(out_arm);

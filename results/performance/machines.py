@@ -51,7 +51,7 @@ SLIDER_CRANK = {
         "ram": {"link": "ram", "mass": 3.0, "x": 0.02, "y": 0.015},
     },
     "forces": {"push": {"on": "B", "type": "constant", "angle": 0.3, "force": -400.0}},
-    "moments": {"twist": {"on": "rod", "type": "constant", "moment": 3.0}},
+    "moments": {"twist": {"on": "crank", "type": "constant", "moment": -3.0}},
     "flywheel": FLYWHEEL,
 }
 

@@ -1,0 +1,207 @@
+"""The names in a scene: what each one is, what refers to it, and what may carry what."""
+
+import difflib
+from collections.abc import Iterable
+
+from engine.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
+from engine.parts import FRAME, CrankInput, Sliding, Yoke
+from engine.scene import Scene, SceneError
+
+Problem = tuple[str, str]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
+    known = sorted(known)
+    near = difflib.get_close_matches(name, known, n=1)
+    listed = ", ".join(known) if known else "none"
+    return f"known are: {listed}" + (f"; did you mean {near[0]!r}?" if near else "")
+
+
+def input_point(scene: Scene) -> str:
+    """Name of the point that the input link moves: the crank's pin, or the sliding input's point."""
+    return scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point
+
+
+def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
+    """Where each point, guide and link is defined.
+
+    Raises
+    ------
+    SceneError
+        A name is defined twice, or a link is moved by two groups (over-constrained).
+    """
+    problems: list[tuple[str, str]] = []
+    points: dict[str, str] = {}
+    guides: dict[str, str] = {}
+    links: dict[str, str] = {FRAME: FRAME}
+    everything: dict[str, str] = {FRAME: "the frame"}
+
+    def define(kind: dict[str, str], name: str, path: str) -> None:
+        if kind is links and name in links and name != FRAME:
+            problems.append(
+                (
+                    path,
+                    f"link {name!r} is already moved by {links[name]}: over-constrained (W < 1); "
+                    "a link belongs to one group",
+                )
+            )
+        elif name in everything:
+            problems.append((path, f"the name {name!r} is already taken by {everything[name]}; choose another"))
+        kind.setdefault(name, path)
+        everything.setdefault(name, path)
+
+    define(links, scene.input.link, "input.link")
+    define(points, input_point(scene), "input.pin" if isinstance(scene.input, CrankInput) else "input.point")
+    for name, group in scene.groups.items():
+        for side in ("first", "second"):
+            define(links, getattr(group, side).link, f"groups.{name}.{side}.link")
+        if hasattr(group, "inner"):
+            define(points, group.inner, f"groups.{name}.inner")
+    for name in scene.shafts:
+        define(links, name, f"shafts.{name}")
+    for name in scene.points:
+        define(points, name, f"points.{name}")
+    for name in scene.guides:
+        define(guides, name, f"guides.{name}")
+    for table in ("forces", "moments", "springs", "cylinders"):
+        for name in getattr(scene, table):
+            define({}, name, f"{table}.{name}")
+    if problems:
+        raise SceneError(problems)
+    return points, guides, links
+
+
+def references(scene: Scene) -> list[tuple[str, str, str]]:
+    """Every name a scene refers to, as (path, kind, name)."""
+    refs: list[tuple[str, str, str]] = []
+    drive = scene.input
+    if isinstance(drive, CrankInput):
+        refs.append(("input.pivot", "point", drive.pivot))
+    else:
+        refs.append(("input.guide", "guide", drive.guide))
+    for name, group in scene.groups.items():
+        for side in ("first", "second"):
+            part, path = getattr(group, side), f"groups.{name}.{side}"
+            if isinstance(part, (Sliding, Yoke)):
+                refs.append((f"{path}.guide", "guide", part.guide))
+            else:
+                refs.append((f"{path}.joint", "point", part.joint))
+    for table in ("points", "guides", "bodies"):
+        for name, part in getattr(scene, table).items():
+            refs.append((f"{table}.{name}.link", "link", part.link))
+    for name, shaft in scene.shafts.items():
+        refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
+        if shaft.pivot is not None:
+            refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    for name, force in scene.forces.items():
+        refs.append((f"forces.{name}.on", "point", force.on))
+        refs.append((f"forces.{name}.turns_with", "link", force.turns_with))
+    for name, moment in scene.moments.items():
+        refs.append((f"moments.{name}.on", "link", moment.on))
+    for table in ("forces", "moments"):
+        for name, action in getattr(scene, table).items():
+            if isinstance(action, Tabled) and action.slider is not None:
+                refs.append((f"{table}.{name}.slider", "link", action.slider))
+    for name, spring in scene.springs.items():
+        refs += [(f"springs.{name}.between", "point", end) for end in spring.between]
+    for name, cylinder in scene.cylinders.items():
+        refs.append((f"cylinders.{name}.piston", "link", cylinder.piston))
+    return refs
+
+
+def sliders(scene: Scene) -> tuple[str, ...]:
+    """Links with a slide coordinate: on a guide, or (a block) in the slot of the other link of its group."""
+    found = [] if isinstance(scene.input, CrankInput) else [scene.input.link]
+    for group in scene.groups.values():
+        found += [part.link for part in (group.first, group.second) if isinstance(part, (Sliding, Yoke))]
+        if group.type in ("RPR", "RPP"):
+            found.append(group.first.link)
+    return tuple(found)
+
+
+def misplaced(scene: Scene) -> list[Problem]:
+    """Everything that hangs on something that can't carry it."""
+    return [
+        *_off_the_frame(scene),
+        *_wrong_shafts(scene),
+        *_wrong_bodies(scene),
+        *_wrong_moments(scene),
+        *_no_stroke(scene),
+    ]
+
+
+def _geared_to_input(scene: Scene) -> set[str]:
+    return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
+
+
+def _off_the_frame(scene: Scene) -> list[Problem]:
+    on_frame = {name for name, point in scene.points.items() if point.link == FRAME}
+    pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
+    pivots += [(f"shafts.{n}.pivot", s.pivot) for n, s in scene.shafts.items() if s.pivot is not None]
+    problems = [
+        (path, f"{name!r} is not on the frame; " + did_you_mean(name, on_frame))
+        for path, name in pivots
+        if name not in on_frame
+    ]
+    if not isinstance(scene.input, CrankInput) and scene.guides[scene.input.guide].link != FRAME:
+        problems.append(
+            ("input.guide", f"{scene.input.guide!r} is on a moving link; the input's guide must be on the frame")
+        )
+    return problems
+
+
+def _wrong_shafts(scene: Scene) -> list[Problem]:
+    problems, geared = [], _geared_to_input(scene)
+    for name, shaft in scene.shafts.items():
+        if shaft.pivot is not None and name not in geared:
+            problems.append(
+                (f"shafts.{name}.pivot", "only a shaft geared to the input crank can carry points; leave pivot out")
+            )
+        if name in geared and not isinstance(scene.input, CrankInput):
+            problems.append(
+                (f"shafts.{name}.geared_to", "a shaft can't be geared to a sliding input; name a turning link")
+            )
+    return problems
+
+
+def _loose_shafts(scene: Scene) -> set[str]:
+    return {n for n, s in scene.shafts.items() if s.pivot is None}
+
+
+def _wrong_bodies(scene: Scene) -> list[Problem]:
+    problems, loose = [], _loose_shafts(scene)
+    for table in ("points", "guides", "bodies"):
+        for name, part in getattr(scene, table).items():
+            path = f"{table}.{name}.link"
+            if part.link in loose:
+                problems.append((path, f"shaft {part.link!r} has no pivot; give it one, or use the shaft's inertia"))
+            if table == "bodies" and part.link == FRAME:
+                problems.append((path, "a body on the frame doesn't move and has no effect; name a moving link"))
+    return problems
+
+
+def _wrong_moments(scene: Scene) -> list[Problem]:
+    problems, loose = [], _loose_shafts(scene)
+    driven = {scene.input.link} | _geared_to_input(scene)
+    for name, moment in scene.moments.items():
+        path = f"moments.{name}.on"
+        if isinstance(moment, (DCMotor, InductionMotor)) and moment.on not in driven:
+            allowed = ", ".join(sorted(driven))
+            problems.append(
+                (path, f"a motor drives the crank or a shaft geared to it, not {moment.on!r}; allowed: {allowed}")
+            )
+        if moment.on == FRAME or (isinstance(moment, TorsionSpring) and moment.on in loose):
+            problems.append((path, f"{moment.on!r} can't carry this moment; name a moving link"))
+    return problems
+
+
+def _no_stroke(scene: Scene) -> list[Problem]:
+    slide = set(sliders(scene))
+    named = [(f"cylinders.{n}.piston", c.piston) for n, c in scene.cylinders.items()]
+    for table in ("forces", "moments"):
+        for name, action in getattr(scene, table).items():
+            if isinstance(action, Tabled) and action.slider is not None:
+                named.append((f"{table}.{name}.slider", action.slider))
+    listed = ", ".join(sorted(slide)) or "none"
+    return [(path, f"{link!r} doesn't slide; sliders are: {listed}") for path, link in named if link not in slide]

@@ -1,0 +1,365 @@
+"""The command line: run, check, show, plot, animate, export, new, list, flywheel."""
+
+import sys
+import time
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+
+import click
+
+INTERRUPTED = 130
+WRONG_INPUT = 2
+
+
+def fail(message: str) -> None:
+    """Say what is wrong on standard error and stop."""
+    click.echo(f"Error: {message}", err=True)
+    sys.exit(WRONG_INPUT)
+
+
+def explained(command: Callable) -> Callable:
+    """Turn what a user can cause into a message."""
+
+    @wraps(command)
+    def guarded(*args: object, **kwargs: object) -> None:
+        from engine import AskError, SceneError
+        from engine.tables import TableError
+        from engine.units import UnitError
+        from sweeps.store import StoreError
+        from sweeps.textfile import InputError
+
+        try:
+            command(*args, **kwargs)
+        except (InputError, StoreError, AskError, SceneError, TableError, UnitError) as error:
+            fail(str(error))
+
+    return guarded
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="machine-sweeps", prog_name="sweeps")
+def main() -> None:
+    """Planar machines evaluated over many design variants: kinematics, reduced inertia and moments, flywheels.
+
+    Start with `sweeps list`, then `sweeps run crank_press`; `sweeps new slider_crank` writes a scene of your own.
+    """
+
+
+@main.command("list")
+@explained
+def list_command() -> None:
+    """List the bundled studies and the templates for scenes."""
+    from sweeps.report import table
+    from sweeps.study import bundled, read_study
+    from sweeps.template import templates
+
+    click.echo("Studies (sweeps run NAME):")
+    click.echo(table([(name, read_study(path).question) for name, path in bundled().items()], "  "))
+    click.echo("Templates (sweeps new NAME):")
+    click.echo(table([(name, title) for name, title in templates().items()], "  "))
+
+
+@main.command()
+@click.argument("template")
+@click.option("--out", type=click.Path(path_type=Path), help="File to write; TEMPLATE.toml unless given.")
+@explained
+def new(template: str, out: Path | None) -> None:
+    """Write a commented scene to start from."""
+    from sweeps.template import template_text
+    from sweeps.textfile import InputError
+
+    text = template_text(template)
+    out = out or Path(f"{template}.toml")
+    if out.exists():
+        raise InputError(str(out), [(None, "", "exists already; name another file with --out")])
+    _write(out, text)
+    click.echo(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+
+
+@main.command()
+@click.argument("study")
+@click.option("--out", type=click.Path(path_type=Path), help="Result file; results/NAME.h5 unless given.")
+@click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given.")
+@click.option("--no-plots", is_flag=True, help="Make no pictures.")
+@click.option("--quiet", is_flag=True, help="No progress on standard error.")
+@explained
+def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
+    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
+    from sweeps.report import answer_text, counts_text
+    from sweeps.results import Result
+    from sweeps.runner import run_study
+    from sweeps.study import find_study, read_study
+
+    started = time.perf_counter()
+    found = read_study(find_study(study))
+    out = out or Path("results") / f"{found.name}.h5"
+    _make_folder(out)
+    _use_threads(jobs)
+    bar = _Progress(found.design.size, quiet)
+    try:
+        run_study(found, out, restart, bar.update)
+    except KeyboardInterrupt:
+        bar.close()
+        click.echo("\nInterrupted. All finished blocks are kept; the same command goes on where it stopped.", err=True)
+        sys.exit(INTERRUPTED)
+    bar.close()
+    result = Result(out)
+    click.echo(f"{found.title or found.name}: {found.design.size} variants")
+    click.echo(counts_text(result))
+    click.echo(answer_text(result))
+    made = [out, *([] if no_plots else _plots(result))]
+    click.echo(f"Files ({time.perf_counter() - started:.1f} s):")
+    click.echo("\n".join(f"  {path}" for path in made))
+
+
+@main.command()
+@click.argument("study")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the result would go.")
+@click.option("--source", is_flag=True, help="Print the generated kernel instead.")
+@explained
+def check(study: str, out: Path, source: bool) -> None:
+    """Say what a study or scene will compute, what not and why, and its time, memory and file size."""
+    from sweeps.report import check_text
+    from sweeps.study import find_study, read_study
+
+    found = read_study(find_study(study))
+    if source:
+        click.echo(found.machine().source("whole").text)
+    else:
+        click.echo(check_text(found, out))
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--where", help="Only variants that meet a condition, such as \"wheel_mass < '900 kg'\".")
+@click.option("--sort", help="Column to sort by.")
+@click.option("--descending", is_flag=True, help="Greatest first.")
+@click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="How many variants to list.")
+@click.option("--columns", help="Summaries to show, separated by commas; all unless given.")
+@explained
+def show(file: Path, where: str | None, sort: str | None, descending: bool, limit: int, columns: str | None) -> None:
+    """Show a result file: what it holds, its verdicts, its best variants."""
+    from sweeps.report import answer_text, counts_text, variants_text
+    from sweeps.results import Result
+    from sweeps.textfile import InputError
+
+    result = Result(file)
+    names = [n.strip() for n in columns.split(",")] if columns else []
+    unknown = [n for n in names if n not in result.columns]
+    if unknown:
+        raise InputError(
+            str(file), [(None, "columns", f"{unknown[0]!r} is not there; there are: {', '.join(result.columns)}")]
+        )
+    d = result.description
+    click.echo(f"{d.title}: {d.variants} variants, {d.blocks_done} of {d.blocks} blocks done")
+    click.echo(f"varied: {d.attributes.get('grid', '')}")
+    if result.fields:
+        click.echo(f"fields over {d.positions} positions: {', '.join(result.fields)}")
+    click.echo(counts_text(result))
+    goal = result.goal
+    if sort is None and goal is not None:
+        sort, descending = goal.goal, goal.sign < 0
+    chosen = result.select(where or (goal.where if goal else None), sort, descending)
+    click.echo(f"{chosen.size} variants meet the condition; the first {min(limit, chosen.size)}:")
+    click.echo(variants_text(result, chosen[:limit], names))
+    if where is None:
+        click.echo(answer_text(result))
+
+
+@main.command()
+@click.argument("file")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); beside the file unless given."
+)
+@click.option("--variant", type=int, help="Machine of one variant of a result file.")
+@click.option("--at", default="60", show_default=True, help="Crank angles of the drawing [deg], separated by commas.")
+@click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option("-x", help="Column along x (results).")
+@click.option("-y", help="Column along y, or shown (results).")
+@click.option("--colour", help="Column shown as colour (results).")
+@explained
+def plot(
+    file: str,
+    out: Path | None,
+    variant: int | None,
+    at: str,
+    paths: str,
+    x: str | None,
+    y: str | None,
+    colour: str | None,
+) -> None:
+    """Draw: of a scene the mechanism and its diagrams; of a result file the sweep, or the machine of one variant."""
+    from sweeps import pictures
+
+    if file.endswith(".h5") and variant is None:
+        made = pictures.result_pictures(Path(file), out, x, y, colour)
+    else:
+        scene, values, name = _machine_of(file, variant)
+        stem = out or Path(f"{name}.png")
+        made = pictures.machine_pictures(scene, values, stem, _degrees(at), _names(paths))
+    click.echo("\n".join(f"Wrote {path}" for path in made))
+
+
+@main.command()
+@click.argument("file")
+@click.option("--out", type=click.Path(path_type=Path), help="GIF file; NAME.gif unless given.")
+@click.option("--variant", type=int, help="Machine of one variant of a result file.")
+@click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option("--frames", type=click.IntRange(min=4), default=60, show_default=True)
+@explained
+def animate(file: str, out: Path | None, variant: int | None, paths: str, frames: int) -> None:
+    """Animate the mechanism of a scene, study or variant as a GIF."""
+    from sweeps.animation import animate as make
+
+    scene, values, name = _machine_of(file, variant)
+    out = out or Path(f"{name}.gif")
+    _make_folder(out)
+    make(scene, out, frames=frames, paths=_names(paths), values=values)
+    click.echo(f"Wrote {out}")
+
+
+@main.command()
+@click.argument("file")
+@click.option("--to", type=click.Path(path_type=Path), required=True, help="File to write: .csv, .svg, .dxf or .toml.")
+@click.option("--variant", type=int, help="One variant of a result file.")
+@click.option("--at", default="60", show_default=True, help="Crank angle of the drawing [deg].")
+@click.option("--where", help="Only variants that meet a condition (CSV of a result).")
+@explained
+def export(file: str, to: Path, variant: int | None, at: str, where: str | None) -> None:
+    """Write results or positions as CSV, the drawing as SVG or DXF, one variant as a scene (TOML)."""
+    from sweeps import exports
+    from sweeps.textfile import InputError
+
+    _make_folder(to)
+    match to.suffix:
+        case ".csv" if file.endswith(".h5") and variant is None:
+            exports.result_csv(Path(file), to, where)
+        case ".csv":
+            scene, values, _ = _machine_of(file, variant)
+            exports.positions_csv(scene, values, to)
+        case ".svg" | ".dxf":
+            scene, values, _ = _machine_of(file, variant)
+            exports.drawing(scene, values, to, _degrees(at)[0])
+        case ".toml":
+            scene, values, _ = _machine_of(file, variant)
+            exports.scene_toml(scene, values, to)
+        case _:
+            raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are .csv, .svg, .dxf, .toml")])
+    click.echo(f"Wrote {to}")
+
+
+@main.command()
+@click.argument("table", type=click.Path(path_type=Path))
+@click.option("--speed", required=True, help="Mean speed, such as '250 rpm'.")
+@click.option("--fluctuation", required=True, help="Coefficient of speed fluctuation asked for, such as 1/50 or 2 %.")
+@click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
+@explained
+def flywheel(table: Path, speed: str, fluctuation: str, interpolation: str) -> None:
+    """Size a flywheel from a turning-moment table: a CSV with the columns `phi [deg]` and `moment [N m]`."""
+    from sweeps.flywheel_table import flywheel_text
+
+    click.echo(flywheel_text(table, speed, fluctuation, interpolation))
+
+
+# Help for the commands
+
+
+class _Progress:
+    """Progress on standard error: a bar on a terminal, a plain line every 30 s elsewhere."""
+
+    def __init__(self, total: int, quiet: bool) -> None:
+        self.total, self.quiet = total, quiet
+        self.bar = None
+        self.started = self.said = time.monotonic()
+
+    def update(self, done: int, before: int) -> None:
+        """Tell how many variants are done, `before` of them in earlier runs."""
+        if self.quiet:
+            return
+        if not sys.stderr.isatty():
+            self._line(done, before)
+            return
+        if self.bar is None:
+            from tqdm import tqdm
+
+            self.bar = tqdm(total=self.total, initial=before, unit=" variants", unit_scale=True, file=sys.stderr)
+        self.bar.update(done - self.bar.n)
+
+    def _line(self, done: int, before: int) -> None:
+        now = time.monotonic()
+        if now - self.said >= 30.0:
+            self.said = now
+            rate = (done - before) / (now - self.started)
+            left = (self.total - done) / rate
+            click.echo(f"{done} of {self.total} variants, {rate:.3g} a second, {left:.0f} s left", err=True)
+
+    def close(self) -> None:
+        """End the bar."""
+        if self.bar is not None:
+            self.bar.close()
+
+
+def _machine_of(file: str, variant: int | None) -> tuple:
+    """Scene, replaced values and name of what a file describes: a result, a study or a scene."""
+    from sweeps.results import Result
+    from sweeps.study import find_study, read_study
+
+    if file.endswith(".h5"):
+        result = Result(Path(file))
+        chosen = result.best() if variant is None else variant
+        chosen = 0 if chosen is None else chosen
+        return result.scene, result.variant_values(chosen), f"{Path(file).stem}_{chosen}"
+    study = read_study(find_study(file))
+    if variant is None:
+        return study.scene, {}, study.name
+    values, _ = study.values(variant, variant + 1)
+    return study.scene, {p: float(values[p][0]) for p in study.paths}, f"{study.name}_{variant}"
+
+
+def _plots(result: object) -> list[Path]:
+    from sweeps import pictures
+
+    return pictures.result_pictures(result.path, None, None, None, None)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(n.strip() for n in text.split(",") if n.strip())
+
+
+def _degrees(text: str) -> tuple[float, ...]:
+    import math
+
+    from sweeps.textfile import InputError
+
+    try:
+        return tuple(math.radians(float(part)) for part in text.split(","))
+    except ValueError:
+        raise InputError("--at", [(None, "", f"{text!r}: give angles in degrees, such as 0,60,120")]) from None
+
+
+def _use_threads(jobs: int | None) -> None:
+    if jobs is not None:
+        import numba
+
+        numba.set_num_threads(min(jobs, numba.config.NUMBA_NUM_THREADS))
+
+
+def _make_folder(path: Path) -> None:
+    from sweeps.textfile import InputError
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(str(path.parent), [(None, "", f"can't be made: {error.strerror}")]) from None
+
+
+def _write(path: Path, text: str) -> None:
+    from sweeps.textfile import InputError
+
+    _make_folder(path)
+    try:
+        path.write_text(text, encoding="utf8")
+    except OSError as error:
+        raise InputError(str(path), [(None, "", f"can't be written: {error.strerror}")]) from None

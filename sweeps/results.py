@@ -1,0 +1,149 @@
+"""A result file as a whole: its parameters, summaries, verdicts, and the choosing among its variants."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from engine import Scene, Verdict, scene_numbers
+from sweeps.expressions import ExpressionError, parse, unknown_name_message
+from sweeps.scenefile import scene_from, write_scene
+from sweeps.store import Description, columns, describe
+from sweeps.study import any_quantity
+from sweeps.studyfile import Best
+from sweeps.textfile import InputError, parse_toml
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a result file holds, without its fields.
+
+    Attributes
+    ----------
+    path : Path
+    """
+
+    path: Path
+
+    @cached_property
+    def description(self) -> Description:
+        """Title, attributes, columns and progress."""
+        return describe(self.path)
+
+    @cached_property
+    def columns(self) -> dict[str, np.ndarray]:
+        """All columns over variants."""
+        return columns(self.path)
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Unit of every column."""
+        return {c.name: c.units for c in self.description.columns}
+
+    @cached_property
+    def long_names(self) -> dict[str, str]:
+        """Meaning of every column."""
+        return {c.name: c.long_name for c in self.description.columns}
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of what varies."""
+        listed = self.description.attributes.get("parameters", "")
+        return tuple(listed.split()) if listed else ()
+
+    @property
+    def summaries(self) -> tuple[str, ...]:
+        """Names of the summaries."""
+        names = [c.name for c in self.description.columns if c.dims == ("variant",)]
+        return tuple(n for n in names if f"{n}_error" in self.units)
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the fields."""
+        return tuple(c.name for c in self.description.columns if "position" in c.dims)
+
+    @property
+    def question(self) -> str:
+        """The design question of the study."""
+        return self.description.attributes.get("question", "")
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene as the study gives it, tables and all."""
+        text = self.description.attributes["scene"]
+        return scene_from(parse_toml(text, str(self.path)), text, f"scene in {self.path.name}", self.path.parent)
+
+    def variant_values(self, variant: int) -> dict[str, float]:
+        """Numbers of the scene (SI) that a variant has in place of the scene's own.
+
+        Raises
+        ------
+        InputError
+            There is no such variant.
+        """
+        count = self.description.variants
+        if not 0 <= variant < count:
+            raise InputError(str(self.path), [(None, "variant", f"{variant} is not one of 0 … {count - 1}")])
+        known = scene_numbers(self.scene)
+        return {p: float(self.columns[p][variant]) for p in self.parameters if p in known}
+
+    def variant_scene(self, variant: int) -> str:
+        """TOML text of the scene of one variant."""
+        return write_scene(self.scene, self.variant_values(variant))
+
+    @property
+    def goal(self) -> Best | None:
+        """What decides among the variants."""
+        words = self.description.attributes.get("best", "").split(" ", 2)
+        if len(words) < 2:
+            return None
+        where = words[2].removeprefix("where ") if len(words) == 3 else None
+        return Best(**{words[0]: words[1]}, where=where)
+
+    def select(self, where: str | None = None, sort: str | None = None, descending: bool = False) -> np.ndarray:
+        """Numbers of the computed variants that meet a condition, sorted.
+
+        Parameters
+        ----------
+        where : str, optional
+            A condition over parameters and summaries, such as "speed_fluctuation < 0.02 and wheel_mass < '900 kg'".
+        sort : str, optional
+            Column to sort by.
+        descending : bool
+
+        Raises
+        ------
+        InputError
+            The condition can't be read, or names a column that isn't there.
+        """
+        keep = self.columns["status"] == Verdict.OK
+        if where:
+            keep = keep & self._meets(where)
+        chosen = np.flatnonzero(keep)
+        if sort is not None:
+            if sort not in self.columns:
+                raise InputError(str(self.path), [(None, "sort", unknown_name_message(sort, self.columns))])
+            order = np.argsort(self.columns[sort][chosen], kind="stable")
+            chosen = chosen[order[::-1] if descending else order]
+        return chosen
+
+    def _meets(self, where: str) -> np.ndarray:
+        try:
+            condition = parse(where, any_quantity)
+            if not condition.is_condition:
+                raise ExpressionError(f"{where!r} is a number; a condition such as 'a < b' is needed")
+            return np.asarray(condition.evaluate(self.columns), bool)
+        except ExpressionError as error:
+            raise InputError(str(self.path), [(None, "where", str(error))]) from None
+
+    def best(self) -> int | None:
+        """Number of the variant that answers the study's question; None without a goal or without candidates."""
+        goal = self.goal
+        if goal is None:
+            return None
+        chosen = self.select(goal.where)
+        values = goal.sign * self.columns[goal.goal][chosen]
+        if not np.isfinite(values).any():
+            return None
+        return int(chosen[np.nanargmin(values)])
