@@ -122,8 +122,9 @@ class Analyses:
             self._ends(name, "stroke", name, False)
         for name in turning_links(self.model):
             ends = ", ".join(f"{end}_turn_{name}$" for end in ("low", "high", "low_at", "high_at"))
-            w = m.links[name].w or "zero"
-            self._step(ends, f"swing_ends(ang_{name}$, row_{w}$, first, h$, {self.periodic})")
+            link = m.links[name]
+            rows = f"row_{link.c}$, row_{link.s}$, row_{link.w}$"
+            self._step(ends, f"swing_ends({rows}, first, h$, {self.periodic})")
             self._ends(name, "swing", f"turn_{name}", True)
 
     def _ends(self, name: str, kind: str, variable: str, may_be_undefined: bool) -> None:
@@ -192,9 +193,13 @@ class Analyses:
         self._fill("row_speed$", f"speed_row({inertia}, row_work$, wheel$, energy$, row_speed$)")
         jump = f"doubt / (2.0 * energy / {omega} / {omega})"
         share = f"{jump} / abs({omega})"
+
         self.results["speed_fluctuation"] = difference(
             f"(fastest$ - slowest$) / abs({omega})", f"2.0 * {share} / abs({omega})", may_be_undefined=False
         )
+        given = wheel.startswith("num_")
+        doubt = "" if given else self.results["flywheel_wittenbauer"].error.split(" + ", 1)[1]
+        self.results["flywheel_used"] = difference("wheel$", doubt)
         self.results["speed_min"] = difference("slowest$", share)
         self.results["speed_max"] = difference("fastest$", share)
 

@@ -13,8 +13,11 @@ import platform
 import shutil
 import sys
 import tempfile
+import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
@@ -26,13 +29,38 @@ from numba import njit
 # to the status of the variant. `reassoc` lets sums over positions be vectorised.
 FLOATING_POINT_RULES = frozenset({"contract", "arcp", "nsz", "reassoc"})
 
+# Kernels run without Python's lock, in Python threads, each over its own range of variants. Numba's own parallel
+# loops would take about four times as long to compile, abort when two threads enter them, and not survive a fork.
 KERNEL_OPTIONS = {
     "error_model": "numpy",
     "fastmath": set(FLOATING_POINT_RULES),
-    "parallel": True,
     "nogil": True,
     "cache": True,
 }
+
+PIECES_PER_THREAD = 8
+
+_COMPILING = threading.Lock()
+_settings = {"threads": 0}
+
+
+def threads() -> int:
+    """Threads that kernels use: as set, or all cores that this process may use."""
+    if _settings["threads"]:
+        return _settings["threads"]
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def set_threads(count: int) -> None:
+    """Set how many threads kernels use; 0 for all cores. Results don't depend on it.
+
+    Parameters
+    ----------
+    count : int
+    """
+    _settings["threads"] = count
 
 
 def scalar(function: Callable) -> Callable:
@@ -100,8 +128,8 @@ def load_kernel(text: str) -> ModuleType:
     return module
 
 
-def call(text: str, function: str, *arguments: object) -> object:
-    """Call a function of a generated source; a broken cache is thrown away and the call made once more.
+def compiled(text: str, function: str, *arguments: object) -> Callable:
+    """Function of a generated source, compiled for the types of its arguments.
 
     Parameters
     ----------
@@ -110,11 +138,39 @@ def call(text: str, function: str, *arguments: object) -> object:
     function : str
         Its function.
     *arguments
-        Passed on.
+        Arguments of a call without effect; a broken cache is thrown away and the call made once more.
     """
-    try:
-        return getattr(load_kernel(text), function)(*arguments)
-    except (EOFError, pickle.UnpicklingError):
-        load_kernel.cache_clear()
-        shutil.rmtree(_kernel_folder(text), ignore_errors=True)
-        return getattr(load_kernel(text), function)(*arguments)
+    with _COMPILING:
+        try:
+            getattr(load_kernel(text), function)(*arguments)
+        except (EOFError, pickle.UnpicklingError):
+            load_kernel.cache_clear()
+            shutil.rmtree(_kernel_folder(text), ignore_errors=True)
+            getattr(load_kernel(text), function)(*arguments)
+        return getattr(load_kernel(text), function)
+
+
+def run_kernel(text: str, function: str, count: int, *arguments: object) -> None:
+    """Run a function of a generated source over a range 0 … count − 1, in pieces on all threads.
+
+    Parameters
+    ----------
+    text : str
+        Source of the module.
+    function : str
+        Its function; its first two arguments are the range it works on.
+    count : int
+        Length of the whole range.
+    *arguments
+        Passed on after the range.
+    """
+    kernel = compiled(text, function, 0, 0, *arguments)
+    workers = threads()
+    pieces = min(count, workers * PIECES_PER_THREAD)
+    if workers == 1 or pieces <= 1:
+        kernel(0, count, *arguments)
+        return
+    cuts = [i * count // pieces for i in range(pieces + 1)]
+    with ThreadPoolExecutor(workers) as pool:
+        for done in [pool.submit(kernel, a, b, *arguments) for a, b in pairwise(cuts)]:
+            done.result()

@@ -53,7 +53,7 @@ class KernelText:
         """Text of the module."""
         text = "\n".join((*position_loop, *geometry, *variant))
         arguments = ", ".join(
-            ["P", "nodes", "cos_nodes", "sin_nodes", "step", "rounding", "chunks"]
+            ["begin", "end", "P", "nodes", "cos_nodes", "sin_nodes", "step", "rounding"]
             + (["starts", "members"] if self.form == "factorised" else [])
             + self._table_arguments(text)
             + ["values", "errors", "fields", "doubts", "checks"]
@@ -62,21 +62,19 @@ class KernelText:
         half = [r for r, home in self.rows.items() if home == "half"]
         direct = [f"{r} = {home}" for r, home in self.rows.items() if home not in ("scratch", "half")]
         lines = [f"def kernel({arguments}):", "    n = nodes.shape[0]"]
-        count = "P.shape[0]" if self.form == "whole" else "starts.shape[0] - 1"
-        lines += [f"    count = {count}", "    for chunk in prange(chunks):"]
-        lines += [f"        scratch = np.empty(({max(len(scratch), 1)}, n), dtype)"]
-        lines += [f"        {r} = scratch[{i}]" for i, r in enumerate(scratch)]
+        lines += [f"    scratch = np.empty(({max(len(scratch), 1)}, n), dtype)"]
+        lines += [f"    {r} = scratch[{i}]" for i, r in enumerate(scratch)]
         if half:
-            lines += [f"        halves = np.empty(({len(half)}, (n + 1) // 2), dtype)"]
-            lines += [f"        {r} = halves[{i}]" for i, r in enumerate(half)]
-        lines += ["        for group in range(chunk * count // chunks, (chunk + 1) * count // chunks):"]
+            lines += [f"    halves = np.empty(({len(half)}, (n + 1) // 2), dtype)"]
+            lines += [f"    {r} = halves[{i}]" for i, r in enumerate(half)]
+        lines += ["    for group in range(begin, end):"]
         lines += self._inside(position_loop, geometry, variant, direct)
         return "\n".join([self._head(), *lines, "", "", *self._diagnose(diagnosis), ""])
 
     def _inside(
         self, position_loop: list[str], geometry: list[str], variant: list[str], direct: list[str]
     ) -> list[str]:
-        pad = " " * 12
+        pad = " " * 8
         if self.form == "whole":
             first = ["v = group", *self._loads("shape"), *self._loads("load"), *self._step(), *direct]
             return [pad + line for line in (*first, *position_loop, *geometry, *variant)]
@@ -93,7 +91,7 @@ class KernelText:
             "import math",
             "",
             "import numpy as np",
-            "from numba import njit, prange",
+            "from numba import njit",
             "",
             "from engine.dyads import *",
             "from engine.flywheel import *",
@@ -117,13 +115,15 @@ class KernelText:
 
     def _diagnose(self, diagnosis: list[str]) -> list[str]:
         text = "\n".join(diagnosis)
-        loads = [f"    {s} = P[v, {i}]" for i, s in enumerate(self.slots) if re.search(rf"\b{s}\b", text)]
+        loads = [f"        {s} = P[v, {i}]" for i, s in enumerate(self.slots) if re.search(rf"\b{s}\b", text)]
         return [
-            "@njit(**{**KERNEL_OPTIONS, 'parallel': False})",
-            "def diagnose(P, v, nodes, cos_nodes, sin_nodes):",
-            "    least, group, place = one / zero, -1, -1",
+            "@njit(**KERNEL_OPTIONS)",
+            "def diagnose(begin, end, P, nodes, cos_nodes, sin_nodes, doubtful, places, sines):",
+            "    for i in range(begin, end):",
+            "        v = doubtful[i]",
+            "        least, group, place = one / zero, -1, -1",
             *loads,
-            "    for k in range(nodes.shape[0]):",
-            *(f"        {line}" for line in (diagnosis or ["pass"])),
-            "    return group, place, least",
+            "        for k in range(nodes.shape[0]):",
+            *(f"            {line}" for line in (diagnosis or ["pass"])),
+            "        places[i, 0], places[i, 1], sines[i] = group, place, least",
         ]

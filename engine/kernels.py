@@ -315,7 +315,8 @@ class KernelWriter:
         for i, sine in enumerate(sines):
             lines += [
                 f"if math.isnan({sine}):",
-                f"    return {i}, k, -one",
+                f"    least, group, place = -one, {i}, k",
+                "    break",
                 f"if abs({sine}) < least:",
                 f"    least, group, place = abs({sine}), {i}, k",
             ]

@@ -6,11 +6,10 @@ from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from engine.analyses import Analyses
-from engine.jit import call
+from engine.jit import run_kernel, threads
 from engine.kernel_text import Form
 from engine.kernels import KernelWriter, Source
 from engine.model import Model
@@ -19,6 +18,7 @@ from engine.quantities import STATISTICS, Quantity, has_cycle
 from engine.scene import Numbers, Scene, scene_numbers, within_limits
 from engine.tables import table_value
 from engine.verdicts import Verdict
+from engine.wheel import wheel_columns, wheel_summaries
 
 SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
 ROUNDING = 16
@@ -110,8 +110,11 @@ class Machine:
         _check_names(self.asked_fields, self.available_fields, "field")
         self.analyses = Analyses(self.model)
         self._add_statistics()
-        _check_names(self.asked_summaries, self.analyses.summaries, "summary")
-        self._writer = KernelWriter(self.model, self.analyses, self.asked_fields, self.asked_summaries)
+        _check_names(self.asked_summaries, self.available_summaries, "summary")
+        self._wheel = [name for name in self.asked_summaries if name in self._wheel_quantities]
+        computed = [name for name in self.asked_summaries if name not in self._wheel]
+        self._computed = list(dict.fromkeys([*computed, *(self._wheel_needs if self._wheel else ())]))
+        self._writer = KernelWriter(self.model, self.analyses, self.asked_fields, self._computed)
         self._sources: dict[Form, Source] = {}
         self.forms_used: set[Form] = set()
 
@@ -123,7 +126,17 @@ class Machine:
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        return self.analyses.summaries
+        return self.analyses.summaries | self._wheel_quantities
+
+    @property
+    def _wheel_quantities(self) -> dict[str, Quantity]:
+        """Summaries of the flywheel as a wheel, computed from others after the kernel."""
+        return {q.name: q for q in wheel_summaries(self.scene)}
+
+    @property
+    def _wheel_needs(self) -> tuple[str, str]:
+        """Summaries that a wheel is made for: its inertia and the greatest speed."""
+        return ("flywheel_used", "speed_max")
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -207,9 +220,10 @@ class Machine:
             self._fill(outcome, keep, Numbers(self.scene, chosen), room[:, : keep.size])
         # Results were packed at the front; spread them to their variants, the last first.
         if keep.size < variants:
+            left_out = np.setdiff1d(np.arange(variants), keep, assume_unique=True)
             for row in room:
                 row[keep[::-1]] = row[: keep.size][::-1].copy()
-                row[status != Verdict.OK] = np.nan
+                row[left_out] = np.nan
         return outcome
 
     def new_buffer(self, variants: int) -> np.ndarray:
@@ -235,18 +249,18 @@ class Machine:
         form, grouping = self._form(parameters, source)
         self.forms_used.add(form)
         source = self.source(form)
-        values = np.empty((keep.size, len(self.asked_summaries)))
+        values = np.empty((keep.size, len(self._computed)))
         errors, doubts, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
         nodes = self.nodes.astype(self.dtype)
         count = keep.size if grouping is None else grouping[0].size - 1
-        call(
+        run_kernel(
             source.text,
             "kernel",
+            count,
             parameters,
             *self._places(nodes),
             self.dtype.type(self.nodes[1] - self.nodes[0]),
             ROUNDING * float(np.finfo(self.dtype).eps),
-            min(count, 16 * numba.get_num_threads()),
             *(grouping or ()),
             *self._tables(source),
             values,
@@ -257,8 +271,12 @@ class Machine:
         )
         undefined = ~np.isfinite(values)
         values[undefined] = errors[undefined] = np.nan
-        for i, name in enumerate(self.asked_summaries):
-            outcome.summaries[name][keep], outcome.errors[name][keep] = values[:, i], errors[:, i]
+        computed = {name: (values[:, i], errors[:, i]) for i, name in enumerate(self._computed)}
+        if self._wheel:
+            wheels = wheel_columns(self.scene, *(computed[name] for name in self._wheel_needs), numbers)
+            computed |= {name: wheels[name] for name in self._wheel}
+        for name in self.asked_summaries:
+            outcome.summaries[name][keep], outcome.errors[name][keep] = computed[name]
         self._judge(outcome, keep, parameters, doubts, ~np.isfinite(checks) | self._undefined(undefined))
 
     def _places(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -267,17 +285,15 @@ class Machine:
 
     def _form(self, parameters: np.ndarray, source: Source) -> tuple[Form, tuple[np.ndarray, np.ndarray] | None]:
         """Which form to use: factorised where each shape serves several variants."""
-        shapes = np.ascontiguousarray(parameters[:, : source.shape_slots])
         variants = parameters.shape[0]
         if variants < 2 * WORTH_FACTORISING:
             return "whole", None
-        keys = shapes.view(np.dtype((np.void, shapes.dtype.itemsize * shapes.shape[1]))).ravel()
-        _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
-        if counts.size * WORTH_FACTORISING > variants:
+        inverse, count = _same_rows(parameters[:, : source.shape_slots])
+        if count * WORTH_FACTORISING > variants:
             return "whole", None
         members = np.argsort(inverse, kind="stable")
-        starts = np.concatenate(([0], np.cumsum(counts)))
-        return "factorised", _spread(starts, members, 4 * numba.get_num_threads())
+        starts = np.concatenate(([0], np.cumsum(np.bincount(inverse))))
+        return "factorised", _spread(starts, members, 4 * threads())
 
     def _tables(self, source: Source) -> list[object]:
         arguments: list[object] = []
@@ -302,31 +318,45 @@ class Machine:
         """Give every variant its verdict, and those that fail the place and the group to blame."""
         least = SINGULAR_SINE[self.dtype]
         doubtful = np.flatnonzero(~(doubts < 1.0 / least**2))
-        places = self._places(self.nodes.astype(self.dtype))
-        # Both forms share the order of slots, and `diagnose` is the same in both.
-        text = self.source("whole").text
-        for i in doubtful:
-            group, place, sine = call(text, "diagnose", parameters, i, *places)
-            if sine >= least or place < 0:
-                continue
-            verdict = Verdict.CANNOT_ASSEMBLE if sine < 0 else Verdict.SINGULAR
-            outcome.status[keep[i]] = verdict
-            outcome.status_group[keep[i]] = group
-            outcome.status_at[keep[i]] = self._at(place, parameters, i)
+        if doubtful.size:
+            places, sines = np.empty((doubtful.size, 2), np.int64), np.empty(doubtful.size)
+            nodes = self._places(self.nodes.astype(self.dtype))
+            # Both forms share the order of slots, and `diagnose` is the same in both.
+            text = self.source("whole").text
+            run_kernel(text, "diagnose", doubtful.size, parameters, *nodes, doubtful, places, sines)
+            failed = sines < least
+            blamed, (groups, at) = keep[doubtful[failed]], places[failed].T
+            outcome.status[blamed] = np.where(sines[failed] < 0, Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR)
+            outcome.status_group[blamed] = groups
+            outcome.status_at[blamed] = self._at(at, parameters[doubtful[failed]])
         blamed = keep[not_finite & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 
     def _undefined(self, undefined: np.ndarray) -> np.ndarray:
         """Variants with an undefined summary that should have a value."""
-        must = [i for i, n in enumerate(self.asked_summaries) if not self.analyses.results[n].may_be_undefined]
+        must = [i for i, n in enumerate(self._computed) if not self.analyses.results[n].may_be_undefined]
         return undefined[:, must].any(axis=1)
 
-    def _at(self, place: int, parameters: np.ndarray, variant: int) -> float:
+    def _at(self, places: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+        """Input positions of variants at given indices."""
         if isinstance(self.scene.input, CrankInput):
-            return self.nodes[place]
+            return self.nodes[places]
         slots = self.source("whole").slots
-        start, stop = (parameters[variant, slots.index(f"num_input__{key}")] for key in ("start", "stop"))
-        return start + (stop - start) * self.nodes[place]
+        start, stop = (parameters[:, slots.index(f"num_input__{key}")] for key in ("start", "stop"))
+        return start + (stop - start) * self.nodes[places]
+
+
+def _same_rows(table: np.ndarray) -> tuple[np.ndarray, int]:
+    """Number each distinct row of a table; rows are compared by a 64-bit mix of their bits, then for sure."""
+    varying = table[:, (table != table[0]).any(axis=0)].astype(np.float64)
+    if not varying.shape[1]:
+        return np.zeros(table.shape[0], np.intp), 1
+    factors = np.random.default_rng(0).integers(2**62, 2**63, varying.shape[1], dtype=np.uint64) * 2 + 1
+    mixed = (np.ascontiguousarray(varying).view(np.uint64) * factors).sum(axis=1, dtype=np.uint64)
+    _, first, inverse = np.unique(mixed ^ (mixed >> np.uint64(29)), return_index=True, return_inverse=True)
+    if not np.array_equal(varying, varying[first[inverse]]):
+        return np.arange(table.shape[0]), table.shape[0]
+    return inverse, first.size
 
 
 def _spread(starts: np.ndarray, members: np.ndarray, pieces: int) -> tuple[np.ndarray, np.ndarray]:

@@ -122,13 +122,8 @@ def sliders(scene: Scene) -> tuple[str, ...]:
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    return [
-        *_off_the_frame(scene),
-        *_wrong_shafts(scene),
-        *_wrong_bodies(scene),
-        *_wrong_moments(scene),
-        *_no_stroke(scene),
-    ]
+    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
+    return [problem for check in checks for problem in check(scene)]
 
 
 def _geared_to_input(scene: Scene) -> set[str]:
@@ -205,3 +200,16 @@ def _no_stroke(scene: Scene) -> list[Problem]:
                 named.append((f"{table}.{name}.slider", action.slider))
     listed = ", ".join(sorted(slide)) or "none"
     return [(path, f"{link!r} doesn't slide; sliders are: {listed}") for path, link in named if link not in slide]
+
+
+def _no_cycle(scene: Scene) -> list[Problem]:
+    """What needs an input that turns fully, or two revolutions a cycle."""
+    drive, problems = scene.input, []
+    turns = isinstance(drive, CrankInput) and drive.start is None
+    if scene.flywheel is not None and not turns:
+        problems.append(("flywheel", "needs a crank that turns fully; leave it out, or input.start and input.stop"))
+    for name, cylinder in scene.cylinders.items():
+        path = f"cylinders.{name}.type"
+        if cylinder.type == "four_stroke" and not (turns and drive.revolutions == 2):
+            problems.append((path, "a four-stroke engine's cycle is two turns of a crank: set input.revolutions = 2"))
+    return problems

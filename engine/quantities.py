@@ -179,6 +179,7 @@ def _cycle_summaries(scene: Scene) -> list[Quantity]:
         ]
     if flywheel.inertia is not None or flywheel.speed_fluctuation is not None:
         found += [
+            Quantity("flywheel_used", "flywheel inertia on the input link: as given, or as Wittenbauer asks", "kg m2"),
             Quantity("speed_fluctuation", "coefficient of speed fluctuation with the flywheel", "1"),
             Quantity("speed_min", "least angular velocity of the input link with the flywheel", "rad s-1"),
             Quantity("speed_max", "greatest angular velocity of the input link with the flywheel", "rad s-1"),

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from engine.jit import scalar
+from engine.rows import mean_of
 
 
 @scalar
@@ -59,51 +60,84 @@ def stroke_ends(
         Positions, the unit of h.
     """
     n = d.shape[0]
+    if not math.isfinite(mean_of(d) + mean_of(v)):
+        return math.nan, math.nan, math.nan, math.nan
     low = high = d[0]
     low_at = high_at = start
-    total = 0.0
-    for k in range(n):
-        total += d[k] + v[k]
-        if d[k] < low:
-            low, low_at = d[k], start + k * h
-        if d[k] > high:
-            high, high_at = d[k], start + k * h
-        after = k + 1
-        if after == n:
-            if not periodic:
-                break
-            after = 0
-        if v[k] * v[after] < 0.0:
+    last = n if periodic else n - 1
+    for k in range(last):
+        after = k + 1 if k + 1 < n else 0
+        if (v[k] > 0.0) != (v[after] > 0.0):
             t, extreme = extreme_between(d[k], d[after], v[k], v[after], h)
             if extreme < low:
                 low, low_at = extreme, start + (k + t) * h
             if extreme > high:
                 high, high_at = extreme, start + (k + t) * h
-    if not math.isfinite(total):
-        return math.nan, math.nan, math.nan, math.nan
+    if not periodic:
+        if d[n - 1] < low:
+            low, low_at = d[n - 1], start + last * h
+        if d[n - 1] > high:
+            high, high_at = d[n - 1], start + last * h
     return low, high, low_at, high_at
 
 
 @scalar
+def angle_near(c: float, s: float, guess: float) -> float:
+    """Angle of a direction, of all that differ by full turns the one nearest to a guess [rad]."""
+    turn = 2.0 * math.pi
+    angle = math.atan2(s, c)
+    return angle + turn * math.floor((guess - angle) / turn + 0.5)
+
+
+@scalar
 def swing_ends(
-    angle: np.ndarray, w: np.ndarray, start: float, h: float, periodic: bool
+    c: np.ndarray, s: np.ndarray, w: np.ndarray, start: float, h: float, periodic: bool
 ) -> tuple[float, float, float, float]:
-    """Extreme angles of a rocker, as `stroke_ends`; NaN for a link that turns all the way round.
+    """Extreme angles of a rocker, and where it takes them; NaN for a link that turns all the way round.
+
+    Angles are made only where the rocker turns back: in between the sum of its angular velocity tells the turn.
 
     Parameters
     ----------
-    angle, w : ndarray (positions,)
-        Continuous angle [rad] and its derivative by q.
+    c, s, w : ndarray (positions,)
+        Cosine and sine of the link's angle, and the angle's derivative by q.
     start, h : float
         First position and spacing.
     periodic : bool
         Whether the last position is followed by the first.
+
+    Returns
+    -------
+    low, high : float
+        [rad]; NaN where any position is.
+    low_at, high_at : float
+        Positions, the unit of h.
     """
-    n = angle.shape[0]
-    closing = angle[n - 1] - angle[0] + 0.5 * h * (w[n - 1] + w[0])
-    if periodic and abs(closing) > math.pi:
+    n = c.shape[0]
+    mean = mean_of(w)
+    if not math.isfinite(mean) or (periodic and abs(mean) * n * h > math.pi):
         return math.nan, math.nan, math.nan, math.nan
-    return stroke_ends(angle, w, start, h, periodic)
+    about = low = high = math.atan2(s[0], c[0])
+    low_at = high_at = start
+    last = n if periodic else n - 1
+    for k in range(last):
+        after = k + 1 if k + 1 < n else 0
+        turned = 0.5 * h * (w[k] + w[after])
+        if (w[k] > 0.0) != (w[after] > 0.0):
+            angle = angle_near(c[k], s[k], about)
+            t, extreme = extreme_between(angle, angle_near(c[after], s[after], angle), w[k], w[after], h)
+            if extreme < low:
+                low, low_at = extreme, start + (k + t) * h
+            if extreme > high:
+                high, high_at = extreme, start + (k + t) * h
+        about += turned
+    if not periodic:
+        angle = angle_near(c[n - 1], s[n - 1], about)
+        if angle < low:
+            low, low_at = angle, start + last * h
+        if angle > high:
+            high, high_at = angle, start + last * h
+    return low, high, low_at, high_at
 
 
 @scalar

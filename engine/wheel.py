@@ -131,6 +131,37 @@ def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[s
         return Wheel(*(np.where(inertia <= 0.0, 0.0, np.where(defined, size, np.nan)) for size in sizes))
 
 
+Column = tuple[np.ndarray, np.ndarray]
+
+
+def wheel_columns(
+    scene: Scene, inertia: Column, speed: Column, numbers: Mapping[str, Value]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Summaries of the wheel by name, with their error figures.
+
+    Parameters
+    ----------
+    scene : Scene
+    inertia, speed : tuple of ndarray
+        Flywheel inertia on the input link and its greatest speed, each with its error figure.
+    numbers : mapping of path to float or ndarray (variants,)
+        The scene's numbers.
+
+    Returns
+    -------
+    dict of str to (ndarray, ndarray)
+        Values, and how far they move when inertia and speed move by their error figures.
+    """
+    form = scene.flywheel.wheel
+    wheel = make_wheel(form, inertia[0], speed[0], numbers)
+    heavier = make_wheel(form, inertia[0] + inertia[1], speed[0], numbers)
+    faster = make_wheel(form, inertia[0], np.abs(speed[0]) + speed[1], numbers)
+    return {
+        f"wheel_{key}": (value, np.abs(getattr(heavier, key) - value) + np.abs(getattr(faster, key) - value))
+        for key, value in wheel._asdict().items()
+    }
+
+
 def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) -> tuple[Material, Value, Value]:
     """Material, outer diameter and speed of the wheel's shaft, as given or as the material allows."""
     usual = MATERIALS[form.material]

@@ -341,9 +341,9 @@ def _degrees(text: str) -> tuple[float, ...]:
 
 def _use_threads(jobs: int | None) -> None:
     if jobs is not None:
-        import numba
+        from engine.jit import set_threads
 
-        numba.set_num_threads(min(jobs, numba.config.NUMBA_NUM_THREADS))
+        set_threads(jobs)
 
 
 def _make_folder(path: Path) -> None:

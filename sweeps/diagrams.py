@@ -1,25 +1,39 @@
-"""Diagrams of one machine over its cycle: reduced inertia and moment, work, the energy loop, and the speed that follows."""
+"""Diagrams of one machine over its cycle: reduced inertia and moment, work, the energy loop, the speed that follows.
 
-import difflib
+The look of all diagrams and drawings, their paper sizes and their files are settled here too.
+"""
+
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
+import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
-MM = 25.4
-BLUE, ORANGE, GREEN, RED, PURPLE, SKY, YELLOW = PALETTE = (
+from engine import SENTENCES, Machine, Scene, Verdict
+from engine.parts import FRAME, CrankInput
+from engine.quantities import has_cycle
+from engine.structure import sliders
+from sweeps.engineer_units import engineer_unit
+
+MM_PER_INCH = 25.4
+# Colours that stay apart for the colour-blind (Okabe and Ito).
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
     "#0072b2",
     "#e69f00",
     "#009e73",
     "#d55e00",
     "#cc79a7",
     "#56b4e9",
-    "#f0e442",
 )
-STYLE = {
+GREY = "#8a8f94"
+FORMATS = (".svg", ".pdf", ".png")
+_STYLE = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "mathtext.fontset": "dejavusans",
@@ -28,31 +42,269 @@ STYLE = {
     "axes.labelsize": 8,
     "xtick.labelsize": 7.5,
     "ytick.labelsize": 7.5,
-    "legend.fontsize": 7.5,
+    "legend.fontsize": 7,
     "figure.titlesize": 10,
     "axes.linewidth": 0.6,
     "lines.linewidth": 1.3,
     "axes.grid": True,
+    "axes.axisbelow": True,
     "grid.linewidth": 0.4,
     "grid.color": "#d5d8dc",
-    "axes.axisbelow": True,
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-4, 5),
     "legend.framealpha": 0.85,
     "legend.edgecolor": "none",
     "xtick.direction": "in",
     "ytick.direction": "in",
+    "hatch.linewidth": 0.5,
     "pdf.fonttype": 42,
     "svg.fonttype": "path",
+    # The same picture gives the same file.
     "svg.hashsalt": "machine-sweeps",
     "savefig.dpi": 200,
 }
 
 
-def style():
-    return rc_context(STYLE)
+class PictureError(ValueError):
+    """A picture that can't be made as asked."""
 
-def new_figure(width, height):
-    return Figure(figsize=(width/MM,height/MM), layout="constrained")
 
-def save(fig, path):
-    with style():
-        fig.savefig(path)
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Fonts, lines and colours of all pictures, for what is made and saved inside."""
+    with rc_context(_STYLE):
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Figure of a size on paper [mm]; 180 mm fill the width of A4 between its margins."""
+    return Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout="constrained")
+
+
+def save(figure: Figure, path: Path | str) -> None:
+    """Save a figure as .svg, .pdf (vector fonts) or .png, the same bytes every time.
+
+    Raises
+    ------
+    PictureError
+        The ending is another one.
+    """
+    ending = Path(path).suffix.lower()
+    if ending not in FORMATS:
+        raise PictureError(f"{path}: ending {ending!r} isn't a picture's; allowed are {', '.join(FORMATS)}")
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
+    with house_style():
+        figure.savefig(path, metadata=undated)
+
+
+class Cycle(NamedTuple):
+    """Rows of one machine, ready to be shown.
+
+    Attributes
+    ----------
+    q : ndarray (positions,)
+        Crank angle [deg], or displacement of a sliding input in the unit of `q_label`.
+    q_label : str
+    rows : dict of str to ndarray (positions,)
+        Fields by name, SI.
+    units : dict of str to str
+    main : str or None
+        The slider whose dead centres are marked.
+    dead_centres : tuple of float
+        Where they are, as of q.
+    """
+
+    q: np.ndarray
+    q_label: str
+    rows: dict[str, np.ndarray]
+    units: dict[str, str]
+    main: str | None
+    dead_centres: tuple[float, ...]
+
+
+def main_slider(scene: Scene) -> str | None:
+    """The slider that matters most: a cylinder's piston, else the last one on a guide of the frame."""
+    for cylinder in scene.cylinders.values():
+        return cylinder.piston
+    parts = (part for group in scene.groups.values() for part in (group.first, group.second))
+    on_frame = {p.link for p in parts if hasattr(p, "guide") and scene.guides[p.guide].link == FRAME}
+    return next((name for name in reversed(sliders(scene)) if name in on_frame), None)
+
+
+def _has_flywheel(scene: Scene) -> bool:
+    wheel = scene.flywheel
+    return wheel is not None and (wheel.inertia is not None or wheel.speed_fluctuation is not None)
+
+
+def cycle_of(
+    scene: Scene, values: Mapping[str, float] | None = None, fields: Mapping[str, np.ndarray] | None = None
+) -> Cycle:
+    """Compute the rows of one machine.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+    fields : mapping of str to ndarray (positions,), optional
+        Fields that are known already, from an `Outcome` or a result file; all over the same positions.
+
+    Raises
+    ------
+    PictureError
+        The machine can't be computed.
+    """
+    values, known = dict(values or {}), dict(fields or {})
+    positions = next((len(row) for row in known.values()), 720)
+    if not has_cycle(scene) and known:
+        positions -= 1
+    names = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment", "input_moment"]
+    names += ["work", *(["speed"] if _has_flywheel(scene) else [])] if has_cycle(scene) else []
+    main = main_slider(scene)
+    ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and has_cycle(scene) else []
+    machine = Machine(scene, ends, [n for n in names if n not in known], values, positions)
+    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    verdict = Verdict(int(outcome.status[0]))
+    if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
+        raise PictureError(f"no diagrams of this machine: {SENTENCES[verdict]}")
+    rows = known | {name: row[0].astype(float) for name, row in outcome.fields.items()}
+    q, label, factor = _input_axis(scene, values, machine.nodes)
+    centres = (math.degrees(outcome.summaries[end][0]) for end in ends)
+    units = {name: quantity.units for name, quantity in machine.available_fields.items()}
+    return Cycle(q * factor, label, rows, units, main if ends else None, tuple(c for c in centres if math.isfinite(c)))
+
+
+def _input_axis(scene: Scene, values: Mapping[str, float], nodes: np.ndarray) -> tuple[np.ndarray, str, float]:
+    """Values, label and factor of the axis of the input's position."""
+    if isinstance(scene.input, CrankInput):
+        return nodes, "crank angle φ, °", 180 / math.pi
+    start, stop = (values.get(f"input.{end}", getattr(scene.input, end)) for end in ("start", "stop"))
+    q = start + (stop - start) * nodes
+    factor, label = engineer_unit("m", q)
+    return q, f"displacement of {scene.input.link} q, {label}", factor
+
+
+def diagrams(
+    scene: Scene,
+    target: Path | str | Figure,
+    values: Mapping[str, float] | None = None,
+    fields: Mapping[str, np.ndarray] | None = None,
+) -> Figure:
+    """Diagrams of one machine on one sheet, 180 mm wide.
+
+    Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I) with Wittenbauer's tangents where a coefficient of
+    speed fluctuation is asked for, and ω(φ). Where the input doesn't turn fully there is no cycle to close: I,
+    its derivative, M and the input moment.
+
+    Parameters
+    ----------
+    scene : Scene
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    values, fields : mapping, optional
+        As of `cycle_of`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    PictureError
+        The machine can't be computed, or the file's ending isn't a picture's.
+    """
+    cycle = cycle_of(scene, values, fields)
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 115)
+        if has_cycle(scene):
+            _sheet_of_cycle(figure, scene, dict(values or {}), cycle)
+        else:
+            _sheet_of_range(figure, cycle)
+        if scene.title:
+            figure.suptitle(scene.title, fontweight="bold")
+        if cycle.dead_centres:
+            figure.supxlabel(f"Dotted lines: dead centres of {cycle.main}.", fontsize=7, x=0.01, ha="left")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _sheet_of_cycle(figure: Figure, scene: Scene, values: Mapping[str, float], cycle: Cycle) -> None:
+    axes = figure.subplots(2, 3)
+    _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced moment of inertia", "I")
+    _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dφ")
+    _panel(axes[0, 2], cycle, "reduced_moment", "Reduced moment (without driver)", "M", mean=True)
+    _panel(axes[1, 0], cycle, "work", "Work = change of kinetic energy", "W = ΔE")
+    _energy_loop(axes[1, 1], scene, values, cycle)
+    if "speed" in cycle.rows and np.isfinite(cycle.rows["speed"]).any():
+        _panel(axes[1, 2], cycle, "speed", "Speed that follows", "ω", mean=True)
+    else:
+        why = "no flywheel is described" if not _has_flywheel(scene) else "the machine stops within the cycle"
+        axes[1, 2].text(0.5, 0.5, f"ω(φ): {why}", ha="center", va="center", color=GREY, transform=axes[1, 2].transAxes)
+        axes[1, 2].set_axis_off()
+
+
+def _sheet_of_range(figure: Figure, cycle: Cycle) -> None:
+    axes = figure.subplots(2, 2)
+    _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced inertia", "I")
+    _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dq")
+    _panel(axes[1, 0], cycle, "reduced_moment", "Reduced moment or force (without driver)", "M")
+    _panel(axes[1, 1], cycle, "input_moment", "Input moment or force at uniform speed", "$M_{in}$")
+
+
+def _panel(ax: Axes, cycle: Cycle, name: str, title: str, symbol: str, mean: bool = False) -> None:
+    """One quantity over the input's position."""
+    row = cycle.rows[name]
+    factor, label = engineer_unit(cycle.units[name], row)
+    q, shown = cycle.q, factor * row
+    if cycle.dead_centres:
+        # The cycle closes: its first position is shown again at its end.
+        q, shown = np.append(q, 2 * q[-1] - q[-2]), np.append(shown, shown[:1])
+    ax.plot(q, shown, color=BLUE)
+    if mean:
+        middle = float(np.mean(shown[: row.size]))
+        ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)), label=f"mean {middle:.4g} {label}")
+        ax.legend(loc="best")
+    for centre in cycle.dead_centres:
+        ax.axvline(centre, color="black", linewidth=0.7, linestyle=":")
+    _show_range(ax, shown)
+    ax.set(title=title, xlabel=cycle.q_label, ylabel=f"{symbol}, {label}", xlim=(q[0], q[-1]))
+    if "°" in cycle.q_label:
+        turn = q[-1] - q[0]
+        ax.xaxis.set_major_locator(MultipleLocator(next(s for s in (10, 30, 60, 90, 180) if turn <= 6 * s or s == 180)))
+
+
+def _show_range(ax: Axes, shown: np.ndarray) -> None:
+    """Keep a quantity that is constant but for rounding from being blown up to noise."""
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-9 * size or size == 0:
+        ax.set_ylim(low - 0.1 * size - (size == 0), high + 0.1 * size + (size == 0))
+
+
+def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: Cycle) -> None:
+    """The loop W(I), with Wittenbauer's tangents and the flywheel they give where δ is asked for."""
+    inertia, work = cycle.rows["reduced_inertia"], cycle.rows["work"]
+    (fi, unit_i), (fw, unit_w) = engineer_unit(cycle.units["reduced_inertia"], inertia), engineer_unit("J", work)
+    ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
+    ax.plot(fi * inertia[0], fw * work[0], "o", color=BLUE, markersize=3)
+    ax.set(title="Energy loop", xlabel=f"I, {unit_i}", ylabel=f"ΔE, {unit_w}")
+    span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
+    ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))
+    ax.set_ylim(fw * (work.min() - 0.35 * span_w), fw * (work.max() + 0.45 * span_w))
+    if scene.flywheel is None or scene.flywheel.speed_fluctuation is None:
+        return
+    delta = values.get("flywheel.speed_fluctuation", scene.flywheel.speed_fluctuation)
+    omega = abs(values.get("input.speed", scene.input.speed))
+    ends = np.array([inertia.min() - span_i, inertia.max() + span_i])
+    heights = []
+    for sign, colour, best in ((1, VERMILION, np.argmax), (-1, GREEN, np.argmin)):
+        slope = 0.5 * (omega * (1 + sign * delta / 2)) ** 2
+        k = best(work - slope * inertia)
+        heights.append(work[k] - slope * inertia[k])
+        word = "max" if sign > 0 else "min"
+        ax.plot(fi * ends, fw * (heights[-1] + slope * ends), color=colour, linewidth=0.9, label=rf"½ω$_\mathrm{{{word}}}$²")
+        ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
+    wheel = (heights[0] - heights[1]) / (delta * omega**2)
+    factor, unit = engineer_unit("kg m2", np.array([wheel]))
+    ax.legend(loc="upper left", ncols=2, title=f"δ = {delta:.4g}: $I_F$ = {factor * wheel:.4g} {unit}", title_fontsize=7)

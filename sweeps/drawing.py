@@ -17,7 +17,7 @@ from engine.parts import FRAME, CrankInput, Hinged, Sliding
 from engine.quantities import has_cycle
 from engine.scene import Numbers
 from engine.structure import did_you_mean, order
-from sweeps.diagrams import MM, RED, new_figure, save, style
+from sweeps.diagrams import MM_PER_INCH, VERMILION, PictureError, house_style, new_figure, save
 from sweeps.engineer_units import engineer_unit
 
 if TYPE_CHECKING:
@@ -30,10 +30,10 @@ POSITIONS = 720
 HALF_LENGTH, HALF_HEIGHT = 3.2, 2.0
 PIVOT_WIDTH, PIVOT_HEIGHT = 2.3, 4.0
 HATCH_STEP = 1.5
-NAME_HEIGHT = 2.9
+NAME_HEIGHT = 2.6
 
 
-class DrawingError(ValueError):
+class PictureError(ValueError):
     """A mechanism that can't be drawn as asked."""
 
 
@@ -92,7 +92,7 @@ class Motion:
 
     Raises
     ------
-    DrawingError
+    PictureError
         The values are outside the limits of the scene's numbers.
     """
 
@@ -108,7 +108,7 @@ class Motion:
         outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
         self.verdict = Verdict(int(outcome.status[0]))
         if self.verdict == Verdict.OUTSIDE_LIMITS:
-            raise DrawingError(f"{values}: {SENTENCES[self.verdict]}")
+            raise PictureError(f"{values}: {SENTENCES[self.verdict]}")
         self.numbers = Numbers(scene, values)
         self.q = machine.nodes
         if not isinstance(drive, CrankInput):
@@ -133,7 +133,7 @@ class Motion:
 
         Raises
         ------
-        DrawingError
+        PictureError
             The place is outside the range of the input, or the mechanism can't be assembled there.
         """
         step = self.q[1] - self.q[0]
@@ -141,10 +141,10 @@ class Motion:
         if has_cycle(self.scene):
             k %= self.q.size
         elif not 0 <= k < self.q.size:
-            raise DrawingError(f"position {at:g} is outside the input's range {self.q[0]:g} to {self.q[-1]:g}")
+            raise PictureError(f"position {at:g} is outside the input's range {self.q[0]:g} to {self.q[-1]:g}")
         if not all(np.isfinite(p[k]) for p in self.points.values()):
             sentence = SENTENCES[Verdict.CANNOT_ASSEMBLE]
-            raise DrawingError(f"position {at:g} can't be drawn: {sentence}; or ask for another position")
+            raise PictureError(f"position {at:g} can't be drawn: {sentence}; or ask for another position")
         return k
 
     def _part(self, link: str) -> tuple[str, object]:
@@ -202,11 +202,19 @@ class Motion:
 
     def _radius(self) -> float:
         """Radius of a hinge: a share of the whole, smaller where links are short."""
-        cloud = np.concatenate(list(self.points.values()))
+        cloud = np.concatenate([*self.points.values(), *self._stems()])
         cloud = cloud[np.isfinite(cloud)]
         whole = abs(np.ptp(cloud.real) + 1j * np.ptp(cloud.imag))
         lengths = [v for path, v in self.numbers.items() if path.endswith(".length") and path[:6] != "bodies"]
         return min(whole / 85, max(0.14 * min(lengths, default=math.inf), whole / 170))
+
+    def _stems(self) -> Iterable[np.ndarray]:
+        """How far the stems of yokes reach."""
+        for group in self.scene.groups.values():
+            if group.type == "RPP":
+                place, along = self.guide(group.second.guide)
+                low, high = self.range_of(group.second.link)
+                yield place + (2 * high - low) * along
 
     def range_of(self, link: str) -> tuple[float, float]:
         """Least and greatest slide coordinate of a slider over the cycle [m]."""
@@ -239,7 +247,9 @@ class Motion:
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.abs(vectors)
+    # Where the mechanism can't be assembled, undefined stays undefined.
+    with np.errstate(invalid="ignore"):
+        return vectors / np.abs(vectors)
 
 
 # Symbols
@@ -309,10 +319,10 @@ def _fixed_pivot(c: complex, r: float) -> list[Primitive]:
 
 
 def _zigzag(a: complex, b: complex, r: float) -> Primitive:
-    steps = np.array([0, 0.2, *np.linspace(0.2, 0.8, 10)[:-1] + 0.6 / 18, 0.8, 1.0])
-    sides = np.array([0, 0, *(1 - 2 * (np.arange(9) % 2)), 0, 0])
+    steps = np.array([0, 0.2, *(0.2 + 0.6 * (np.arange(14) + 0.5) / 14), 0.8, 1.0])
+    sides = np.array([0, 0, *(-1.0) ** np.arange(14), 0, 0])
     u = (b - a) / abs(b - a)
-    return _line(*(a + steps * (b - a) + 1.8j * r * sides * u))
+    return _line(*(a + steps * (b - a) + 2.2j * r * sides * u))
 
 
 def _arrow(points: Sequence[complex], r: float) -> list[Primitive]:
@@ -390,26 +400,26 @@ def _gearing(a: complex, b: complex, ratio: float) -> list[Primitive]:
 def _moving(m: Motion, k: int) -> list[Primitive]:
     """Links, sliders and hinges at a node, without names."""
     r, scene = m.radius, m.scene
-    under, over = [], []
+    under, plates, over = [], [], []
     carriers = {scene.guides[s.guide].link for s in m.sliders}
+    carriers |= {g.second.link for g in scene.groups.values() if g.type in ("RPR", "RPP")}
     for link in m.links[:-1]:
-        features = [m.axes(link)[0][k], *(m.points[n][k] for n in m.members(link))]
-        shape = _shape(features, r)
-        (under if link in carriers or shape and shape[0].kind == "polygon" else over).extend(shape)
+        shape = _shape([m.axes(link)[0][k], *(m.points[n][k] for n in m.members(link))], r)
+        is_plate = bool(shape) and shape[0].kind == "polygon"
+        (under if link in carriers else plates if is_plate else over).extend(shape)
     for name, group in scene.groups.items():
         if group.type in ("RPR", "RPP"):
-            below, above = _slotted(m, name, k)
-            under, over = under + below, above + over
+            under += _slotted(m, name, k)
     for slider in m.sliders:
         if scene.guides[slider.guide].link != FRAME:
             under += _moving_guide(m, slider, k)
     boxes = [_box(m.points[s.joint][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
     springs = [_zigzag(*(m.points[end][k] for end in s.between), r) for s in scene.springs.values()]
-    return [*under, *boxes, *over, *springs, *_joints(m, k)]
+    return [*under, *boxes, *plates, *over, *springs, *_joints(m, k)]
 
 
-def _slotted(m: Motion, name: str, k: int) -> tuple[list[Primitive], list[Primitive]]:
-    """Slotted link and block of RPR or RPP: what lies under other links, and what lies over the slot."""
+def _slotted(m: Motion, name: str, k: int) -> list[Primitive]:
+    """Slotted link and block of RPR or RPP."""
     r, group = m.radius, m.scene.groups[name]
     origin, u = m.axes(group.second.link)[0][k], m.axes(group.first.link)[1][k]
     pin = m.points[group.first.joint][k]
@@ -418,8 +428,7 @@ def _slotted(m: Motion, name: str, k: int) -> tuple[list[Primitive], list[Primit
     block = _box(foot, u, HALF_LENGTH * r, HALF_HEIGHT * r)
     margin = (HALF_LENGTH + 1.5) * r
     if group.type == "RPR":
-        rod = _line(origin + min(low - margin, 0) * u, origin + max(high + margin, 0) * u)
-        return [rod, block], [_line(foot, pin)] if abs(pin - foot) > 0.3 * r else []
+        return [_line(*_rod(m, name, k)), _line(foot, pin), block]
     slot = _box(origin + (low + high) / 2 * u, u, (high - low) / 2 + margin, HALF_HEIGHT * r, "paper")
     along = m.axes(group.second.link)[1][k]
     start = origin + HALF_HEIGHT * r / abs((u / along).imag) * along
@@ -428,7 +437,16 @@ def _slotted(m: Motion, name: str, k: int) -> tuple[list[Primitive], list[Primit
     below = [_line(start, tip), *_weld(start, along, u, r), slot, block]
     if m.scene.guides[group.second.guide].link != FRAME:
         below.append(_box(held - 4 * r * along, along, 4 * r, 1.2 * r))
-    return below, []
+    return below
+
+
+def _rod(m: Motion, name: str, k: int) -> tuple[complex, complex]:
+    """Ends of the rod that serves the rocker of RPR as its slot."""
+    group = m.scene.groups[name]
+    origin, u = (values[k] for values in m.axes(group.second.link))
+    low, high = m.range_of(group.first.link)
+    margin = (HALF_LENGTH + 1.5) * m.radius
+    return origin + min(low - margin, 0) * u, origin + max(high + margin, 0) * u
 
 
 def _moving_guide(m: Motion, slider: Slider, k: int) -> list[Primitive]:
@@ -457,9 +475,10 @@ def _joints(m: Motion, k: int) -> list[Primitive]:
         for n, p in m.points.items()
         if n in hinges or n not in rest
     ]
+    rods = {g.second.link: _rod(m, name, k) for name, g in m.scene.groups.items() if g.type == "RPR"}
     for link in m.links[:-1]:
         names = m.members(link)
-        shape = _shape([m.axes(link)[0][k], *(m.points[n][k] for n in names)], r)
+        shape = _shape([*rods.get(link, ()), *(m.points[n][k] for n in names)], r)
         if shape and shape[0].kind == "line":
             a, b = shape[0].points
             u = r * (b - a) / abs(b - a)
@@ -482,8 +501,8 @@ def _sense(m: Motion, k: int) -> list[Primitive]:
         angles = m.q[k] + sense * np.linspace(0.25, 0.25 + turn, 24)
         return _arrow(m.points[drive.pivot][k] + radius * np.exp(1j * angles), r)
     u = m.guide(drive.guide)[1][k]
-    beside = m.points[drive.point][k] + 3.6j * r * u
-    return _arrow([beside - 3 * r * sense * u, beside + 3 * r * sense * u], r)
+    face = m.points[drive.point][k] + sense * (HALF_LENGTH + 1) * r * u
+    return _arrow([face, face + 4 * r * sense * u], r)
 
 
 def _segments(drawn: Iterable[Primitive]) -> np.ndarray:
@@ -511,17 +530,17 @@ def _names(m: Motion, k: int, drawn: Iterable[Primitive]) -> list[Primitive]:
     for joint in shown:
         half = complex(0.36 * len(joint.text), 0.5) * height
         best = None
-        for reach in (1.0, 1.5, 2.2):
+        for reach in (0.25, 0.5, 1.0, 1.7):
             for angle in np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]):
                 u = cmath.exp(1j * angle)
-                away = joint.size + 0.25 * height * reach
+                away = joint.size + height * reach
                 at = (
                     joint.points[0]
                     + away * u
                     + complex(math.copysign(1, u.real) * min(1, 1.5 * abs(u.real)) * half.real, u.imag * half.imag)
                 )
                 gap = np.abs((marks - at).real) / half.real, np.abs((marks - at).imag) / half.imag
-                cost = np.count_nonzero((gap[0] < 1.1) & (gap[1] < 1.15)) + 0.1 * reach
+                cost = np.count_nonzero((gap[0] < 1.1) & (gap[1] < 1.15)) + reach
                 cost += sum(
                     20
                     for t, h in taken
@@ -561,7 +580,7 @@ def primitives(
 
     Raises
     ------
-    DrawingError
+    PictureError
         The position can't be drawn, or a point of `paths` doesn't exist.
     """
     return figures(Motion(scene, values), [phi], paths)[-1]
@@ -585,16 +604,27 @@ def figures(motion: Motion, at: Sequence[float], paths: Sequence[str] = ()) -> l
     """
     for name in paths:
         if name not in motion.points:
-            raise DrawingError(f"paths: {name!r} is not a point of this scene; {did_you_mean(name, motion.points)}")
+            raise PictureError(f"paths: {name!r} is not a point of this scene; {did_you_mean(name, motion.points)}")
     first, *rest = (motion.node(place) for place in at)
-    closed = slice(None) if has_cycle(motion.scene) else slice(0)
-    trails = [
-        _line(*motion.points[n], *motion.points[n][closed][:1], layer="paths") for n in paths
-    ]
+    trails = [motion.points[n] for n in paths]
+    if has_cycle(motion.scene):
+        trails = [_once(trail, 0.5 * motion.radius) for trail in trails]
+    trails = [_line(*trail, layer="paths") for trail in trails]
     others = [_moving(motion, k) for k in rest]
     whole = [*_frame(motion), *trails, *_moving(motion, first), *_sense(motion, first)]
-    obstacles = [p for p in (*whole, *(q for other in others for q in other)) if p.layer != "hatching"]
+    obstacles = [*whole, *(p for other in others for p in other)]
     return [*others, [*whole, *_names(motion, first, obstacles)]]
+
+
+def _once(path: np.ndarray, near: float) -> np.ndarray:
+    """A closed path; the half of it where the point comes back the way it went, since dashes would fill up."""
+    steps = np.diff(path, append=path[:1])
+    ends = np.flatnonzero((steps * np.roll(steps, 1).conj()).real < 0)
+    if ends.size == 2:
+        there, back = path[ends[0] : ends[1] + 1], np.roll(path, -ends[1])[: path.size - np.diff(ends)[0] + 1]
+        if max(np.abs(back - p).min() for p in there[::10]) < near:
+            return there
+    return np.append(path, path[0])
 
 
 def default_position(motion: Motion) -> float:
@@ -632,7 +662,7 @@ def draw(
 
     Raises
     ------
-    DrawingError
+    PictureError
         A position can't be drawn, or a point of `paths` doesn't exist.
     """
     motion = Motion(scene, values)
@@ -661,6 +691,7 @@ def prepare(ax: "Axes", extent: tuple[float, float, float, float], radius: float
     margin = 2.5 * factor * radius
     ax.set(xlim=(low_x - margin, high_x + margin), ylim=(low_y - margin, high_y + margin))
     ax.set_aspect("equal")
+    ax.grid(False)
     ax.set(xlabel=f"x, {label}", ylabel=f"y, {label}")
     ax.spines[["top", "right"]].set_visible(False)
     return factor
@@ -675,11 +706,11 @@ def paint(ax: "Axes", drawn: Iterable[Primitive], factor: float, ghost: bool = F
     for z, p in enumerate(drawn, 2):
         vertices = factor * np.column_stack([np.real(p.points), np.imag(p.points)])
         style = {
-            "edgecolor": RED if p.layer == "paths" else ink,
-            "facecolor": {"solid": ink, "tint": "white"}.get(p.fill, FILLS[p.fill]) if ghost else FILLS[p.fill],
+            "edgecolor": VERMILION if p.layer == "paths" else ink,
+            "facecolor": {"solid": ink, "tint": "none"}.get(p.fill, FILLS[p.fill]) if ghost else FILLS[p.fill],
             "linewidth": WIDTHS[p.layer] * (0.6 if ghost else 1.0),
             "linestyle": DASHES.get(p.layer, "solid"),
-            "zorder": z / 1000 if ghost else 3 + z / 1000,
+            "zorder": z / 1000 if ghost else 3 + (p.layer == "paths") + 2 * (p.layer in ("joints", "names")) + z / 1000,
         }
         if p.kind == "text":
             ax.add_patch(_lettering(p, factor, style["zorder"]))
@@ -695,13 +726,14 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> "PathPatch":
     """A name as outlines of its letters, so that it keeps its size in the drawing whatever the figure's."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
     from matplotlib.textpath import TextPath
 
     path = TextPath((0, 0), p.text, size=factor * p.size, prop=FontProperties(family="DejaVu Serif", style="italic"))
     box = path.get_extents()
     at = p.points[0] * factor - complex(box.x0 + box.x1, box.y0 + box.y1) / 2
     moved = path.vertices + (at.real, at.imag)
-    return PathPatch(type(path)(moved, path.codes), facecolor="black", edgecolor="none", zorder=zorder)
+    return PathPatch(Path(moved, path.codes), facecolor="black", edgecolor="none", zorder=zorder)
 
 
 def picture(
@@ -712,11 +744,11 @@ def picture(
     values: Mapping[str, float] | None = None,
 ) -> None:
     """Draw a mechanism to a file by itself (.svg, .pdf, .png), 160 mm wide at most; arguments as of `draw`."""
-    with style():
+    with house_style():
         fig = new_figure(160, 160)
         ax = fig.add_subplot()
         draw(scene, ax, at, paths, values)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min(145 / width, 200 / height)
-        fig.set_size_inches((scale * width + 18) / MM, (scale * height + 15) / MM)
+        fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 15) / MM_PER_INCH)
     save(fig, path)

@@ -139,11 +139,9 @@ def check_text(study: Study, out: Path) -> str:
         (f"Computed at each of {machine.nodes.size} positions", computed),
         ("Left out, as nothing asked needs it", left),
         ("Evaluation", f"{form_line}; {study.precision}; blocks of {block} variants"),
-        (
-            "Cost",
-            f"time about {seconds * study.design.size:.3g} s ({seconds * 1e6:.3g} µs a variant), "
-            f"memory about {memory / 1e6:.3g} MB beside the program's own, file {size / 1e6:.3g} MB ({free / 1e9:.3g} GB free)",
-        ),
+        ("Time", f"about {seconds * study.design.size:.3g} s, {seconds * 1e6:.3g} µs a variant"),
+        ("Memory", f"about {memory / 1e6:.3g} MB beside the program's own"),
+        ("File", f"{size / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 

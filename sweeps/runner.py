@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from engine import SENTENCES, Machine, Outcome, Verdict
+from engine.jit import threads
 from engine.quantities import InputUnits, Quantity
 from engine.units import DIMENSIONS
 from sweeps.scenefile import write_scene
@@ -90,7 +91,7 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "groups": ", ".join(machine.groups),
         "grid": " x ".join(f"{'+'.join(axis.names)}[{axis.size}]" for axis in study.design.axes),
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
-        "machine": f"{platform.machine()} {platform.system()}, {numba.config.NUMBA_NUM_THREADS} threads",
+        "machine": f"{platform.machine()} {platform.system()}, {threads()} threads",
     }
 
 

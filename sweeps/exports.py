@@ -1,0 +1,93 @@
+"""Results, positions and drawings in the formats of other programs."""
+
+import csv
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from engine import Machine, Scene
+from sweeps.results import Result
+from sweeps.scenefile import write_scene
+from sweeps.textfile import InputError
+
+
+def result_csv(path: Path, out: Path, where: str | None = None) -> None:
+    """Parameters, verdicts and summaries of a result as CSV, SI units in the header.
+
+    Parameters
+    ----------
+    path, out : Path
+    where : str, optional
+        Only computed variants that meet a condition; without it all variants, failed ones too.
+    """
+    result = Result(path)
+    chosen = np.arange(result.description.variants) if where is None else result.select(where)
+    names = [*result.parameters, "status", "status_at", *result.summaries]
+    names += [f"{n}_error" for n in result.summaries]
+    header = ["variant", *(_header(n, result.units[n]) for n in names)]
+    rows = ([int(v), *(_cell(result.columns[n][v]) for n in names)] for v in chosen)
+    _write_csv(out, header, rows)
+
+
+def positions_csv(scene: Scene, values: Mapping[str, float], out: Path, positions: int = 360) -> None:
+    """Positions and transfer functions of all points, links and sliders over the cycle as CSV.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        Numbers of the scene (SI) to be replaced.
+    out : Path
+    positions : int
+    """
+    available = Machine(scene).available_fields
+    names = [n for n in available if "." in n and not n.endswith(".moment")]
+    names += ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
+    machine = Machine(scene, fields=names, varied=list(values), positions=positions)
+    outcome = machine.evaluate({p: np.array([v]) for p, v in values.items()})
+    header = ["q [rad or share of range]", *(_header(n, available[n].units) for n in names)]
+    rows = ([repr(float(q)), *(_cell(outcome.fields[n][0, k]) for n in names)] for k, q in enumerate(machine.nodes))
+    _write_csv(out, header, rows)
+
+
+def scene_toml(scene: Scene, values: Mapping[str, float], out: Path) -> None:
+    """Scene with some numbers replaced, as TOML."""
+    try:
+        out.write_text(write_scene(scene, dict(values)), encoding="utf8")
+    except OSError as error:
+        raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
+
+
+def drawing(scene: Scene, values: Mapping[str, float], out: Path, phi: float) -> None:
+    """Drawing of the mechanism at one position, SVG or DXF by the file's ending."""
+    if out.suffix == ".dxf":
+        from sweeps.dxf import write_dxf
+
+        write_dxf(out, scene, phi, dict(values))
+        return
+    from sweeps.drawing import draw
+
+    figure = Figure(figsize=(7, 5), layout="constrained")
+    draw(scene, figure.add_subplot(), at=(phi,), values=dict(values))
+    figure.savefig(out)
+
+
+def _header(name: str, units: str) -> str:
+    return name if units == "1" else f"{name} [{units}]"
+
+
+def _cell(value: np.generic) -> str:
+    number = value.item()
+    return repr(number) if isinstance(number, int) or np.isfinite(number) else ""
+
+
+def _write_csv(out: Path, header: list[str], rows: Iterable[list]) -> None:
+    try:
+        with out.open("w", newline="", encoding="utf8") as file:
+            writer = csv.writer(file)
+            writer.writerow(header)
+            writer.writerows(rows)
+    except OSError as error:
+        raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
