@@ -42,12 +42,12 @@ class Result(NamedTuple):
 def row_of(model: Model, field: str) -> str:
     """Name of the row that holds a field."""
     if field in model.linear:
-        return "lin_" + field.replace(".", "__")
+        return "lin__" + field.replace(".", "__")
     if field in model.angles:
-        return "ang_" + field.removesuffix(".angle")
+        return "ang__" + field.removesuffix(".angle")
     if field in ("work", "speed"):
-        return f"row_{field}"
-    return f"row_{model.variables[field]}"
+        return f"row__{field}"
+    return f"row__{model.variables[field]}"
 
 
 class Analyses:
@@ -70,8 +70,8 @@ class Analyses:
         self._angles()
         self._strokes()
         for group, sine in model.mechanism.sines.items():
-            self._step(f"least_{sine}$", f"least_magnitude(row_{sine}$)")
-            self.results[f"{group}.transmission_angle"] = difference(f"math.asin(min(1.0, least_{sine}$))")
+            self._step(f"least__{sine}$", f"least_magnitude(row__{sine}$)")
+            self.results[f"{group}.transmission_angle"] = difference(f"math.asin(min(1.0, least__{sine}$))")
         first_kind = model.linear["reduced_inertia"].constant
         self.results["first_kind_inertia"] = Result(first_kind, "0.0")
         self._motors()
@@ -112,18 +112,18 @@ class Analyses:
     def _angles(self) -> None:
         for field, (c, s) in self.model.angles.items():
             row = row_of(self.model, field)
-            self._fill(f"{row}$", f"unwrap_angle(row_{c}$, row_{s}$, {row}$)")
+            self._fill(f"{row}$", f"unwrap_angle(row__{c}$, row__{s}$, {row}$)")
 
     def _strokes(self) -> None:
         m = self.model.mechanism
         for name, slide in m.slides.items():
-            ends = f"low_{name}$, high_{name}$, low_at_{name}$, high_at_{name}$"
-            self._step(ends, f"stroke_ends(row_{slide.d}$, row_{slide.dv}$, first, h$, {self.periodic})")
+            ends = f"low__{name}$, high__{name}$, low_at__{name}$, high_at__{name}$"
+            self._step(ends, f"stroke_ends(row__{slide.d}$, row__{slide.dv}$, first, h$, {self.periodic})")
             self._ends(name, "stroke", name, False)
         for name in turning_links(self.model):
-            ends = ", ".join(f"{end}_turn_{name}$" for end in ("low", "high", "low_at", "high_at"))
+            ends = ", ".join(f"{end}__turn_{name}$" for end in ("low", "high", "low_at", "high_at"))
             link = m.links[name]
-            rows = f"row_{link.c}$, row_{link.s}$, row_{link.w}$"
+            rows = f"row__{link.c}$, row__{link.s}$, row__{link.w}$"
             self._step(ends, f"swing_ends({rows}, first, h$, {self.periodic})")
             self._ends(name, "swing", f"turn_{name}", True)
 
@@ -131,11 +131,11 @@ class Analyses:
         def add(what: str, value: str) -> None:
             self.results[f"{name}.{what}"] = difference(value)._replace(may_be_undefined=may_be_undefined)
 
-        add(kind, f"high_{variable}$ - low_{variable}$")
-        add(f"{kind}_low_at", f"low_at_{variable}$")
-        add(f"{kind}_high_at", f"high_at_{variable}$")
+        add(kind, f"high__{variable}$ - low__{variable}$")
+        add(f"{kind}_low_at", f"low_at__{variable}$")
+        add(f"{kind}_high_at", f"high_at__{variable}$")
         if self.periodic:
-            add(f"{kind}_time_ratio", f"quick_return_ratio(low_at_{variable}$, high_at_{variable}$)")
+            add(f"{kind}_time_ratio", f"quick_return_ratio(low_at__{variable}$, high_at__{variable}$)")
 
     def _motors(self) -> None:
         moments = self.model.moments
@@ -149,12 +149,12 @@ class Analyses:
 
     def _cycle(self) -> None:
         omega = self.model.program.number("input.speed", "load")
-        inertia, moment = "lin_reduced_inertia$", "lin_reduced_moment$"
+        inertia, moment = "lin__reduced_inertia$", "lin__reduced_moment$"
         self._step("mean_moment$", f"mean_of({moment})")
-        self._step("useful$", "mean_of(lin_useful_moment$)")
-        self._step("residual$", f"derivative_residual({inertia}, lin_reduced_inertia_phi$, h$)")
-        self._fill("row_work$", f"cumulative_work({moment}, mean_moment$, h$, row_work$)")
-        self._step("doubt", "work_doubt(lin_reduced_moment, h)")
+        self._step("useful$", "mean_of(lin__useful_moment$)")
+        self._step("residual$", f"derivative_residual({inertia}, lin__reduced_inertia_phi$, h$)")
+        self._fill("row__work$", f"cumulative_work({moment}, mean_moment$, h$, row__work$)")
+        self._step("doubt", "work_doubt(lin__reduced_moment, h)")
         jump = "doubt / (h * n)"
         self.results["required_drive_moment"] = difference("-mean_moment$", jump)
         self.results["required_power"] = difference(f"-mean_moment$ * {omega}", f"abs({omega}) * {jump}")
@@ -169,7 +169,7 @@ class Analyses:
         first_kind = self.model.linear["reduced_inertia"].constant
         self._step(
             "excess$, by_excess$, merzalov$, wittenbauer$",
-            f"flywheel_sizes({inertia}, row_work$, {omega}, {delta}, {first_kind})",
+            f"flywheel_sizes({inertia}, row__work$, {omega}, {delta}, {first_kind})",
         )
         self.results["excess_work"] = difference("excess$", "doubt")
         if flywheel is None:
@@ -189,8 +189,8 @@ class Analyses:
 
     def _speeds(self, inertia: str, omega: str, wheel: str) -> None:
         self._step("wheel$", wheel)
-        self._step("energy$, slowest$, fastest$", f"speed_with_flywheel({inertia}, row_work$, wheel$, {omega})")
-        self._fill("row_speed$", f"speed_row({inertia}, row_work$, wheel$, energy$, row_speed$)")
+        self._step("energy$, slowest$, fastest$", f"speed_with_flywheel({inertia}, row__work$, wheel$, {omega})")
+        self._fill("row__speed$", f"speed_row({inertia}, row__work$, wheel$, energy$, row__speed$)")
         jump = f"doubt / (2.0 * energy / {omega} / {omega})"
         share = f"{jump} / abs({omega})"
 

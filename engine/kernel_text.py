@@ -20,17 +20,17 @@ class KernelText:
 
     def tables(self, text: str) -> tuple[str, ...]:
         """Searched tables that a text uses."""
-        return tuple(t for t in self.model.moments.tables if f"table_{t}_breaks" in text)
+        return tuple(t for t in self.model.moments.tables if f"table__{t}_breaks" in text)
 
     def angle_tables(self, text: str) -> tuple[str, ...]:
         """Tables over the crank angle that a text uses."""
-        return tuple(t for t in self.model.moments.angle_tables if f"angle_table_{t}[" in text)
+        return tuple(t for t in self.model.moments.angle_tables if f"angle_table__{t}[" in text)
 
     def _table_arguments(self, text: str) -> list[str]:
         found = [
-            f"table_{t}_{field}" for t in self.tables(text) for field in ("breaks", "coefficients", "start", "period")
+            f"table__{t}_{field}" for t in self.tables(text) for field in ("breaks", "coefficients", "start", "period")
         ]
-        return found + [f"angle_table_{t}" for t in self.angle_tables(text)]
+        return found + [f"angle_table__{t}" for t in self.angle_tables(text)]
 
     def _loads(self, role: str) -> list[str]:
         slots = self.model.program.slots
@@ -39,17 +39,10 @@ class KernelText:
     def _step(self) -> list[str]:
         if isinstance(self.model.scene.input, CrankInput):
             return ["h = step", "first = nodes[0]", "h_half = h + h"]
-        length = "(num_input__stop - num_input__start)"
-        return [f"h = step * {length}", "first = num_input__start", "h_half = h + h"]
+        length = "(num__input__stop - num__input__start)"
+        return [f"h = step * {length}", "first = num__input__start", "h_half = h + h"]
 
-    def module(
-        self,
-        position_loop: list[str],
-        geometry: list[str],
-        variant: list[str],
-        diagnosis: list[str],
-        fields: int,
-    ) -> str:
+    def module(self, position_loop: list[str], geometry: list[str], variant: list[str], diagnosis: list[str]) -> str:
         """Text of the module."""
         text = "\n".join((*position_loop, *geometry, *variant))
         arguments = ", ".join(

@@ -342,7 +342,7 @@ class Machine:
         if isinstance(self.scene.input, CrankInput):
             return self.nodes[places]
         slots = self.source("whole").slots
-        start, stop = (parameters[:, slots.index(f"num_input__{key}")] for key in ("start", "stop"))
+        start, stop = (parameters[:, slots.index(f"num__input__{key}")] for key in ("start", "stop"))
         return start + (stop - start) * self.nodes[places]
 
 

@@ -170,11 +170,11 @@ class Moments:
                 self._power_drag(name, action, at, value, w)
             case "torsion_spring":
                 link = self.mechanism.links[action.on]
-                angle = f"math.atan2(row_{link.s}[k], row_{link.c}[k])"
+                angle = f"math.atan2(row__{link.s}[k], row__{link.c}[k])"
                 free = p.number(f"{at}.free_angle")
-                expression = f"row_{w}[k] * spring(one, {free}, {angle})"
+                expression = f"row__{w}[k] * spring(one, {free}, {angle})"
                 self._law(name, expression, (w, link.s, link.c))
-                self._term(name, p.number(f"{at}.stiffness", "load"), f"law_{name}")
+                self._term(name, p.number(f"{at}.stiffness", "load"), f"law__{name}")
 
     def _masked(self, action: actions.OnPoint | actions.OnLink, w: str) -> str:
         if action.acts == "always":
@@ -191,7 +191,7 @@ class Moments:
 
     def _law(self, name: str, expression: str, rows: tuple[str, ...], stroke_of: str | None = None) -> None:
         rows = tuple(r for r in rows if r not in ("one", "zero"))
-        self.laws[f"law_{name}"] = Law(f"law_{name}", expression.replace("row_one[k]", "one"), rows, stroke_of)
+        self.laws[f"law__{name}"] = Law(f"law__{name}", expression.replace("row__one[k]", "one"), rows, stroke_of)
 
     def _power_drag(self, name: str, action: actions.PowerDragForce, at: str, value: str, w: str) -> None:
         def at_speed(n: Mapping) -> float | np.ndarray:
@@ -199,17 +199,17 @@ class Moments:
             return n[f"{at}.{value}"] * np.sign(speed) * np.abs(speed / n[f"{at}.at_speed"]) ** n[f"{at}.exponent"]
 
         p = self.program
-        row = f"row_{w}[k]"
+        row = f"row__{w}[k]"
         expression = f"{row} * power_law_drag(one, {p.number(f'{at}.exponent')}, {row})"
         if action.acts != "always":
             direction = "one" if action.acts == "along" else "-one"
             expression += f" * acts_in_direction({direction}, {row} * {self._forward})"
         self._law(name, expression, (w,))
-        self._term(name, p.derived(f"{at}.at_input_speed", at_speed, "load"), f"law_{name}")
+        self._term(name, p.derived(f"{at}.at_input_speed", at_speed, "load"), f"law__{name}")
 
     def _tabled(self, name: str, action: actions.Tabled, at: str, w: str) -> None:
         p, drive = self.program, self.scene.input
-        self._term(name, p.number(f"{at}.scale", "load"), f"law_{name}")
+        self._term(name, p.number(f"{at}.scale", "load"), f"law__{name}")
         x, y = action.abscissae, action.ordinates
         if action.over_angle is not None:
             full = isinstance(drive, CrankInput) and drive.start is None
@@ -227,16 +227,16 @@ class Moments:
             argument = f"{place} / {p.number('input.speed')}"
         else:
             slide = self.mechanism.slides[action.slider]
-            rows, place = (w, slide.d), f"row_{slide.d}[k]"
+            rows, place = (w, slide.d), f"row__{slide.d}[k]"
             if action.measured_from != "guide":
                 stroke_of = action.slider
             argument = {
                 "guide": place,
-                "low end": f"{place} - low_{action.slider}",
-                "high end": f"high_{action.slider} - {place}",
+                "low end": f"{place} - low__{action.slider}",
+                "high end": f"high__{action.slider} - {place}",
             }[action.measured_from]
-        fields = ", ".join(f"table_{name}_{field}" for field in Table._fields)
-        self._law(name, f"row_{w}[k] * table_value({fields}, {argument})", rows, stroke_of)
+        fields = ", ".join(f"table__{name}_{field}" for field in Table._fields)
+        self._law(name, f"row__{w}[k] * table_value({fields}, {argument})", rows, stroke_of)
 
     def _spring(self, name: str) -> None:
         p, spring, at = self.program, self.scene.springs[name], f"springs.{name}"
@@ -260,8 +260,8 @@ class Moments:
         sign = -1.0 if cylinder.head == "high" else 1.0
         area = p.derived(f"{at}.area", lambda n: sign * math.pi / 4 * n[f"{at}.bore"] ** 2, "load")
         number = {key: p.number(f"{at}.{key}") for key in type(cylinder).model_fields if f"{at}.{key}" in self._paths}
-        d, v = f"row_{slide.d}[k]", f"row_{slide.dv}[k]"
-        low, high = f"low_{cylinder.piston}", f"high_{cylinder.piston}"
+        d, v = f"row__{slide.d}[k]", f"row__{slide.dv}[k]"
+        low, high = f"low__{cylinder.piston}", f"high__{cylinder.piston}"
         travel = f"{high} - {d}" if cylinder.head == "high" else f"{d} - {low}"
         toward = f"{v} * {self._forward} > zero" if cylinder.head == "high" else f"{v} * {self._forward} < zero"
         stroke = f"{high} - {low}"
@@ -269,7 +269,7 @@ class Moments:
         exponents = f"{number.get('n_compression')}, {number.get('n_expansion')}"
         pressures = f"{number.get('intake')}, {number.get('exhaust')}, {number.get('peak')}, {exponents}"
         firing = number.get("firing_angle", "zero")
-        head_at = f"{cylinder.head}_at_{cylinder.piston}"
+        head_at = f"{cylinder.head}_at__{cylinder.piston}"
         turn = f"{head_at}, {firing}, {self._forward}, nodes[k], {toward}"
         lines = f"{number.get('suction')}, {number.get('discharge')}"
         pressure = {
@@ -279,4 +279,4 @@ class Moments:
             "two_stroke": f"two_stroke_engine({gas}, two_stroke_number({toward}), {pressures}, {number.get('port')})",
         }[cylinder.type]
         self._law(name, f"{v} * ({pressure} - {number['ambient']})", (slide.d, slide.dv), cylinder.piston)
-        self._term(name, area, f"law_{name}")
+        self._term(name, area, f"law__{name}")

@@ -96,7 +96,7 @@ class Program:
         role: Literal["shape", "load"] = "shape",
     ) -> str:
         """Slot for a number computed once per variant from the scene's numbers."""
-        variable = "num_" + re.sub(r"\W+", "__", label)
+        variable = "num__" + re.sub(r"\W+", "__", label)
         self.slots.setdefault(variable, Slot(variable, compute, role))
         return variable
 

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from engine import SENTENCES, Machine, Scene, Verdict
 from engine.parts import FRAME, CrankInput
@@ -38,7 +38,7 @@ _STYLE = {
     "font.sans-serif": ["DejaVu Sans"],
     "mathtext.fontset": "dejavusans",
     "font.size": 8,
-    "axes.titlesize": 8.5,
+    "axes.titlesize": 8,
     "axes.labelsize": 8,
     "xtick.labelsize": 7.5,
     "ytick.labelsize": 7.5,
@@ -108,6 +108,8 @@ class Cycle(NamedTuple):
     rows : dict of str to ndarray (positions,)
         Fields by name, SI.
     units : dict of str to str
+    closed : bool
+        Whether the first position follows the last.
     main : str or None
         The slider whose dead centres are marked.
     dead_centres : tuple of float
@@ -118,6 +120,7 @@ class Cycle(NamedTuple):
     q_label: str
     rows: dict[str, np.ndarray]
     units: dict[str, str]
+    closed: bool
     main: str | None
     dead_centres: tuple[float, ...]
 
@@ -171,7 +174,8 @@ def cycle_of(
     q, label, factor = _input_axis(scene, values, machine.nodes)
     centres = (math.degrees(outcome.summaries[end][0]) for end in ends)
     units = {name: quantity.units for name, quantity in machine.available_fields.items()}
-    return Cycle(q * factor, label, rows, units, main if ends else None, tuple(c for c in centres if math.isfinite(c)))
+    centres = tuple(c for c in centres if math.isfinite(c))
+    return Cycle(q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres)
 
 
 def _input_axis(scene: Scene, values: Mapping[str, float], nodes: np.ndarray) -> tuple[np.ndarray, str, float]:
@@ -233,13 +237,16 @@ def _sheet_of_cycle(figure: Figure, scene: Scene, values: Mapping[str, float], c
     axes = figure.subplots(2, 3)
     _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced moment of inertia", "I")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dφ")
-    _panel(axes[0, 2], cycle, "reduced_moment", "Reduced moment (without driver)", "M", mean=True)
-    _panel(axes[1, 0], cycle, "work", "Work = change of kinetic energy", "W = ΔE")
+    _panel(axes[0, 2], cycle, "reduced_moment", "Moment, mean", "M", float(cycle.rows["reduced_moment"].mean()))
+    _panel(axes[1, 0], cycle, "work", "Work, change of energy", "W = ΔE")
     _energy_loop(axes[1, 1], scene, values, cycle)
-    if "speed" in cycle.rows and np.isfinite(cycle.rows["speed"]).any():
-        _panel(axes[1, 2], cycle, "speed", "Speed that follows", "ω", mean=True)
+    speed = cycle.rows.get("speed", np.array([np.nan]))
+    if np.isfinite(speed).all():
+        # The mean that δ refers to is half the sum of the extremes.
+        middle = (speed.max() + speed.min()) / 2
+        _panel(axes[1, 2], cycle, "speed", f"δ = {np.ptp(speed) / abs(middle):.3g}, mean speed", "ω", middle)
     else:
-        why = "no flywheel is described" if not _has_flywheel(scene) else "the machine stops within the cycle"
+        why = "the machine stops within the cycle" if "speed" in cycle.rows else "no flywheel is described"
         axes[1, 2].text(0.5, 0.5, f"ω(φ): {why}", ha="center", va="center", color=GREY, transform=axes[1, 2].transAxes)
         axes[1, 2].set_axis_off()
 
@@ -248,23 +255,23 @@ def _sheet_of_range(figure: Figure, cycle: Cycle) -> None:
     axes = figure.subplots(2, 2)
     _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced inertia", "I")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dq")
-    _panel(axes[1, 0], cycle, "reduced_moment", "Reduced moment or force (without driver)", "M")
+    _panel(axes[1, 0], cycle, "reduced_moment", "Reduced moment or force", "M")
     _panel(axes[1, 1], cycle, "input_moment", "Input moment or force at uniform speed", "$M_{in}$")
 
 
-def _panel(ax: Axes, cycle: Cycle, name: str, title: str, symbol: str, mean: bool = False) -> None:
-    """One quantity over the input's position."""
+def _panel(ax: Axes, cycle: Cycle, name: str, title: str, symbol: str, mean: float | None = None) -> None:
+    """One quantity over the input's position, with its mean (SI) if that is given."""
     row = cycle.rows[name]
     factor, label = engineer_unit(cycle.units[name], row)
     q, shown = cycle.q, factor * row
-    if cycle.dead_centres:
+    if cycle.closed:
         # The cycle closes: its first position is shown again at its end.
         q, shown = np.append(q, 2 * q[-1] - q[-2]), np.append(shown, shown[:1])
     ax.plot(q, shown, color=BLUE)
-    if mean:
-        middle = float(np.mean(shown[: row.size]))
-        ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)), label=f"mean {middle:.4g} {label}")
-        ax.legend(loc="best")
+    if mean is not None:
+        middle = factor * mean if abs(mean) > 1e-12 * np.abs(row).max() else 0.0
+        ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
+        title += f" {middle:.4g} {label}".replace("-", "\N{MINUS SIGN}")
     for centre in cycle.dead_centres:
         ax.axvline(centre, color="black", linewidth=0.7, linestyle=":")
     _show_range(ax, shown)
@@ -288,6 +295,7 @@ def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: Cyc
     (fi, unit_i), (fw, unit_w) = engineer_unit(cycle.units["reduced_inertia"], inertia), engineer_unit("J", work)
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
     ax.plot(fi * inertia[0], fw * work[0], "o", color=BLUE, markersize=3)
+    ax.xaxis.set_major_locator(MaxNLocator(4))
     ax.set(title="Energy loop", xlabel=f"I, {unit_i}", ylabel=f"ΔE, {unit_w}")
     span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
     ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))
@@ -303,8 +311,11 @@ def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: Cyc
         k = best(work - slope * inertia)
         heights.append(work[k] - slope * inertia[k])
         word = "max" if sign > 0 else "min"
-        ax.plot(fi * ends, fw * (heights[-1] + slope * ends), color=colour, linewidth=0.9, label=rf"½ω$_\mathrm{{{word}}}$²")
+        ax.plot(
+            fi * ends, fw * (heights[-1] + slope * ends), color=colour, linewidth=0.9, label=rf"½ω$_\mathrm{{{word}}}$²"
+        )
         ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
     wheel = (heights[0] - heights[1]) / (delta * omega**2)
     factor, unit = engineer_unit("kg m2", np.array([wheel]))
-    ax.legend(loc="upper left", ncols=2, title=f"δ = {delta:.4g}: $I_F$ = {factor * wheel:.4g} {unit}", title_fontsize=7)
+    ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
+    ax.legend(loc="upper left", ncols=2)

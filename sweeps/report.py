@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from engine import SENTENCES, Machine, Verdict
+from engine.demand import describe
 from engine.kernel_text import Form
-from engine.kernels import describe
 from engine.quantities import InputUnits
 from engine.rotation import assembly_ranges
 from engine.scene import Scene

@@ -1,0 +1,385 @@
+"""Pictures of a sweep's results: curves, bands of fields, maps over two parameters, scatter and parallel coordinates."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MultipleLocator
+
+from engine import Verdict
+from sweeps.diagrams import BLUE, GREY, PALETTE, VERMILION, PictureError, house_style, new_figure, save
+from sweeps.engineer_units import engineer_unit
+
+__all__ = [
+    "SweepData",
+    "curves",
+    "engineer_unit",
+    "field_band",
+    "map2d",
+    "parallel",
+    "pareto_front",
+    "plot_result",
+    "scatter",
+]
+
+COLOURS = "cividis"
+MOST_LINES = 3000
+REASONS = {
+    Verdict.CANNOT_ASSEMBLE: "can't be assembled",
+    Verdict.SINGULAR: "singular position",
+    Verdict.OUTSIDE_LIMITS: "outside limits",
+    Verdict.DROPPED: "dropped by a constraint",
+    Verdict.NOT_FINITE: "infinite or undefined",
+    Verdict.NOT_COMPUTED: "not computed yet",
+}
+SYMBOLS = {
+    "reduced_inertia": "I",
+    "reduced_moment": "M",
+    "input_moment": "$M_{in}$",
+    "work": "W",
+    "speed": "ω",
+    "speed_fluctuation": "δ",
+    "excess_work": "$A_{exc}$",
+    "required_drive_moment": "$M_{dr}$",
+    "required_power": "P",
+    "flywheel_excess_work": "$I_F$",
+    "flywheel_merzalov": "$I_F$",
+    "flywheel_wittenbauer": "$I_F$",
+    "speed_min": "$ω_{min}$",
+    "speed_max": "$ω_{max}$",
+}
+
+
+class SweepData(NamedTuple):
+    """What is drawn of a sweep.
+
+    Attributes
+    ----------
+    arrays : mapping of str to ndarray
+        Parameters and summaries (variants,), fields (variants, positions), SI. The error figures of the summary
+        NAME are the array NAME_error, if there is one.
+    units, long_names : mapping of str to str
+        Unit as CF spells it, and meaning, of each array.
+    varied : sequence of str
+        Names of the parameters.
+    shape : sequence of int
+        Sizes of the grid's axes, the last fastest; a single number where the variants form no grid.
+    status : ndarray (variants,) of uint8
+        `engine.Verdict` codes.
+    position : ndarray (positions,), optional
+        Positions of the fields, SI.
+    position_units : str
+    """
+
+    arrays: Mapping[str, np.ndarray]
+    units: Mapping[str, str]
+    long_names: Mapping[str, str]
+    varied: Sequence[str]
+    shape: Sequence[int]
+    status: np.ndarray
+    position: np.ndarray | None = None
+    position_units: str = "rad"
+
+    @property
+    def ok(self) -> np.ndarray:
+        """Which variants have been computed without complaint."""
+        return np.asarray(self.status) == Verdict.OK
+
+    @property
+    def summaries(self) -> list[str]:
+        """Names of the summaries: numbers per variant that are neither parameters nor error figures."""
+        return [
+            name
+            for name, values in self.arrays.items()
+            if np.ndim(values) == 1 and name not in self.varied and not self._is_error(name) and name in self.units
+        ]
+
+    def _is_error(self, name: str) -> bool:
+        return name.endswith("_error") and name.removesuffix("_error") in self.arrays
+
+    def shown(self, name: str) -> tuple[np.ndarray, str, float]:
+        """Values of an array in an engineer's unit, its label, and the factor from SI.
+
+        Raises
+        ------
+        PictureError
+            There is no such array.
+        """
+        if name not in self.arrays:
+            known = ", ".join(n for n in self.arrays if not self._is_error(n))
+            raise PictureError(f"{name!r} is not in this result; there are: {known}")
+        values = np.asarray(self.arrays[name], dtype=float)
+        factor, unit = engineer_unit(self.units.get(name, "1"), values)
+        words = self.long_names.get(name, name) or name
+        text = f"{words[0].upper()}{words[1:]}" if words != name else words
+        # A name, unlike a sentence, is one word to textwrap; it may be broken at its dots.
+        text = "\n".join(textwrap.wrap(text.replace(".", ".\u200b"), 42)).replace("\u200b", "")
+        symbol = f" {SYMBOLS[name]}" if name in SYMBOLS else ""
+        return factor * values, text + symbol + (f", {unit}" if unit not in ("", "1") else ""), factor
+
+    def axis_parameters(self) -> list[str]:
+        """The parameter along each axis of the grid that has more than one place."""
+        found = []
+        for axis, size in enumerate(self.shape):
+            if size < 2:
+                continue
+            others = tuple(k for k in range(len(self.shape)) if k != axis)
+            for name in self.varied:
+                grid = np.asarray(self.arrays[name]).reshape(self.shape)
+                if name not in found and (np.ptp(grid, axis=others) == 0).all() and np.ptp(grid) > 0:
+                    found.append(name)
+                    break
+        return found
+
+
+def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
+    """Which points no other point surpasses: none is as good in everything and better in something.
+
+    Exact; equal points are all kept, points with NaN never. With two objectives by sorting, O(n log n); with more
+    by comparison with the points kept so far, which is quick while the front is small.
+
+    Parameters
+    ----------
+    values : ndarray (points, objectives)
+    minimise : sequence of bool
+        Which objectives should be small; the others should be great.
+
+    Returns
+    -------
+    ndarray (points,) of bool
+    """
+    costs = np.asarray(values, dtype=float) * np.where(np.asarray(minimise, dtype=bool), 1.0, -1.0)
+    kept = np.zeros(costs.shape[0], dtype=bool)
+    sound = np.flatnonzero(~np.isnan(costs).any(axis=1))
+    if sound.size == 0:
+        return kept
+    # Equal points stand or fall together, so only distinct ones are compared; they come in lexicographic order.
+    distinct, back = np.unique(costs[sound], axis=0, return_inverse=True)
+    front = _front_of_two(distinct) if distinct.shape[1] == 2 else _front_of_many(distinct)
+    kept[sound] = front[back.ravel()]
+    return kept
+
+
+def _front_of_two(costs: np.ndarray) -> np.ndarray:
+    least_before = np.minimum.accumulate(costs[:, 1])
+    return np.append(True, costs[1:, 1] < least_before[:-1])
+
+
+def _front_of_many(costs: np.ndarray) -> np.ndarray:
+    # In lexicographic order a point can only be surpassed by an earlier one; the earliest left is on the front.
+    front, left = np.zeros(costs.shape[0], dtype=bool), np.arange(costs.shape[0])
+    while left.size:
+        first, rest = left[0], left[1:]
+        front[first] = True
+        left = rest[(costs[rest] < costs[first]).any(axis=1)]
+    return front
+
+
+# Pictures
+
+
+def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int | None = None) -> None:
+    """Summaries against one parameter, one panel each, with their error bands where these can be seen.
+
+    Parameters
+    ----------
+    figure : Figure
+        Empty; stays empty of anything else.
+    data : SweepData
+    x : str
+        Parameter along the axis.
+    ys : sequence of str
+        Summaries.
+    best : int, optional
+        Variant to be marked.
+    """
+    along, label, _ = data.shown(x)
+    order = np.argsort(along, kind="stable")
+    axes = figure.subplots(len(ys), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, y in zip(axes, ys, strict=True):
+        values, y_label, factor = data.shown(y)
+        values = np.where(data.ok, values, np.nan)
+        few = np.count_nonzero(data.ok) <= 60
+        ax.plot(along[order], values[order], color=BLUE, marker="o" if few else None, markersize=2.5)
+        error = factor * np.asarray(data.arrays.get(f"{y}_error", np.zeros_like(values)), dtype=float)
+        if data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > 0.002 * np.ptp(values[data.ok]):
+            low, high = (values - error)[order], (values + error)[order]
+            ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error figure")
+        _mark_failed(ax, along, data.status)
+        if best is not None:
+            ax.plot(along[best], values[best], "*", color=VERMILION, markersize=10, label="best")
+        ax.set_ylabel(y_label)
+        if ax.get_legend_handles_labels()[0]:
+            ax.legend(loc="best")
+    axes[-1].set_xlabel(label)
+
+
+def _mark_failed(ax: Axes, along: np.ndarray, status: np.ndarray) -> None:
+    """Crosses at the foot of the panel where variants failed, a colour for each reason."""
+    for colour, code in zip(PALETTE[2:] + PALETTE[1:2], _failures(status), strict=False):
+        where = along[status == code]
+        foot = np.full(where.shape, 0.03)
+        ax.plot(where, foot, "x", color=colour, markersize=4, transform=ax.get_xaxis_transform(), label=_reason(code))
+
+
+def _failures(status: np.ndarray) -> list[int]:
+    return [int(code) for code in np.unique(status) if code != Verdict.OK]
+
+
+def _reason(code: int) -> str:
+    return REASONS.get(code, f"status {code}")
+
+
+def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) -> None:
+    """A field over the input's position: the band of all variants, its middle, and the best variant.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+    name : str
+        A field; `data.position` must be there.
+    best : int, optional
+        Variant drawn by itself.
+
+    Raises
+    ------
+    PictureError
+        There is no such field, or no variant that was computed.
+    """
+    values, label, _ = data.shown(name)
+    if values.ndim != 2 or data.position is None:
+        raise PictureError(f"{name!r} is not a field of this result")
+    sound = data.ok & np.isfinite(values).all(axis=1)
+    if not sound.any():
+        raise PictureError(f"{name!r}: no variant was computed without complaint, there is nothing to show")
+    factor, unit = engineer_unit(data.position_units, data.position)
+    position = factor * data.position
+    count = int(np.count_nonzero(sound))
+    low, middle, high = values[sound].min(axis=0), np.median(values[sound], axis=0), values[sound].max(axis=0)
+    ax.fill_between(position, low, high, color=BLUE, alpha=0.18, linewidth=0, label=f"{count} variants")
+    ax.plot(position, middle, color=BLUE, linewidth=1, linestyle=(0, (5, 2)), label="median")
+    if best is not None:
+        ax.plot(position, values[best], color=VERMILION, label="best variant")
+    ax.set(xlabel=f"crank angle φ, {unit}" if unit == "°" else f"position q, {unit}", ylabel=label)
+    ax.set_xlim(position[0], position[-1])
+    if unit == "°":
+        ax.xaxis.set_major_locator(MultipleLocator(90 if np.ptp(position) > 180 else 30))
+    ax.legend(loc="best")
+
+
+def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | None = None) -> None:
+    """A summary over two parameters of a grid, as colours with contour lines; failed cells grey with the reason.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+        Its grid has exactly two axes with more than one place.
+    x, y : str
+        The parameters along those axes, in either order.
+    colour : str
+        The summary.
+    best : int, optional
+        Variant to be marked.
+
+    Raises
+    ------
+    PictureError
+        The variants don't form such a grid, or an array doesn't exist.
+    """
+    along = data.axis_parameters()
+    if sorted(along) != sorted((x, y)):
+        raise PictureError(f"a map needs a grid over {x} and {y}; this grid is over {', '.join(along) or 'nothing'}")
+    sizes = [size for size in data.shape if size > 1]
+    turn = along[0] == x
+    (xs, x_label, _), (ys, y_label, _), (values, label, _) = (data.shown(name) for name in (x, y, colour))
+
+    def cells(flat: np.ndarray) -> np.ndarray:
+        grid = np.asarray(flat).reshape(sizes)
+        return grid.T if turn else grid
+
+    places_x, places_y = cells(xs)[0], cells(ys)[:, 0]
+    sound = data.ok & np.isfinite(values)
+    grid = cells(np.where(sound, values, np.nan))
+    status = np.where(data.ok & ~sound, Verdict.NOT_FINITE, data.status)
+    _failed_cells(ax, places_x, places_y, cells(status))
+    if sound.any():
+        mesh = ax.pcolormesh(places_x, places_y, grid, cmap=COLOURS, shading="nearest", rasterized=grid.size > 10_000)
+        ax.figure.colorbar(mesh, ax=ax, label=label, pad=0.02)
+        if min(grid.shape) > 2 and np.nanmax(grid) > np.nanmin(grid):
+            lines = ax.contour(places_x, places_y, grid, levels=8, colors="white", linewidths=0.7)
+            ax.clabel(lines, fontsize=6.5, fmt="%.4g")
+    if best is not None:
+        ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="white", markersize=13, label="best")
+    ax.set(xlabel=x_label, ylabel=y_label)
+    ax.grid(False)
+    handles = ax.get_legend_handles_labels()[0]
+    handles += [Patch(facecolor=_grey(k), hatch=HATCHES[k % 4], edgecolor="white", label=_reason(c)) for k, c in enumerate(_failures(status))]
+    if handles:
+        ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
+
+
+HATCHES = ("///", "\\\\\\", "xxx", "...")
+
+
+def _grey(k: int) -> str:
+    return ("#9aa0a6", "#b8bdc2", "#7f858a", "#cfd3d6")[k % 4]
+
+
+def _failed_cells(ax: Axes, xs: np.ndarray, ys: np.ndarray, status: np.ndarray) -> None:
+    """Grey cells, hatched by reason."""
+    for k, code in enumerate(_failures(status)):
+        there = np.ma.masked_where(status != code, np.ones(status.shape))
+        ax.pcolormesh(xs, ys, there, cmap=ListedColormap([_grey(k)]), shading="nearest", hatch=None, rasterized=True)
+
+
+def scatter(
+    ax: Axes,
+    data: SweepData,
+    x: str,
+    y: str,
+    colour: str | None = None,
+    best: int | None = None,
+    minimise: tuple[bool, bool] | None = None,
+) -> None:
+    """Two arrays against each other, coloured by a third, with the Pareto front of the two if it is asked for.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+    x, y : str
+    colour : str, optional
+    best : int, optional
+        Variant to be marked.
+    minimise : (bool, bool), optional
+        Whether x and y should be small; with it the front is drawn.
+    """
+    (xs, x_label, _), (ys, y_label, _) = data.shown(x), data.shown(y)
+    sound = data.ok & np.isfinite(xs) & np.isfinite(ys)
+    size = float(np.clip(3000 / max(1, np.count_nonzero(sound)), 0.5, 14))
+    shades, label = (BLUE, "") if colour is None else (data.shown(colour)[0][sound], data.shown(colour)[1])
+    dots = ax.scatter(xs[sound], ys[sound], c=shades, s=size, cmap=None if colour is None else COLOURS, linewidths=0, rasterized=True)
+    if colour is not None:
+        ax.figure.colorbar(dots, ax=ax, label=label, pad=0.02)
+    if minimise is not None and sound.any():
+        front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
+        front = front[np.lexsort((ys[front], xs[front]))]
+        step = "steps-post" if minimise[0] == minimise[1] == True else "default"
+        ax.plot(xs[front], ys[front], color=VERMILION, linewidth=1, marker="o", markersize=3, label="Pareto front")
+    if best is not None:
+        ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="black", markersize=12, label="best")
+    failed = np.count_nonzero(~data.ok)
+    ax.set(xlabel=x_label, ylabel=y_label)
+    if failed:
+        ax.set_title(f"{failed} of {data.ok.size} variants failed and aren't shown", fontsize=7, loc="right", color=GREY)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(loc="best")
