@@ -49,7 +49,7 @@ class KernelText:
             ["begin", "end", "P", "nodes", "cos_nodes", "sin_nodes", "step", "rounding"]
             + (["starts", "members"] if self.form == "factorised" else [])
             + self._table_arguments(text)
-            + ["values", "errors", "fields", "doubts", "checks"]
+            + ["values", "errors", "fields", "nearness_of", "checks"]
         )
         scratch = [r for r, home in self.rows.items() if home == "scratch"]
         half = [r for r, home in self.rows.items() if home == "half"]

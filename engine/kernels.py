@@ -79,7 +79,7 @@ class KernelWriter:
         )
 
     def _position_loop(self, form: Form) -> list[str]:
-        """The vectorised loop over positions; `doubt` tells whether any position is singular or impossible."""
+        """The vectorised loop over positions; `nearness` grows without bound near a singular position."""
         demand, sines = self.demand, self.model.mechanism.sines
         inner = [step.line for step in demand.steps]
         inner += [f"row__{v}[k] = {v}" for v in sorted(demand.row_variables)]
@@ -90,10 +90,10 @@ class KernelWriter:
                 terms = self._terms(row, in_laws=False)
                 if terms or not row.terms:
                     inner.append(f"{target}[k] = {' + '.join(terms) or 'zero'}")
-        inner += [f"doubt += one / ({sines[g]} * {sines[g]})" for g in demand.groups]
+        inner += [f"nearness += one / ({sines[g]} * {sines[g]})" for g in demand.groups]
         if not inner:
-            return ["doubt = zero"]
-        return ["doubt = zero", "for k in range(n):", *(f"    {line}" for line in (*_places(inner), *inner))]
+            return ["nearness = zero"]
+        return ["nearness = zero", "for k in range(n):", *(f"    {line}" for line in (*_places(inner), *inner))]
 
     def _terms(self, row: LinearRow, in_laws: bool) -> list[str]:
         """Terms of a linear row at position k: those of laws, or its constant and those of the position loop."""
@@ -129,7 +129,7 @@ class KernelWriter:
         for i, row in enumerate(rows):
             if not self._is_direct(row, form):
                 lines += ["for k in range(n):", f"    fields[{i}, v, k] = {row}[k]"]
-        lines.append("doubts[v] = doubt")
+        lines.append("nearness_of[v] = nearness")
         lines.append(f"checks[v] = {' + '.join(f'mean_of({row})' for row in rows) or 'zero'}")
         return lines
 

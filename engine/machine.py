@@ -250,7 +250,7 @@ class Machine:
         self.forms_used.add(form)
         source = self.source(form)
         values = np.empty((keep.size, len(self._computed)))
-        errors, doubts, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
+        errors, nearness, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
         nodes = self.nodes.astype(self.dtype)
         count = keep.size if grouping is None else grouping[0].size - 1
         run_kernel(
@@ -266,7 +266,7 @@ class Machine:
             values,
             errors,
             fields,
-            doubts,
+            nearness,
             checks,
         )
         undefined = ~np.isfinite(values)
@@ -277,7 +277,7 @@ class Machine:
             computed |= {name: wheels[name] for name in self._wheel}
         for name in self.asked_summaries:
             outcome.summaries[name][keep], outcome.errors[name][keep] = computed[name]
-        self._judge(outcome, keep, parameters, doubts, ~np.isfinite(checks) | self._undefined(undefined))
+        self._judge(outcome, keep, parameters, nearness, ~np.isfinite(checks) | self._undefined(undefined))
 
     def _places(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Positions and their cosines and sines, one table for all variants."""
@@ -312,12 +312,12 @@ class Machine:
         outcome: Outcome,
         keep: np.ndarray,
         parameters: np.ndarray,
-        doubts: np.ndarray,
+        nearness: np.ndarray,
         not_finite: np.ndarray,
     ) -> None:
         """Give every variant its verdict, and those that fail the place and the group to blame."""
         least = SINGULAR_SINE[self.dtype]
-        doubtful = np.flatnonzero(~(doubts < 1.0 / least**2))
+        doubtful = np.flatnonzero(~(nearness < 1.0 / least**2))
         if doubtful.size:
             places, sines = np.empty((doubtful.size, 2), np.int64), np.empty(doubtful.size)
             nodes = self._places(self.nodes.astype(self.dtype))

@@ -67,8 +67,8 @@ class SweepData(NamedTuple):
         NAME are the array NAME_error, if there is one.
     units, long_names : mapping of str to str
         Unit as CF spells it, and meaning, of each array.
-    varied : sequence of str
-        Names of the parameters.
+    varied, summaries : sequence of str
+        Names of the parameters, and of the summaries in the order of their importance.
     shape : sequence of int
         Sizes of the grid's axes, the last fastest; a single number where the variants form no grid.
     status : ndarray (variants,) of uint8
@@ -82,6 +82,7 @@ class SweepData(NamedTuple):
     units: Mapping[str, str]
     long_names: Mapping[str, str]
     varied: Sequence[str]
+    summaries: Sequence[str]
     shape: Sequence[int]
     status: np.ndarray
     position: np.ndarray | None = None
@@ -91,15 +92,6 @@ class SweepData(NamedTuple):
     def ok(self) -> np.ndarray:
         """Which variants have been computed without complaint."""
         return np.asarray(self.status) == Verdict.OK
-
-    @property
-    def summaries(self) -> list[str]:
-        """Names of the summaries: numbers per variant that are neither parameters nor error figures."""
-        return [
-            name
-            for name, values in self.arrays.items()
-            if np.ndim(values) == 1 and name not in self.varied and not self._is_error(name) and name in self.units
-        ]
 
     def _is_error(self, name: str) -> bool:
         return name.endswith("_error") and name.removesuffix("_error") in self.arrays
@@ -124,19 +116,21 @@ class SweepData(NamedTuple):
         symbol = f" {SYMBOLS[name]}" if name in SYMBOLS else ""
         return factor * values, text + symbol + (f", {unit}" if unit not in ("", "1") else ""), factor
 
-    def axis_parameters(self) -> list[str]:
-        """The parameter along each axis of the grid that has more than one place."""
+    def grid_parameters(self) -> list[str]:
+        """The parameter that grows or falls along each axis of the grid with more than one place.
+
+        Empty where the variants form no grid, as random samples don't.
+        """
         found = []
         for axis, size in enumerate(self.shape):
-            if size < 2:
-                continue
-            others = tuple(k for k in range(len(self.shape)) if k != axis)
-            for name in self.varied:
-                grid = np.asarray(self.arrays[name]).reshape(self.shape)
-                if name not in found and (np.ptp(grid, axis=others) == 0).all() and np.ptp(grid) > 0:
-                    found.append(name)
-                    break
-        return found
+            if size > 1:
+                found += next(([name] for name in self.varied if name not in found and self._runs(name, axis)), [])
+        return found if len(found) == sum(size > 1 for size in self.shape) else []
+
+    def _runs(self, name: str, axis: int) -> bool:
+        grid = np.moveaxis(np.asarray(self.arrays[name]).reshape(self.shape), axis, 0).reshape(self.shape[axis], -1)
+        steps = np.diff(grid[:, 0])
+        return bool((grid == grid[:, :1]).all() and ((steps > 0).all() or (steps < 0).all()))
 
 
 def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
@@ -155,15 +149,18 @@ def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
     -------
     ndarray (points,) of bool
     """
-    costs = np.asarray(values, dtype=float) * np.where(np.asarray(minimise, dtype=bool), 1.0, -1.0)
+    # Adding zero makes one zero of two, which sorting would tell apart.
+    costs = np.asarray(values, dtype=float) * np.where(np.asarray(minimise, dtype=bool), 1.0, -1.0) + 0.0
     kept = np.zeros(costs.shape[0], dtype=bool)
     sound = np.flatnonzero(~np.isnan(costs).any(axis=1))
     if sound.size == 0:
         return kept
-    # Equal points stand or fall together, so only distinct ones are compared; they come in lexicographic order.
-    distinct, back = np.unique(costs[sound], axis=0, return_inverse=True)
+    # Equal points stand or fall together, so only distinct ones are compared, in lexicographic order.
+    order = sound[np.lexsort(costs[sound].T[::-1])]
+    is_new = np.append(True, (costs[order[1:]] != costs[order[:-1]]).any(axis=1))
+    distinct = costs[order[is_new]]
     front = _front_of_two(distinct) if distinct.shape[1] == 2 else _front_of_many(distinct)
-    kept[sound] = front[back.ravel()]
+    kept[order] = front[np.cumsum(is_new) - 1]
     return kept
 
 
@@ -262,6 +259,10 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
         raise PictureError(f"{name!r}: no variant was computed without complaint, there is nothing to show")
     factor, unit = engineer_unit(data.position_units, data.position)
     position = factor * data.position
+    step = position[1] - position[0]
+    if unit == "°" and round((position[-1] + step) % 360, 6) in (0, 360):
+        # The cycle closes: its first position is shown again at its end.
+        position, values = np.append(position, position[-1] + step), np.append(values, values[:, :1], axis=1)
     count = int(np.count_nonzero(sound))
     low, middle, high = values[sound].min(axis=0), np.median(values[sound], axis=0), values[sound].max(axis=0)
     ax.fill_between(position, low, high, color=BLUE, alpha=0.18, linewidth=0, label=f"{count} variants")
@@ -295,7 +296,7 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
     PictureError
         The variants don't form such a grid, or an array doesn't exist.
     """
-    along = data.axis_parameters()
+    along = data.grid_parameters()
     if sorted(along) != sorted((x, y)):
         raise PictureError(f"a map needs a grid over {x} and {y}; this grid is over {', '.join(along) or 'nothing'}")
     sizes = [size for size in data.shape if size > 1]
@@ -322,23 +323,26 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
     ax.set(xlabel=x_label, ylabel=y_label)
     ax.grid(False)
     handles = ax.get_legend_handles_labels()[0]
-    handles += [Patch(facecolor=_grey(k), hatch=HATCHES[k % 4], edgecolor="white", label=_reason(c)) for k, c in enumerate(_failures(status))]
+    for k, code in enumerate(_failures(status)):
+        handles.append(Patch(label=_reason(code), linewidth=0, **_failed_look(k)))
     if handles:
-        ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
+        ax.figure.legend(handles=handles, loc="outside lower center", ncols=3)
 
 
-HATCHES = ("///", "\\\\\\", "xxx", "...")
-
-
-def _grey(k: int) -> str:
-    return ("#9aa0a6", "#b8bdc2", "#7f858a", "#cfd3d6")[k % 4]
+def _failed_look(k: int) -> dict[str, str]:
+    return {
+        "facecolor": ("#9aa0a6", "#c3c8cc", "#7f858a", "#dcdfe2")[k % 4],
+        "hatch": ("////", "\\\\\\\\", "xxxx", "....")[k % 4],
+        "edgecolor": "white",
+    }
 
 
 def _failed_cells(ax: Axes, xs: np.ndarray, ys: np.ndarray, status: np.ndarray) -> None:
     """Grey cells, hatched by reason."""
     for k, code in enumerate(_failures(status)):
         there = np.ma.masked_where(status != code, np.ones(status.shape))
-        ax.pcolormesh(xs, ys, there, cmap=ListedColormap([_grey(k)]), shading="nearest", hatch=None, rasterized=True)
+        cells = ax.pcolor(xs, ys, there, shading="nearest", rasterized=status.size > 10_000)
+        cells.set(array=None, linewidth=0, **_failed_look(k))
 
 
 def scatter(
@@ -373,8 +377,8 @@ def scatter(
     if minimise is not None and sound.any():
         front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
         front = front[np.lexsort((ys[front], xs[front]))]
-        step = "steps-post" if minimise[0] == minimise[1] == True else "default"
-        ax.plot(xs[front], ys[front], color=VERMILION, linewidth=1, marker="o", markersize=3, label="Pareto front")
+        step = "steps-post" if minimise[0] else "steps-pre"
+        ax.plot(xs[front], ys[front], "o-", color=VERMILION, linewidth=1, markersize=2.5, drawstyle=step, label="Pareto front")
     if best is not None:
         ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="black", markersize=12, label="best")
     failed = np.count_nonzero(~data.ok)
@@ -383,3 +387,134 @@ def scatter(
         ax.set_title(f"{failed} of {data.ok.size} variants failed and aren't shown", fontsize=7, loc="right", color=GREY)
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="best")
+
+
+def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best: int | None = None) -> None:
+    """Parallel coordinates: a line for each variant across upright axes, coloured by one array.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+    names : sequence of str
+        Parameters and summaries, an upright axis each; those that don't vary are left out.
+    colour : str
+        Array that colours the lines.
+    best : int, optional
+        Variant to be marked.
+
+    Raises
+    ------
+    PictureError
+        Nothing varies, or an array doesn't exist.
+    """
+    columns = [(*data.shown(name)[:2], name) for name in names]
+    shades, label, _ = data.shown(colour)
+    sound = data.ok & np.isfinite(shades)
+    for values, _, _ in columns:
+        sound &= np.isfinite(values)
+    columns = [c for c in columns if sound.any() and np.ptp(c[0][sound]) > 0]
+    if not columns:
+        raise PictureError(f"none of {', '.join(names)} varies among the computed variants: nothing to show")
+    rows = np.flatnonzero(sound)
+    if rows.size > MOST_LINES:
+        ax.set_title(f"{MOST_LINES} of {rows.size} variants, evenly taken", fontsize=7, loc="right", color=GREY)
+        rows = rows[np.linspace(0, rows.size - 1, MOST_LINES).astype(int)]
+    lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
+    heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
+    places = np.arange(len(columns))
+    paths = [np.column_stack([places, heights[row]]) for row in rows]
+    faint = float(np.clip(300 / rows.size, 0.12, 0.8))
+    lines = LineCollection(paths, array=shades[rows], cmap=COLOURS, linewidths=0.7, alpha=faint, rasterized=True)
+    ax.add_collection(lines)
+    bar = ax.figure.colorbar(lines, ax=ax, label=label, pad=0.02)
+    bar.solids.set_alpha(1)
+    if best is not None:
+        ax.plot(places, heights[best], color=VERMILION, linewidth=2, marker="o", markersize=4, label="best")
+        ax.legend(loc="upper right")
+    for place, low, high in zip(places, lows, highs, strict=True):
+        ax.axvline(place, color="black", linewidth=0.8)
+        ax.text(place, 1.02, f"{high:.4g}", ha="center", va="bottom", fontsize=7)
+        ax.text(place, -0.02, f"{low:.4g}", ha="center", va="top", fontsize=7)
+    ax.set_xticks(places, [_column_label(text) for _, text, _ in columns])
+    ax.set(xlim=(-0.4, len(columns) - 0.6), ylim=(-0.09, 1.09), yticks=[])
+    ax.tick_params(axis="x", length=0)
+    ax.grid(False)
+    ax.spines[:].set_visible(False)
+
+
+def _column_label(text: str) -> str:
+    words = text.replace("\n", " ").replace(".", ".\u200b")
+    return "\n".join(textwrap.wrap(words, 18)).replace("\u200b", "")
+
+
+def plot_result(
+    data: SweepData,
+    path: Path | str,
+    x: str | None = None,
+    y: str | None = None,
+    colour: str | None = None,
+    best: int | None = None,
+    minimise: tuple[bool, bool] | None = None,
+) -> Figure:
+    """Draw a sweep in the way that suits what varies, to a file (.svg, .pdf, .png).
+
+    A field asked for as `y` is drawn as a band. A grid of one axis gives curves, of two axes a map; otherwise a
+    scatter where `x` or `y` is given, and parallel coordinates where not.
+
+    Parameters
+    ----------
+    data : SweepData
+    path : path
+    x, y, colour : str, optional
+        Arrays to be shown instead of the first that suit.
+    best : int, optional
+        Variant to be marked.
+    minimise : (bool, bool), optional
+        Whether x and y of a scatter should be small, to draw their Pareto front.
+
+    Raises
+    ------
+    PictureError
+        An array doesn't exist, nothing can be shown, or the file's ending isn't a picture's.
+    """
+    for name in (x, y, colour):
+        if name is not None:
+            data.shown(name)
+    with house_style():
+        figure = new_figure(180, 110)
+        _choose(figure, data, x, y, colour, best, minimise)
+    save(figure, path)
+    return figure
+
+
+def _choose(
+    figure: Figure,
+    data: SweepData,
+    x: str | None,
+    y: str | None,
+    colour: str | None,
+    best: int | None,
+    minimise: tuple[bool, bool] | None,
+) -> None:
+    along, summaries = data.grid_parameters(), data.summaries
+    if y is not None and np.ndim(data.arrays[y]) == 2:
+        return field_band(figure.add_subplot(), data, y, best)
+    if not summaries:
+        raise PictureError("this result holds no summaries; ask for a field, or add summaries to the study")
+    on_axes = {name for name in (x, y) if name is not None} <= set(along)
+    if len(along) == 1 and x in (None, *along) and colour is None:
+        shown = [y] if y else summaries[:4]
+        figure.set_figheight(figure.get_figwidth() * (0.28 + 0.27 * len(shown)))
+        return curves(figure, data, along[0], shown, best)
+    if len(along) == 2 and on_axes:
+        first = x or next(name for name in along if name != y)
+        second = next(name for name in along if name != first)
+        return map2d(figure.add_subplot(), data, first, second, colour or summaries[0], best)
+    if x is None and y is None:
+        # A file may hold many summaries; more than eight upright axes can't be read.
+        names = [*data.varied, *summaries][: max(8, len(data.varied) + 1)]
+        return parallel(figure.add_subplot(), data, names, colour or summaries[0], best)
+    others = [name for name in (*summaries, *data.varied) if name not in (x, y)]
+    x, y = x or others[0], y or others[0]
+    return scatter(figure.add_subplot(), data, x, y, colour, best, minimise)

@@ -170,20 +170,32 @@ def _design_text(study: Study) -> str:
 
 
 def counts_text(result: Result) -> str:
-    """How many variants got which verdict."""
+    """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
     status = result.columns["status"]
     rows = []
     for verdict in Verdict:
-        count = int((status == verdict).sum())
-        if count:
-            rows.append(
-                (
-                    f"{count}",
-                    verdict.name.lower().replace("_", " "),
-                    "" if verdict == Verdict.OK else SENTENCES[verdict],
-                )
-            )
+        failed = status == verdict
+        if failed.any():
+            sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
+            rows.append((f"{int(failed.sum())}", verdict.name.lower().replace("_", " "), sentence))
+            rows += [("", "", line) for line in _blame(result, failed)]
     return table(rows)
+
+
+def _blame(result: Result, failed: np.ndarray) -> list[str]:
+    """For each group that fails: how often, and between which input positions it does so first."""
+    groups = result.description.attributes.get("groups", "").split(", ")
+    number, at = result.columns["status_group"], result.columns["status_at"]
+    lines = []
+    for i, group in enumerate(groups):
+        chosen = failed & (number == i)
+        if chosen.any():
+            first, last = (
+                quantity_text(float(v), result.units["status_at"]) for v in (at[chosen].min(), at[chosen].max())
+            )
+            place = first if first == last else f"{first} … {last}"
+            lines.append(f"group {group}: {int(chosen.sum())}, first at {place}")
+    return lines
 
 
 def variants_text(result: Result, variants: Iterable[int], names: Sequence[str] = ()) -> str:
