@@ -89,8 +89,8 @@ class Analyses:
         row = row_of(self.model, field.name)
         if f"{field.name}.min" in self.summaries:
             return
-        low, high, mean, rms, missed = (f"{row}_{w}" for w in ("low", "high", "mean", "rms", "missed"))
-        self._step(f"{low}$, {high}$, {mean}$, {rms}$, {missed}$", f"statistics({row}$, {self.periodic})")
+        low, high, mean, rms, missed, rough = (f"{row}_{w}" for w in ("low", "high", "mean", "rms", "missed", "rough"))
+        self._step(f"{low}$, {high}$, {mean}$, {rms}$, {missed}$, {rough}$", f"statistics({row}$, {self.periodic})")
         q = InputUnits.of(self.model.scene).q
         self.summaries.update({s.name: s for s in statistics_of(field, q)})
         peak = f"max(abs({low}$), abs({high}$))"
@@ -101,9 +101,9 @@ class Analyses:
             ("peak", peak),
         ):
             change = difference(value).error
-            self.results[f"{field.name}.{suffix}"] = Result(value, f"max({change}, 2.0 * {missed}$)")
-        self.results[f"{field.name}.mean"] = difference(f"{mean}$")
-        self.results[f"{field.name}.rms"] = difference(f"{rms}$")
+            self.results[f"{field.name}.{suffix}"] = Result(value, f"max({change}, {missed}$)")
+        for suffix, value in (("mean", mean), ("rms", rms)):
+            self.results[f"{field.name}.{suffix}"] = difference(f"{value}$", f"0.5 * {rough}$ / n")
         for suffix, value in (("min_at", low), ("max_at", high)):
             self._step(f"{value}_at$", f"first + h * place_of({row}$, {value}$)")
             self.results[f"{field.name}.{suffix}"] = Result(f"{value}_at$", "h")
@@ -128,14 +128,20 @@ class Analyses:
             self._ends(name, "swing", f"turn_{name}", True)
 
     def _ends(self, name: str, kind: str, variable: str, may_be_undefined: bool) -> None:
-        def add(what: str, value: str) -> None:
-            self.results[f"{name}.{what}"] = difference(value)._replace(may_be_undefined=may_be_undefined)
+        def add(what: str, value: str, error: str = "") -> None:
+            error = error or difference(value).error
+            self.results[f"{name}.{what}"] = Result(value, error, may_be_undefined)
 
-        add(kind, f"high__{variable}$ - low__{variable}$")
+        ends = [difference(f"{end}__{variable}$").error for end in ("low", "high")]
+        places = [difference(f"{end}_at__{variable}$").error for end in ("low", "high")]
+        add(kind, f"high__{variable}$ - low__{variable}$", " + ".join(ends))
         add(f"{kind}_low_at", f"low_at__{variable}$")
         add(f"{kind}_high_at", f"high_at__{variable}$")
         if self.periodic:
-            add(f"{kind}_time_ratio", f"quick_return_ratio(low_at__{variable}$, high_at__{variable}$)")
+            ratio = f"quick_return_ratio(low_at__{variable}$, high_at__{variable}$)"
+            # R = α/(2π − α): dR = (1 + R)²/(2π) dα.
+            grows = f"(1.0 + {ratio.replace('$', '')}) ** 2 / (2.0 * math.pi)"
+            add(f"{kind}_time_ratio", ratio, f"{grows} * ({' + '.join(places)})")
 
     def _motors(self) -> None:
         moments = self.model.moments
@@ -155,6 +161,8 @@ class Analyses:
         self._step("residual$", f"derivative_residual({inertia}, lin__reduced_inertia_phi$, h$)")
         self._fill("row__work$", f"cumulative_work({moment}, mean_moment$, h$, row__work$)")
         self._step("doubt", "work_doubt(lin__reduced_moment, h)")
+        self._step("mean_inertia", "mean_of(lin__reduced_inertia)")
+        self._step("missed", f"missed_extreme(lin__reduced_inertia, row__work, 0.5 * {omega} * {omega})")
         jump = "doubt / (h * n)"
         self.results["required_drive_moment"] = difference("-mean_moment$", jump)
         self.results["required_power"] = difference(f"-mean_moment$ * {omega}", f"abs({omega}) * {jump}")
@@ -175,23 +183,28 @@ class Analyses:
         if flywheel is None:
             return
         if asked:
-            jump = f"doubt / ({delta} * {omega} * {omega})"
+            jump = f"({self._energy_doubt(omega)}) / ({delta} * {omega} * {omega})"
             self.results["flywheel_excess_work"] = difference("by_excess$", jump)
             self.results["flywheel_merzalov"] = difference("merzalov$", jump)
             self.results["flywheel_wittenbauer"] = difference("wittenbauer$", jump)
-            relative = f"2.0 * {jump} / abs(wittenbauer)"
-            self.results["excess_work_difference"] = difference("by_excess$ / wittenbauer$ - 1.0", relative)
-            self.results["merzalov_difference"] = difference("merzalov$ / wittenbauer$ - 1.0", relative)
+            for name, variable in (("excess_work", "by_excess"), ("merzalov", "merzalov")):
+                relative = f"(1.0 + abs({variable} / wittenbauer)) * {jump} / abs(wittenbauer)"
+                self.results[f"{name}_difference"] = difference(f"{variable}$ / wittenbauer$ - 1.0", relative)
         given = flywheel.inertia is not None
         if given or asked:
             wheel = p.number("flywheel.inertia", "load") if given else "max(wittenbauer$, 0.0)"
             self._speeds(inertia, omega, wheel)
 
+    @staticmethod
+    def _energy_doubt(omega: str) -> str:
+        """What energies may be off by: hidden jumps, extremes between positions, rounding of the whole energy."""
+        return f"doubt + 2.0 * missed + rounding * (excess + {omega} * {omega} * mean_inertia)"
+
     def _speeds(self, inertia: str, omega: str, wheel: str) -> None:
         self._step("wheel$", wheel)
         self._step("energy$, slowest$, fastest$", f"speed_with_flywheel({inertia}, row__work$, wheel$, {omega})")
         self._fill("row__speed$", f"speed_row({inertia}, row__work$, wheel$, energy$, row__speed$)")
-        jump = f"doubt / (2.0 * energy / {omega} / {omega})"
+        jump = f"({self._energy_doubt(omega)}) / (2.0 * energy / {omega} / {omega})"
         share = f"{jump} / abs({omega})"
 
         self.results["speed_fluctuation"] = difference(

@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from engine.jit import scalar
-from engine.rows import combined_max, combined_min, greatest, least, mean_of
+from engine.rows import combined_max, combined_min, greatest, is_finite, least, mean_of, roughness
 
 
 @scalar
@@ -50,16 +50,24 @@ def cumulative_work(moment: np.ndarray, mean: float, h: float, work: np.ndarray)
 def work_doubt(moment: np.ndarray, h: float) -> float:
     """How much the work may be off because a moment jumps or bends somewhere between two positions [J].
 
-    A jump ΔM hidden in a step h moves work by up to hΔM/2 either way; the greatest second difference of the
-    row sees it (a smooth moment leaves only h³M″ there).
+    A jump ΔM hidden in a step h moves work by up to hΔM/2 either way; several jumps add up as their squares do.
     """
-    n = moment.shape[0]
+    return 0.5 * h * roughness(moment, True)
+
+
+@scalar
+def missed_extreme(inertia: np.ndarray, work: np.ndarray, slope: float) -> float:
+    """How far an extreme of W − slope·I between two positions can lie beyond those at the positions [J].
+
+    An eighth of the greatest second difference: the height of a parabola over the middle of its chord.
+    """
     worst = 0.0
-    for k in range(n):
-        before = moment[k - 1 if k > 0 else n - 1]
-        after = moment[k + 1 if k + 1 < n else 0]
-        worst = max(worst, abs(before - moment[k] + (after - moment[k])))
-    return 0.5 * h * worst
+    for k in range(1, work.shape[0] - 1):
+        here = work[k] - slope * inertia[k]
+        before = work[k - 1] - slope * inertia[k - 1]
+        after = work[k + 1] - slope * inertia[k + 1]
+        worst = max(worst, abs(before - here + (after - here)))
+    return 0.125 * worst
 
 
 @scalar
@@ -89,7 +97,7 @@ def flywheel_sizes(
         Inertia of the flywheel on the input link [kg·m²]; 0 or less: the machine needs none.
     """
     check = mean_of(inertia) + mean_of(work)
-    if not math.isfinite(check):
+    if not is_finite(check):
         return math.nan, math.nan, math.nan, math.nan
     denominator = delta * omega * omega
     fast = omega * (1.0 + 0.5 * delta)
@@ -154,7 +162,7 @@ def speed_with_flywheel(
     mean = abs(omega)
     energy = 0.5 * (mean_of(inertia) + flywheel) * mean * mean
     floor = -least(work)
-    if not math.isfinite(energy + floor):
+    if not is_finite(energy + mean_of(work)):
         return math.nan, math.nan, math.nan
     if energy <= floor:
         energy = floor + 0.5 * (greatest(work) + floor)
@@ -166,10 +174,11 @@ def speed_with_flywheel(
         ahead = energy - gap / slope
         if ahead <= floor:
             ahead = 0.5 * (energy + floor)
-        if abs(ahead - energy) <= 1e-14 * energy:
-            return ahead, slowest, fastest
+        settled = abs(ahead - energy) <= 1e-14 * energy
         energy = ahead
-    # The last step is what rounding leaves of the iteration; a large one means that there is no such motion.
+        if settled:
+            break
+    # What is left is rounding; a large gap, at the least energy that there is, means that there is no such motion.
     if abs(gap) <= 1e-12 * mean:
         return energy, slowest, fastest
     return math.nan, math.nan, math.nan

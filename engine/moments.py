@@ -216,7 +216,7 @@ class Moments:
             period = 2 * math.pi * drive.revolutions if full else 0.0
             self.angle_tables[name] = make_table(x, y, action.interpolation, period, action.outside)
             p.about(f"table {name}", "velocity")
-            self.terms[-1] = self.terms[-1]._replace(basis=p.fresh(f"angle_table_{name}[k] * {w}"))
+            self.terms[-1] = self.terms[-1]._replace(basis=p.fresh(f"angle_table__{name}[k] * {w}"))
             return
         self.tables[name] = make_table(x, y, action.interpolation, outside=action.outside)
         rows, stroke_of = (w,), None

@@ -312,7 +312,7 @@ class WheelForm(Part):
     rim_speed_limit: Annotated[Speed, Field(gt=0)] | None = None
     diameter: Annotated[Length, Field(gt=0)] | None = None
     thickness_ratio: Annotated[Number, Field(gt=0, lt=0.5)] = 0.1
-    ratio: Number = 1.0
+    ratio: Annotated[Number, Field(gt=0)] = 1.0
     arms: Annotated[int, Field(ge=2)] = 6
     arm_area: Annotated[Area, Field(gt=0)] | None = None
     hub_diameter: Annotated[Length, Field(gt=0)] | None = None

@@ -91,7 +91,7 @@ def dynamic_fields(scene: Scene, actions: tuple[str, ...]) -> list[Quantity]:
     if has_cycle(scene):
         found += [
             Quantity("work", "work of all moments with the constant driver: change of kinetic energy", "J"),
-            Quantity("speed", "angular velocity of the input link with the flywheel", "rad s-1"),
+            Quantity("speed", "angular speed of the input link with the flywheel, by magnitude", "rad s-1"),
         ]
     return found
 
@@ -181,7 +181,9 @@ def _cycle_summaries(scene: Scene) -> list[Quantity]:
         found += [
             Quantity("flywheel_used", "flywheel inertia on the input link: as given, or as Wittenbauer asks", "kg m2"),
             Quantity("speed_fluctuation", "coefficient of speed fluctuation with the flywheel", "1"),
-            Quantity("speed_min", "least angular velocity of the input link with the flywheel", "rad s-1"),
-            Quantity("speed_max", "greatest angular velocity of the input link with the flywheel", "rad s-1"),
+            Quantity("speed_min", "least angular speed of the input link with the flywheel, by magnitude", "rad s-1"),
+            Quantity(
+                "speed_max", "greatest angular speed of the input link with the flywheel, by magnitude", "rad s-1"
+            ),
         ]
     return found

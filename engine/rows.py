@@ -14,6 +14,15 @@ LANES = 8
 
 
 @scalar
+def is_finite(value: float) -> bool:
+    """Whether a number is neither infinite nor NaN.
+
+    `math.isfinite` compiles to x − x == 0, and sums that may be reassociated let the compiler take that for true.
+    """
+    return abs(value) < math.inf
+
+
+@scalar
 def combined_max(a: np.ndarray, b: np.ndarray, slope: float) -> float:
     """Greatest of a − slope·b over a row; NaN are passed over."""
     n = a.shape[0]
@@ -82,7 +91,7 @@ def place_of(row: np.ndarray, value: float) -> float:
 
 
 @scalar
-def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float]:
+def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
     """Least, greatest, mean and root-mean-square value of a row, and how far its extremes may be missed.
 
     Parameters
@@ -96,47 +105,84 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
     low, high, mean, rms : float
         At the positions themselves, means by the trapezoid rule; NaN if any value is NaN or infinite.
     missed : float
-        Height of the parabola through an extreme and its neighbours above it: what the extremes of a smooth
-        curve can lie beyond those of its positions.
+        How far the curve may go beyond its extreme positions between them: half of the greatest second
+        difference about them, as far as a kink can and four times as far as a parabola does.
+    rough : float
+        Jumps of the row, see `roughness`.
     """
     n = row.shape[0]
     total = squares = 0.0
     for k in range(n):
         total += row[k]
         squares += row[k] * row[k]
-    if not math.isfinite(squares):
-        return math.nan, math.nan, math.nan, math.nan, math.nan
+    if not is_finite(squares):
+        return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
     count = n
     if not periodic:
         count = n - 1
         total -= 0.5 * (row[0] + row[n - 1])
         squares -= 0.5 * (row[0] * row[0] + row[n - 1] * row[n - 1])
     low, high = least(row), greatest(row)
-    missed = max(vertex_height(row, high, 1.0, periodic), vertex_height(row, low, -1.0, periodic))
-    return low, high, total / count, math.sqrt(squares / count), missed
+    missed = 0.5 * max(bend_about(row, high, periodic), bend_about(row, low, periodic))
+    return low, high, total / count, math.sqrt(squares / count), missed, roughness(row, periodic)
 
 
 @scalar
-def vertex_height(row: np.ndarray, extreme: float, sign: float, periodic: bool) -> float:
-    """Height of the parabola's vertex beyond an extreme of a row, from its two neighbours; 0 at an open end."""
+def bend_about(row: np.ndarray, value: float, periodic: bool) -> float:
+    """Greatest second difference at the first position that takes a value and at its two neighbours."""
     n = row.shape[0]
-    k = int(place_of(row, extreme))
-    if not periodic and (k in (0, n - 1)):
-        return 0.0
-    before = sign * row[k - 1 if k > 0 else n - 1]
-    after = sign * row[k + 1 if k + 1 < n else 0]
-    here = sign * row[k]
-    curvature = here - before + here - after
-    if curvature <= 0.0:
-        return 0.0
-    slope = after - before
-    return slope * slope / (8.0 * curvature)
+    centre = int(place_of(row, value))
+    worst = 0.0
+    for k in range(centre - 1, centre + 2):
+        if periodic or 0 < k < n - 1:
+            here = row[k % n]
+            worst = max(worst, abs(row[(k - 1) % n] - here + (row[(k + 1) % n] - here)))
+    return worst
+
+
+@scalar
+def sixth_difference(a: float, b: float, c: float, d: float, e: float, f: float, g: float) -> float:
+    """Sixth difference of seven neighbours."""
+    return a + g - 6.0 * (b + f) + 15.0 * (c + e) - 20.0 * d
+
+
+@scalar
+def roughness(row: np.ndarray, periodic: bool) -> float:
+    """Root of the sum of squares of the jumps in a row; what a smooth row leaves is of the order h⁶.
+
+    A unit jump makes sixth differences whose squares add up to 252; a kink in which the slope changes by K counts
+    as a jump of about hK/2.
+
+    Parameters
+    ----------
+    row : ndarray (positions,)
+    periodic : bool
+        Whether the last position is followed by the first.
+    """
+    n = row.shape[0]
+    total = 0.0
+    for k in range(n - 6):
+        d = sixth_difference(row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5], row[k + 6])
+        total += d * d
+    if periodic:
+        for k in range(n - 6, n):
+            d = sixth_difference(
+                row[k],
+                row[(k + 1) % n],
+                row[(k + 2) % n],
+                row[(k + 3) % n],
+                row[(k + 4) % n],
+                row[(k + 5) % n],
+                row[(k + 6) % n],
+            )
+            total += d * d
+    return math.sqrt(total / 252.0)
 
 
 @scalar
 def least_magnitude(row: np.ndarray) -> float:
     """Least |value| of a row of one sign; 0 where the sign changes, NaN if any value is NaN."""
-    if not math.isfinite(mean_of(row)):
+    if not is_finite(mean_of(row)):
         return math.nan
     low, high = least(row), greatest(row)
     return 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
@@ -168,6 +214,6 @@ def derivative_residual(row: np.ndarray, derivative: np.ndarray, h: float) -> fl
         worst = max(worst, difference)
         largest = max(largest, abs(derivative[k]))
         total += difference
-    if not math.isfinite(total):
+    if not is_finite(total):
         return math.nan
     return worst / largest if largest > 0.0 else worst

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from engine.jit import scalar
-from engine.rows import mean_of
+from engine.rows import is_finite, mean_of
 
 
 @scalar
@@ -60,7 +60,7 @@ def stroke_ends(
         Positions, the unit of h.
     """
     n = d.shape[0]
-    if not math.isfinite(mean_of(d) + mean_of(v)):
+    if not is_finite(mean_of(d) + mean_of(v)):
         return math.nan, math.nan, math.nan, math.nan
     low = high = d[0]
     low_at = high_at = start
@@ -115,7 +115,7 @@ def swing_ends(
     """
     n = c.shape[0]
     mean = mean_of(w)
-    if not math.isfinite(mean) or (periodic and abs(mean) * n * h > math.pi):
+    if not is_finite(mean + mean_of(c) + mean_of(s)) or (periodic and abs(mean) * n * h > math.pi):
         return math.nan, math.nan, math.nan, math.nan
     about = low = high = math.atan2(s[0], c[0])
     low_at = high_at = start

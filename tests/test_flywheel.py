@@ -88,12 +88,23 @@ def test_speed_constant_inertia__follows_the_closed_form(a, inertia, omega):
 
 
 def test_steps_of_moment__give_triangles_of_work():
-    # +1 over half a turn, −1 over the other: W rises by π and falls; a step costs half an interval.
+    # +1 over half a turn, −1 over the other: W rises by π and falls; a jump costs half an interval.
     moment = np.where(nodes < math.pi, 1.0, -1.0)
     work = work_of(moment)
     error = abs(np.ptp(work) - math.pi)
     assert error <= work_doubt(moment, step) * (1 + 1e-9)
-    assert work_doubt(moment, step) == pytest.approx(step, rel=1e-12)
+    # Two jumps of 2: ½ h √(2² + 2²).
+    assert work_doubt(moment, step) == pytest.approx(step * math.sqrt(2), rel=1e-12)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("place", [0, 7, 719])
+@pytest.mark.parametrize("which", [0, 1])
+def test_undefined_position__leaves_no_flywheel(which, place, value):
+    inertia, work = random_loop(8)
+    (inertia, work)[which][place] = value
+    assert np.isnan(flywheel_sizes(inertia, work, 3.0, 0.02, 0.5)).all()
+    assert np.isnan(speed_with_flywheel(inertia, work, 5.0, 3.0)).all()
 
 
 # Wittenbauer: exact
