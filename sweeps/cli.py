@@ -29,9 +29,14 @@ def explained(command: Callable) -> Callable:
         from sweeps.store import StoreError
         from sweeps.textfile import InputError
 
+        known = [InputError, StoreError, AskError, SceneError, TableError, UnitError]
+        if "matplotlib" in sys.modules:
+            from sweeps.diagrams import PictureError
+
+            known.append(PictureError)
         try:
             command(*args, **kwargs)
-        except (InputError, StoreError, AskError, SceneError, TableError, UnitError) as error:
+        except tuple(known) as error:
             fail(str(error))
 
     return guarded
@@ -174,7 +179,7 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
     "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); beside the file unless given."
 )
 @click.option("--variant", type=int, help="Machine of one variant of a result file.")
-@click.option("--at", default="60", show_default=True, help="Crank angles of the drawing [deg], separated by commas.")
+@click.option("--at", default="", help="Crank angles of the drawing [deg], separated by commas.")
 @click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
 @click.option("-x", help="Column along x (results).")
 @click.option("-y", help="Column along y, or shown (results).")
@@ -334,7 +339,7 @@ def _degrees(text: str) -> tuple[float, ...]:
     from sweeps.textfile import InputError
 
     try:
-        return tuple(math.radians(float(part)) for part in text.split(","))
+        return tuple(math.radians(float(part)) for part in text.split(",") if text)
     except ValueError:
         raise InputError("--at", [(None, "", f"{text!r}: give angles in degrees, such as 0,60,120")]) from None
 

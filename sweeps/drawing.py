@@ -8,20 +8,24 @@ import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from pathlib import Path
+from typing import Literal, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties
+from matplotlib.patches import Circle, PathPatch, Polygon
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import TextPath
 
 from engine import SENTENCES, Machine, Scene, Verdict
+from engine.names import did_you_mean, input_point
 from engine.parts import FRAME, CrankInput, Hinged, Sliding
 from engine.quantities import has_cycle
 from engine.scene import Numbers
-from engine.structure import did_you_mean, order
+from engine.structure import order
 from sweeps.diagrams import MM_PER_INCH, VERMILION, PictureError, house_style, new_figure, save
 from sweeps.engineer_units import engineer_unit
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 LAYERS = ("frame", "hatching", "pitch", "paths", "links", "joints", "names")
 POSITIONS = 720
@@ -31,10 +35,6 @@ HALF_LENGTH, HALF_HEIGHT = 3.2, 2.0
 PIVOT_WIDTH, PIVOT_HEIGHT = 2.3, 4.0
 HATCH_STEP = 1.5
 NAME_HEIGHT = 2.6
-
-
-class PictureError(ValueError):
-    """A mechanism that can't be drawn as asked."""
 
 
 class Primitive(NamedTuple):
@@ -93,7 +93,7 @@ class Motion:
     Raises
     ------
     PictureError
-        The values are outside the limits of the scene's numbers.
+        The mechanism can't be assembled at any position, or a value is outside the limits of its number.
     """
 
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
@@ -102,13 +102,10 @@ class Motion:
         drive = scene.input
         moving = [n for n, p in scene.points.items() if p.link != FRAME]
         moving += [g.inner for g in scene.groups.values() if hasattr(g, "inner")]
-        moving.append(drive.pin if isinstance(drive, CrankInput) else drive.point)
+        moving.append(input_point(scene))
         fields = [f"{n}.{axis}" for n in moving for axis in "xy"] + [f"{n}.slide" for n in structure.sliders]
         machine = Machine(scene, fields=fields, varied=values, positions=POSITIONS)
         outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
-        self.verdict = Verdict(int(outcome.status[0]))
-        if self.verdict == Verdict.OUTSIDE_LIMITS:
-            raise PictureError(f"{values}: {SENTENCES[self.verdict]}")
         self.numbers = Numbers(scene, values)
         self.q = machine.nodes
         if not isinstance(drive, CrankInput):
@@ -123,6 +120,9 @@ class Motion:
         rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
         self.points |= {n: rows[f"{n}.x"] + 1j * rows[f"{n}.y"] for n in moving}
         self.slides = {n: rows[f"{n}.slide"] for n in structure.sliders}
+        if not np.isfinite(sum(self.points.values())).any():
+            verdict = SENTENCES[Verdict(int(outcome.status[0]))]
+            raise PictureError(f"this mechanism can't be drawn at any position: {verdict}")
         self.links = (*structure.links, FRAME)
         self.axes, self.guide = cache(self._axes), cache(self._guide)
         self.sliders = tuple(self._sliders())
@@ -414,7 +414,8 @@ def _moving(m: Motion, k: int) -> list[Primitive]:
         if scene.guides[slider.guide].link != FRAME:
             under += _moving_guide(m, slider, k)
     boxes = [_box(m.points[s.joint][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
-    springs = [_zigzag(*(m.points[end][k] for end in s.between), r) for s in scene.springs.values()]
+    spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
+    springs = [_zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
     return [*under, *boxes, *plates, *over, *springs, *_joints(m, k)]
 
 
@@ -483,7 +484,7 @@ def _joints(m: Motion, k: int) -> list[Primitive]:
             a, b = shape[0].points
             u = r * (b - a) / abs(b - a)
             inside = [m.points[n][k] for n in names if n in hinges]
-            found += [_line(p - u, p + u) for p in inside if min(abs(p - a), abs(p - b)) > r]
+            found += [_line(p - u, p + u, layer="joints") for p in inside if min(abs(p - a), abs(p - b)) > r]
     return found
 
 
@@ -518,41 +519,32 @@ def _segments(drawn: Iterable[Primitive]) -> np.ndarray:
     return np.concatenate(found)
 
 
-def _names(m: Motion, k: int, drawn: Iterable[Primitive]) -> list[Primitive]:
-    """Names beside their points, where they cover least of what is drawn."""
-    height, taken = NAME_HEIGHT * m.radius, []
-    # Long lines are looked at piecewise, so that a box of the size of a name can't miss them.
+def _marks(drawn: Iterable[Primitive], step: float) -> np.ndarray:
+    """Points along all outlines, no farther apart than a step."""
     pieces = _segments(drawn)
     pieces = pieces[np.isfinite(pieces).all(axis=1)]
-    counts = np.minimum(np.ceil(np.abs(pieces[:, 1] - pieces[:, 0]) / (0.3 * height)).astype(int) + 1, 400)
-    marks = np.concatenate([np.linspace(a, b, n) for (a, b), n in zip(pieces, counts, strict=True)])
-    shown = [p for p in _joints(m, k) if p.text]
-    for joint in shown:
-        half = complex(0.36 * len(joint.text), 0.5) * height
-        best = None
-        for reach in (0.25, 0.5, 1.0, 1.7):
-            for angle in np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]):
-                u = cmath.exp(1j * angle)
-                away = joint.size + height * reach
-                at = (
-                    joint.points[0]
-                    + away * u
-                    + complex(math.copysign(1, u.real) * min(1, 1.5 * abs(u.real)) * half.real, u.imag * half.imag)
-                )
-                gap = np.abs((marks - at).real) / half.real, np.abs((marks - at).imag) / half.imag
-                cost = np.count_nonzero((gap[0] < 1.1) & (gap[1] < 1.15)) + reach
-                cost += sum(
-                    20
-                    for t, h in taken
-                    if abs((t - at).real) < h.real + half.real and abs((t - at).imag) < h.imag + half.imag
-                )
-                if best is None or cost < best[0]:
-                    best = cost, at
-        taken.append((best[1], half))
-    return [
-        Primitive("names", "text", (complex(at),), height, "none", joint.text)
-        for joint, (at, _) in zip(shown, taken, strict=True)
-    ]
+    counts = np.minimum(np.ceil(np.abs(pieces[:, 1] - pieces[:, 0]) / step).astype(int) + 1, 400)
+    return np.concatenate([np.linspace(a, b, n) for (a, b), n in zip(pieces, counts, strict=True)])
+
+
+def _names(m: Motion, k: int, drawn: Iterable[Primitive]) -> list[Primitive]:
+    """Names beside their points, where they cover least of what is drawn."""
+    height, found = NAME_HEIGHT * m.radius, []
+    marks = _marks(drawn, 0.3 * height)
+    around = np.exp(1j * np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]))
+    u, reach = np.tile(around, 4), np.repeat([0.25, 0.5, 1.0, 1.7], around.size)
+    square = np.add.outer(np.linspace(-1, 1, 5), 1j * np.linspace(-1, 1, 5)).ravel()
+    for joint in _joints(m, k):
+        if joint.text:
+            half = complex(0.36 * len(joint.text), 0.5) * height
+            beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * u.imag
+            places = joint.points[0] + (joint.size + height * reach) * u + beside
+            gap = marks - places[:, None]
+            covered = (np.abs(gap.real) < 1.35 * half.real) & (np.abs(gap.imag) < 1.2 * half.imag)
+            at = places[np.argmin(3 * covered.sum(axis=1) + reach)]
+            found.append(Primitive("names", "text", (complex(at),), height, "none", joint.text))
+            marks = np.append(marks, at + square.real * half.real + 1j * square.imag * half.imag)
+    return found
 
 
 # Pictures
@@ -641,7 +633,7 @@ GHOST = "#a8adb3"
 
 def draw(
     scene: Scene,
-    ax: "Axes",
+    ax: Axes,
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
@@ -666,7 +658,7 @@ def draw(
         A position can't be drawn, or a point of `paths` doesn't exist.
     """
     motion = Motion(scene, values)
-    poses = figures(motion, at or [default_position(motion)], paths)
+    poses = figures(motion, list(at) or [default_position(motion)], paths)
     extent = bounds(q for pose in poses for q in pose)
     factor = prepare(ax, extent, motion.radius)
     for pose in poses:
@@ -684,7 +676,7 @@ def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
     return np.nanmin(x), np.nanmin(y), np.nanmax(x), np.nanmax(y)
 
 
-def prepare(ax: "Axes", extent: tuple[float, float, float, float], radius: float) -> float:
+def prepare(ax: Axes, extent: tuple[float, float, float, float], radius: float) -> float:
     """Set equal scales, limits and labels of axes; return the factor from metres to the unit shown."""
     factor, label = engineer_unit("m", np.array(extent))
     low_x, low_y, high_x, high_y = (factor * value for value in extent)
@@ -697,11 +689,8 @@ def prepare(ax: "Axes", extent: tuple[float, float, float, float], radius: float
     return factor
 
 
-def paint(ax: "Axes", drawn: Iterable[Primitive], factor: float, ghost: bool = False) -> None:
+def paint(ax: Axes, drawn: Iterable[Primitive], factor: float, ghost: bool = False) -> None:
     """Paint figures on axes; lightly where they are of a position that only accompanies another."""
-    from matplotlib.patches import Circle, PathPatch, Polygon
-    from matplotlib.path import Path
-
     ink = GHOST if ghost else "black"
     for z, p in enumerate(drawn, 2):
         vertices = factor * np.column_stack([np.real(p.points), np.imag(p.points)])
@@ -719,26 +708,21 @@ def paint(ax: "Axes", drawn: Iterable[Primitive], factor: float, ghost: bool = F
         elif p.kind == "polygon":
             ax.add_patch(Polygon(vertices, joinstyle="round", **style))
         else:
-            ax.add_patch(PathPatch(Path(vertices), **{**style, "facecolor": "none"}, capstyle="round"))
+            ax.add_patch(PathPatch(Outline(vertices), **{**style, "facecolor": "none"}, capstyle="round"))
 
 
-def _lettering(p: Primitive, factor: float, zorder: float) -> "PathPatch":
+def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
     """A name as outlines of its letters, so that it keeps its size in the drawing whatever the figure's."""
-    from matplotlib.font_manager import FontProperties
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path
-    from matplotlib.textpath import TextPath
-
     path = TextPath((0, 0), p.text, size=factor * p.size, prop=FontProperties(family="DejaVu Serif", style="italic"))
     box = path.get_extents()
     at = p.points[0] * factor - complex(box.x0 + box.x1, box.y0 + box.y1) / 2
-    moved = path.vertices + (at.real, at.imag)
-    return PathPatch(Path(moved, path.codes), facecolor="black", edgecolor="none", zorder=zorder)
+    moved = Outline(path.vertices + np.array([at.real, at.imag]), path.codes)
+    return PathPatch(moved, facecolor="black", edgecolor="none", zorder=zorder)
 
 
 def picture(
     scene: Scene,
-    path: "Path | str",
+    path: Path | str,
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,

@@ -1,4 +1,4 @@
-"""Pictures of a sweep's results: curves, bands of fields, maps over two parameters, scatter and parallel coordinates."""
+"""Pictures of a sweep's results: curves, bands of fields, maps, scatter and parallel coordinates."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -149,8 +149,7 @@ def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
     -------
     ndarray (points,) of bool
     """
-    # Adding zero makes one zero of two, which sorting would tell apart.
-    costs = np.asarray(values, dtype=float) * np.where(np.asarray(minimise, dtype=bool), 1.0, -1.0) + 0.0
+    costs = np.asarray(values, dtype=float) * np.where(np.asarray(minimise, dtype=bool), 1.0, -1.0)
     kept = np.zeros(costs.shape[0], dtype=bool)
     sound = np.flatnonzero(~np.isnan(costs).any(axis=1))
     if sound.size == 0:
@@ -341,8 +340,10 @@ def _failed_cells(ax: Axes, xs: np.ndarray, ys: np.ndarray, status: np.ndarray) 
     """Grey cells, hatched by reason."""
     for k, code in enumerate(_failures(status)):
         there = np.ma.masked_where(status != code, np.ones(status.shape))
-        cells = ax.pcolor(xs, ys, there, shading="nearest", rasterized=status.size > 10_000)
-        cells.set(array=None, linewidth=0, **_failed_look(k))
+        look = _failed_look(k)
+        face = ListedColormap([look["facecolor"]])
+        cells = ax.pcolor(xs, ys, there, cmap=face, shading="nearest", rasterized=status.size > 10_000)
+        cells.set(linewidth=0, hatch=look["hatch"], edgecolor=look["edgecolor"])
 
 
 def scatter(
@@ -371,20 +372,33 @@ def scatter(
     sound = data.ok & np.isfinite(xs) & np.isfinite(ys)
     size = float(np.clip(3000 / max(1, np.count_nonzero(sound)), 0.5, 14))
     shades, label = (BLUE, "") if colour is None else (data.shown(colour)[0][sound], data.shown(colour)[1])
-    dots = ax.scatter(xs[sound], ys[sound], c=shades, s=size, cmap=None if colour is None else COLOURS, linewidths=0, rasterized=True)
+    dots = ax.scatter(
+        xs[sound], ys[sound], c=shades, s=size, cmap=None if colour is None else COLOURS, linewidths=0, rasterized=True
+    )
     if colour is not None:
         ax.figure.colorbar(dots, ax=ax, label=label, pad=0.02)
     if minimise is not None and sound.any():
         front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
         front = front[np.lexsort((ys[front], xs[front]))]
         step = "steps-post" if minimise[0] else "steps-pre"
-        ax.plot(xs[front], ys[front], "o-", color=VERMILION, linewidth=1, markersize=2.5, drawstyle=step, label="Pareto front")
+        ax.plot(
+            xs[front],
+            ys[front],
+            "o-",
+            color=VERMILION,
+            linewidth=1,
+            markersize=2.5,
+            drawstyle=step,
+            label="Pareto front",
+        )
     if best is not None:
         ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="black", markersize=12, label="best")
     failed = np.count_nonzero(~data.ok)
     ax.set(xlabel=x_label, ylabel=y_label)
     if failed:
-        ax.set_title(f"{failed} of {data.ok.size} variants failed and aren't shown", fontsize=7, loc="right", color=GREY)
+        ax.set_title(
+            f"{failed} of {data.ok.size} variants failed and aren't shown", fontsize=7, loc="right", color=GREY
+        )
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="best")
 
@@ -431,9 +445,9 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     bar.solids.set_alpha(1)
     if best is not None:
         ax.plot(places, heights[best], color=VERMILION, linewidth=2, marker="o", markersize=4, label="best")
-        ax.legend(loc="upper right")
+        ax.figure.legend(loc="outside upper left")
     for place, low, high in zip(places, lows, highs, strict=True):
-        ax.axvline(place, color="black", linewidth=0.8)
+        ax.plot([place, place], [0, 1], color="black", linewidth=0.8)
         ax.text(place, 1.02, f"{high:.4g}", ha="center", va="bottom", fontsize=7)
         ax.text(place, -0.02, f"{low:.4g}", ha="center", va="top", fontsize=7)
     ax.set_xticks(places, [_column_label(text) for _, text, _ in columns])

@@ -1,5 +1,6 @@
 """A result file as a whole: its parameters, summaries, verdicts, and the choosing among its variants."""
 
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -53,6 +54,11 @@ class Result:
         return tuple(listed.split()) if listed else ()
 
     @property
+    def varied(self) -> tuple[str, ...]:
+        """Parameters that vary by themselves; the others are derived from them."""
+        return tuple(self.description.attributes.get("varied", "").split())
+
+    @property
     def summaries(self) -> tuple[str, ...]:
         """Names of the summaries."""
         names = [c.name for c in self.description.columns if c.dims == ("variant",)]
@@ -62,6 +68,17 @@ class Result:
     def fields(self) -> tuple[str, ...]:
         """Names of the fields."""
         return tuple(c.name for c in self.description.columns if "position" in c.dims)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Sizes of the axes of the design, the last fastest."""
+        sizes = re.findall(r"\[(\d+)\](?= x |$)", self.description.attributes.get("grid", ""))
+        return tuple(int(size) for size in sizes) or (self.description.variants,)
+
+    @property
+    def position_name(self) -> str:
+        """Name of the coordinate over the positions of fields."""
+        return self.description.attributes.get("position", "phi")
 
     @property
     def question(self) -> str:

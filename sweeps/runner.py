@@ -62,7 +62,7 @@ def layout_of(study: Study, machine: Machine) -> Layout:
         coordinates=study.parameters,
         status_codes={int(v): v.name.lower() for v in SENTENCES if v != Verdict.NOT_COMPUTED},
         position=machine.nodes,
-        position_name="phi" if crank else "travel",
+        position_name=_position_name(study),
         position_long_name="crank angle" if crank else "displacement of the input as a fraction of its range",
         position_units="rad" if crank else "1",
     )
@@ -70,7 +70,7 @@ def layout_of(study: Study, machine: Machine) -> Layout:
 
 def _parameter_column(study: Study, name: str) -> Column:
     unit = DIMENSIONS[study.parameter_number(name).dimension].unit
-    return Column(name, f"parameter {name}", unit)
+    return Column(name, name, unit)
 
 
 def _attributes(study: Study, machine: Machine) -> dict[str, str]:
@@ -84,7 +84,9 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "title": study.title or study.name,
         "question": study.question,
         "parameters": " ".join(study.parameters),
+        "varied": " ".join(study.design.names),
         "best": _goal_text(study),
+        "position": _position_name(study),
         "study": study.text,
         "scene": write_scene(study.scene),
         "study_hash": study.digest,
@@ -93,6 +95,10 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
         "machine": f"{platform.machine()} {platform.system()}, {threads()} threads",
     }
+
+
+def _position_name(study: Study) -> str:
+    return "phi" if InputUnits.of(study.scene).q == "rad" else "travel"
 
 
 def _goal_text(study: Study) -> str:

@@ -1,0 +1,95 @@
+"""The pictures that a command makes: of a machine its drawing and diagrams, of a result its sweep and best machine."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from engine import Scene
+from sweeps.diagrams import diagrams
+from sweeps.drawing import picture
+from sweeps.maps import SweepData, plot_result
+from sweeps.results import Result
+from sweeps.store import columns
+
+# Fields larger than this are not read for a picture.
+LARGEST_FIELD = 256e6
+
+
+def machine_pictures(
+    scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
+) -> list[Path]:
+    """Drawing of a machine and its diagrams, side by side in two files.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        Numbers of the scene (SI) to be replaced.
+    path : Path
+        File of the drawing; the diagrams' name has `_diagrams` added.
+    at : sequence of float
+        Positions of the input to draw; one that shows the machine well if none is given.
+    paths : sequence of str
+        Points whose paths are drawn.
+
+    Returns
+    -------
+    list of Path
+        The files made.
+    """
+    second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
+    picture(scene, path, at, paths, values)
+    diagrams(scene, second, values)
+    return [path, second]
+
+
+def result_pictures(
+    path: Path, out: Path | None = None, x: str | None = None, y: str | None = None, colour: str | None = None
+) -> list[Path]:
+    """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine.
+
+    Parameters
+    ----------
+    path : Path
+        Result file.
+    out : Path, optional
+        Picture; beside the result unless given.
+    x, y, colour : str, optional
+        Columns to show.
+
+    Returns
+    -------
+    list of Path
+        The files made.
+    """
+    result = Result(path)
+    best = result.best()
+    made = [out or path.with_suffix(".png")]
+    plot_result(sweep_data(result, (x, y, colour)), made[0], x, y, colour, best)
+    if best is not None and out is None and x is y is colour is None:
+        stem = path.with_name(f"{path.stem}_best.png")
+        made += machine_pictures(result.scene, result.variant_values(best), stem)
+    return made
+
+
+def sweep_data(result: Result, asked: Sequence[str | None]) -> SweepData:
+    """What is drawn of a result; of its fields those asked for, if they fit in memory."""
+    d = result.description
+    arrays = dict(result.columns)
+    small = d.variants * d.positions * 8 <= LARGEST_FIELD
+    arrays |= columns(result.path, [f for f in result.fields if f in asked and small])
+    goal = result.goal
+    summaries = sorted(result.summaries, key=lambda name: goal is None or name != goal.goal)
+    position = columns(result.path, [result.position_name])[result.position_name] if result.fields else None
+    return SweepData(
+        arrays,
+        result.units,
+        result.long_names,
+        result.varied,
+        summaries,
+        result.shape,
+        np.asarray(result.columns["status"]),
+        position,
+        result.units.get(result.position_name, "rad"),
+    )
