@@ -110,9 +110,7 @@ def measure(make: Callable, truth: Callable) -> list[tuple]:
         with mp.workdps(50):
             true = truth(scene, float(machine.nodes[node]))
             found = {key: mp.mpf(float(outcome.fields[name][0, node])) for key, name in FIELDS.items()}
-            errors = [
-                float(abs(found[k] - true[k]) / abs(true[k])) if mp.isfinite(found[k]) else np.nan for k in FIELDS
-            ]
+            errors = [float(abs(found[k] / true[k] - 1)) if mp.isfinite(found[k]) else np.nan for k in FIELDS]
         sine = abs(float(outcome.fields["g.transmission"][0, node]))
         rows.append((gap, sine, Verdict(outcome.status[0]).name.lower().replace("_", " "), *errors))
     return rows
@@ -130,6 +128,13 @@ def main() -> None:
         "",
     ]
     lines += ["Made by `python results/accuracy/near_singular.py`.", ""]
+    lines += [
+        "Positions keep all their digits. Rates keep theirs in the slider-crank, whose root is taken from factors. In the",
+        "four-bar, rounding of the coordinates (1e-16) moves the height of B by 1e-16/sine² of itself, and with it the x",
+        "velocity, which nearly vanishes; acceleration and I keep their digits down to a sine of 1e-6. Below 1e-7 the",
+        "verdict is `singular`.",
+        "",
+    ]
     figure = Figure(figsize=(8.3, 3.8), layout="constrained")
     for i, (title, rows) in enumerate(cases.items()):
         lines += [
