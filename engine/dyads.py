@@ -182,7 +182,8 @@ def oblique_components(gapx: float, gapy: float, c1: float, s1: float, c2: float
 
     The whole of the dyads PRP and RPP, for positions, velocities and accelerations. PRP, a joint B on the two
     lines Q1 + p u1 and Q2 − q u2: the gap is Q2 − Q1. RPP, a block pivoted at A on the slot u2 of a link that
-    slides along the guide u1: the gap is A − G. Parallel directions give infinity or NaN.
+    slides along the guide u1: the gap is A − G. Parallel directions give infinity, NaN, or what rounding makes of
+    them, about 1e16; their `sine` tells.
     """
     sine = c1 * s2 - s1 * c2
     return (gapx * s2 - gapy * c2) / sine, (gapy * c1 - gapx * s1) / sine

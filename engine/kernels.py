@@ -127,7 +127,8 @@ class KernelWriter:
             lines.append(f"errors[v, {i}] = {result.error.replace('$', '')} + rounding * abs(values[v, {i}])")
         rows = [row_of(self.model, field) for field in self.fields]
         for i, row in enumerate(rows):
-            if not self._is_direct(row, form):
+            # Two fields may be the same row (a block turns with its slot): it is computed in place once, then copied.
+            if row in rows[:i] or not self._is_direct(row, form):
                 lines += ["for k in range(n):", f"    fields[{i}, v, k] = {row}[k]"]
         lines.append("nearness_of[v] = nearness")
         lines.append(f"checks[v] = {' + '.join(f'mean_of({row})' for row in rows) or 'zero'}")

@@ -106,6 +106,8 @@ class Machine:
         _check_positions(positions)
         self._limits = scene_numbers(scene)
         _check_names(self.varied, self._limits, "number of the scene")
+        if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
+            raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
         self.model = Model(scene, frozenset(self.varied))
         _check_names(self.asked_fields, self.available_fields, "field")
         self.analyses = Analyses(self.model)

@@ -119,6 +119,12 @@ class SliderInput(Part):
     stop: Length
     speed: Speed
 
+    @model_validator(mode="after")
+    def _travels(self) -> "SliderInput":
+        if self.start == self.stop:
+            raise ValueError("start and stop are the same: give the two ends of its travel")
+        return self
+
 
 class Hinged(Part):
     """A link of a group between its outer joint (a known point) and the inner joint, at a distance of `length`."""

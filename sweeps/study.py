@@ -376,7 +376,7 @@ def _checked(study: Study, path: Path) -> Study:
         if study.best and study.best.where:
             parse(study.best.where, any_quantity)
     except AskError as error:
-        key = "positions" if "positions" in str(error) else "outputs"
+        key = next((k for k in ("positions", "vary") if k in str(error)), "outputs")
         raise InputError(path.name, [(line_of(study.text, [key]), key, str(error))]) from None
     except ExpressionError as error:
         raise InputError(path.name, [(line_of(study.text, ["best", "where"]), "best.where", str(error))]) from None

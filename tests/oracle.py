@@ -2,8 +2,8 @@
 
 Every link has three unknowns (x, y, theta); pairs are equations between them: joints coincide, directions are
 parallel, distances from a guide are kept. A `Jet` carries a number with its first two derivatives by the input,
-so that the same equations give velocities and accelerations: J·du = −dF. Forces act on real velocities and
-their power is divided by the input's speed. Nothing of the engine's mechanics is used, only its reading of scenes.
+so that the same equations give velocities and accelerations: J·du = −dF. Nothing of the engine's mechanics is used,
+only its reading of scenes.
 
 What the engine computes in float64 is compared with numbers good to about 1e-18 (long double on x86), or to
 float64's own rounding elsewhere.
@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from engine import Scene
 from engine.parts import FRAME, CrankInput, Sliding, Yoke
@@ -114,7 +113,7 @@ def _jacobian(closure: Callable, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 def _newton(closure: Callable, u: np.ndarray) -> np.ndarray:
     """Newton's method at every position and from every start; NaN where it doesn't arrive."""
     size = 1.0 + np.abs(u).max(axis=-1, keepdims=True)
-    for _ in range(40):
+    for _ in range(30):
         values, jacobian = _jacobian(closure, u)
         jacobian[~np.isfinite(jacobian.astype(float)).all(axis=(-2, -1))] = np.eye(u.shape[-1])
         # Rounding of the step is mended by the next one: the residual decides.
@@ -173,8 +172,8 @@ class Motion:
         waiting += [("shaft", name, s) for name, s in scene.shafts.items()]
         waiting += [(g.type.lower(), name, g) for name, g in scene.groups.items()]
         waiting = [w for w in waiting if w[1] not in self._solved]
+        self._carried_parts()
         while waiting:
-            self._carried_parts()
             ready = [w for w in waiting if self._hangs_on_known(w[2])]
             assert ready, "the scene can't be ordered"
             for kind, name, part in ready:
@@ -242,9 +241,13 @@ class Motion:
         def in_mode(u: list[Jet]) -> np.ndarray:
             b = Pose(*u[:3]).point(g.first.length, 0)
             left = (d[0] - a[0]) * (b[1] - a[1]) - (d[1] - a[1]) * (b[0] - a[0])
-            return left.v * g.mode > 0  # B lies to the left of A → D for mode +1
+            # Mode +1: B lies to the left of A → D.
+            return left.v * g.mode > 0
 
-        starts = [(a[0].v, a[1].v, t1, d[0].v, d[1].v, t2) for t1 in QUARTERS for t2 in QUARTERS]
+        starts = []
+        for t in TURNS:
+            tip = a[0].v + g.first.length * math.cos(t), a[1].v + g.first.length * math.sin(t)
+            starts.append((a[0].v, a[1].v, t, d[0].v, d[1].v, np.arctan2(tip[1] - d[1].v, tip[0] - d[0].v)))
         one, two = self._assemble(name, g, closure, in_mode, starts)
         self.transmissions[name] = g.mode * np.abs(np.sin(one.theta.v - two.theta.v))
 
@@ -259,7 +262,7 @@ class Motion:
         def in_mode(u: list[Jet]) -> np.ndarray:
             return (guide.seen(u[3], u[4])[0] - guide.seen(*a)[0]).v * g.mode > 0
 
-        starts = [(a[0].v, a[1].v, t, a[0].v, a[1].v, guide.theta.v) for t in QUARTERS]
+        starts = [(a[0].v, a[1].v, t, a[0].v, a[1].v, guide.theta.v) for t in TURNS]
         rod, _ = self._assemble(name, g, closure, in_mode, starts)
         self.transmissions[name] = np.cos(rod.theta.v - guide.theta.v)
 
@@ -274,7 +277,7 @@ class Motion:
         def in_mode(u: list[Jet]) -> np.ndarray:
             return Pose(*u[3:]).seen(*a)[0].v * g.mode > 0
 
-        starts = [(a[0].v, a[1].v, t, d[0].v, d[1].v, t) for t in (*QUARTERS, 0.3, 1.8, 3.4, 5.0)]
+        starts = [(a[0].v, a[1].v, t, d[0].v, d[1].v, t) for t in TURNS]
         _, rocker = self._assemble(name, g, closure, in_mode, starts)
         slide = self.slides[g.first.link] = rocker.seen(*a)[0]
         self.transmissions[name] = slide.v / np.hypot((a[0] - d[0]).v, (a[1] - d[1]).v)
@@ -322,154 +325,5 @@ class Motion:
         return getattr(value, {"": "v", "phi": "d", "phiphi": "dd"}[order]) + 0 * self.q
 
 
-QUARTERS = tuple(math.pi / 2 * k + 0.1 for k in range(4))
-
-
-# Energy and power
-
-
-def _shape_inertia(shape: object) -> float:
-    """Square of the radius of gyration of a uniform shape about its centre, by Gauss's quadrature."""
-    x, w = np.polynomial.legendre.leggauss(8)
-    match shape.type:
-        case "rod":
-            return float(np.sum(w * (x * shape.length / 2) ** 2) / np.sum(w))
-        case "plate":
-            a, b = x * shape.length / 2, x * shape.width / 2
-            return float(np.sum(np.outer(w, w) * (a[:, None] ** 2 + b**2)) / np.sum(np.outer(w, w)))
-    inner = getattr(shape, "inner_diameter", 0.0) / 2
-    half = (shape.diameter / 2 - inner) / 2
-    r = inner + half * (1 + x)
-    return float(np.sum(w * r**3) / np.sum(w * r))
-
-
-def _shape_mass(shape: object, density: float) -> float:
-    match shape.type:
-        case "rod":
-            return density * shape.area * shape.length
-        case "plate":
-            return density * shape.length * shape.width * shape.thickness
-    radii = (shape.diameter / 2, getattr(shape, "inner_diameter", 0.0) / 2)
-    return density * shape.thickness * math.pi * (radii[0] ** 2 - radii[1] ** 2)
-
-
-def body_of(body: object) -> tuple[float, float, float, float]:
-    """Mass, centre (x, y) and moment of inertia about it."""
-    if body.shape is None:
-        return body.mass, body.x or 0.0, body.y, body.inertia or 0.0
-    mass = body.mass if body.mass is not None else _shape_mass(body.shape, body.density)
-    middle = body.shape.length / 2 if body.shape.type == "rod" else 0.0
-    return mass, middle if body.x is None else body.x, body.y, mass * _shape_inertia(body.shape)
-
-
-def reduced_inertia(motion: Motion) -> np.ndarray:
-    """Twice the kinetic energy at unit input speed, Σ m v² + J ω²."""
-    total = 0 * motion.q
-    for body in motion.scene.bodies.values():
-        mass, x, y, inertia = body_of(body)
-        link = motion.links[body.link]
-        px, py = link.point(x, y)
-        total = total + mass * (px.d**2 + py.d**2) + inertia * link.theta.d**2
-    for name, shaft in motion.scene.shafts.items():
-        total = total + shaft.inertia * motion.links[name].theta.d ** 2
-    return total
-
-
-def reduced_inertia_phi(scene: Scene, q: np.ndarray, h: float = 0.02) -> np.ndarray:
-    """dI/dq by the central difference of tenth order: truncation h¹⁰·I⁽¹¹⁾/2772."""
-    weights = np.array([2100, -600, 150, -25, 2], REAL) / 2520
-    q = np.asarray(q, REAL)
-    ends = [(reduced_inertia(Motion(scene, q + k * h)), reduced_inertia(Motion(scene, q - k * h))) for k in range(1, 6)]
-    return sum(w * (up - down) for w, (up, down) in zip(weights, ends, strict=True)) / h
-
-
-def _characteristic(action: object, motion: Motion, speed: float, v: np.ndarray) -> np.ndarray:
-    """Value of a force or moment along its direction at the real velocity v there."""
-    against = -np.sign(v)
-    match action.type:
-        case "constant":
-            value = getattr(action, "force", None) or action.moment
-        case "against_motion":
-            value = against * getattr(action, "force", getattr(action, "moment", None))
-        case "linear_drag":
-            value = -action.coefficient * v
-        case "quadratic_drag":
-            value = action.coefficient * v**2 * against
-        case "power_drag":
-            at = getattr(action, "force", getattr(action, "moment", None))
-            value = at * (np.abs(v) / action.at_speed) ** action.exponent * against
-        case "table":
-            value = action.scale * _tabled(action, motion, speed)
-    if getattr(action, "acts", "always") == "always":
-        return value
-    return np.where(v > 0 if action.acts == "along" else v < 0, value, 0)
-
-
-def _tabled(action: object, motion: Motion, speed: float) -> np.ndarray:
-    y = np.array(getattr(action, "force", None) or action.moment)
-    if action.over_angle is not None:
-        x, place, period = action.over_angle, motion.q, 2 * math.pi * motion.scene.input.revolutions
-        assert x[-1] - x[0] < period, "the table closes itself"
-        x, y = [*x, x[0] + period], [*y, y[0]]
-        place = x[0] + (place - x[0]) % period
-    elif action.over_time is not None:
-        x, place = action.over_time, motion.q / speed
-    else:
-        x, slide = action.over_stroke, motion.slides[action.slider].v
-        low, high = stroke(motion.scene, action.slider) if action.measured_from != "guide" else (0, 0)
-        place = {"guide": slide, "low end": slide - low, "high end": high - slide}[action.measured_from]
-    place = np.asarray(place, float)
-    inside = np.clip(place, x[0], x[-1])
-    curve = {
-        "linear": lambda: np.interp(inside, x, y),
-        "pchip": lambda: PchipInterpolator(x, y)(inside),
-        "spline": lambda: CubicSpline(x, y, bc_type="natural")(inside),
-    }[action.interpolation]()
-    return np.where((place == inside) | (action.outside == "hold"), curve, 0.0)
-
-
-def stroke(scene: Scene, slider: str) -> tuple[float, float]:
-    """Low and high end of a slider's motion over a full turn: roots of the velocity by Newton."""
-    q = np.linspace(0, 2 * math.pi, 64, endpoint=False).astype(REAL)
-    slide = Motion(scene, q).slides[slider]
-    ends = []
-    for pick in (np.argmin, np.argmax):
-        at = q[[pick(slide.v)]]
-        for _ in range(8):
-            s = Motion(scene, at).slides[slider]
-            at = at - s.d / s.dd
-        ends.append(float(s.v[0]))
-    return ends[0], ends[1]
-
-
-def moments(motion: Motion) -> dict[str, np.ndarray]:
-    """Reduced moment of every force, moment, spring and of gravity, by its name: power over input speed."""
-    scene, found = motion.scene, {}
-    speed = scene.input.speed
-    for name, force in scene.forces.items():
-        x, y = motion.points[force.on]
-        if force.angle is None:
-            v = abs(speed) * np.sqrt(x.d**2 + y.d**2)
-        else:
-            direction = Pose(0, 0, motion.links[force.turns_with].theta + force.angle)
-            v = speed * (direction.c.v * x.d + direction.s.v * y.d)
-        found[name] = _characteristic(force, motion, speed, v) * v / speed
-    for name, moment in scene.moments.items():
-        theta = motion.links[moment.on].theta
-        if moment.type == "torsion_spring":
-            angle = np.angle(np.exp(1j * theta.v.astype(float)))
-            found[name] = -moment.stiffness * (angle - moment.free_angle) * theta.d
-        else:
-            found[name] = _characteristic(moment, motion, speed, speed * theta.d) * theta.d
-    for name, spring in scene.springs.items():
-        (ax, ay), (bx, by) = (motion.points[end] for end in spring.between)
-        ex, ey = bx - ax, by - ay
-        length = np.hypot(ex.v, ey.v)
-        rate = (ex.v * ex.d + ey.v * ey.d) / length
-        pull = spring.stiffness * (length - spring.free_length) + spring.damping * speed * rate
-        found[name] = -pull * rate
-    found["gravity"] = 0 * motion.q
-    for body in scene.bodies.values():
-        mass, x, y, _ = body_of(body)
-        found["gravity"] = found["gravity"] - mass * scene.gravity * motion.links[body.link].point(x, y)[1].d
-    return found
+# Angles to start Newton from; none is likely to be that of a singular position.
+TURNS = tuple(math.pi / 3 * k + 0.1 for k in range(6))

@@ -1,0 +1,98 @@
+"""References for the dyads at 50 digits: closed geometry in complex numbers, and differentiation along a motion."""
+
+import mpmath
+from hypothesis import strategies as st
+from mpmath import mpc, mpf
+
+EPS = 2.0**-53
+# Noise of references found by differences at 50 digits.
+NOISE = 1e-30
+
+coordinate = st.floats(-4.0, 4.0)
+angle = st.floats(-3.2, 3.2)
+mode = st.sampled_from([1.0, -1.0])
+exponent = st.floats(-6.0, 6.0)
+
+
+def unit(a):
+    return mpmath.expj(a)
+
+
+def dot(a, b):
+    return (mpmath.conj(a) * b).real
+
+
+def cross(a, b):
+    return (mpmath.conj(a) * b).imag
+
+
+def vector(x, y):
+    return mpc(mpf(x), mpf(y))
+
+
+def parts(*vectors):
+    """Components of complex vectors, rounded to float64."""
+    return [float(c) for v in vectors for c in (v.real, v.imag)]
+
+
+def near(value, reference, tolerance):
+    assert abs(mpf(value) - reference) <= tolerance + NOISE, (
+        value,
+        mpmath.nstr(reference, 20),
+        mpmath.nstr(tolerance, 3),
+    )
+
+
+class Path:
+    """A number or vector that moves with q as a cubic: value, speed and acceleration at q = 0 are as given."""
+
+    def __init__(self, value, speed, acceleration):
+        self.value, self.speed, self.acceleration = value, speed, acceleration
+
+    def __call__(self, q):
+        return self.value + q * (self.speed + q * (self.acceleration / 2 + q * self.speed / 3))
+
+
+@st.composite
+def moving_points(draw):
+    return Path(*(vector(draw(coordinate), draw(coordinate)) for _ in range(3)))
+
+
+@st.composite
+def moving_angles(draw):
+    return Path(*(mpf(draw(angle)) for _ in range(3)))
+
+
+def derivatives(position):
+    """First and second derivative at q = 0 by differences at 50 digits, some 20 digits good."""
+    return mpmath.diff(position, 0, 1), mpmath.diff(position, 0, 2)
+
+
+def turned(angle):
+    """An angle's turn since q = 0, so that no jump of the argument lies between."""
+    start = unit(angle(0))
+    return lambda q: mpmath.arg(unit(angle(q)) / start)
+
+
+# Closed geometry
+
+
+def rrr_angles(a, d, r1, r2, sign):
+    """Angles of A → B and D → B by the law of cosines."""
+    base = d - a
+    at_a = mpmath.acos((r1**2 + abs(base) ** 2 - r2**2) / (2 * r1 * abs(base)))
+    first = mpmath.arg(base) + sign * at_a
+    return first, mpmath.arg(a + r1 * unit(first) - d)
+
+
+def rrp_angle(a, g, guide, r, offset, sign):
+    """Angle of the rod: its height over the guide's parallel gives the arcsine."""
+    height = offset - cross(unit(guide), a - g)
+    tilt = mpmath.asin(height / r)
+    return guide + (tilt if sign > 0 else mpmath.pi - tilt)
+
+
+def rpr_angle(a, d, offset, sign):
+    """Angle of the slot, seen from the pivot: the block's bearing less that of its place in the slot's axes."""
+    along = sign * mpmath.cos(mpmath.asin(offset / abs(a - d))) * abs(a - d)
+    return mpmath.arg(a - d) - mpmath.arg(mpc(along, offset))

@@ -1,0 +1,242 @@
+"""Whole mechanisms against the oracle: every point, link and slider, position and both transfer functions.
+
+Tolerances follow the sensitivity of each machine to its own numbers: see `machines.compare`.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from machines import chain, changed, check, crank, four_bar, frame, kinematic_fields, on, prp, rpp, rpr, rrp, rrr
+from oracle import Motion
+
+from engine import Machine, Scene, Verdict
+
+
+def test_slider_crank__oracle():
+    # In line and offset, both modes, guide at any angle; C is on the connecting rod, E on the (welded) slider.
+    scene = {
+        "points": {"O": frame(0.05, 0.02), "C": on("rod", 0.4, -0.1), "E": on("ram", 0.2, 0.15)},
+        "guides": {"way": {"x": -0.1, "y": 0.03, "angle": 0.0}},
+        "input": crank(),
+        "groups": {"dyad": rrp("B", ("rod", "A", 0.9), "ram", "way")},
+    }
+    check(
+        scene,
+        guides__way__y=[0.02, 0.02, 0.03, 0.03, 0.03],
+        guides__way__angle=[0.0, 0.0, 0.7, -2.5, math.pi / 2],
+        groups__dyad__second__offset=[0.0, 0.0, 0.2, -0.15, 0.1],
+        groups__dyad__mode=[1, -1, 1, -1, 1],
+    )
+
+
+def test_four_bar__oracle():
+    scene = four_bar(C=on("coupler", 0.5, 0.3), E=on("rocker", -0.2, 0.1), P=on("crank", 0.1, 0.2))
+    # The second crank starts in line with the coupler, at the rocker's dead centre.
+    check(scene, groups__bars__mode=[1, -1, 1], points__D__y=[-0.3, -0.3, -0.2], points__D__x=[1.15, 1.15, 1.3])
+
+
+def test_six_bars_of_watt_and_stephenson__oracle():
+    scene = four_bar(W=on("rocker", 0.6, 0.2), S=on("coupler", 0.4, 0.5), F=frame(2.2, -0.1), H=frame(0.2, 1.5))
+    scene["groups"] = {
+        "stephenson": rrr("K", ("s_bar", "S", 0.9), ("s_rocker", "H", 0.8)),
+        "watt": rrr("L", ("w_bar", "W", 1.2), ("w_rocker", "F", 0.7), -1),
+        **scene["groups"],
+    }
+    check(scene, groups__watt__mode=[1, -1, -1], groups__stephenson__mode=[1, 1, -1], groups__bars__mode=[1, 1, 1])
+
+
+def test_whitworth_and_oscillating_cylinder__oracle():
+    # D within the crank's circle: the rocker turns fully; outside: it swings. The cylinder's rod hangs on the pin.
+    scene = {
+        "points": {
+            "O": frame(0.0, 0.0),
+            "D": frame(0.05, -0.1),
+            "G": frame(-1.1, 0.2),
+            "C": on("rocker", 0.5, 0.1),
+            "E": on("block", 0.05, 0.02),
+            "P": on("piston", -0.3, 0.0),
+            "T": on("tube", 0.1, 0.2),
+        },
+        "input": crank(),
+        "groups": {
+            "slot": rpr(("block", "A"), ("rocker", "D")),
+            "cylinder": rpr(("tube", "G"), ("piston", "A"), 0.05),
+        },
+    }
+    check(
+        scene,
+        points__D__y=[-0.1, -0.9, -0.1, -0.9],
+        groups__slot__second__offset=[0.0, 0.0, 0.1, -0.2],
+        groups__slot__mode=[1, -1, -1, 1],
+        groups__cylinder__mode=[1, -1, 1, -1],
+    )
+
+
+def test_crank_shaper_written_backwards__oracle():
+    scene = {
+        "points": {"C": on("rocker", 1.2, 0.05), "D": frame(0.0, -0.7), "O": frame(0.0, 0.0)},
+        "guides": {"ways": {"x": 0.0, "y": 0.5, "angle": math.pi}},
+        "groups": {
+            "cut": rrp("R", ("link", "C", 0.4), "ram", "ways", -0.1),
+            "quick_return": rpr(("die", "A"), ("rocker", "D")),
+        },
+        "input": crank(),
+    }
+    check(scene, groups__cut__mode=[1, -1])
+
+
+def test_scotch_yoke__oracle():
+    scene = {
+        "points": {"O": frame(0.1, 0.2), "C": on("yoke", 0.3, -0.1), "E": on("die", 0.1, 0.05)},
+        "guides": {"way": {"x": 0.4, "y": 0.1, "angle": 0.2}},
+        "input": crank(),
+        "groups": {"yoke_group": rpp(("die", "A"), ("yoke", "way"), math.pi / 2)},
+    }
+    check(scene, groups__yoke_group__second__slot_angle=[math.pi / 2, 1.0, -2.0], guides__way__angle=[0.0, 0.2, -1.4])
+
+
+def test_prp_on_swinging_guides__oracle():
+    # A crank of limited range carries a guide; a second one is carried by the rocker of a four-bar.
+    scene = four_bar()
+    scene["input"] = crank(start=-0.6, stop=1.1)
+    scene["points"] |= {"C": on("one", 0.2, 0.1), "E": on("two", -0.1, 0.1), "F": on("three", 0.1, 0.2)}
+    scene["guides"] = {
+        "fixed": {"x": 0.9, "y": 0.3, "angle": 1.8},
+        "on_crank": {"link": "crank", "x": 0.1, "y": 0.05, "angle": 0.2},
+        "on_rocker": {"link": "rocker", "x": 0.3, "y": -0.1, "angle": -0.4},
+    }
+    scene["groups"] |= {
+        "crossing": prp("Q", ("one", "on_crank", 0.05), ("two", "fixed", -0.1)),
+        "both_move": prp("R", ("three", "on_rocker", 0.1), ("four", "on_crank", 0.0)),
+    }
+    check(scene, guides__on_crank__angle=[0.2, -0.1])
+
+
+def test_sliders_on_moving_guides__oracle():
+    # Guides on a rocker, on a coupler, and on a shaft geared to the crank; a Scotch yoke sliding on a rocker.
+    scene = four_bar(S=frame(-1.0, 0.4), M=on("gear", 0.1, 0.05), Q=on("on_c", 0.1, 0.1), U=on("yoke", 0.1, 0.1))
+    scene["shafts"] = {"gear": {"geared_to": "crank", "ratio": -2.0, "pivot": "S", "phase": 0.3}}
+    scene["guides"] = {
+        "on_rocker": {"link": "rocker", "x": 0.2, "y": 0.1, "angle": 0.5},
+        "on_coupler": {"link": "coupler", "x": 0.3, "y": 0.2, "angle": -0.3},
+        "on_gear": {"link": "gear", "x": 0.1, "y": -0.05, "angle": 1.0},
+    }
+    scene["groups"] |= {
+        "r": rrp("X", ("r_rod", "A", 2.0), "on_r", "on_rocker", 0.1),
+        "c": rrp("Y", ("c_rod", "D", 2.5), "on_c", "on_coupler", -0.1, -1),
+        "g": rrp("Z", ("g_rod", "B", 3.0), "on_g", "on_gear", 0.05),
+        "y": rpp(("die", "M"), ("yoke", "on_rocker"), 1.2),
+    }
+    check(scene, groups__r__mode=[1, -1], groups__c__mode=[-1, 1], groups__g__mode=[1, -1])
+
+
+def test_geared_five_bar__oracle():
+    scene = {
+        "points": {"O": frame(0.0, 0.0), "S": frame(1.0, 0.1), "M": on("gear", 0.25, 0.03), "C": on("left", 0.5, 0.4)},
+        "input": crank(),
+        "shafts": {
+            "gear": {"geared_to": "crank", "ratio": -1.0, "pivot": "S", "phase": 0.8},
+            "fan": {"geared_to": "right", "ratio": 3.0},
+        },
+        "groups": {"bars": rrr("B", ("left", "A", 1.1), ("right", "M", 1.0))},
+    }
+    check(scene, shafts__gear__ratio=[-1.0, 2.0, 1.5], groups__bars__mode=[1, -1, 1])
+
+
+def test_sliding_input__oracle():
+    # A slider drives an elliptic trammel's rod, a bell crank, and a wedge it carries.
+    scene = {
+        "points": {
+            "D": frame(0.5, 0.9),
+            "C": on("beam", 0.25, 0.0),
+            "E": on("rocker", 0.3, 0.2),
+            "F": on("ram", 0.1, 0.1),
+        },
+        "guides": {
+            "way": {"x": 0.1, "y": 0.2, "angle": 0.3},
+            "cross": {"x": 0.05, "y": 0.1, "angle": 1.8},
+            "wedge": {"link": "ram", "x": 0.1, "y": 0.1, "angle": 0.5},
+        },
+        "input": {
+            "type": "slider",
+            "link": "ram",
+            "guide": "way",
+            "point": "A",
+            "start": 0.1,
+            "stop": 0.5,
+            "speed": 0.3,
+        },
+        "groups": {
+            "trammel": rrp("B", ("beam", "A", 1.0), "second", "cross"),
+            "bell": rrr("K", ("pusher", "A", 0.8), ("rocker", "D", 0.6)),
+            "lift": prp("L", ("follower", "cross", 0.1), ("on_wedge", "wedge", 0.05)),
+        },
+    }
+    check(
+        scene,
+        groups__trammel__mode=[1, -1],
+        groups__bell__mode=[1, -1],
+        guides__way__angle=[0.3, -0.2],
+        input__stop=[0.5, -0.4],
+    )
+
+
+@pytest.mark.parametrize(("seed", "in_series"), [(1, True), (3, False)])
+def test_chain_of_ten_dyads__oracle(seed, in_series):
+    scene = chain(seed, 10, in_series)
+    # Second derivatives stand on positions and first derivatives; all fields would only take longer to compile.
+    fields = [f for f in kinematic_fields(Machine(Scene.model_validate(scene))) if f.endswith("_phiphi")]
+    check(scene, [f for f in fields if f.partition(".")[0] not in scene["points"]] + ["T9.x", "T9.y_phi"])
+
+
+def test_position_out_of_reach__nan_there_and_verdict():
+    scene = four_bar()
+    machine = Machine(
+        Scene.model_validate(scene),
+        fields=["B.x", "B.x_phi"],
+        varied=["groups.bars.first.length", "groups.bars.second.length"],
+        positions=24,
+    )
+    outcome = machine.evaluate(
+        {"groups.bars.first.length": np.array([1.0, 0.5]), "groups.bars.second.length": np.array([0.8, 0.5])}
+    )
+    reference = Motion(
+        Scene.model_validate(changed(scene, {"groups.bars.first.length": 0.5, "groups.bars.second.length": 0.5})),
+        machine.nodes,
+    )
+    missing = np.isnan(reference.field("B.x").astype(float))
+    assert 0 < missing.sum() < 24
+    assert list(outcome.status) == [Verdict.OK, Verdict.CANNOT_ASSEMBLE]
+    assert machine.groups[outcome.status_group[1]] == "bars"
+    assert missing[np.flatnonzero(machine.nodes == outcome.status_at[1])[0]]
+    for row in outcome.fields.values():
+        np.testing.assert_array_equal(np.isnan(row), [np.zeros(24, bool), missing])
+
+
+def test_parallelogram_at_its_change_point__singular_with_finite_position():
+    scene = changed(four_bar(), {"points.O.x": 0.0, "points.O.y": 0.0, "points.D.x": 1.0, "points.D.y": 0.0})
+    scene["groups"]["bars"]["second"]["length"] = 0.3
+    machine = Machine(Scene.model_validate(scene), fields=["B.x", "B.x_phi"], positions=16)
+    outcome = machine.evaluate({})
+    assert outcome.status[0] == Verdict.SINGULAR
+    assert outcome.status_at[0] in (machine.nodes[0], machine.nodes[8])
+    assert np.isfinite(outcome.fields["B.x"]).all()
+    assert not np.isfinite(outcome.fields["B.x_phi"][0, 0])
+
+
+def test_parallel_guides__singular():
+    scene = {
+        "points": {"O": frame(0.0, 0.0)},
+        "guides": {"way": {"angle": 0.6}},
+        "input": crank(),
+        "groups": {"yoke_group": rpp(("die", "A"), ("yoke", "way"), 0.0)},
+    }
+    machine = Machine(
+        Scene.model_validate(scene),
+        fields=["yoke.slide_phi"],
+        varied=["groups.yoke_group.second.slot_angle"],
+        positions=16,
+    )
+    outcome = machine.evaluate({"groups.yoke_group.second.slot_angle": np.array([0.0, math.pi, 0.1])})
+    assert list(outcome.status) == [Verdict.SINGULAR, Verdict.SINGULAR, Verdict.OK]
