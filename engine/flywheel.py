@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from engine.jit import scalar
-from engine.rows import combined_max, combined_min, greatest, is_finite, least, mean_of, roughness
+from engine.rows import accumulate, greatest, is_finite, larger, least, mean_of, roughness, smaller
 
 
 @scalar
@@ -38,12 +38,11 @@ def cumulative_work(moment: np.ndarray, mean: float, h: float, work: np.ndarray)
     work : ndarray (positions,)
         Receives W [J], 0 at the first position.
     """
-    total = 0.0
     half_step = 0.5 * h
     work[0] = 0.0
     for k in range(1, moment.shape[0]):
-        total += half_step * ((moment[k - 1] - mean) + (moment[k] - mean))
-        work[k] = total
+        work[k] = half_step * ((moment[k - 1] - mean) + (moment[k] - mean))
+    accumulate(work)
 
 
 @scalar
@@ -61,13 +60,15 @@ def missed_extreme(inertia: np.ndarray, work: np.ndarray, slope: float) -> float
 
     An eighth of the greatest second difference: the height of a parabola over the middle of its chord.
     """
-    worst = 0.0
+    worst = total = 0.0
     for k in range(1, work.shape[0] - 1):
         here = work[k] - slope * inertia[k]
         before = work[k - 1] - slope * inertia[k - 1]
         after = work[k + 1] - slope * inertia[k + 1]
-        worst = max(worst, abs(before - here + (after - here)))
-    return 0.125 * worst
+        bend = abs(before - here + (after - here))
+        total += bend
+        worst = larger(worst, bend)
+    return 0.125 * worst if is_finite(total) else math.nan
 
 
 @scalar
@@ -96,43 +97,54 @@ def flywheel_sizes(
     by_excess_work, merzalov, wittenbauer : float
         Inertia of the flywheel on the input link [kg·m²]; 0 or less: the machine needs none.
     """
-    check = mean_of(inertia) + mean_of(work)
-    if not is_finite(check):
+    fast = 0.5 * (omega * (1.0 + 0.5 * delta)) ** 2
+    slow = 0.5 * (omega * (1.0 - 0.5 * delta)) ** 2
+    middle = 0.5 * omega * omega
+    low = high = work[0]
+    low_middle = high_middle = work[0] - middle * inertia[0]
+    bottom = work[0] - slow * inertia[0]
+    top = work[0] - fast * inertia[0]
+    total = 0.0
+    # One loop for all six extremes: it is bound by reading the rows.
+    for k in range(work.shape[0]):
+        w, i = work[k], inertia[k]
+        total += w - middle * i
+        low, high = smaller(low, w), larger(high, w)
+        low_middle, high_middle = smaller(low_middle, w - middle * i), larger(high_middle, w - middle * i)
+        bottom, top = smaller(bottom, w - slow * i), larger(top, w - fast * i)
+    if not is_finite(total):
         return math.nan, math.nan, math.nan, math.nan
-    denominator = delta * omega * omega
-    fast = omega * (1.0 + 0.5 * delta)
-    slow = omega * (1.0 - 0.5 * delta)
-    excess = greatest(work) - least(work)
-    slope = 0.5 * omega * omega
-    merzalov = (combined_max(work, inertia, slope) - combined_min(work, inertia, slope)) / denominator
-    top = combined_max(work, inertia, 0.5 * fast * fast)
-    bottom = combined_min(work, inertia, 0.5 * slow * slow)
+    excess, denominator = high - low, delta * omega * omega
+    merzalov = (high_middle - low_middle) / denominator
     return excess, excess / denominator, merzalov - first_kind, (top - bottom) / denominator
 
 
 @scalar
-def speeds_squared(
-    inertia: np.ndarray, work: np.ndarray, flywheel: float, energy: float
+def squares_at(
+    inertia: np.ndarray, work: np.ndarray, flywheel: float, energy: float, other: float
 ) -> tuple[float, float, float, float]:
-    """Least and greatest ω² with a flywheel and an initial energy, and the inertia where each occurs.
+    """Least and greatest ½ω² of the cycle with a flywheel, for two initial energies.
 
     Parameters
     ----------
     inertia, work : ndarray (positions,)
         I [kg·m²] and W [J].
-    flywheel, energy : float
-        I_F [kg·m²] and kinetic energy at the first position [J].
+    flywheel, energy, other : float
+        I_F [kg·m²] and the two kinetic energies at the first position [J].
     """
-    low, high = math.inf, -math.inf
-    low_inertia = high_inertia = math.nan
+    share = 1.0 / (inertia[0] + flywheel)
+    low = high = (energy + work[0]) * share
+    low_other = high_other = (other + work[0]) * share
+    total = 0.0
     for k in range(work.shape[0]):
-        total = inertia[k] + flywheel
-        square = 2.0 * (energy + work[k]) / total
-        if square < low:
-            low, low_inertia = square, total
-        if square > high:
-            high, high_inertia = square, total
-    return low, high, low_inertia, high_inertia
+        share = 1.0 / (inertia[k] + flywheel)
+        here, there = (energy + work[k]) * share, (other + work[k]) * share
+        total += here
+        low, high = smaller(low, here), larger(high, here)
+        low_other, high_other = smaller(low_other, there), larger(high_other, there)
+    if not is_finite(total):
+        return math.nan, math.nan, math.nan, math.nan
+    return low, high, low_other, high_other
 
 
 @scalar
@@ -141,7 +153,10 @@ def speed_with_flywheel(
 ) -> tuple[float, float, float]:
     """Initial energy, least and greatest speed of the steady cycle with a given flywheel.
 
-    Newton's iteration on the initial energy until (ω_max + ω_min)/2 is the mean speed.
+    Iterates on the initial energy E until (ω_max + ω_min)/2 is the mean speed. Two energies at once show the
+    inertias a and b at the least and greatest speed, as dE/d(½ω²). With x = ω_min/√2 and y = ω_max/√2 at those
+    two positions, a x² − W_a = E = b y² − W_b and x + y = √2 ω_m are a quadratic for x; it is exact unless the
+    least or greatest speed moves to another position.
 
     Parameters
     ----------
@@ -159,28 +174,27 @@ def speed_with_flywheel(
     slowest, fastest : float
         [rad/s]; NaN where the machine would stop within the cycle (δ would exceed 2).
     """
-    mean = abs(omega)
-    energy = 0.5 * (mean_of(inertia) + flywheel) * mean * mean
+    both = math.sqrt(2.0) * abs(omega)
     floor = -least(work)
-    if not is_finite(energy + mean_of(work)):
+    _, greatest_at_floor, _, _ = squares_at(inertia, work, flywheel, floor, floor)
+    if not math.sqrt(greatest_at_floor) <= both:
         return math.nan, math.nan, math.nan
-    if energy <= floor:
-        energy = floor + 0.5 * (greatest(work) + floor)
-    for _ in range(60):
-        low, high, low_inertia, high_inertia = speeds_squared(inertia, work, flywheel, energy)
-        slowest, fastest = math.sqrt(max(low, 0.0)), math.sqrt(high)
-        gap = 0.5 * (slowest + fastest) - mean
-        slope = 0.5 * (1.0 / (low_inertia * slowest) + 1.0 / (high_inertia * fastest))
-        ahead = energy - gap / slope
-        if ahead <= floor:
-            ahead = 0.5 * (energy + floor)
-        settled = abs(ahead - energy) <= 1e-14 * energy
-        energy = ahead
-        if settled:
-            break
-    # What is left is rounding; a large gap, at the least energy that there is, means that there is no such motion.
-    if abs(gap) <= 1e-12 * mean:
-        return energy, slowest, fastest
+    energy = max(0.25 * (mean_of(inertia) + flywheel) * both * both, floor + 0.5 * (floor + greatest(work)))
+    below, above = floor, math.inf
+    for _ in range(100):
+        other = energy + 0.01 * (energy - floor)
+        low, high, low_other, high_other = squares_at(inertia, work, flywheel, energy, other)
+        a, b = (other - energy) / (low_other - low), (other - energy) / (high_other - high)
+        rest = b * (both * both - high) + a * low
+        x = rest / (b * both + math.sqrt(b * b * both * both + (a - b) * rest))
+        ahead = energy + a * (x * x - low)
+        if abs(ahead - energy) <= 1e-12 * (energy + floor):
+            return ahead, math.sqrt(2.0) * x, math.sqrt(2.0) * (both - x)
+        if math.sqrt(low) + math.sqrt(high) > both:
+            above = energy
+        else:
+            below = energy
+        energy = ahead if below < ahead < above else 0.5 * (below + min(above, energy + energy))
     return math.nan, math.nan, math.nan
 
 

@@ -11,6 +11,14 @@ from engine.parts import CrankInput
 Form = Literal["whole", "factorised"]
 
 
+def spacing(model: Model) -> list[str]:
+    """Lines that set the first position and the spacing of positions, in the input's unit."""
+    if isinstance(model.scene.input, CrankInput):
+        return ["h = step", "first = nodes[0]", "h_half = h + h"]
+    length = "(num__input__stop - num__input__start)"
+    return [f"h = step * {length}", "first = num__input__start", "h_half = h + h"]
+
+
 class KernelText:
     """Puts the lines of a kernel into a module."""
 
@@ -35,12 +43,6 @@ class KernelText:
     def _loads(self, role: str) -> list[str]:
         slots = self.model.program.slots
         return [f"{s} = P[v, {i}]" for i, s in enumerate(self.slots) if slots[s].role == role]
-
-    def _step(self) -> list[str]:
-        if isinstance(self.model.scene.input, CrankInput):
-            return ["h = step", "first = nodes[0]", "h_half = h + h"]
-        length = "(num__input__stop - num__input__start)"
-        return [f"h = step * {length}", "first = num__input__start", "h_half = h + h"]
 
     def module(self, position_loop: list[str], geometry: list[str], variant: list[str], diagnosis: list[str]) -> str:
         """Text of the module."""
@@ -69,9 +71,9 @@ class KernelText:
     ) -> list[str]:
         pad = " " * 8
         if self.form == "whole":
-            first = ["v = group", *self._loads("shape"), *self._loads("load"), *self._step(), *direct]
+            first = ["v = group", *self._loads("shape"), *self._loads("load"), *spacing(self.model), *direct]
             return [pad + line for line in (*first, *position_loop, *geometry, *variant)]
-        first = ["v = members[starts[group]]", *self._loads("shape"), *self._step()]
+        first = ["v = members[starts[group]]", *self._loads("shape"), *spacing(self.model)]
         lines = [pad + line for line in (*first, *position_loop, *geometry)]
         lines += [f"{pad}for member in range(starts[group], starts[group + 1]):"]
         each = ["v = members[member]", *self._loads("load"), *direct, *variant]

@@ -12,7 +12,7 @@ import numpy as np
 
 from engine.analyses import Analyses, row_of
 from engine.demand import HALF, ROW, Demand, Node
-from engine.kernel_text import Form, KernelText
+from engine.kernel_text import Form, KernelText, spacing
 from engine.model import LinearRow, Model
 from engine.program import Step
 
@@ -66,7 +66,7 @@ class KernelWriter:
         variant += self._outputs(form)
         body = "\n".join((*positions, *shape, *variant))
         diagnosis = self._diagnosis()
-        slots = self._slots("\n".join((body, *diagnosis)))
+        slots = self._slots("\n".join((body, *diagnosis, *spacing(self.model))))
         writer = KernelText(self.model, form, dtype, slots, self._homes(body, form))
         return Source(
             writer.module(positions, shape, variant, diagnosis),

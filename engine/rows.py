@@ -1,16 +1,44 @@
 """Sums and extremes of a row: one quantity of one variant over all positions.
 
-Extremes run in eight independent lanes, because a compiler may not reorder comparisons that could meet NaN;
-a row with a NaN or infinity anywhere has NaN for its statistics, never the extreme of the rest.
+A row with a NaN or infinity anywhere has NaN for its statistics, never the extreme of the rest. Every function
+sums what it searches: one NaN spoils the sum, and the search itself may then be vectorised as if there were none.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
+from llvmlite import ir
+from numba.extending import intrinsic
 
 from engine.jit import scalar
 
-LANES = 8
+SEGMENTS = 8
+
+
+def _of_two(instruction: str) -> Callable[[float, float], float]:
+    """One of two numbers by an instruction of the compiler's.
+
+    Python's `max` and `min` are comparisons that prefer their first argument to NaN, so a loop of them has to
+    keep its order. The instruction promises that neither number is NaN: its result is undefined if one is.
+    """
+
+    @intrinsic
+    def of_two(typing: object, a: object, b: object) -> tuple:
+        common = typing.unify_types(a, b)
+
+        def generate(context: object, builder: ir.IRBuilder, signature: object, arguments: list) -> ir.Value:
+            kind = arguments[0].type
+            function = builder.module.declare_intrinsic(instruction, [kind], ir.FunctionType(kind, [kind, kind]))
+            return builder.call(function, arguments, fastmath=("nnan", "nsz"))
+
+        return common(common, common), generate
+
+    return of_two
+
+
+larger = _of_two("llvm.maxnum")
+smaller = _of_two("llvm.minnum")
 
 
 @scalar
@@ -24,61 +52,53 @@ def is_finite(value: float) -> bool:
 
 @scalar
 def combined_max(a: np.ndarray, b: np.ndarray, slope: float) -> float:
-    """Greatest of a − slope·b over a row; NaN are passed over."""
-    n = a.shape[0]
-    m0 = m1 = m2 = m3 = m4 = m5 = m6 = m7 = a[0] - slope * b[0]
-    for k in range(0, n - n % LANES, LANES):
-        m0 = max(m0, a[k] - slope * b[k])
-        m1 = max(m1, a[k + 1] - slope * b[k + 1])
-        m2 = max(m2, a[k + 2] - slope * b[k + 2])
-        m3 = max(m3, a[k + 3] - slope * b[k + 3])
-        m4 = max(m4, a[k + 4] - slope * b[k + 4])
-        m5 = max(m5, a[k + 5] - slope * b[k + 5])
-        m6 = max(m6, a[k + 6] - slope * b[k + 6])
-        m7 = max(m7, a[k + 7] - slope * b[k + 7])
-    for k in range(n - n % LANES, n):
-        m0 = max(m0, a[k] - slope * b[k])
-    return max(max(max(m0, m1), max(m2, m3)), max(max(m4, m5), max(m6, m7)))
+    """Greatest of a − slope·b over a row; NaN if any value is NaN or infinite."""
+    high = a[0] - slope * b[0]
+    total = 0.0
+    for k in range(a.shape[0]):
+        value = a[k] - slope * b[k]
+        total += value
+        high = larger(high, value)
+    return high if is_finite(total) else math.nan
 
 
 @scalar
 def combined_min(a: np.ndarray, b: np.ndarray, slope: float) -> float:
-    """Least of a − slope·b over a row; NaN are passed over."""
-    n = a.shape[0]
-    m0 = m1 = m2 = m3 = m4 = m5 = m6 = m7 = a[0] - slope * b[0]
-    for k in range(0, n - n % LANES, LANES):
-        m0 = min(m0, a[k] - slope * b[k])
-        m1 = min(m1, a[k + 1] - slope * b[k + 1])
-        m2 = min(m2, a[k + 2] - slope * b[k + 2])
-        m3 = min(m3, a[k + 3] - slope * b[k + 3])
-        m4 = min(m4, a[k + 4] - slope * b[k + 4])
-        m5 = min(m5, a[k + 5] - slope * b[k + 5])
-        m6 = min(m6, a[k + 6] - slope * b[k + 6])
-        m7 = min(m7, a[k + 7] - slope * b[k + 7])
-    for k in range(n - n % LANES, n):
-        m0 = min(m0, a[k] - slope * b[k])
-    return min(min(min(m0, m1), min(m2, m3)), min(min(m4, m5), min(m6, m7)))
+    """Least of a − slope·b over a row; NaN if any value is NaN or infinite."""
+    low = a[0] - slope * b[0]
+    total = 0.0
+    for k in range(a.shape[0]):
+        value = a[k] - slope * b[k]
+        total += value
+        low = smaller(low, value)
+    return low if is_finite(total) else math.nan
 
 
 @scalar
 def greatest(row: np.ndarray) -> float:
-    """Greatest value of a row; NaN are passed over."""
+    """Greatest value of a row; NaN if any value is NaN or infinite."""
     return combined_max(row, row, 0.0)
 
 
 @scalar
 def least(row: np.ndarray) -> float:
-    """Least value of a row; NaN are passed over."""
+    """Least value of a row; NaN if any value is NaN or infinite."""
     return combined_min(row, row, 0.0)
+
+
+@scalar
+def total_of(row: np.ndarray) -> float:
+    """Sum of a row."""
+    total = 0.0
+    for k in range(row.shape[0]):
+        total += row[k]
+    return total
 
 
 @scalar
 def mean_of(row: np.ndarray) -> float:
     """Mean over equally spaced positions; for a periodic row that is the trapezoid rule over the cycle."""
-    total = 0.0
-    for k in range(row.shape[0]):
-        total += row[k]
-    return total / row.shape[0]
+    return total_of(row) / row.shape[0]
 
 
 @scalar
@@ -186,6 +206,35 @@ def least_magnitude(row: np.ndarray) -> float:
         return math.nan
     low, high = least(row), greatest(row)
     return 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
+
+
+@scalar
+def accumulate(row: np.ndarray) -> None:
+    """Running sum of a row, in its place.
+
+    Each addition waits for the one before. Eight segments are summed side by side, each from the sum of those
+    before it, so that the processor has always eight additions to do.
+    """
+    length = row.shape[0] // SEGMENTS
+    a, b, c, d = row[:length], row[length : 2 * length], row[2 * length : 3 * length], row[3 * length : 4 * length]
+    e, f, g = row[4 * length : 5 * length], row[5 * length : 6 * length], row[6 * length : 7 * length]
+    h = row[7 * length : 8 * length]
+    ta = 0.0
+    tb = ta + total_of(a)
+    tc = tb + total_of(b)
+    td = tc + total_of(c)
+    te = td + total_of(d)
+    tf = te + total_of(e)
+    tg = tf + total_of(f)
+    th = tg + total_of(g)
+    for k in range(length):
+        ta, tb, tc, td = ta + a[k], tb + b[k], tc + c[k], td + d[k]
+        te, tf, tg, th = te + e[k], tf + f[k], tg + g[k], th + h[k]
+        a[k], b[k], c[k], d[k] = ta, tb, tc, td
+        e[k], f[k], g[k], h[k] = te, tf, tg, th
+    for k in range(SEGMENTS * length, row.shape[0]):
+        th += row[k]
+        row[k] = th
 
 
 @scalar

@@ -3,12 +3,16 @@
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from engine import Scene
 from sweeps.diagrams import PictureError
 from sweeps.drawing import LAYERS, Primitive, primitives
+
+if TYPE_CHECKING:
+    from ezdxf.layouts import Modelspace
 
 MM = 1000.0
 # Colours by AutoCAD's index (7 is black on white) and line types.
@@ -57,26 +61,33 @@ def write_dxf(
     # Dashes as long as the names are high.
     document.header["$LTSCALE"] = MM * next(p.size for p in drawn if p.kind == "text")
     for i, p in enumerate(drawn):
-        look = {"layer": p.layer}
         covers = [outline for q in drawn[i + 1 :] if (outline := _cover(q)) is not None]
-        if p.kind == "text":
-            text = space.add_text(p.text, height=MM * 0.7 * p.size, dxfattribs=look)
-            text.set_placement(_point(p.points[0]), align=ezdxf.enums.TextEntityAlignment.MIDDLE_CENTER)
-        elif p.kind == "circle":
-            space.add_circle(_point(p.points[0]), MM * p.size, dxfattribs=look)
-            if p.fill == "solid":
-                dot = space.add_hatch(dxfattribs=look)
-                dot.paths.add_edge_path().add_arc(_point(p.points[0]), MM * p.size)
-        elif p.layer == "paths":
-            space.add_lwpolyline([_point(c) for c in p.points], dxfattribs=look)
-        elif p.fill == "solid":
-            corners = [_point(c) for c in p.points]
-            space.add_solid([*corners, corners[-1]][:4], dxfattribs=look)
-        else:
-            ends = p.points + p.points[:1] if p.kind == "polygon" else p.points
-            for piece in _visible(pairwise(ends), covers):
-                space.add_line(*(_point(c) for c in piece), dxfattribs=look)
+        _add(space, p, covers)
     document.saveas(path)
+
+
+def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:
+    """Add a figure to a drawing, without what later figures hide of its lines."""
+    from ezdxf.enums import TextEntityAlignment
+
+    look = {"layer": p.layer}
+    if p.kind == "text":
+        text = space.add_text(p.text, height=MM * 0.7 * p.size, dxfattribs=look)
+        text.set_placement(_point(p.points[0]), align=TextEntityAlignment.MIDDLE_CENTER)
+    elif p.kind == "circle":
+        space.add_circle(_point(p.points[0]), MM * p.size, dxfattribs=look)
+        if p.fill == "solid":
+            dot = space.add_hatch(dxfattribs=look)
+            dot.paths.add_edge_path().add_arc(_point(p.points[0]), MM * p.size)
+    elif p.layer == "paths":
+        space.add_lwpolyline([_point(c) for c in p.points], dxfattribs=look)
+    elif p.fill == "solid":
+        corners = [_point(c) for c in p.points]
+        space.add_solid([*corners, corners[-1]][:4], dxfattribs=look)
+    else:
+        ends = p.points + p.points[:1] if p.kind == "polygon" else p.points
+        for piece in _visible(pairwise(ends), covers):
+            space.add_line(*(_point(c) for c in piece), dxfattribs=look)
 
 
 def _point(c: complex) -> tuple[float, float]:

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from engine import Machine, Scene
 from sweeps.results import Result
@@ -67,11 +66,9 @@ def drawing(scene: Scene, values: Mapping[str, float], out: Path, phi: float) ->
 
         write_dxf(out, scene, phi, dict(values))
         return
-    from sweeps.drawing import draw
+    from sweeps.drawing import picture
 
-    figure = Figure(figsize=(7, 5), layout="constrained")
-    draw(scene, figure.add_subplot(), at=(phi,), values=dict(values))
-    figure.savefig(out)
+    picture(scene, out, (phi,), values=values)
 
 
 def _header(name: str, units: str) -> str:

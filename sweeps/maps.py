@@ -446,12 +446,18 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     if best is not None:
         ax.plot(places, heights[best], color=VERMILION, linewidth=2, marker="o", markersize=4, label="best")
         ax.figure.legend(loc="outside upper left")
+    _uprights(ax, [text for _, text, _ in columns], lows, highs)
+
+
+def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarray) -> None:
+    """The axes of parallel coordinates, with the least and greatest value of each."""
+    places = np.arange(len(labels))
     for place, low, high in zip(places, lows, highs, strict=True):
         ax.plot([place, place], [0, 1], color="black", linewidth=0.8)
         ax.text(place, 1.02, f"{high:.4g}", ha="center", va="bottom", fontsize=7)
         ax.text(place, -0.02, f"{low:.4g}", ha="center", va="top", fontsize=7)
-    ax.set_xticks(places, [_column_label(text) for _, text, _ in columns])
-    ax.set(xlim=(-0.4, len(columns) - 0.6), ylim=(-0.09, 1.09), yticks=[])
+    ax.set_xticks(places, [_column_label(text) for text in labels])
+    ax.set(xlim=(-0.4, len(labels) - 0.6), ylim=(-0.09, 1.09), yticks=[])
     ax.tick_params(axis="x", length=0)
     ax.grid(False)
     ax.spines[:].set_visible(False)
