@@ -9,7 +9,7 @@ from engine.mechanism import Mechanism, centre_along
 from engine.moments import Moments, Term
 from engine.parts import FRAME, CrankInput
 from engine.program import Program
-from engine.quantities import dynamic_fields, kinematic_fields
+from engine.quantities import dynamic_fields, kinematic_fields, rates_in_time
 from engine.scene import Numbers, Scene
 from engine.structure import Structure, order
 
@@ -54,6 +54,7 @@ class Model:
         self.moments = Moments(scene, self.mechanism, self.program, varied)
         self._sum_moments()
         self.variables, self.angles = self._kinematic_rows()
+        self._rates_in_time()
         self.fields = {
             q.name: q for q in (*kinematic_fields(scene, self.structure), *dynamic_fields(scene, self.actions))
         }
@@ -164,6 +165,14 @@ class Model:
             variables[f"{name}.slide_phiphi"] = slide.da
         variables.update({f"{name}.transmission": sine for name, sine in m.sines.items()})
         return variables, angles
+
+    def _rates_in_time(self) -> None:
+        """Velocities and accelerations at the input's uniform speed: v = ω dr/dφ, a = ω² d²r/dφ²."""
+        omega = self.program.number("input.speed", "load")
+        square = self.program.derived("input.square", lambda n: n["input.speed"] ** 2, "load")
+        for name, (first, second) in rates_in_time(self.variables).items():
+            for field, coefficient, source in ((first, omega, f"{name}_phi"), (second, square, f"{name}_phiphi")):
+                self.linear[field] = LinearRow(None, ((coefficient, self.variables[source]),))
 
     def numbers(self, varied: dict[str, np.ndarray]) -> Numbers:
         """The scene's numbers with those of a set of variants in their place."""

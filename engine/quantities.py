@@ -1,5 +1,6 @@
 """The register of quantities: every field (a row over positions) and summary (a number per variant) one may ask."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from engine.parts import FRAME, CrankInput
@@ -71,6 +72,36 @@ def kinematic_fields(scene: Scene, structure: Structure) -> list[Quantity]:
             found.append(Quantity(f"{name}.slide{suffix}", f"{words[order]}displacement of slider {name}", unit))
     for name in scene.groups:
         found.append(Quantity(f"{name}.transmission", f"sine of the transmission angle of group {name}", "1"))
+    return [*found, *time_fields(found)]
+
+
+RATE_NAMES = {
+    "x": ("vx", "ax"),
+    "y": ("vy", "ay"),
+    "angle": ("angular_velocity", "angular_acceleration"),
+    "slide": ("velocity", "acceleration"),
+}
+
+
+def rates_in_time(names: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Names of the first and second derivative by time of every kinematic field that has transfer functions."""
+    stems = [name.removesuffix("_phi") for name in names if name.endswith("_phi")]
+    found = {}
+    for stem in stems:
+        owner, _, kind = stem.rpartition(".")
+        first, second = RATE_NAMES[kind]
+        found[stem] = (f"{owner}.{first}", f"{owner}.{second}")
+    return found
+
+
+def time_fields(fields: list[Quantity]) -> list[Quantity]:
+    """Velocities and accelerations at the input's uniform speed."""
+    by_name = {q.name: q for q in fields}
+    found = []
+    for stem, (first, second) in rates_in_time(by_name).items():
+        of, unit = by_name[stem].long_name, "rad" if stem.endswith(".angle") else "m"
+        found.append(Quantity(first, f"velocity of the {of}", f"{unit} s-1"))
+        found.append(Quantity(second, f"acceleration of the {of} at uniform speed of the input", f"{unit} s-2"))
     return found
 
 

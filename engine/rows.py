@@ -185,16 +185,9 @@ def roughness(row: np.ndarray, periodic: bool) -> float:
         d = sixth_difference(row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5], row[k + 6])
         total += d * d
     if periodic:
-        for k in range(n - 6, n):
-            d = sixth_difference(
-                row[k],
-                row[(k + 1) % n],
-                row[(k + 2) % n],
-                row[(k + 3) % n],
-                row[(k + 4) % n],
-                row[(k + 5) % n],
-                row[(k + 6) % n],
-            )
+        # Negative indices count from the end, so the neighbours run on into the next cycle.
+        for k in range(-6, 0):
+            d = sixth_difference(row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5], row[k + 6])
             total += d * d
     return math.sqrt(total / 252.0)
 

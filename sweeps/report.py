@@ -228,6 +228,7 @@ def answer_text(result: Result) -> str:
     lines = [result.question] if result.question else []
     value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
     condition = f" where {goal.where}" if goal.where else ""
+    rivals = result.rivals(best)
     lines.append(f"Answer: the {word} {goal.goal}{condition} is {value}, with variant {best}:")
     rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
     others = [name for name in result.summaries if name != goal.goal]
@@ -235,7 +236,10 @@ def answer_text(result: Result) -> str:
         (name, "→", quantity_text(result.columns[name][best], result.units[name], _error(result, name, best)))
         for name in others
     ]
-    return "\n".join([*lines, table(rows, "  ")])
+    lines.append(table(rows, "  "))
+    if rivals:
+        lines.append(f"{rivals} other variants are as good within the error figures: choose among them by other needs.")
+    return "\n".join(lines)
 
 
 def _error(result: Result, name: str, variant: int) -> float | None:

@@ -164,3 +164,11 @@ class Result:
         if not np.isfinite(values).any():
             return None
         return int(chosen[np.nanargmin(values)])
+
+    def rivals(self, best: int) -> int:
+        """How many other variants may be as good as the best one, within both error figures."""
+        goal = self.goal
+        values, errors = self.columns[goal.goal], self.columns[f"{goal.goal}_error"]
+        chosen = self.select(goal.where)
+        gap = goal.sign * (values[chosen] - values[best])
+        return int((gap <= errors[chosen] + errors[best]).sum()) - 1

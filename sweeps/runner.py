@@ -69,7 +69,8 @@ def layout_of(study: Study, machine: Machine) -> Layout:
 
 
 def _parameter_column(study: Study, name: str) -> Column:
-    unit = DIMENSIONS[study.parameter_number(name).dimension].unit
+    dimension = study.parameter_number(name).dimension
+    unit = DIMENSIONS[dimension].unit if dimension else ""
     return Column(name, name, unit)
 
 

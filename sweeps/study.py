@@ -57,6 +57,7 @@ class Study:
     question: str = ""
     text: str = ""
     best: Best | None = None
+    free_dimensions: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -70,8 +71,9 @@ class Study:
         return (*self.design.names, *self.derived)
 
     def parameter_number(self, name: str) -> SceneNumber:
-        """Nominal value and dimension of a parameter; a free parameter is a plain number."""
-        return scene_numbers(self.scene).get(name, SceneNumber(float("nan"), "number", ()))
+        """Nominal value and dimension of a parameter; that of a free one from its values, "" where it is derived."""
+        free = SceneNumber(float("nan"), self.free_dimensions.get(name, ""), ())
+        return scene_numbers(self.scene).get(name, free)
 
     def machine(self) -> Machine:
         """The machine that answers the study.
@@ -182,6 +184,7 @@ class _Reader:
         self.scene = self._scene()
         self.numbers = scene_numbers(self.scene)
         self.problems: list[tuple[int | None, str, str]] = []
+        self.free_dimensions: dict[str, str] = {}
 
     def _scene(self) -> Scene:
         if isinstance(self.raw.scene, dict):
@@ -222,6 +225,7 @@ class _Reader:
             self.raw.question,
             self.text,
             self.raw.best,
+            self.free_dimensions,
         )
         return _checked(study, self.path)
 
@@ -264,9 +268,11 @@ class _Reader:
         return any(name in text for text in (*self.raw.derive.values(), *self.raw.require))
 
     def _quantity(self, path: str, value: float | str, keys: list[str]) -> float:
-        dimension = self.numbers[path].dimension if path in self.numbers else "number"
         try:
-            return in_text(value, dimension)
+            if path in self.numbers:
+                return in_text(value, self.numbers[path].dimension)
+            number, self.free_dimensions[path] = recognised(value)
+            return number
         except UnitError as error:
             self._problem(keys, str(error))
             return float("nan")
@@ -359,14 +365,36 @@ def _split(keys: list[str]) -> list[str]:
     return [part for key in keys for part in key.split(".")]
 
 
-def any_quantity(text: str) -> float:
-    """SI value of a quantity of whatever dimension, in an expression."""
-    for dimension in DIMENSIONS:
+def recognised(value: float | str) -> tuple[float, str]:
+    """SI value and dimension of a quantity of whatever dimension; of several that fit the unit, the plainest.
+
+    Raises
+    ------
+    UnitError
+        The text is not a number with a known unit.
+    """
+    for dimension in ("number", *DIMENSIONS):
         try:
-            return in_text(text, dimension)
+            return in_text(value, dimension), dimension
         except UnitError:
             continue
-    raise UnitError(f"{text!r} is not a quantity with a known unit, such as '80 mm'")
+    raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+
+
+def any_quantity(text: str) -> float:
+    """SI value of a quantity of whatever dimension, in an expression."""
+    return recognised(text)[0]
+
+
+def _check_where(study: Study, where: str) -> None:
+    """See that a condition is one, and uses what the result will hold."""
+    condition = parse(where, any_quantity)
+    if not condition.is_condition:
+        raise ExpressionError(f"{where!r} is a number; a condition such as 'a < b' is needed")
+    known = (*study.parameters, *study.summaries)
+    for name in condition.names:
+        if name not in known:
+            raise ExpressionError(f"{unknown_name_message(name, known)}; name it under outputs.summaries to have it")
 
 
 def _checked(study: Study, path: Path) -> Study:
@@ -374,7 +402,7 @@ def _checked(study: Study, path: Path) -> Study:
     try:
         study.machine()
         if study.best and study.best.where:
-            parse(study.best.where, any_quantity)
+            _check_where(study, study.best.where)
     except AskError as error:
         key = next((k for k in ("positions", "vary") if k in str(error)), "outputs")
         raise InputError(path.name, [(line_of(study.text, [key]), key, str(error))]) from None
