@@ -14,8 +14,10 @@ import shutil
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -23,7 +25,7 @@ from types import ModuleType
 
 import llvmlite
 import numba
-from numba import njit
+from numba import config, njit
 
 # `nnan` and `ninf` are left out on purpose: a NaN must survive from the position that can't be assembled
 # to the status of the variant. `reassoc` lets sums over positions be vectorised.
@@ -39,6 +41,7 @@ KERNEL_OPTIONS = {
 }
 
 PIECES_PER_THREAD = 8
+UNUSED_FOR = 60 * 24 * 3600.0
 
 _COMPILING = threading.Lock()
 _settings = {"threads": 0}
@@ -68,7 +71,29 @@ def scalar(function: Callable) -> Callable:
 
     Division by zero gives infinity or NaN, as in NumPy, and never raises.
     """
-    return njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES))(function)
+    compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), no_cfunc_wrapper=True)(function)
+    _keep_compiled(compiled)
+    return compiled
+
+
+def _keep_compiled(function: Callable) -> None:
+    """Let Numba keep the machine code of a function in the folder of this package's sources.
+
+    A new structure then compiles only its own kernel. Numba asks for the folder when caching is switched on.
+    """
+    before = config.CACHE_DIR
+    try:
+        config.CACHE_DIR = str(_functions_folder())
+        function.enable_caching()
+    except (OSError, RuntimeError):
+        # Nowhere to keep it: it is compiled in every process.
+        return
+    finally:
+        config.CACHE_DIR = before
+
+
+def _functions_folder() -> Path:
+    return cache_folder() / sources_digest()[:32]
 
 
 @cache
@@ -104,6 +129,13 @@ def _kernel_folder(text: str) -> Path:
     return cache_folder() / digest[:32]
 
 
+def _forget_unused() -> None:
+    """Remove kernels that no process has loaded for a long time."""
+    for folder in cache_folder().iterdir():
+        if time.time() - folder.stat().st_mtime > UNUSED_FOR:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
 @cache
 def load_kernel(text: str) -> ModuleType:
     """Module of a generated source, compiled on the first call of its functions and cached on disk.
@@ -116,10 +148,14 @@ def load_kernel(text: str) -> ModuleType:
     folder = _kernel_folder(text)
     path = folder / "kernel.py"
     if not path.exists():
+        _forget_unused()
         folder.mkdir(parents=True, exist_ok=True)
         draft = folder / f"kernel.{os.getpid()}.tmp"
         draft.write_text(text, encoding="utf8")
         os.replace(draft, path)
+    for used in (folder, _functions_folder()):
+        with suppress(OSError):
+            os.utime(used)
     name = f"engine_kernel_{folder.name}"
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
@@ -146,6 +182,7 @@ def compiled(text: str, function: str, *arguments: object) -> Callable:
         except (EOFError, pickle.UnpicklingError):
             load_kernel.cache_clear()
             shutil.rmtree(_kernel_folder(text), ignore_errors=True)
+            shutil.rmtree(_functions_folder(), ignore_errors=True)
             getattr(load_kernel(text), function)(*arguments)
         return getattr(load_kernel(text), function)
 
