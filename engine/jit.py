@@ -187,6 +187,16 @@ def compiled(text: str, function: str, *arguments: object) -> Callable:
         return getattr(load_kernel(text), function)
 
 
+@cache
+def _pool(workers: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(workers, thread_name_prefix="kernel")
+
+
+if hasattr(os, "register_at_fork"):
+    # Threads don't come along into a forked process.
+    os.register_at_fork(after_in_child=_pool.cache_clear)
+
+
 def run_kernel(text: str, function: str, count: int, *arguments: object) -> None:
     """Run a function of a generated source over a range 0 … count − 1, in pieces on all threads.
 
@@ -208,6 +218,6 @@ def run_kernel(text: str, function: str, count: int, *arguments: object) -> None
         kernel(0, count, *arguments)
         return
     cuts = [i * count // pieces for i in range(pieces + 1)]
-    with ThreadPoolExecutor(workers) as pool:
-        for done in [pool.submit(kernel, a, b, *arguments) for a, b in pairwise(cuts)]:
-            done.result()
+    pool = _pool(workers)
+    for done in [pool.submit(kernel, a, b, *arguments) for a, b in pairwise(cuts)]:
+        done.result()

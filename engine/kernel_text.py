@@ -42,7 +42,7 @@ class KernelText:
 
     def _loads(self, role: str) -> list[str]:
         slots = self.model.program.slots
-        return [f"{s} = P[v, {i}]" for i, s in enumerate(self.slots) if slots[s].role == role]
+        return [f"{s} = P[{i}, v]" for i, s in enumerate(self.slots) if slots[s].role == role]
 
     def module(self, position_loop: list[str], geometry: list[str], variant: list[str], diagnosis: list[str]) -> str:
         """Text of the module."""
@@ -110,7 +110,7 @@ class KernelText:
 
     def _diagnose(self, diagnosis: list[str]) -> list[str]:
         text = "\n".join(diagnosis)
-        loads = [f"        {s} = P[v, {i}]" for i, s in enumerate(self.slots) if re.search(rf"\b{s}\b", text)]
+        loads = [f"        {s} = P[{i}, v]" for i, s in enumerate(self.slots) if re.search(rf"\b{s}\b", text)]
         return [
             "@njit(**KERNEL_OPTIONS)",
             "def diagnose(begin, end, P, nodes, cos_nodes, sin_nodes, doubtful, places, sines):",

@@ -79,8 +79,12 @@ class KernelWriter:
         )
 
     def _position_loop(self, form: Form) -> list[str]:
-        """The vectorised loop over positions; `nearness` grows without bound near a singular position."""
-        demand, sines = self.demand, self.model.mechanism.sines
+        """The vectorised loop over positions.
+
+        `nearness` grows without bound near a singular position and is NaN where a group can't be assembled;
+        `check` is finite only if the asked fields that are complete in this loop are.
+        """
+        demand = self.demand
         inner = [step.line for step in demand.steps]
         inner += [f"row__{v}[k] = {v}" for v in sorted(demand.row_variables)]
         if form == "factorised":
@@ -89,11 +93,37 @@ class KernelWriter:
             for target, row in demand.linear.items():
                 terms = self._terms(row, in_laws=False)
                 if terms or not row.terms:
-                    inner.append(f"{target}[k] = {' + '.join(terms) or 'zero'}")
-        inner += [f"nearness += one / ({sines[g]} * {sines[g]})" for g in demand.groups]
+                    inner += [f"value = {' + '.join(terms) or 'zero'}", f"{target}[k] = value"]
+                    inner += ["check += value"] if target in self._checked_in_loop(form) else []
+        inner += [f"check += {r.removeprefix('row__')}" for r in self._checked_in_loop(form) if r.startswith("row__")]
+        inner += self._nearness()
         if not inner:
-            return ["nearness = zero"]
-        return ["nearness = zero", "for k in range(n):", *(f"    {line}" for line in (*_places(inner), *inner))]
+            return ["nearness = check = zero"]
+        lines = (*_places(inner), *inner)
+        return ["nearness = check = zero", "for k in range(n):", *(f"    {line}" for line in lines)]
+
+    def _nearness(self) -> list[str]:
+        """Contribution of every group: 1/sine² where its rates are asked, else the sine itself, NaN if it is NaN."""
+        moving = {step.subject for step in self.demand.steps if step.level != "position"}
+        lines = []
+        for group in self.demand.groups:
+            sine = self.model.mechanism.sines[group]
+            subject = next(step.subject for step in self.demand.steps if sine in step.targets)
+            lines.append(f"nearness += one / ({sine} * {sine})" if subject in moving else f"nearness += {sine}")
+        return lines
+
+    def _checked_in_loop(self, form: Form) -> list[str]:
+        """Rows of asked fields that the position loop completes."""
+        demand, rows = self.demand, dict.fromkeys(row_of(self.model, field) for field in self.fields)
+        laws = self.model.moments.laws
+        found = []
+        for row in rows:
+            if row in demand.linear:
+                complete = form == "whole" and not any(b in laws for _, b in demand.linear[row].terms)
+            else:
+                complete = row.removeprefix("row__") in demand.row_variables
+            found += [row] if complete else []
+        return found
 
     def _terms(self, row: LinearRow, in_laws: bool) -> list[str]:
         """Terms of a linear row at position k: those of laws, or its constant and those of the position loop."""
@@ -131,7 +161,8 @@ class KernelWriter:
             if row in rows[:i] or not self._is_direct(row, form):
                 lines += ["for k in range(n):", f"    fields[{i}, v, k] = {row}[k]"]
         lines.append("nearness_of[v] = nearness")
-        lines.append(f"checks[v] = {' + '.join(f'mean_of({row})' for row in rows) or 'zero'}")
+        later = [row for row in dict.fromkeys(rows) if row not in self._checked_in_loop(form)]
+        lines.append(f"checks[v] = {' + '.join(['check', *(f'mean_of({row})' for row in later)])}")
         return lines
 
     def _is_direct(self, row: str, form: Form) -> bool:

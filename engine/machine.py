@@ -219,7 +219,7 @@ class Machine:
         outcome = self._blank(status, room)
         if keep.size:
             chosen = {path: values[keep] for path, values in arrays.items()} if keep.size < variants else arrays
-            self._fill(outcome, keep, Numbers(self.scene, chosen), room[:, : keep.size])
+            self._fill(outcome, keep, Numbers(self._limits, chosen), room[:, : keep.size])
         # Results were packed at the front; spread them to their variants, the last first.
         if keep.size < variants:
             left_out = np.setdiff1d(np.arange(variants), keep, assume_unique=True)
@@ -287,11 +287,16 @@ class Machine:
 
     def _form(self, parameters: np.ndarray, source: Source) -> tuple[Form, tuple[np.ndarray, np.ndarray] | None]:
         """Which form to use: factorised where each shape serves several variants."""
-        variants = parameters.shape[0]
+        variants = parameters.shape[1]
         if variants < 2 * WORTH_FACTORISING:
             return "whole", None
-        inverse, count = _same_rows(parameters[:, : source.shape_slots])
-        if count * WORTH_FACTORISING > variants:
+        shapes = parameters[: source.shape_slots]
+        keys = _shape_keys(shapes)
+        ordered = np.sort(keys)
+        if (1 + np.count_nonzero(ordered[1:] != ordered[:-1])) * WORTH_FACTORISING > variants:
+            return "whole", None
+        _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)
+        if not np.array_equal(shapes, shapes[:, first[inverse]]):
             return "whole", None
         members = np.argsort(inverse, kind="stable")
         starts = np.concatenate(([0], np.cumsum(np.bincount(inverse))))
@@ -330,7 +335,7 @@ class Machine:
             blamed, (groups, at) = keep[doubtful[failed]], places[failed].T
             outcome.status[blamed] = np.where(sines[failed] < 0, Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR)
             outcome.status_group[blamed] = groups
-            outcome.status_at[blamed] = self._at(at, parameters[doubtful[failed]])
+            outcome.status_at[blamed] = self._at(at, parameters[:, doubtful[failed]])
         blamed = keep[not_finite & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 
@@ -344,21 +349,18 @@ class Machine:
         if isinstance(self.scene.input, CrankInput):
             return self.nodes[places]
         slots = self.source("whole").slots
-        start, stop = (parameters[:, slots.index(f"num__input__{key}")] for key in ("start", "stop"))
+        start, stop = (parameters[slots.index(f"num__input__{key}")] for key in ("start", "stop"))
         return start + (stop - start) * self.nodes[places]
 
 
-def _same_rows(table: np.ndarray) -> tuple[np.ndarray, int]:
-    """Number each distinct row of a table; rows are compared by a 64-bit mix of their bits, then for sure."""
-    varying = table[:, (table != table[0]).any(axis=0)].astype(np.float64)
-    if not varying.shape[1]:
-        return np.zeros(table.shape[0], np.intp), 1
-    factors = np.random.default_rng(0).integers(2**62, 2**63, varying.shape[1], dtype=np.uint64) * 2 + 1
-    mixed = (np.ascontiguousarray(varying).view(np.uint64) * factors).sum(axis=1, dtype=np.uint64)
-    _, first, inverse = np.unique(mixed ^ (mixed >> np.uint64(29)), return_index=True, return_inverse=True)
-    if not np.array_equal(varying, varying[first[inverse]]):
-        return np.arange(table.shape[0]), table.shape[0]
-    return inverse, first.size
+def _shape_keys(shapes: np.ndarray) -> np.ndarray:
+    """A 64-bit mix of the bits of each variant's shape: equal for equal shapes, and very likely for no others."""
+    varying = np.flatnonzero((shapes != shapes[:, :1]).any(axis=1))
+    factors = np.random.default_rng(0).integers(2**62, 2**63, varying.size, dtype=np.uint64) * 2 + 1
+    keys = np.zeros(shapes.shape[1], np.uint64)
+    for row, factor in zip(varying, factors, strict=True):
+        keys += shapes[row].astype(np.float64).view(np.uint64) * factor
+    return keys ^ (keys >> np.uint64(29))
 
 
 def _spread(starts: np.ndarray, members: np.ndarray, pieces: int) -> tuple[np.ndarray, np.ndarray]:

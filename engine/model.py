@@ -10,7 +10,7 @@ from engine.moments import Moments, Term
 from engine.parts import FRAME, CrankInput
 from engine.program import Program
 from engine.quantities import dynamic_fields, kinematic_fields, rates_in_time
-from engine.scene import Numbers, Scene
+from engine.scene import Numbers, Scene, scene_numbers
 from engine.structure import Structure, order
 
 
@@ -176,11 +176,11 @@ class Model:
 
     def numbers(self, varied: dict[str, np.ndarray]) -> Numbers:
         """The scene's numbers with those of a set of variants in their place."""
-        return Numbers(self.scene, varied)
+        return Numbers(scene_numbers(self.scene), varied)
 
     def parameters(self, slots: list[str], numbers: Numbers, variants: int, dtype: np.dtype) -> np.ndarray:
-        """Values of slots for every variant, (variants, slots)."""
-        values = np.empty((variants, len(slots)), dtype)
-        for column, slot in enumerate(slots):
-            values[:, column] = self.program.slots[slot].compute(numbers)
+        """Values of slots for every variant, (slots, variants)."""
+        values = np.empty((len(slots), variants), dtype)
+        for row, slot in enumerate(slots):
+            values[row] = self.program.slots[slot].compute(numbers)
         return values

@@ -124,19 +124,19 @@ class Numbers(Mapping[str, float | np.ndarray]):
 
     Parameters
     ----------
-    scene : Scene
+    fixed : mapping of path to SceneNumber
+        All numbers of the scene, from `scene_numbers`.
     varied : mapping of path to ndarray (variants,)
         Values in SI units; every path must be a number of the scene.
     """
 
-    def __init__(self, scene: Scene, varied: Mapping[str, np.ndarray]) -> None:
-        self._fixed = {path: number.value for path, number in scene_numbers(scene).items()}
-        self._varied = varied
+    def __init__(self, fixed: Mapping[str, SceneNumber], varied: Mapping[str, np.ndarray]) -> None:
+        self._fixed, self._varied = fixed, varied
 
     def __getitem__(self, path: str) -> float | np.ndarray:
         if path in self._varied:
             return self._varied[path]
-        return self._fixed[path]
+        return self._fixed[path].value
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._fixed)

@@ -11,8 +11,9 @@ from PIL import Image
 
 from engine import Scene
 from engine.quantities import has_cycle
-from sweeps.diagrams import VERMILION, PictureError, house_style
 from sweeps.drawing import FILLS, Motion, bounds, figures, paint, prepare
+from sweeps.errors import PictureError
+from sweeps.style import VERMILION, house_style
 
 DOTS_PER_INCH = 100
 LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4

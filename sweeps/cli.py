@@ -26,17 +26,13 @@ def explained(command: Callable) -> Callable:
         from engine import AskError, SceneError
         from engine.tables import TableError
         from engine.units import UnitError
+        from sweeps.errors import PictureError
         from sweeps.store import StoreError
         from sweeps.textfile import InputError
 
-        known = [InputError, StoreError, AskError, SceneError, TableError, UnitError]
-        if "matplotlib" in sys.modules:
-            from sweeps.diagrams import PictureError
-
-            known.append(PictureError)
         try:
             command(*args, **kwargs)
-        except tuple(known) as error:
+        except (InputError, StoreError, AskError, SceneError, TableError, UnitError, PictureError) as error:
             fail(str(error))
 
     return guarded

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from engine import Scene
-from sweeps.diagrams import PictureError
 from sweeps.drawing import LAYERS, Primitive, primitives
+from sweeps.errors import PictureError
 
 if TYPE_CHECKING:
     from ezdxf.layouts import Modelspace

@@ -1,36 +1,23 @@
-"""Pictures of a sweep's results: curves, bands of fields, maps, scatter and parallel coordinates."""
+"""Pictures of a sweep's results: curves, bands of fields, maps and scatter; which of them suits what varies."""
 
-import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from engine import Verdict
-from sweeps.diagrams import BLUE, GREY, PALETTE, VERMILION, PictureError, house_style, new_figure, save
 from sweeps.engineer_units import engineer_unit
+from sweeps.errors import PictureError
+from sweeps.parallel_coordinates import chosen_columns, parallel
+from sweeps.pareto import pareto_front
+from sweeps.style import BLUE, COLOURS, GREY, PALETTE, VERMILION, house_style, new_figure, save
+from sweeps.sweep_data import SweepData
 
-__all__ = [
-    "SweepData",
-    "curves",
-    "engineer_unit",
-    "field_band",
-    "map2d",
-    "parallel",
-    "pareto_front",
-    "plot_result",
-    "scatter",
-]
-
-COLOURS = "cividis"
-MOST_LINES = 3000
 REASONS = {
     Verdict.CANNOT_ASSEMBLE: "can't be assembled",
     Verdict.SINGULAR: "singular position",
@@ -39,146 +26,6 @@ REASONS = {
     Verdict.NOT_FINITE: "infinite or undefined",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
-SYMBOLS = {
-    "reduced_inertia": "I",
-    "reduced_moment": "M",
-    "input_moment": "$M_{in}$",
-    "work": "W",
-    "speed": "ω",
-    "speed_fluctuation": "δ",
-    "excess_work": "$A_{exc}$",
-    "required_drive_moment": "$M_{dr}$",
-    "required_power": "P",
-    "flywheel_excess_work": "$I_F$",
-    "flywheel_merzalov": "$I_F$",
-    "flywheel_wittenbauer": "$I_F$",
-    "speed_min": "$ω_{min}$",
-    "speed_max": "$ω_{max}$",
-}
-
-
-class SweepData(NamedTuple):
-    """What is drawn of a sweep.
-
-    Attributes
-    ----------
-    arrays : mapping of str to ndarray
-        Parameters and summaries (variants,), fields (variants, positions), SI. The error figures of the summary
-        NAME are the array NAME_error, if there is one.
-    units, long_names : mapping of str to str
-        Unit as CF spells it, and meaning, of each array.
-    varied, summaries : sequence of str
-        Names of the parameters, and of the summaries in the order of their importance.
-    shape : sequence of int
-        Sizes of the grid's axes, the last fastest; a single number where the variants form no grid.
-    status : ndarray (variants,) of uint8
-        `engine.Verdict` codes.
-    position : ndarray (positions,), optional
-        Positions of the fields, SI.
-    position_units : str
-    """
-
-    arrays: Mapping[str, np.ndarray]
-    units: Mapping[str, str]
-    long_names: Mapping[str, str]
-    varied: Sequence[str]
-    summaries: Sequence[str]
-    shape: Sequence[int]
-    status: np.ndarray
-    position: np.ndarray | None = None
-    position_units: str = "rad"
-
-    @property
-    def ok(self) -> np.ndarray:
-        """Which variants have been computed without complaint."""
-        return np.asarray(self.status) == Verdict.OK
-
-    def _is_error(self, name: str) -> bool:
-        return name.endswith("_error") and name.removesuffix("_error") in self.arrays
-
-    def shown(self, name: str) -> tuple[np.ndarray, str, float]:
-        """Values of an array in an engineer's unit, its label, and the factor from SI.
-
-        Raises
-        ------
-        PictureError
-            There is no such array.
-        """
-        if name not in self.arrays:
-            known = ", ".join(n for n in self.arrays if not self._is_error(n))
-            raise PictureError(f"{name!r} is not in this result; there are: {known}")
-        values = np.asarray(self.arrays[name], dtype=float)
-        factor, unit = engineer_unit(self.units.get(name, "1"), values)
-        words = self.long_names.get(name, name) or name
-        text = f"{words[0].upper()}{words[1:]}" if words != name else words
-        # A name, unlike a sentence, is one word to textwrap; it may be broken at its dots.
-        text = "\n".join(textwrap.wrap(text.replace(".", ".\u200b"), 42)).replace("\u200b", "")
-        symbol = f" {SYMBOLS[name]}" if name in SYMBOLS else ""
-        return factor * values, text + symbol + (f", {unit}" if unit not in ("", "1") else ""), factor
-
-    def grid_parameters(self) -> list[str]:
-        """The parameter that grows or falls along each axis of the grid with more than one place.
-
-        Empty where the variants form no grid, as random samples don't.
-        """
-        found = []
-        for axis, size in enumerate(self.shape):
-            if size > 1:
-                found += next(([name] for name in self.varied if name not in found and self._runs(name, axis)), [])
-        return found if len(found) == sum(size > 1 for size in self.shape) else []
-
-    def _runs(self, name: str, axis: int) -> bool:
-        grid = np.moveaxis(np.asarray(self.arrays[name]).reshape(self.shape), axis, 0).reshape(self.shape[axis], -1)
-        steps = np.diff(grid[:, 0])
-        return bool((grid == grid[:, :1]).all() and ((steps > 0).all() or (steps < 0).all()))
-
-
-def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
-    """Which points no other point surpasses: none is as good in everything and better in something.
-
-    Exact; equal points are all kept, points with NaN never. With two objectives by sorting, O(n log n); with more
-    by comparison with the points kept so far, which is quick while the front is small.
-
-    Parameters
-    ----------
-    values : ndarray (points, objectives)
-    minimise : sequence of bool
-        Which objectives should be small; the others should be great.
-
-    Returns
-    -------
-    ndarray (points,) of bool
-    """
-    costs = np.asarray(values, dtype=float) * np.where(np.asarray(minimise, dtype=bool), 1.0, -1.0)
-    kept = np.zeros(costs.shape[0], dtype=bool)
-    sound = np.flatnonzero(~np.isnan(costs).any(axis=1))
-    if sound.size == 0:
-        return kept
-    # Equal points stand or fall together, so only distinct ones are compared, in lexicographic order.
-    order = sound[np.lexsort(costs[sound].T[::-1])]
-    is_new = np.append(True, (costs[order[1:]] != costs[order[:-1]]).any(axis=1))
-    distinct = costs[order[is_new]]
-    front = _front_of_two(distinct) if distinct.shape[1] == 2 else _front_of_many(distinct)
-    kept[order] = front[np.cumsum(is_new) - 1]
-    return kept
-
-
-def _front_of_two(costs: np.ndarray) -> np.ndarray:
-    least_before = np.minimum.accumulate(costs[:, 1])
-    return np.append(True, costs[1:, 1] < least_before[:-1])
-
-
-def _front_of_many(costs: np.ndarray) -> np.ndarray:
-    # In lexicographic order a point can only be surpassed by an earlier one; the earliest left is on the front.
-    front, left = np.zeros(costs.shape[0], dtype=bool), np.arange(costs.shape[0])
-    while left.size:
-        first, rest = left[0], left[1:]
-        front[first] = True
-        left = rest[(costs[rest] < costs[first]).any(axis=1)]
-    return front
-
-
-# Pictures
 
 
 def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int | None = None) -> None:
@@ -378,19 +225,7 @@ def scatter(
     if colour is not None:
         ax.figure.colorbar(dots, ax=ax, label=label, pad=0.02)
     if minimise is not None and sound.any():
-        front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
-        front = front[np.lexsort((ys[front], xs[front]))]
-        step = "steps-post" if minimise[0] else "steps-pre"
-        ax.plot(
-            xs[front],
-            ys[front],
-            "o-",
-            color=VERMILION,
-            linewidth=1,
-            markersize=2.5,
-            drawstyle=step,
-            label="Pareto front",
-        )
+        _front(ax, xs, ys, sound, minimise)
     if best is not None:
         ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="black", markersize=12, label="best")
     failed = np.count_nonzero(~data.ok)
@@ -403,69 +238,12 @@ def scatter(
         ax.legend(loc="best")
 
 
-def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best: int | None = None) -> None:
-    """Parallel coordinates: a line for each variant across upright axes, coloured by one array.
-
-    Parameters
-    ----------
-    ax : Axes
-    data : SweepData
-    names : sequence of str
-        Parameters and summaries, an upright axis each; those that don't vary are left out.
-    colour : str
-        Array that colours the lines.
-    best : int, optional
-        Variant to be marked.
-
-    Raises
-    ------
-    PictureError
-        Nothing varies, or an array doesn't exist.
-    """
-    columns = [(*data.shown(name)[:2], name) for name in names]
-    shades, label, _ = data.shown(colour)
-    sound = data.ok & np.isfinite(shades)
-    for values, _, _ in columns:
-        sound &= np.isfinite(values)
-    columns = [c for c in columns if sound.any() and np.ptp(c[0][sound]) > 0]
-    if not columns:
-        raise PictureError(f"none of {', '.join(names)} varies among the computed variants: nothing to show")
-    rows = np.flatnonzero(sound)
-    if rows.size > MOST_LINES:
-        ax.set_title(f"{MOST_LINES} of {rows.size} variants, evenly taken", fontsize=7, loc="right", color=GREY)
-        rows = rows[np.linspace(0, rows.size - 1, MOST_LINES).astype(int)]
-    lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
-    heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
-    places = np.arange(len(columns))
-    paths = [np.column_stack([places, heights[row]]) for row in rows]
-    faint = float(np.clip(300 / rows.size, 0.12, 0.8))
-    lines = LineCollection(paths, array=shades[rows], cmap=COLOURS, linewidths=0.7, alpha=faint, rasterized=True)
-    ax.add_collection(lines)
-    bar = ax.figure.colorbar(lines, ax=ax, label=label, pad=0.02)
-    bar.solids.set_alpha(1)
-    if best is not None:
-        ax.plot(places, heights[best], color=VERMILION, linewidth=2, marker="o", markersize=4, label="best")
-        ax.figure.legend(loc="outside upper left")
-    _uprights(ax, [text for _, text, _ in columns], lows, highs)
-
-
-def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarray) -> None:
-    """The axes of parallel coordinates, with the least and greatest value of each."""
-    places = np.arange(len(labels))
-    for place, low, high in zip(places, lows, highs, strict=True):
-        ax.plot([place, place], [0, 1], color="black", linewidth=0.8)
-        ax.text(place, 1.02, f"{high:.4g}", ha="center", va="bottom", fontsize=7)
-        ax.text(place, -0.02, f"{low:.4g}", ha="center", va="top", fontsize=7)
-    ax.set_xticks(places, [_column_label(text) for text in labels])
-    ax.set(xlim=(-0.4, len(labels) - 0.6), ylim=(-0.09, 1.09), yticks=[])
-    ax.tick_params(axis="x", length=0)
-    ax.grid(False)
-    ax.spines[:].set_visible(False)
-
-
-def _column_label(text: str) -> str:
-    words = text.replace("\n", " ").replace(".", ".\u200b")
-    return "\n".join(textwrap.wrap(words, 18)).replace("\u200b", "")
+def _front(ax: Axes, xs: np.ndarray, ys: np.ndarray, sound: np.ndarray, minimise: tuple[bool, bool]) -> None:
+    """The Pareto front of the sound variants, as steps: what lies beyond them no variant reaches."""
+    front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
+    front = front[np.lexsort((ys[front], xs[front]))]
+    look = {"color": VERMILION, "linewidth": 1, "markersize": 2.5, "label": "Pareto front"}
+    ax.plot(xs[front], ys[front], "o-", drawstyle="steps-post" if minimise[0] else "steps-pre", **look)
 
 
 def plot_result(
@@ -499,8 +277,8 @@ def plot_result(
         An array doesn't exist, nothing can be shown, or the file's ending isn't a picture's.
     """
     for name in (x, y, colour):
-        if name is not None:
-            data.shown(name)
+        if name is not None and data.shown(name)[0].ndim == 2 and name != y:
+            raise PictureError(f"{name!r} is a field, not one value for each variant; fields are shown as y")
     with house_style():
         figure = new_figure(180, 110)
         _choose(figure, data, x, y, colour, best, minimise)
@@ -532,9 +310,11 @@ def _choose(
         second = next(name for name in along if name != first)
         return map2d(figure.add_subplot(), data, first, second, colour or summaries[0], best)
     if x is None and y is None:
-        # A file may hold many summaries; more than eight upright axes can't be read.
-        names = [*data.varied, *summaries][: max(8, len(data.varied) + 1)]
-        return parallel(figure.add_subplot(), data, names, colour or summaries[0], best)
+        colour = colour or summaries[0]
+        names = chosen_columns(data, colour)
+        # Slanting labels need room.
+        figure.set_figheight(figure.get_figwidth() * (0.75 if len(names) > 6 else 0.61))
+        return parallel(figure.add_subplot(), data, names, colour, best)
     others = [name for name in (*summaries, *data.varied) if name not in (x, y)]
     x, y = x or others[0], y or others[0]
     return scatter(figure.add_subplot(), data, x, y, colour, best, minimise)

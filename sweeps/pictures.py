@@ -8,9 +8,10 @@ import numpy as np
 from engine import Scene
 from sweeps.diagrams import diagrams
 from sweeps.drawing import picture
-from sweeps.maps import SweepData, plot_result
+from sweeps.maps import plot_result
 from sweeps.results import Result
 from sweeps.store import columns
+from sweeps.sweep_data import SweepData
 
 # Fields larger than this are not read for a picture.
 LARGEST_FIELD = 256e6
@@ -64,6 +65,8 @@ def result_pictures(
         The files made.
     """
     result = Result(path)
+    if result.description.variants == 1:
+        return machine_pictures(result.scene, result.variant_values(0), out or path.with_suffix(".png"))
     best = result.best()
     made = [out or path.with_suffix(".png")]
     plot_result(sweep_data(result, (x, y, colour)), made[0], x, y, colour, best)

@@ -219,6 +219,8 @@ def variants_text(result: Result, variants: Iterable[int], names: Sequence[str] 
 def answer_text(result: Result) -> str:
     """The answer to the study's question: its best variant, by name, parameters and results."""
     goal = result.goal
+    if result.description.variants == 1:
+        return "\n".join([*([result.question] if result.question else []), table(_summary_rows(result, 0), "  ")])
     if goal is None:
         return "No [best] in the study: nothing to choose by. Look with `sweeps show`."
     best = result.best()
@@ -231,15 +233,19 @@ def answer_text(result: Result) -> str:
     rivals = result.rivals(best)
     lines.append(f"Answer: the {word} {goal.goal}{condition} is {value}, with variant {best}:")
     rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
-    others = [name for name in result.summaries if name != goal.goal]
-    rows += [
-        (name, "→", quantity_text(result.columns[name][best], result.units[name], _error(result, name, best)))
-        for name in others
-    ]
+    rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
     lines.append(table(rows, "  "))
     if rivals:
         lines.append(f"{rivals} other variants are as good within the error figures: choose among them by other needs.")
     return "\n".join(lines)
+
+
+def _summary_rows(result: Result, variant: int) -> list[tuple[str, str, str]]:
+    """Every summary of a variant with its error figure."""
+    return [
+        (name, "→", quantity_text(result.columns[name][variant], result.units[name], _error(result, name, variant)))
+        for name in result.summaries
+    ]
 
 
 def _error(result: Result, name: str, variant: int) -> float | None:

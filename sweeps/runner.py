@@ -110,14 +110,14 @@ def _goal_text(study: Study) -> str:
 
 
 def run_study(
-    study: Study, path: Path, restart: bool = False, progress: Callable[[int, int], None] | None = None
+    study: Study, path: Path | str, restart: bool = False, progress: Callable[[int, int], None] | None = None
 ) -> Path:
     """Run a study, or what is left of it, into a result file.
 
     Parameters
     ----------
     study : Study
-    path : Path
+    path : Path or str
         The file to make; while the sweep runs it is called NAME.part.h5.
     restart : bool
         Throw away an earlier result under that name.
@@ -134,6 +134,8 @@ def run_study(
     StoreError
         The file can't be made or written, or holds another study.
     """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
     machine = study.machine()
     layout = layout_of(study, machine)
     with Store.open(path, layout, restart) as store:

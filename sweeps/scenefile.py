@@ -16,14 +16,19 @@ from sweeps.textfile import InputError, line_of, parse_toml, read_text, validate
 _HEADER = re.compile(r"^\s*(?P<key>[\w.\[\]]+)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
 
 
-def read_scene(path: Path) -> Scene:
+def read_scene(path: Path | str) -> Scene:
     """Scene from a TOML file.
+
+    Parameters
+    ----------
+    path : Path or str
 
     Raises
     ------
     InputError
         Anything wrong with the text or with the mechanism it describes.
     """
+    path = Path(path)
     text = read_text(path)
     return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
 

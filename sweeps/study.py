@@ -147,14 +147,19 @@ def find_study(name: str) -> Path:
     raise InputError(name, [(None, "", f"there is no such file, and no bundled study of that name. {message}")])
 
 
-def read_study(path: Path) -> Study:
+def read_study(path: Path | str) -> Study:
     """Study from a TOML file; a scene file is read as a study of one variant.
+
+    Parameters
+    ----------
+    path : Path or str
 
     Raises
     ------
     InputError
         Anything wrong with the text, its scene, its axes, expressions or outputs.
     """
+    path = Path(path)
     text = read_text(path)
     data = parse_toml(text, path.name)
     if "scene" not in data and "input" in data:

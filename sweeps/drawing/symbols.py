@@ -1,0 +1,125 @@
+"""Figures of a drawing, and the symbols of the theory of mechanisms made of them.
+
+Points are complex numbers x + iy and lengths are in metres; `r` is the radius of a hinge, which scales all symbols.
+"""
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+LAYERS = ("frame", "hatching", "pitch", "paths", "links", "joints", "names")
+
+# Sizes of the symbols in radii of a hinge.
+HALF_LENGTH, HALF_HEIGHT = 3.2, 2.0
+PIVOT_WIDTH, PIVOT_HEIGHT = 2.3, 4.0
+HATCH_STEP = 1.5
+
+
+class Primitive(NamedTuple):
+    """A figure of a drawing.
+
+    Attributes
+    ----------
+    layer : str
+        One of `LAYERS`.
+    kind : {"line", "polygon", "circle", "text"}
+        Polygons are convex.
+    points : tuple of complex
+        Vertices x + iy [m]; the centre of a circle or a text.
+    size : float
+        Radius of a circle, height of a text [m].
+    fill : {"none", "paper", "tint", "solid"}
+        What a polygon or circle is filled with; "none" hides nothing.
+    text : str
+    """
+
+    layer: str
+    kind: Literal["line", "polygon", "circle", "text"]
+    points: tuple[complex, ...]
+    size: float = 0.0
+    fill: Literal["none", "paper", "tint", "solid"] = "none"
+    text: str = ""
+
+
+def line(*points: complex, layer: str = "links") -> Primitive:
+    """Stroke through some points."""
+    return Primitive(layer, "line", tuple(complex(p) for p in points))
+
+
+def polygon(*points: complex, fill: str = "tint", layer: str = "links") -> Primitive:
+    """Convex polygon with some corners."""
+    return Primitive(layer, "polygon", tuple(complex(p) for p in points), fill=fill)
+
+
+def box(centre: complex, u: complex, half_length: float, half_height: float, fill: str = "tint") -> Primitive:
+    """Rectangle about a centre, its length along the unit vector u: a slider, a block or a slot."""
+    along, across = half_length * u, 1j * half_height * u
+    corners = (centre - along - across, centre + along - across, centre + along + across, centre - along + across)
+    return polygon(*corners, fill=fill)
+
+
+def hatched(a: complex, b: complex, r: float) -> list[Primitive]:
+    """Line of the frame from a to b, the frame on its right."""
+    u = (b - a) / abs(b - a)
+    count = max(2, round(abs(b - a) / (HATCH_STEP * r)))
+    starts = a + (b - a) * (np.arange(count) + 0.7) / count
+    strokes = [line(p, p - HATCH_STEP * r * (0.8 + 0.9j) * u, layer="hatching") for p in starts]
+    return [*strokes, line(a, b, layer="frame")]
+
+
+def link_shape(points: Sequence[complex], r: float) -> list[Primitive]:
+    """Link through some points: a line, or a filled polygon where they don't lie on one line; nothing for one point."""
+    distinct: list[complex] = []
+    for p in points:
+        if all(abs(p - d) > 0.3 * r for d in distinct):
+            distinct.append(p)
+    if len(distinct) < 2:
+        return []
+    a, b = max(((p, q) for p in distinct for q in distinct), key=lambda ends: abs(ends[1] - ends[0]))
+    if max(abs(((p - a) / (b - a)).imag) * abs(b - a) for p in distinct) < 1.2 * r:
+        return [line(a, b)]
+    return [polygon(*_hull(distinct))]
+
+
+def _hull(points: Sequence[complex]) -> list[complex]:
+    """Convex hull, counter-clockwise (Andrew's monotone chain)."""
+
+    def chain(ordered: Sequence[complex]) -> list[complex]:
+        found: list[complex] = []
+        for p in ordered:
+            while len(found) > 1 and ((found[-1] - found[-2]).conjugate() * (p - found[-2])).imag <= 0:
+                found.pop()
+            found.append(p)
+        return found[:-1]
+
+    ordered = sorted(points, key=lambda p: (p.real, p.imag))
+    return chain(ordered) + chain(ordered[::-1])
+
+
+def weld(corner: complex, u: complex, v: complex, r: float) -> list[Primitive]:
+    """Marks in the two corners that a line along u makes with a line along ±v: the lines are of one piece."""
+    return [polygon(corner, corner + 1.6 * r * u, corner + s * 1.6 * r * v, fill="solid") for s in (1, -1)]
+
+
+def fixed_pivot(c: complex, r: float) -> list[Primitive]:
+    """Stand of the frame under a hinge at c."""
+    foot, half = c - 1j * PIVOT_HEIGHT * r, PIVOT_WIDTH * r
+    triangle = polygon(c, foot - half, foot + half, fill="paper", layer="frame")
+    return [*hatched(foot - 1.6 * half, foot + 1.6 * half, r), triangle]
+
+
+def zigzag(a: complex, b: complex, r: float) -> Primitive:
+    """Spring from a to b."""
+    steps = np.array([0, 0.2, *(0.2 + 0.6 * (np.arange(14) + 0.5) / 14), 0.8, 1.0])
+    sides = np.array([0, 0, *(-1.0) ** np.arange(14), 0, 0])
+    u = (b - a) / abs(b - a)
+    return line(*(a + steps * (b - a) + 2.2j * r * sides * u))
+
+
+def arrow(points: Sequence[complex], r: float) -> list[Primitive]:
+    """Arrow along some points, its tip beyond the last."""
+    u = (points[-1] - points[-2]) / abs(points[-1] - points[-2])
+    tip = points[-1] + 2.4 * r * u
+    head = polygon(tip, points[-1] + 0.85j * r * u, points[-1] - 0.85j * r * u, fill="solid", layer="names")
+    return [line(*points, layer="names"), head]

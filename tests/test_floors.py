@@ -1,0 +1,212 @@
+"""The shape of the code: what may import what, and what every public name must tell its reader."""
+
+import ast
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("engine", "sweeps")
+FILES = {
+    ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+    for package in PACKAGES
+    for path in sorted((ROOT / package).rglob("*.py"))
+}
+# What mechanics needs no more than arithmetic does.
+NOT_IN_ENGINE = ("sweeps", "h5py", "matplotlib", "click", "tqdm", "tomllib", "tomli_w", "xarray", "csv", "argparse")
+# Of these, other packages load the standard library's for themselves.
+STANDARD = ("csv", "argparse", "tomllib")
+
+
+@cache
+def tree_of(module: str) -> ast.Module:
+    return ast.parse(FILES[module].read_text(encoding="utf8"))
+
+
+def type_checking(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+
+
+def imports_in(node: ast.AST, module: str, deep: bool) -> set[str]:
+    """Modules imported by a piece of code, those for type checkers left out; `deep`: inside functions too."""
+    found: set[str] = set()
+    for child in ast.iter_child_nodes(node):
+        if type_checking(child) or (not deep and isinstance(child, (ast.FunctionDef, ast.Lambda))):
+            continue
+        if isinstance(child, ast.Import):
+            found.update(alias.name for alias in child.names)
+        elif isinstance(child, ast.ImportFrom):
+            found.update(imported(child, module))
+        found |= imports_in(child, module, deep)
+    return found
+
+
+def imported(node: ast.ImportFrom, module: str) -> set[str]:
+    """Modules that a from-import loads: a name is a module where there is a file of that name."""
+    base = node.module or ""
+    if node.level:
+        package = module if FILES[module].name == "__init__.py" else module.rpartition(".")[0]
+        above = package.split(".")[: len(package.split(".")) - node.level + 1]
+        base = ".".join([*above, *([node.module] if node.module else [])])
+    within = {f"{base}.{alias.name}" for alias in node.names} & set(FILES)
+    # `from engine import jit` needs the module jit; what else the package itself gathers is not needed for it.
+    return within if within and len(within) == len(node.names) else within | {base}
+
+
+@pytest.mark.parametrize("module", [m for m in FILES if m.startswith("engine")])
+def test_engine__imports_neither_sweeps_nor_files_nor_pictures(module):
+    found = {name.split(".")[0] for name in imports_in(tree_of(module), module, deep=True)}
+    assert not found.intersection(NOT_IN_ENGINE)
+
+
+def test_engine_alone__loads_without_what_only_sweeps_needs():
+    code = f"import sys, engine; print([m for m in {NOT_IN_ENGINE!r} if m in sys.modules and m not in {STANDARD!r}])"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
+
+
+def graph() -> dict[str, set[str]]:
+    return {m: {n for n in imports_in(tree_of(m), m, deep=True) if n in FILES and n != m} for m in FILES}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_imports__run_one_way(package):
+    """Every module can be put below all that import it, imports inside functions counted."""
+    left = {m: {n for n in needs if n.startswith(package)} for m, needs in graph().items() if m.startswith(package)}
+    while left:
+        ground = [m for m, needs in left.items() if not needs & set(left)]
+        assert ground, f"these import each other in a circle: {circle(left)}"
+        for module in ground:
+            del left[module]
+
+
+def circle(left: dict[str, set[str]]) -> str:
+    path = [min(left)]
+    while path[-1] not in path[:-1]:
+        path.append(min(left[path[-1]] & set(left)))
+    return " -> ".join(path[path.index(path[-1]) :])
+
+
+def test_circle_finder__sees_a_circle():
+    assert circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == "b -> c -> b"
+
+
+def test_start_of_the_command_line__loads_nothing_slow():
+    code = "import sys, sweeps.cli; print([m for m in ('numba', 'numpy', 'h5py', 'matplotlib') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
+
+
+# What is public, and what it says
+
+Definition = ast.FunctionDef | ast.ClassDef
+
+
+def public(node: ast.AST, prefix: str) -> list[tuple[str, Definition, bool]]:
+    """Public functions, classes and methods: name, definition, whether it is a method."""
+    found = []
+    for child in getattr(node, "body", []):
+        if isinstance(child, (ast.FunctionDef, ast.ClassDef)) and not child.name.startswith("_"):
+            found.append((f"{prefix}.{child.name}", child, isinstance(node, ast.ClassDef)))
+            if isinstance(child, ast.ClassDef):
+                found += public(child, f"{prefix}.{child.name}")
+    return found
+
+
+PUBLIC = [entry for module in FILES for entry in public(tree_of(module), module)]
+
+
+def decorators(node: Definition) -> set[str]:
+    return {ast.unparse(d).split("(")[0] for d in node.decorator_list}
+
+
+def arguments(node: ast.FunctionDef) -> list[ast.arg]:
+    a = node.args
+    return [*a.posonlyargs, *a.args, *([a.vararg] if a.vararg else []), *a.kwonlyargs, *([a.kwarg] if a.kwarg else [])]
+
+
+def test_there_is_something_public():
+    assert len(PUBLIC) > 200
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_module__has_a_docstring(module):
+    assert ast.get_docstring(tree_of(module))
+
+
+def test_everything_public__has_a_docstring():
+    without = [name for name, node, _ in PUBLIC if not ast.get_docstring(node)]
+    assert without == []
+
+
+def test_everything_public__has_annotations():
+    without = []
+    for name, node, method in PUBLIC:
+        if isinstance(node, ast.FunctionDef):
+            own = arguments(node)
+            own = own[1:] if method and "staticmethod" not in decorators(node) else own
+            without += [f"{name}: {a.arg}" for a in own if a.annotation is None]
+            without += [f"{name}: return"] if node.returns is None else []
+    assert without == []
+
+
+SECTIONS = ("Parameters", "Attributes", "Returns", "Yields", "Raises", "Notes", "Examples", "References", "See Also")
+
+
+def section(doc: str, title: str) -> str:
+    """Text of a section of a numpydoc docstring."""
+    others = "|".join(SECTIONS)
+    found = re.search(rf"^{title}\n-+\n(.*?)(?=^(?:{others})\n-+\n|\Z)", doc, re.M | re.S)
+    return found[1] if found else ""
+
+
+def named(doc: str, title: str) -> list[str]:
+    """Names that a section describes; several may share a line."""
+    heads = re.findall(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: :.*)?$", section(doc, title), re.M)
+    return [name.lstrip("*") for head in heads for name in head.split(", ")]
+
+
+def parameters_of(node: Definition) -> set[str]:
+    """Names that may be passed to a function or a class."""
+    if isinstance(node, ast.FunctionDef):
+        return {a.arg for a in arguments(node)}
+    constructors = [c for c in node.body if isinstance(c, ast.FunctionDef) and c.name == "__init__"]
+    fields = {c.target.id for c in node.body if isinstance(c, ast.AnnAssign) and isinstance(c.target, ast.Name)}
+    return fields.union(*({a.arg for a in arguments(c)} for c in constructors))
+
+
+def test_described_parameters__exist():
+    wrong = []
+    for name, node, _ in PUBLIC:
+        described = named(ast.get_docstring(node) or "", "Parameters")
+        wrong += [f"{name}: {p}" for p in described if p not in parameters_of(node)]
+    assert wrong == []
+
+
+def test_parameters__are_described_all_or_not_at_all():
+    wrong = []
+    for name, node, _ in PUBLIC:
+        described = set(named(ast.get_docstring(node) or "", "Parameters"))
+        if described and isinstance(node, ast.FunctionDef):
+            missing = parameters_of(node) - described - {"self", "cls"}
+            wrong += [f"{name}: {p}" for p in sorted(missing)]
+    assert wrong == []
+
+
+def test_described_attributes__exist():
+    wrong = []
+    for name, node, _ in PUBLIC:
+        described = named(ast.get_docstring(node) or "", "Attributes")
+        text = ast.unparse(node)
+        wrong += [f"{name}: {p}" for p in described if not re.search(rf"\b{p}\b", text.split('"""', 2)[-1])]
+    assert wrong == []
+
+
+def test_finder_of_names__reads_a_docstring():
+    doc = "Sum.\n\nParameters\n----------\na, b : float\n    Two.\n*rest\n    More.\n\nReturns\n-------\nfloat\n"
+    assert named(doc, "Parameters") == ["a", "b", "rest"]
+    assert named(doc, "Attributes") == []

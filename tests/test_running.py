@@ -1,0 +1,532 @@
+"""Running studies into files: what the file holds, kills and resuming, failing variants, threads, blocks, memory."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+from engine import Verdict
+from engine.jit import set_threads
+from sweeps import runner
+from sweeps.results import Result
+from sweeps.runner import run_study
+from sweeps.store import StoreError, describe
+from sweeps.study import Study, read_study
+
+ROOT = Path(__file__).parents[1]
+
+# A four-bar with a press beside it: the slider-crank's group comes second, and is the one to blame for most.
+SCENE = """\
+title = "Press with a rocker"
+
+[points]
+O = {x = "0 mm", y = "0 mm"}
+D = {x = "260 mm", y = "0 mm"}
+
+[guides]
+way = {angle = "0 deg"}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "50 mm"
+speed = "60 rpm"
+
+[groups.bars]
+type = "RRR"
+inner = "C"
+first = {link = "coupler", joint = "A", length = "250 mm"}
+second = {link = "rocker", joint = "D", length = "150 mm"}
+
+[groups.press]
+type = "RRP"
+inner = "B"
+first = {link = "rod", joint = "A", length = "200 mm"}
+second = {link = "ram", guide = "way"}
+
+[bodies.ram]
+link = "ram"
+mass = "100 kg"
+
+[bodies.rocker]
+link = "rocker"
+mass = "4 kg"
+x = "70 mm"
+
+[forces.punch]
+type = "constant"
+on = "B"
+angle = "180 deg"
+force = "100 kN"
+acts = "against"
+
+[flywheel]
+speed_fluctuation = "1/10"
+"""
+
+# The same paths and the same questions in all studies of a kind: one kernel serves them all.
+HEAD = 'title = "Which crank?"\nquestion = "How short?"\nscene = "scene.toml"\n'
+ASKED = """
+[outputs]
+summaries = ["ram.stroke", "rocker.swing", "excess_work"]
+"""
+BEST = '\n[best]\nminimise = "excess_work"\nwhere = "ram.stroke > 0.08"\n'
+FIELDS = ASKED + 'fields = ["ram.slide", "reduced_moment"]\n' + BEST
+STROKE = '\n[outputs]\nsummaries = ["ram.stroke"]\n'
+LISTS = """
+[vary]
+"input.length" = {values = LENGTHS}
+"bodies.ram.mass" = {values = MASSES}
+"""
+
+
+def text_of(lengths: list[str], masses: list[str], asked: str = ASKED + BEST, head: str = "positions = 48\n") -> str:
+    vary = LISTS.replace("LENGTHS", str(lengths)).replace("MASSES", str(masses))
+    return HEAD + head + vary + asked
+
+
+def study_of(folder: Path, text: str, name: str = "study") -> Study:
+    (folder / "scene.toml").write_text(SCENE)
+    (folder / f"{name}.toml").write_text(text)
+    return read_study(folder / f"{name}.toml")
+
+
+def run(folder: Path, text: str, name: str = "study") -> Path:
+    return run_study(study_of(folder, text, name), folder / f"{name}.h5")
+
+
+def contents(path: Path) -> dict[str, tuple[str, bytes]]:
+    """Every dataset of a file, bit by bit."""
+    found = {}
+
+    def visit(name: str, item: object) -> None:
+        if isinstance(item, h5py.Dataset):
+            found[name] = (f"{item.dtype} {item.shape}", item[()].tobytes())
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
+
+
+# What the file holds
+
+GOOD = text_of(["40 mm", "50 mm"], ["50 kg", "100 kg"], FIELDS)
+
+# Name: (type, dimensions, units, meaning), as other tools see them.
+SCHEMA = {
+    "variant": ("<i4", ("variant",), "1", "number of the design variant"),
+    "phi": ("<f8", ("phi",), "rad", "crank angle"),
+    "input.length": ("<f8", ("variant",), "m", "input.length"),
+    "bodies.ram.mass": ("<f8", ("variant",), "kg", "bodies.ram.mass"),
+    "status": ("|u1", ("variant",), "1", "verdict on the variant"),
+    "status_group": ("<i2", ("variant",), "1", "number of the structural group to blame, -1 if none"),
+    "status_at": ("<f8", ("variant",), "rad", "input position at which the variant fails"),
+    "ram.stroke": ("<f8", ("variant",), "m", "stroke of slider ram"),
+    "ram.stroke_error": ("<f8", ("variant",), "m", "error figure of: stroke of slider ram"),
+    "rocker.swing": ("<f8", ("variant",), "rad", "swing of link rocker"),
+    "rocker.swing_error": ("<f8", ("variant",), "rad", "error figure of: swing of link rocker"),
+    "excess_work": ("<f8", ("variant",), "J", "excess work"),
+    "excess_work_error": ("<f8", ("variant",), "J", "error figure of: excess work"),
+    "ram.slide": ("<f8", ("variant", "phi"), "m", "displacement of slider ram"),
+    "reduced_moment": ("<f8", ("variant", "phi"), "N m", "reduced moment of all actions but the driver"),
+}
+PARAMETERS = "input.length bodies.ram.mass"
+CODES = {
+    0: "ok",
+    1: "cannot_assemble",
+    2: "singular",
+    3: "outside_limits",
+    4: "dropped",
+    5: "not_finite",
+    255: "not_computed",
+}
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory) -> Path:
+    return run(tmp_path_factory.mktemp("golden"), GOOD)
+
+
+def test_file__has_exactly_these_datasets(result):
+    with h5py.File(result, "r") as file:
+        assert set(file) == {*SCHEMA, "progress"}
+        for name, (dtype, dims, units, long_name) in SCHEMA.items():
+            dataset = file[name]
+            assert dataset.dtype.str == dtype, name
+            assert dataset.shape == tuple({"variant": 4, "phi": 48}[d] for d in dims), name
+            assert dataset.attrs["units"] == units, name
+            assert dataset.attrs["long_name"] == long_name, name
+            if name in ("variant", "phi"):
+                assert dataset.is_scale
+            else:
+                assert tuple(dataset.dims[i][0].name for i in range(len(dims))) == tuple(f"/{d}" for d in dims), name
+            coordinate = name in ("variant", "phi", "input.length", "bodies.ram.mass")
+            assert dataset.attrs.get("coordinates") == (None if coordinate else PARAMETERS), name
+
+
+def test_file__says_what_its_codes_mean(result):
+    with h5py.File(result, "r") as file:
+        values, meanings = file["status"].attrs["flag_values"], file["status"].attrs["flag_meanings"].split()
+        assert dict(zip(values.tolist(), meanings, strict=True)) == CODES
+        assert values.dtype == file["status"].dtype
+
+
+def test_file__tells_where_it_comes_from(result):
+    with h5py.File(result, "r") as file:
+        attributes = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
+    assert attributes["Conventions"] == "CF-1.11"
+    assert attributes["title"] == "Which crank?"
+    assert attributes["question"] == "How short?"
+    assert attributes["study"] == GOOD
+    assert attributes["parameters"] == PARAMETERS
+    assert attributes["best"] == "minimise excess_work where ram.stroke > 0.08"
+    assert attributes["groups"] == "bars, press"
+    assert attributes["grid"] == "input.length[2] x bodies.ram.mass[2]"
+    assert len(attributes["study_hash"]) == 64
+    for word in ("machine-sweeps", "numba", "llvmlite", "numpy", "h5py", "python"):
+        assert f"{word} " in attributes["versions"]
+    assert "threads" in attributes["machine"]
+    assert attributes["finished"].startswith("20")
+    assert set(attributes) == {
+        *("Conventions", "title", "question", "study", "scene", "parameters", "best", "groups", "grid"),
+        *("study_hash", "versions", "machine", "finished", "outcome", "varied", "position"),
+    }
+    assert Result(result).scene == study_of(result.parent, GOOD).scene
+
+
+def test_file__opens_as_a_dataset_without_help(result):
+    with xarray.open_dataset(result, engine="h5netcdf") as data:
+        assert dict(data.sizes) == {"variant": 4, "phi": 48}
+        assert set(data.coords) == {"variant", "phi", "input.length", "bodies.ram.mass"}
+        assert set(data.data_vars) == set(SCHEMA) - set(data.coords)
+        assert data["ram.slide"].dims == ("variant", "phi")
+        np.testing.assert_allclose(data["phi"], np.arange(48) * 2 * np.pi / 48, rtol=4e-16)
+        assert data["input.length"].values.tolist() == [0.04, 0.04, 0.05, 0.05]
+        assert data["bodies.ram.mass"].values.tolist() == [50.0, 100.0, 50.0, 100.0]
+        # In line, the stroke is twice the crank; error figures are true bounds here.
+        assert (abs(data["ram.stroke"] - 2 * data["input.length"]) <= data["ram.stroke_error"]).all()
+        slide = 0.04 * np.cos(data["phi"]) + np.sqrt(0.04 - (0.04 * np.sin(data["phi"])) ** 2)
+        # A dozen operations on numbers below 0.25.
+        np.testing.assert_allclose(data["ram.slide"][0], slide, rtol=0, atol=1e-15)
+        assert (data["status"] == 0).all()
+        assert (data["status_group"] == -1).all()
+        assert data["status_at"].isnull().all()
+
+
+def test_float32__is_stored_as_such_and_agrees_to_its_precision(result, tmp_path):
+    single = run(tmp_path, GOOD.replace("positions = 48", 'positions = 48\nprecision = "float32"'))
+    with h5py.File(single, "r") as file, h5py.File(result, "r") as double:
+        for name in SCHEMA:
+            field = name in ("ram.slide", "reduced_moment")
+            assert file[name].dtype.str == ("<f4" if field else SCHEMA[name][0]), name
+        assert file["status"][:].tolist() == [0, 0, 0, 0]
+        # Some twenty roundings of 6e-8 on numbers of the size of the machine.
+        np.testing.assert_allclose(file["ram.slide"][:], double["ram.slide"][:], rtol=0, atol=0.25 * 20 * 6e-8)
+        for name in ("ram.stroke", "rocker.swing", "excess_work"):
+            assert (abs(file[name][:] - double[name][:]) <= file[f"{name}_error"][:]).all(), name
+
+
+def test_scene_alone__runs_as_one_variant(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    study = read_study(tmp_path / "scene.toml")
+    result = Result(run_study(study, tmp_path / "scene.h5"))
+    assert result.description.variants == 1
+    assert result.parameters == ()
+    assert result.columns["status"].tolist() == [0]
+    assert result.columns["ram.stroke"][0] == pytest.approx(0.1, abs=1e-12)
+
+
+# Variants that fail
+
+
+def test_failing_variants__get_nan_a_verdict_and_the_place(tmp_path):
+    lengths = ["50 mm", "240 mm", "200 mm", "-1 mm", "120 mm"]
+    head = "positions = 48\nrequire = ['bodies.ram.mass < 1e6']\n"
+    path = run(tmp_path, text_of(lengths, ["1 kg", "2000 t", "-1 kg"], FIELDS, head))
+    columns = Result(path).columns
+    status, V = columns["status"].reshape(5, 3), Verdict
+    # 50 or 120 + 260 < 250 + 150: by Grashof's rule the crank turns fully. A crank of 200 mm or more doesn't.
+    assert status.tolist() == [
+        [V.OK, V.DROPPED, V.OUTSIDE_LIMITS],
+        [V.CANNOT_ASSEMBLE, V.DROPPED, V.OUTSIDE_LIMITS],
+        [V.CANNOT_ASSEMBLE, V.DROPPED, V.OUTSIDE_LIMITS],
+        [V.OUTSIDE_LIMITS, V.DROPPED, V.OUTSIDE_LIMITS],
+        [V.OK, V.DROPPED, V.OUTSIDE_LIMITS],
+    ]
+    failed = columns["status"] != 0
+    for name in ("ram.stroke", "rocker.swing", "excess_work"):
+        assert np.isfinite(columns[name][~failed]).all()
+        assert np.isnan(columns[name][failed]).all(), name
+        assert np.isnan(columns[f"{name}_error"][failed]).all(), name
+    assert not np.isnan(columns["input.length"]).any()
+    with h5py.File(path, "r") as file:
+        assert np.isfinite(file["ram.slide"][:][~failed]).all()
+        assert np.isnan(file["ram.slide"][:][np.isin(columns["status"], (V.DROPPED, V.OUTSIDE_LIMITS))]).all()
+    blamed = np.isin(columns["status"], (V.CANNOT_ASSEMBLE, V.SINGULAR))
+    assert (columns["status_group"][~blamed] == -1).all()
+    assert np.isnan(columns["status_at"][~blamed]).all()
+    assert (columns["status_group"][blamed] >= 0).all()
+
+
+def test_press_that_does_not_reach__is_blamed_at_the_first_angle(tmp_path):
+    lengths = ["50 mm", "240 mm", "201 mm", "1 m"]
+    path = run(tmp_path, text_of(lengths, ["1 kg"], STROKE, "positions = 720\n"))
+    columns = Result(path).columns
+    assert columns["status"].tolist() == [0, 1, 1, 1]
+    assert describe(path).attributes["groups"].split(", ")[columns["status_group"][1]] == "press"
+    # The rod of 200 mm reaches the guide until the pin is 200 mm above it: sin φ = 200/r.
+    first = [np.ceil(np.arcsin(0.2 / r) / (2 * np.pi) * 720) * 2 * np.pi / 720 for r in (0.24, 0.201, 1.0)]
+    np.testing.assert_allclose(columns["status_at"][1:], first, rtol=1e-14)
+
+
+def test_press_at_its_limit__is_singular_where_the_rod_stands_upright(tmp_path):
+    path = run(tmp_path, text_of(["200 mm"], ["1 kg"], STROKE, "positions = 720\n"))
+    columns = Result(path).columns
+    assert columns["status"].tolist() == [Verdict.SINGULAR]
+    assert columns["status_at"][0] in (pytest.approx(np.pi / 2), pytest.approx(3 * np.pi / 2))
+    assert np.isnan(columns["ram.stroke"][0])
+
+
+def test_overflow__is_not_finite_and_no_number(tmp_path):
+    vary = '[vary]\n"input.speed" = {values = ["60 rpm", "1e160 rad/s"]}\n'
+    columns = Result(run(tmp_path, HEAD + vary + '[outputs]\nsummaries = ["input_moment.max"]\n')).columns
+    assert columns["status"].tolist() == [Verdict.OK, Verdict.NOT_FINITE]
+    assert np.isfinite(columns["input_moment.max"]).tolist() == [True, False]
+    assert columns["status_group"].tolist() == [-1, -1]
+
+
+def test_all_variants_impossible__is_a_finished_file_of_nan(tmp_path):
+    path = run(tmp_path, text_of(["1 m", "2 m"], ["1 kg", "2 kg"], FIELDS))
+    result = Result(path)
+    assert (result.columns["status"] == Verdict.CANNOT_ASSEMBLE).all()
+    assert np.isnan(result.columns["excess_work"]).all()
+    assert result.select().size == 0
+    assert result.best() is None
+    assert result.description.blocks_done == result.description.blocks
+
+
+# What results don't depend on
+
+DISTINCT = text_of(["40 mm"], ["1 kg"], FIELDS).replace(
+    "values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 200'
+)
+
+
+def test_results__do_not_depend_on_threads(tmp_path):
+    found = []
+    try:
+        for threads in (1, 2, 7):
+            set_threads(threads)
+            found.append(contents(run(tmp_path, DISTINCT + f"# {threads}\n", f"t{threads}")))
+    finally:
+        set_threads(0)
+    assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("largest", [16, 37, 128])
+def test_results__do_not_depend_on_blocks(largest, monkeypatch, tmp_path):
+    whole = contents(run(tmp_path, DISTINCT, "whole"))
+    monkeypatch.setattr(runner, "block_size", lambda study, machine: largest)
+    parts = contents(run(tmp_path, DISTINCT, "parts"))
+    assert len(parts.pop("progress/block_done")[1]) == -(-200 // largest)
+    assert whole.pop("progress/block_done")[1] == b"\1"
+    assert parts == whole
+
+
+def test_block__is_bounded_and_does_not_depend_on_this_machine_s_settings(tmp_path):
+    study = study_of(tmp_path, DISTINCT.replace("count = 200", "count = 1000000"))
+    machine = study.machine()
+    sizes = set()
+    try:
+        for threads in (1, 2, 64):
+            set_threads(threads)
+            sizes.add(runner.block_size(study, machine))
+    finally:
+        set_threads(0)
+    assert len(sizes) == 1
+    row = 8 * 48 * 2
+    assert 16 <= sizes.pop() * row <= runner.BYTES_PER_BLOCK
+
+
+# Going on
+
+
+def counted(text: str, folder: Path, **options: bool) -> list[tuple[int, int]]:
+    calls: list[tuple[int, int]] = []
+    run_study(study_of(folder, text), folder / "study.h5", progress=lambda *call: calls.append(call), **options)
+    return calls
+
+
+class Stop(Exception):
+    """Stands for whatever ends a run."""
+
+
+def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
+    whole = contents(run(tmp_path, DISTINCT, "whole"))
+    monkeypatch.setattr(runner, "block_size", lambda study, machine: 40)
+
+    def stop(done: int, before: int) -> None:
+        if done == 80:
+            raise Stop
+
+    with pytest.raises(Stop):
+        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
+    assert not (tmp_path / "study.h5").exists()
+    assert describe(tmp_path / "study.part.h5").blocks_done == 2
+    assert counted(DISTINCT, tmp_path) == [(120, 80), (160, 80), (200, 80)]
+    assert not (tmp_path / "study.part.h5").exists()
+    again = contents(tmp_path / "study.h5")
+    assert {k: v for k, v in again.items() if "block_done" not in k} == {
+        k: v for k, v in whole.items() if "block_done" not in k
+    }
+
+
+def test_finished_run__is_left_alone(tmp_path):
+    path = run(tmp_path, GOOD)
+    before = path.read_bytes()
+    assert counted(GOOD, tmp_path) == []
+    assert path.read_bytes() == before
+    assert counted(GOOD.replace("Which", "What"), tmp_path) == []
+
+
+def test_restart__computes_everything_again(tmp_path):
+    path = run(tmp_path, GOOD)
+    before = contents(path)
+    assert counted(GOOD, tmp_path, restart=True) == [(4, 0)]
+    assert contents(path) == before
+
+
+def test_changed_study__is_refused_and_the_difference_shown(tmp_path):
+    path = run(tmp_path, GOOD)
+    before = path.read_bytes()
+    changed = GOOD.replace("'50 mm'", "'55 mm'")
+    with pytest.raises(StoreError, match="of another study") as caught:
+        counted(changed, tmp_path)
+    for word in ("study hash", "-\"input.length\" = {values = ['40 mm', '50 mm']}", "'55 mm'", "--restart", "--out"):
+        assert word in str(caught.value)
+    assert path.read_bytes() == before
+    assert counted(changed, tmp_path, restart=True) == [(4, 0)]
+    assert Result(path).columns["input.length"].tolist() == [0.04, 0.04, 0.055, 0.055]
+
+
+# Real processes
+
+# Blocks of some ten milliseconds, so that kills fall at all moments.
+LONG = text_of(["40 mm"], ["1 kg"], head="positions = 100000\n").replace(
+    "values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 1600'
+)
+
+
+def start(folder: Path, *options: str) -> subprocess.Popen:
+    command = [
+        sys.executable,
+        "-m",
+        "sweeps",
+        "run",
+        "long.toml",
+        "--out",
+        "long.h5",
+        "--no-plots",
+        "--quiet",
+        *options,
+    ]
+    return subprocess.Popen(
+        command,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def blocks_done(folder: Path) -> int:
+    part = folder / "long.part.h5"
+    return describe(part).blocks_done if part.exists() else 0
+
+
+def wait_for_blocks(process: subprocess.Popen, folder: Path, count: int) -> None:
+    while process.poll() is None and blocks_done(folder) < count:
+        time.sleep(0.003)
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory) -> dict:
+    folder = tmp_path_factory.mktemp("uninterrupted")
+    return contents(run(folder, LONG, "long"))
+
+
+def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
+    study_of(tmp_path, LONG, "long")
+    rng = np.random.default_rng(3)
+    done, kills = 0, 0
+    for _ in range(3):
+        process = start(tmp_path)
+        wait_for_blocks(process, tmp_path, done + int(rng.integers(1, 4)))
+        time.sleep(rng.uniform(0, 0.03))
+        process.kill()
+        process.communicate()
+        if (tmp_path / "long.h5").exists():
+            break
+        kills += 1
+        assert blocks_done(tmp_path) >= done
+        done = blocks_done(tmp_path)
+    assert kills >= 2
+    process = start(tmp_path, "--jobs", "1")
+    output, errors = process.communicate()
+    assert process.returncode == 0, errors
+    assert "1600 variants" in output
+    assert contents(tmp_path / "long.h5") == uninterrupted
+    assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
+
+
+def test_interrupt_from_the_keyboard__keeps_the_blocks_and_says_how_to_go_on(uninterrupted, tmp_path):
+    study_of(tmp_path, LONG, "long")
+    process = start(tmp_path)
+    wait_for_blocks(process, tmp_path, 2)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate()
+    assert process.returncode == 130
+    assert "Interrupted" in errors
+    assert "the same command goes on" in errors
+    assert "Traceback" not in errors
+    assert blocks_done(tmp_path) >= 2
+    calls: list[tuple[int, int]] = []
+    run_study(read_study(tmp_path / "long.toml"), tmp_path / "long.h5", progress=lambda *call: calls.append(call))
+    assert calls[0][1] > 0
+    assert contents(tmp_path / "long.h5") == uninterrupted
+
+
+MEASURED = """
+import resource, sys
+from pathlib import Path
+from sweeps.runner import run_study
+from sweeps.study import read_study
+run_study(read_study(Path("big.toml")), Path("big.h5"))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024))
+"""
+
+
+def test_many_variants__need_memory_for_a_block_only(tmp_path):
+    text = text_of(["40 mm"], ["1 kg"], head="positions = 720\n")
+    text = text.replace("values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 200000')
+    study_of(tmp_path, text, "big")
+    child = subprocess.run(
+        [sys.executable, "-c", MEASURED],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+    )
+    assert child.returncode == 0, child.stderr
+    # All rows of reduced moments alone would take 200 000 × 720 × 8 bytes = 1.15 GB.
+    assert int(child.stdout) < 1e9
+    assert (Result(tmp_path / "big.h5").columns["status"] == 0).all()
