@@ -5,6 +5,7 @@ can't hold two in a row, so they never meet.
 
 - `row__V`: the program's variable V at every position;
 - `lin__F`: a field that is linear in the loads; `bas__V`: one of its bases, `law__A` an action's law;
+- `wrk__B`: the work of a basis;
 - `ang__L`: the continuous angle of a link;
 - `…_half`: the same at every second position.
 """
@@ -17,7 +18,7 @@ from engine.analyses import Analyses, RowStep, row_of
 from engine.model import LinearRow, Model
 from engine.program import Step
 
-ROW = re.compile(r"\b(?:row|lin|ang|law|bas)__\w+")
+ROW = re.compile(r"(?<!\w)(?:row|lin|ang|law|bas|wrk)__\w+")
 WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
 HALF = "_half"
 

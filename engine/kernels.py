@@ -15,6 +15,7 @@ from engine.demand import HALF, ROW, Demand, Node
 from engine.kernel_text import Form, KernelText, spacing
 from engine.model import LinearRow, Model
 from engine.program import Step
+from engine.superposition import superpose
 
 _SLOT = re.compile(r"\bnum__\w+")
 
@@ -59,11 +60,15 @@ class KernelWriter:
     def source(self, form: Form, dtype: np.dtype) -> Source:
         """The kernel's source in one of its two forms."""
         positions = self._position_loop(form)
-        shape, variant = [], []
-        for node in self.demand.nodes:
+        outputs, shape, variant = self._outputs(form), [], []
+        shape_lines, nodes = (), self.demand.nodes
+        if form == "factorised":
+            shape_lines, nodes = superpose(self.demand, "\n".join(outputs))
+        for node in nodes:
             lines = self._linear_lines(node, form) if node.targets[0] in self.demand.linear else node.lines
             (variant if self.of_variant.intersection(node.targets) else shape).extend(lines)
-        variant += self._outputs(form)
+        shape += shape_lines
+        variant += outputs
         body = "\n".join((*positions, *shape, *variant))
         diagnosis = self._diagnosis()
         slots = self._slots("\n".join((body, *diagnosis, *spacing(self.model))))

@@ -342,7 +342,7 @@ part of a used name | reach = | rea = {values = [1]}\nreach = | rea = | vary.rea
 wrong unit | "60 mm" | "60 kg" | 60 kg | vary.input.length | a length such as
 bare number | "60 mm" | 60 | to = 60 | vary.input.length | no unit
 decimal comma | "60 mm" | "60,5 mm" | 60,5 | vary.input.length | decimal point
-unit of a free parameter | [3, 4, 5] | ["3 mm"] | 3 mm | vary.reach | number
+unit of a free parameter | [3, 4, 5] | ["3 foo"] | 3 foo | vary.reach | 3 foo
 no count | , count = 3 |  | "input.length" | vary.input.length.count | is missing
 count of none | count = 3 | count = 0 | count = 0 | vary.input.length.count | at least 1
 one value for two ends | count = 3 | count = 1 | count = 1 | vary.input.length | input.length

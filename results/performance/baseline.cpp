@@ -4,8 +4,11 @@
 // depends on the variant alone moved out of the loop over positions, that loop vectorised, variants shared among
 // the threads. Built by benchmark.py with -O3 -march=native -ffast-math -fopenmp.
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 // Left to itself the compiler leaves calls inside the loop over positions of the larger machines.
@@ -91,8 +94,8 @@ struct SliderCrank {
     Body crank, rod, ram;
     explicit SliderCrank(const double* p)
         : o{p[1], p[2]}, guide{p[3], p[4]}, u{std::cos(p[5]), std::sin(p[5])},
-          force{p[23] * std::cos(p[22]), p[23] * std::sin(p[22])}, r(p[6]), l(p[7]), offset(p[8]), mode(p[9]),
-          moment(p[24]), crank_inertia(p[10] * (p[11] * p[11] + p[12] * p[12]) + p[13]),
+          force{p[22] * std::cos(p[21]), p[22] * std::sin(p[21])}, r(p[6]), l(p[7]), offset(p[8]), mode(p[9]),
+          moment(p[23]), crank_inertia(p[10] * (p[11] * p[11] + p[12] * p[12]) + p[13]),
           crank(p[10], p[11], p[12], p[13], p[0], p[6]), rod(p[14], p[15], p[16], p[17], p[0], p[7]),
           ram(p[18], p[19], p[20], 0.0, p[0], 1.0) {}
 
@@ -126,16 +129,16 @@ struct FourBar {
     Place point;
     Body crank, rod, rocker;
     explicit FourBar(const double* p)
-        : o{p[1], p[2]}, d{p[3], p[4]}, force{p[25] * std::cos(p[24]), p[25] * std::sin(p[24])}, r(p[5]),
-          moment(p[26]), crank_inertia(p[9] * (p[10] * p[10] + p[11] * p[11]) + p[12]), dyad(p[6], p[7], p[8]),
+        : o{p[1], p[2]}, d{p[3], p[4]}, force{p[24] * std::cos(p[23]), p[24] * std::sin(p[23])}, r(p[5]),
+          moment(p[25]), crank_inertia(p[9] * (p[10] * p[10] + p[11] * p[11]) + p[12]), dyad(p[6], p[7], p[8]),
           point(p[21], p[22], p[6]), crank(p[9], p[10], p[11], p[12], p[0], p[5]),
           rod(p[13], p[14], p[15], p[16], p[0], p[6]), rocker(p[17], p[18], p[19], p[20], p[0], p[7]) {}
 
-    INLINE Vec coupler_point(double c, double s) const {
+    INLINE Vec inner_joint(double c, double s) const {
         Vec a = o + Vec{r * c, r * s}, p1, p2;
         double root;
         dyad.position(d - a, p1, p2, root);
-        return a + point.of(p1);
+        return a + p1;
     }
 
     INLINE Reduced at(double c, double s) const {
@@ -205,6 +208,13 @@ void fields(const double* parameters, int count, int variants, int n, const doub
     }
 }
 
+double mean_of(const double* __restrict row, int n) {
+    double total = 0.0;
+#pragma omp simd reduction(+ : total)
+    for (int k = 0; k < n; ++k) total += row[k];
+    return total / n;
+}
+
 struct Sizes {
     double drive, excess, by_excess, merzalov, wittenbauer;
 };
@@ -212,10 +222,7 @@ struct Sizes {
 // Flywheel sizes from the rows of I and M, the work being accumulated by the trapezoid rule.
 Sizes flywheel_sizes(const double* __restrict inertia, const double* __restrict moment, double* __restrict work, int n,
                      double h, double omega, double delta, double first_kind) {
-    double total = 0.0;
-#pragma omp simd reduction(+ : total)
-    for (int k = 0; k < n; ++k) total += moment[k];
-    const double mean = total / n;
+    const double mean = mean_of(moment, n);
     double sum = 0.0;
     work[0] = 0.0;
     for (int k = 1; k < n; ++k) {
@@ -242,19 +249,42 @@ Sizes flywheel_sizes(const double* __restrict inertia, const double* __restrict 
             scale * (top - bottom)};
 }
 
-// What a jump of the moment hidden between two positions may do to the work.
+INLINE double sixth_difference(const double* row, int a, int b, int c, int d, int e, int f, int g) {
+    return row[a] + row[g] - 6.0 * (row[b] + row[f]) + 15.0 * (row[c] + row[e]) - 20.0 * row[d];
+}
+
+// What jumps of the moment hidden between two positions may do to the work.
 double jump_work(const double* __restrict moment, int n, double h) {
-    double worst = std::max(std::abs(moment[n - 1] - 2.0 * moment[0] + moment[1]),
-                            std::abs(moment[n - 2] - 2.0 * moment[n - 1] + moment[0]));
+    double total = 0.0;
+#pragma omp simd reduction(+ : total)
+    for (int k = 0; k < n - 6; ++k) {
+        const double d = sixth_difference(moment, k, k + 1, k + 2, k + 3, k + 4, k + 5, k + 6);
+        total += d * d;
+    }
+    for (int k = n - 6; k < n; ++k) {
+        const double d = sixth_difference(moment, k, (k + 1) % n, (k + 2) % n, (k + 3) % n, (k + 4) % n, (k + 5) % n,
+                                          (k + 6) % n);
+        total += d * d;
+    }
+    return 0.5 * h * std::sqrt(total / 252.0);
+}
+
+// How far an extreme of the energy may lie beyond those at the positions.
+double missed_extreme(const double* __restrict inertia, const double* __restrict work, int n, double slope) {
+    double worst = 0.0;
 #pragma omp simd reduction(max : worst)
-    for (int k = 1; k < n - 1; ++k)
-        worst = std::max(worst, std::abs(moment[k - 1] - 2.0 * moment[k] + moment[k + 1]));
-    return 0.5 * h * worst;
+    for (int k = 1; k < n - 1; ++k) {
+        const double here = work[k] - slope * inertia[k];
+        const double before = work[k - 1] - slope * inertia[k - 1], after = work[k + 1] - slope * inertia[k + 1];
+        worst = std::max(worst, std::abs(before - 2.0 * here + after));
+    }
+    return 0.125 * worst;
 }
 
 template <class Machine>
 void summaries(const double* parameters, int count, int variants, int n, const double* cosines, const double* sines,
                double h, double omega, double delta, double* values, double* errors) {
+    const double rounding = 16.0 * std::numeric_limits<double>::epsilon(), middle = 0.5 * omega * omega;
 #pragma omp parallel
     {
         std::vector<double> scratch(5 * n);
@@ -277,17 +307,19 @@ void summaries(const double* parameters, int count, int variants, int n, const d
                 half_moment[k] = moment[2 * k];
             }
             const double first_kind = machine.crank_inertia;
-            const Sizes full = flywheel_sizes(inertia, moment, work, n, h, omega, delta, first_kind);
             const Sizes half =
                 flywheel_sizes(half_inertia, half_moment, work, n / 2, 2.0 * h, omega, delta, first_kind);
-            const double jump = jump_work(moment, n, h), share = jump / (delta * omega * omega);
+            const Sizes full = flywheel_sizes(inertia, moment, work, n, h, omega, delta, first_kind);
+            const double jump = jump_work(moment, n, h), missed = missed_extreme(inertia, work, n, middle);
+            const double energy = full.excess + omega * omega * mean_of(inertia, n);
+            const double share = (jump + 2.0 * missed + rounding * energy) / (delta * omega * omega);
             const double more[5] = {jump / (h * n), jump, share, share, share};
             const double at_full[5] = {full.drive, full.excess, full.by_excess, full.merzalov, full.wittenbauer};
             const double at_half[5] = {half.drive, half.excess, half.by_excess, half.merzalov, half.wittenbauer};
             for (int i = 0; i < 5; ++i) {
                 values[5L * v + i] = at_full[i];
                 errors[5L * v + i] =
-                    std::abs(at_full[i] - at_half[i]) + more[i] + 16.0 * 2.220446049250313e-16 * std::abs(at_full[i]);
+                    std::abs(at_full[i] - at_half[i]) + more[i] + rounding * std::abs(at_full[i]);
             }
         }
     }
@@ -297,7 +329,9 @@ void summaries(const double* parameters, int count, int variants, int n, const d
 
 extern "C" {
 
-#define FIELDS(name, Machine)                                                                                     \
+void use_threads(int count) { omp_set_num_threads(count); }
+
+#define MACHINE(name, Machine)                                                                                    \
     void name##_fields(const double* p, int count, int variants, int n, const double* c, const double* s,         \
                        double* inertia, double* slope, double* moment) {                                          \
         fields<Machine>(p, count, variants, n, c, s, inertia, slope, moment);                                     \
@@ -307,9 +341,9 @@ extern "C" {
         summaries<Machine>(p, count, variants, n, c, s, h, omega, delta, values, errors);                         \
     }
 
-FIELDS(slider_crank, SliderCrank)
-FIELDS(four_bar, FourBar)
-FIELDS(six_bar, SixBar)
+MACHINE(slider_crank, SliderCrank)
+MACHINE(four_bar, FourBar)
+MACHINE(six_bar, SixBar)
 
 void four_bar_positions(const double* p, int count, int variants, int n, const double* c, const double* s, double* x,
                         double* y) {
@@ -320,7 +354,7 @@ void four_bar_positions(const double* p, int count, int variants, int n, const d
         double* __restrict y_row = y + static_cast<long>(v) * n;
 #pragma omp simd
         for (int k = 0; k < n; ++k) {
-            const Vec at = machine.coupler_point(c[k], s[k]);
+            const Vec at = machine.inner_joint(c[k], s[k]);
             x_row[k] = at.x;
             y_row[k] = at.y;
         }

@@ -122,6 +122,39 @@ CASES = {
 }
 
 
+def _body(name: str, inertia: bool = True) -> list[str]:
+    keys = ("mass", "x", "y", "inertia") if inertia else ("mass", "x", "y")
+    return [f"bodies.{name}.{key}" for key in keys]
+
+
+def _dyad(name: str) -> list[str]:
+    return [f"groups.{name}.{key}" for key in ("first.length", "second.length", "mode")]
+
+
+def _places(names: str) -> list[str]:
+    return [f"points.{name}.{axis}" for name in names for axis in ("x", "y")]
+
+
+ACTIONS = ["forces.push.angle", "forces.push.force", "moments.twist.moment"]
+
+# The numbers of a variant in the order in which the C++ baseline reads them.
+BASELINE_PATHS = {
+    "slider_crank": [
+        *("gravity", *_places("O"), "guides.way.x", "guides.way.y", "guides.way.angle", "input.length"),
+        *("groups.g.first.length", "groups.g.second.offset", "groups.g.mode"),
+        *(*_body("crank"), *_body("rod"), *_body("ram", inertia=False), *ACTIONS),
+    ],
+    "four_bar": [
+        *("gravity", *_places("OD"), "input.length", *_dyad("g")),
+        *(*_body("crank"), *_body("rod"), *_body("rocker"), *_places("C"), *ACTIONS),
+    ],
+    "six_bar": [
+        *("gravity", *_places("ODE"), "input.length", *_dyad("g"), *_dyad("h"), *_body("crank"), *_body("rod")),
+        *(*_body("rocker"), *_body("bar"), *_body("lever"), *_places("C"), *ACTIONS),
+    ],
+}
+
+
 def sample(case: Case, paths: dict[str, float], variants: int) -> dict[str, np.ndarray]:
     """Uniform sample of the varied numbers, each within its spread about the scene's value."""
     rng = np.random.default_rng(1)
