@@ -11,7 +11,7 @@ counter-clockwise. `acts` limits an action to the part of the cycle in which its
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from engine.parts import FRAME, Angle, AngularSpeed, Length, Name, Number, Part, quantity
 from engine.tables import TableError, make_table
@@ -274,6 +274,13 @@ class Spring(Part):
     stiffness: Stiffness = 0.0
     free_length: Annotated[Length, Field(ge=0)] = 0.0
     damping: Annotated[Damping, Field(ge=0)] = 0.0
+
+    @field_validator("between")
+    @classmethod
+    def _has_two_ends(cls, between: tuple[Name, Name]) -> tuple[Name, Name]:
+        if between[0] == between[1]:
+            raise ValueError(f"both ends are {between[0]!r}: name two points")
+        return between
 
 
 class Cylinder(Part):

@@ -10,6 +10,9 @@ from engine.parts import CrankInput
 
 Form = Literal["whole", "factorised"]
 
+# A group whose transmission quality falls below this is singular: about the root of the rounding error.
+SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
+
 
 def spacing(model: Model) -> list[str]:
     """Lines that set the first position and the spacing of positions, in the input's unit."""
@@ -51,7 +54,7 @@ class KernelText:
             ["begin", "end", "P", "nodes", "cos_nodes", "sin_nodes", "step", "rounding"]
             + (["starts", "members"] if self.form == "factorised" else [])
             + self._table_arguments(text)
-            + ["values", "errors", "fields", "nearness_of", "checks"]
+            + ["values", "errors", "fields", "troubles", "checks"]
         )
         scratch = [r for r, home in self.rows.items() if home == "scratch"]
         half = [r for r, home in self.rows.items() if home == "half"]
@@ -102,6 +105,7 @@ class KernelText:
             f"dtype = np.{self.dtype.name}",
             f"one = np.{self.dtype.name}(1)",
             f"zero = np.{self.dtype.name}(0)",
+            f"least_sine = np.{self.dtype.name}({SINGULAR_SINE[self.dtype]})",
             "",
             "",
             "@njit(**KERNEL_OPTIONS)",

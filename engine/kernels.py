@@ -86,10 +86,10 @@ class KernelWriter:
     def _position_loop(self, form: Form) -> list[str]:
         """The vectorised loop over positions.
 
-        `nearness` grows without bound near a singular position and is NaN where a group can't be assembled;
-        `check` is finite only if the asked fields that are complete in this loop are.
+        `troubled` counts groups that are singular or can't be assembled; `check` is finite only if the asked fields
+        that are complete in this loop are.
         """
-        demand = self.demand
+        demand, sines = self.demand, self.model.mechanism.sines
         inner = [step.line for step in demand.steps]
         inner += [f"row__{v}[k] = {v}" for v in sorted(demand.row_variables)]
         if form == "factorised":
@@ -101,21 +101,11 @@ class KernelWriter:
                     inner += [f"value = {' + '.join(terms) or 'zero'}", f"{target}[k] = value"]
                     inner += ["check += value"] if target in self._checked_in_loop(form) else []
         inner += [f"check += {r.removeprefix('row__')}" for r in self._checked_in_loop(form) if r.startswith("row__")]
-        inner += self._nearness()
+        inner += [f"troubled += zero if abs({sines[g]}) >= least_sine else one" for g in demand.groups]
         if not inner:
-            return ["nearness = check = zero"]
+            return ["troubled = check = zero"]
         lines = (*_places(inner), *inner)
-        return ["nearness = check = zero", "for k in range(n):", *(f"    {line}" for line in lines)]
-
-    def _nearness(self) -> list[str]:
-        """Contribution of every group: 1/sine² where its rates are asked, else the sine itself, NaN if it is NaN."""
-        moving = {step.subject for step in self.demand.steps if step.level != "position"}
-        lines = []
-        for group in self.demand.groups:
-            sine = self.model.mechanism.sines[group]
-            subject = next(step.subject for step in self.demand.steps if sine in step.targets)
-            lines.append(f"nearness += one / ({sine} * {sine})" if subject in moving else f"nearness += {sine}")
-        return lines
+        return ["troubled = check = zero", "for k in range(n):", *(f"    {line}" for line in lines)]
 
     def _checked_in_loop(self, form: Form) -> list[str]:
         """Rows of asked fields that the position loop completes."""
@@ -165,7 +155,7 @@ class KernelWriter:
             # Two fields may be the same row (a block turns with its slot): it is computed in place once, then copied.
             if row in rows[:i] or not self._is_direct(row, form):
                 lines += ["for k in range(n):", f"    fields[{i}, v, k] = {row}[k]"]
-        lines.append("nearness_of[v] = nearness")
+        lines.append("troubles[v] = troubled")
         later = [row for row in dict.fromkeys(rows) if row not in self._checked_in_loop(form)]
         lines.append(f"checks[v] = {' + '.join(['check', *(f'mean_of({row})' for row in later)])}")
         return lines

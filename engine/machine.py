@@ -1,6 +1,5 @@
 """The door: a machine made ready to answer what is asked, for one variant or for millions."""
 
-import difflib
 import math
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
@@ -10,9 +9,10 @@ import numpy as np
 
 from engine.analyses import Analyses
 from engine.jit import run_kernel, threads
-from engine.kernel_text import Form
+from engine.kernel_text import SINGULAR_SINE, Form
 from engine.kernels import KernelWriter, Source
 from engine.model import Model
+from engine.names import nearest
 from engine.parts import CrankInput
 from engine.quantities import STATISTICS, Quantity, has_cycle
 from engine.scene import Numbers, Scene, scene_numbers, within_limits
@@ -20,7 +20,6 @@ from engine.tables import table_value
 from engine.verdicts import Verdict
 from engine.wheel import wheel_columns, wheel_summaries
 
-SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
 ROUNDING = 16
 WORTH_FACTORISING = 3
 
@@ -215,17 +214,15 @@ class Machine:
         if drop is not None:
             status[drop] = Verdict.DROPPED
         keep = np.flatnonzero(status == Verdict.OK)
-        room = (self.new_buffer(variants) if buffer is None else buffer)[:, :variants]
+        room = _part(self.new_buffer(variants) if buffer is None else buffer, variants)
         outcome = self._blank(status, room)
         if keep.size:
             chosen = {path: values[keep] for path, values in arrays.items()} if keep.size < variants else arrays
-            self._fill(outcome, keep, Numbers(self._limits, chosen), room[:, : keep.size])
-        # Results were packed at the front; spread them to their variants, the last first.
-        if keep.size < variants:
-            left_out = np.setdiff1d(np.arange(variants), keep, assume_unique=True)
-            for row in room:
-                row[keep[::-1]] = row[: keep.size][::-1].copy()
-                row[left_out] = np.nan
+            packed = room if keep.size == variants else self.new_buffer(keep.size)
+            self._fill(outcome, keep, Numbers(self._limits, chosen), packed)
+            if keep.size < variants:
+                room[:] = np.nan
+                room[:, keep] = packed
         return outcome
 
     def new_buffer(self, variants: int) -> np.ndarray:
@@ -252,7 +249,7 @@ class Machine:
         self.forms_used.add(form)
         source = self.source(form)
         values = np.empty((keep.size, len(self._computed)))
-        errors, nearness, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
+        errors, troubles, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
         nodes = self.nodes.astype(self.dtype)
         count = keep.size if grouping is None else grouping[0].size - 1
         run_kernel(
@@ -268,7 +265,7 @@ class Machine:
             values,
             errors,
             fields,
-            nearness,
+            troubles,
             checks,
         )
         undefined = ~np.isfinite(values)
@@ -279,7 +276,7 @@ class Machine:
             computed |= {name: wheels[name] for name in self._wheel}
         for name in self.asked_summaries:
             outcome.summaries[name][keep], outcome.errors[name][keep] = computed[name]
-        self._judge(outcome, keep, parameters, nearness, ~np.isfinite(checks) | self._undefined(undefined))
+        self._judge(outcome, keep, parameters, troubles, ~np.isfinite(checks) | self._undefined(undefined))
 
     def _places(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Positions and their cosines and sines, one table for all variants."""
@@ -319,12 +316,12 @@ class Machine:
         outcome: Outcome,
         keep: np.ndarray,
         parameters: np.ndarray,
-        nearness: np.ndarray,
+        troubles: np.ndarray,
         not_finite: np.ndarray,
     ) -> None:
         """Give every variant its verdict, and those that fail the place and the group to blame."""
         least = SINGULAR_SINE[self.dtype]
-        doubtful = np.flatnonzero(~(nearness < 1.0 / least**2))
+        doubtful = np.flatnonzero(troubles > 0)
         if doubtful.size:
             places, sines = np.empty((doubtful.size, 2), np.int64), np.empty(doubtful.size)
             nodes = self._places(self.nodes.astype(self.dtype))
@@ -353,6 +350,12 @@ class Machine:
         return start + (stop - start) * self.nodes[places]
 
 
+def _part(buffer: np.ndarray, variants: int) -> np.ndarray:
+    """The front of a buffer as fields of fewer variants, without gaps: kernels are compiled for such arrays."""
+    fields, _, positions = buffer.shape
+    return buffer.reshape(-1)[: fields * variants * positions].reshape(fields, variants, positions)
+
+
 def _shape_keys(shapes: np.ndarray) -> np.ndarray:
     """A 64-bit mix of the bits of each variant's shape: equal for equal shapes, and very likely for no others."""
     varying = np.flatnonzero((shapes != shapes[:, :1]).any(axis=1))
@@ -379,6 +382,6 @@ def _check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
     known = list(known)
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=3)
+            near = nearest(name, known, 3)
             hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
             raise AskError(f"{name!r} is not a {kind} of this scene{hint}")

@@ -113,7 +113,7 @@ class Mechanism:
     def point_on(self, name: str, link: Turning, along: str, across: str) -> Moving:
         """Write a rigid point of a link and return its variables."""
         p, point = self.program, own(name)
-        p.about(f"point {name}", "position")
+        p.about(f"centre of {name[1:]}" if name.startswith("_") else f"point {name}", "position")
         px, py = p.fresh_pair(f"arm({along}, {across}, {link.c}, {link.s})")
         p.let(f"{point.x}, {point.y}", f"{link.origin.x} + {px}, {link.origin.y} + {py}")
         return self._moved(point, link, px, py)

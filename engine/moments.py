@@ -17,7 +17,7 @@ from engine.inertia import body_mass
 from engine.mechanism import Mechanism
 from engine.parts import CrankInput
 from engine.program import Program
-from engine.scene import Scene, SceneError, scene_numbers
+from engine.scene import Scene, scene_numbers
 from engine.tables import Table, make_table
 
 
@@ -123,18 +123,8 @@ class Moments:
         return p.fresh(f"power_of_force({c}, {s}, {point.vx}, {point.vy})")
 
     def _rate(self, name: str, moment: actions.OnLink) -> str:
-        link = self.mechanism.links[moment.on]
         self.program.about(f"moment {name}", "velocity")
-        if link.w is None:
-            raise SceneError(
-                [
-                    (
-                        f"moments.{name}.on",
-                        f"{moment.on!r} slides without turning: a moment on it does no work; name a turning link",
-                    )
-                ]
-            )
-        return link.w
+        return self.mechanism.links[moment.on].w
 
     # Actions by characteristic
 

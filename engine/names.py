@@ -10,10 +10,18 @@ from engine.scene import Scene, SceneError
 Problem = tuple[str, str]
 
 
+def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
+    """Names most like a misspelt one, whatever the case of its letters."""
+    lowered: dict[str, str] = {}
+    for candidate in known:
+        lowered.setdefault(candidate.lower(), candidate)
+    return [lowered[match] for match in difflib.get_close_matches(name.lower(), lowered, n=count)]
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
     known = sorted(known)
-    near = difflib.get_close_matches(name, known, n=1)
+    near = nearest(name, known)
     listed = ", ".join(known) if known else "none"
     return f"known are: {listed}" + (f"; did you mean {near[0]!r}?" if near else "")
 
@@ -149,6 +157,8 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
 def _wrong_shafts(scene: Scene) -> list[Problem]:
     problems, geared = [], _geared_to_input(scene)
     for name, shaft in scene.shafts.items():
+        if shaft.geared_to == FRAME:
+            problems.append((f"shafts.{name}.geared_to", "a shaft can't be geared to 'frame'; name a turning link"))
         if shaft.pivot is not None and name not in geared:
             problems.append(
                 (f"shafts.{name}.pivot", "only a shaft geared to the input crank can carry points; leave pivot out")
@@ -176,18 +186,37 @@ def _wrong_bodies(scene: Scene) -> list[Problem]:
     return problems
 
 
+def _still_links(scene: Scene) -> set[str]:
+    """Links that never turn: the frame, and what slides on guides of links that never turn."""
+    still = {FRAME} if isinstance(scene.input, CrankInput) else {FRAME, scene.input.link}
+    grown = True
+    while grown:
+        found = set(still)
+        for group in scene.groups.values():
+            for part in (group.first, group.second):
+                if isinstance(part, (Sliding, Yoke)) and scene.guides[part.guide].link in still:
+                    found.add(part.link)
+            if group.type == "RPP" and group.second.link in still:
+                found.add(group.first.link)
+        grown, still = found != still, found
+    return still
+
+
 def _wrong_moments(scene: Scene) -> list[Problem]:
-    problems, loose = [], _loose_shafts(scene)
-    driven = {scene.input.link} | _geared_to_input(scene)
+    problems, loose, still = [], _loose_shafts(scene), _still_links(scene)
+    turning = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
+    driven = turning | _geared_to_input(scene)
     for name, moment in scene.moments.items():
         path = f"moments.{name}.on"
         if isinstance(moment, (DCMotor, InductionMotor)) and moment.on not in driven:
-            allowed = ", ".join(sorted(driven))
+            allowed = ", ".join(sorted(driven)) or "none, as the input slides"
             problems.append(
                 (path, f"a motor drives the crank or a shaft geared to it, not {moment.on!r}; allowed: {allowed}")
             )
-        if moment.on == FRAME or (isinstance(moment, TorsionSpring) and moment.on in loose):
-            problems.append((path, f"{moment.on!r} can't carry this moment; name a moving link"))
+        elif moment.on in still:
+            problems.append((path, f"{moment.on!r} doesn't turn: a moment on it does no work; name a turning link"))
+        elif isinstance(moment, TorsionSpring) and moment.on in loose:
+            problems.append((path, f"shaft {moment.on!r} has no angle; give it a pivot, or name another link"))
     return problems
 
 
@@ -198,6 +227,10 @@ def _no_stroke(scene: Scene) -> list[Problem]:
         for name, action in getattr(scene, table).items():
             if isinstance(action, Tabled) and action.slider is not None:
                 named.append((f"{table}.{name}.slider", action.slider))
+        for name, action in getattr(scene, table).items():
+            if isinstance(action, Tabled) and action.over_angle is not None and not isinstance(scene.input, CrankInput):
+                path = f"{table}.{name}.over_angle"
+                return [(path, "a sliding input has no crank angle; give over_stroke or over_time")]
     listed = ", ".join(sorted(slide)) or "none"
     return [(path, f"{link!r} doesn't slide; sliders are: {listed}") for path, link in named if link not in slide]
 

@@ -6,6 +6,7 @@ from typing import Annotated, NamedTuple, get_args
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field
+from pydantic.fields import FieldInfo
 
 from engine.actions import CylinderAction, ForceAction, MomentAction, Spring
 from engine.parts import (
@@ -56,16 +57,19 @@ class Scene(Part):
 
 
 class SceneNumber(NamedTuple):
-    """A number of a scene: its value (SI), its dimension and the limits it must keep."""
+    """A number of a scene: its value (SI), its dimension, and the limits or choices it must keep."""
 
     value: float
     dimension: str
     limits: tuple[Gt | Ge | Lt | Le, ...]
+    choices: tuple[float, ...] = ()
 
 
 def _marks(annotation: object, metadata: list) -> list:
     """All marks in a field's annotation, those inside optionals too."""
-    found = list(metadata)
+    found = []
+    for mark in metadata:
+        found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
     for inner in get_args(annotation):
         found += _marks(inner, list(getattr(inner, "__metadata__", ())))
     return found
@@ -83,9 +87,11 @@ def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
         elif isinstance(value, (int, float)) and not isinstance(value, bool):
             marks = _marks(field.annotation, field.metadata)
             dimension = next((str(m) for m in marks if isinstance(m, Dimension)), None)
-            if dimension is not None or field.annotation == Mode:
-                limits = tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
-                yield here, SceneNumber(float(value), dimension or "number", limits)
+            limits = tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
+            if dimension is not None:
+                yield here, SceneNumber(float(value), dimension, limits)
+            elif field.annotation == Mode:
+                yield here, SceneNumber(float(value), "number", (), get_args(Mode))
 
 
 def scene_numbers(scene: Scene) -> dict[str, SceneNumber]:
@@ -105,7 +111,7 @@ def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
     values : ndarray
         Values in SI units, any shape.
     """
-    keep = np.isfinite(values)
+    keep = np.isin(values, number.choices) if number.choices else np.isfinite(values)
     for limit in number.limits:
         match limit:
             case Gt(gt=bound):

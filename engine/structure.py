@@ -103,8 +103,14 @@ def _check_movable(scene: Scene, points: dict[str, str], guides: dict[str, str])
 
 def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: dict) -> list[tuple[str, str]]:
     """Reasons why some groups, points or guides could not be reached."""
-    waiting = [name for name in scene.groups if Element("group", name) not in elements]
     problems = []
+    shafts = [name for name in scene.shafts if Element("shaft", name) not in elements]
+    if shafts:
+        chain = ", ".join(f"{name!r} on {scene.shafts[name].geared_to!r}" for name in shafts)
+        problems.append(
+            (f"shafts.{shafts[0]}.geared_to", f"gears that nothing drives: {chain}; gear one to a link that moves")
+        )
+    waiting = [name for name in scene.groups if Element("group", name) not in elements]
     if waiting:
         lacks = {
             name: [

@@ -40,7 +40,8 @@ def superpose(demand: Demand, outputs: str) -> Superposed:
     sums = {
         target: _sum(target, terms) for target in targets if _kind(target) in ("mean_moment", "useful", "row__work")
     }
-    sums["doubt"] = f"doubt = 0.5 * h * ({' + '.join(f'abs({c}) * rough__{b}' for c, b in terms[MOMENT]) or 'zero'})"
+    jumps = " + ".join(f"abs({c}) * rough__{b}" for c, b in terms[MOMENT] if b != "bas__one")
+    sums["doubt"] = f"doubt = 0.5 * h * ({jumps or 'zero'})"
     nodes = [_replaced(node, sums) for node in demand.nodes]
     used = {name for node in nodes for name in node.needs} | {r for r in terms if r in outputs}
     dropped = {row + mark for row in terms for mark in ("", HALF)} - used

@@ -38,8 +38,19 @@ def explained(command: Callable) -> Callable:
     return guarded
 
 
+def _tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            click.echo(f"sweeps, version {version('machine-sweeps')}")
+        except PackageNotFoundError:
+            click.echo("sweeps, not installed")
+        context.exit()
+
+
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="machine-sweeps", prog_name="sweeps")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version, help="Version.")
 def main() -> None:
     """Planar machines evaluated over many design variants: kinematics, reduced inertia and moments, flywheels.
 
@@ -107,7 +118,8 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
         sys.exit(INTERRUPTED)
     bar.close()
     result = Result(out)
-    click.echo(f"{found.title or found.name}: {found.design.size} variants")
+    plural = "" if found.design.size == 1 else "s"
+    click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
     click.echo(counts_text(result))
     click.echo(answer_text(result))
     made = [out, *([] if no_plots else _plots(result))]
@@ -153,16 +165,16 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
         raise InputError(
             str(file), [(None, "columns", f"{unknown[0]!r} is not there; there are: {', '.join(result.columns)}")]
         )
+    goal = result.goal
+    if sort is None and goal is not None:
+        sort, descending = goal.goal, goal.sign < 0
+    chosen = result.select(where or (goal.where if goal else None), sort, descending)
     d = result.description
     click.echo(f"{d.title}: {d.variants} variants, {d.blocks_done} of {d.blocks} blocks done")
     click.echo(f"varied: {d.attributes.get('grid', '')}")
     if result.fields:
         click.echo(f"fields over {d.positions} positions: {', '.join(result.fields)}")
     click.echo(counts_text(result))
-    goal = result.goal
-    if sort is None and goal is not None:
-        sort, descending = goal.goal, goal.sign < 0
-    chosen = result.select(where or (goal.where if goal else None), sort, descending)
     click.echo(f"{chosen.size} variants meet the condition; the first {min(limit, chosen.size)}:")
     click.echo(variants_text(result, chosen[:limit], names))
     if where is None:

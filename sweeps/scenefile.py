@@ -52,8 +52,14 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
         for name, action in actions.items() if isinstance(actions, dict) else ():
             if isinstance(action, dict) and "file" in action:
                 where = (line_of(text, [*prefix, table, name, "file"]), f"{table}.{name}.file")
-                action |= _table_columns(folder, action.pop("file"), source, where)
-    scene = validate(Scene, data, text, source)
+                columns = _table_columns(folder, action.pop("file"), source, where)
+                twice = [key for key in columns if key in action]
+                if twice:
+                    raise InputError(
+                        source, [(*where, f"the file has {twice[0]!r}, and so has the text; give it once")]
+                    )
+                action |= columns
+    scene = validate(Scene, data, text, source, prefix)
     try:
         order(scene)
     except SceneError as error:
@@ -79,22 +85,33 @@ def read_csv(path: Path) -> dict[str, tuple[str, list[str]]]:
     InputError
         Unreadable file, a header that isn't of that form, rows of the wrong length, or cells that aren't numbers.
     """
-    rows = [row for row in csv.reader(io.StringIO(read_text(path))) if row and not row[0].lstrip().startswith("#")]
+    rows = _csv_rows(path)
     if len(rows) < 2:
         raise InputError(path.name, [(None, "", "needs a header line and at least one row of numbers")])
-    headers = [_HEADER.match(cell) for cell in rows[0]]
+    (first, cells), *rest = rows
+    headers = [_HEADER.match(cell) for cell in cells]
     if None in headers:
-        bad = rows[0][headers.index(None)]
-        raise InputError(path.name, [(1, "", f"header {bad!r}: write a name and a unit, such as 'force [kN]'")])
-    for number, row in enumerate(rows[1:], 2):
+        bad = cells[headers.index(None)]
+        raise InputError(path.name, [(first, "", f"header {bad!r}: write a name and a unit, such as 'force [kN]'")])
+    names = [header["key"] for header in headers]
+    if len(set(names)) < len(names):
+        raise InputError(path.name, [(first, "", f"a column is given twice: {', '.join(names)}")])
+    for line, row in rest:
         if len(row) != len(headers):
-            raise InputError(path.name, [(number, "", f"has {len(row)} cells, the header {len(headers)}")])
+            raise InputError(path.name, [(line, "", f"has {len(row)} cells, the header {len(headers)}")])
         for cell in row:
             if not _is_number(cell):
-                raise InputError(path.name, [(number, "", f"{cell!r} is not a number; use a decimal point")])
-    return {
-        header["key"]: (header["unit"] or "", [row[i].strip() for row in rows[1:]]) for i, header in enumerate(headers)
-    }
+                raise InputError(path.name, [(line, "", f"{cell!r} is not a number; use a decimal point")])
+    return {h["key"]: (h["unit"] or "", [row[i].strip() for _, row in rest]) for i, h in enumerate(headers)}
+
+
+def _csv_rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Rows of a CSV file with their lines, blank lines and comments left out."""
+    reader = csv.reader(io.StringIO(read_text(path)))
+    try:
+        return [(reader.line_num, row) for row in reader if row and not row[0].lstrip().startswith("#")]
+    except csv.Error as error:
+        raise InputError(path.name, [(reader.line_num, "", f"is not CSV: {error}")]) from None
 
 
 def _is_number(cell: str) -> bool:
@@ -140,7 +157,6 @@ def write_scene(scene: Scene, values: dict[str, float] | None = None) -> str:
         New values (SI) by path, such as those of one variant of a study.
     """
     data = scene.model_dump(exclude_none=True, exclude_defaults=True, mode="json")
-    _restore_tags(scene, data)
     for path, number in scene_numbers(scene).items():
         value = number.value if values is None or path not in values else values[path]
         *tables, last = path.split(".")
@@ -151,19 +167,6 @@ def write_scene(scene: Scene, values: dict[str, float] | None = None) -> str:
             table[last] = int(value) if last == "mode" else number_text(value, number.dimension)
     _label_tables(scene, data)
     return tomli_w.dumps(data)
-
-
-def _restore_tags(part: object, data: dict[str, Any]) -> None:
-    """Put back the keys that name a kind, whatever their defaults."""
-    for key in type(part).model_fields:
-        value = getattr(part, key)
-        if key == "type":
-            data["type"] = value
-        elif hasattr(type(value), "model_fields"):
-            _restore_tags(value, data.setdefault(key, {}))
-        elif isinstance(value, dict):
-            for name, inner in value.items():
-                _restore_tags(inner, data.setdefault(key, {}).setdefault(name, {}))
 
 
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:

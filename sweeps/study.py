@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from engine import AskError, Machine, Scene, scene_numbers
+from engine import AskError, Machine, Scene, SceneError, scene_numbers
 from engine.jit import sources_digest
 from engine.scene import SceneNumber
 from engine.units import DIMENSIONS, UnitError, in_text
@@ -107,7 +108,7 @@ class Study:
     def digest(self) -> str:
         """Name of the study's content: the scene, what varies, what is asked, and the engine that computes it."""
         content = {
-            "scene": self.scene.model_dump(mode="json"),
+            "scene": self.scene.model_dump(mode="json", exclude={"title", "source"}),
             "axes": [_axis_content(axis) for axis in self.design.axes],
             "derived": {path: e.text for path, e in self.derived.items()},
             "require": [e.text for e in self.require],
@@ -270,7 +271,11 @@ class _Reader:
 
     def _used(self, name: str) -> bool:
         """Whether a free parameter enters any expression."""
-        return any(name in text for text in (*self.raw.derive.values(), *self.raw.require))
+        for text in (*self.raw.derive.values(), *self.raw.require):
+            with suppress(ExpressionError):
+                if name in parse(text, any_quantity).names:
+                    return True
+        return False
 
     def _quantity(self, path: str, value: float | str, keys: list[str]) -> float:
         try:
@@ -410,7 +415,12 @@ def _checked(study: Study, path: Path) -> Study:
             _check_where(study, study.best.where)
     except AskError as error:
         key = next((k for k in ("positions", "vary") if k in str(error)), "outputs")
-        raise InputError(path.name, [(line_of(study.text, [key]), key, str(error))]) from None
+        if study.best and repr(study.best.goal) in str(error):
+            key = f"best.{'minimise' if study.best.minimise else 'maximise'}"
+        raise InputError(path.name, [(line_of(study.text, key.split(".")), key, str(error))]) from None
+    except SceneError as error:
+        problems = [(line_of(study.text, key.split(".")), key, message) for key, message in error.problems]
+        raise InputError(path.name, problems) from None
     except ExpressionError as error:
         raise InputError(path.name, [(line_of(study.text, ["best", "where"]), "best.where", str(error))]) from None
     return study

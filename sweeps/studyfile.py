@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from engine.parts import Part
 
@@ -69,6 +69,20 @@ class Best(Part):
         return 1.0 if self.minimise else -1.0
 
 
+def _kind_of_axis(axis: object) -> str:
+    """Which kind of axis the keys mean, misspelt ones apart."""
+    keys = set(axis) if isinstance(axis, dict) else set()
+    if keys & {"low", "high"}:
+        return "between"
+    return "listing" if "values" in keys else "range"
+
+
+AxisText = Annotated[
+    Annotated[Range, Tag("range")] | Annotated[Listing, Tag("listing")] | Annotated[Between, Tag("between")],
+    Discriminator(_kind_of_axis),
+]
+
+
 class StudyText(Part):
     """A study as it stands in its file.
 
@@ -83,7 +97,7 @@ class StudyText(Part):
     scene: str | dict[str, Any]
     positions: int = 720
     precision: Literal["float64", "float32"] = "float64"
-    vary: dict[str, Range | Listing | Between] = {}
+    vary: dict[str, AxisText] = {}
     variants: str | None = None
     sampling: Sampling | None = None
     derive: dict[str, str] = {}

@@ -1,13 +1,14 @@
 """Reading TOML texts into validated models; errors name file, line, key, value, what is allowed and the mend."""
 
-import difflib
 import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
+
+from engine.names import nearest
 
 
 class InputError(ValueError):
@@ -32,10 +33,10 @@ def read_text(path: Path) -> str:
         The file can't be read.
     """
     try:
-        return path.read_text(encoding="utf8")
+        return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise InputError(str(path), [(None, "", f"can't be read: {error.strerror}")]) from None
-    except UnicodeDecodeError:
+    except ValueError:
         raise InputError(str(path), [(None, "", "is not UTF-8 text")]) from None
 
 
@@ -54,9 +55,11 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         line = int(found[1]) if found else None
         message = str(error).split(" (at ")[0]
         raise InputError(source, [(line, "", f"not valid TOML: {message}")]) from None
+    except (ValueError, RecursionError):
+        raise InputError(source, [(None, "", "not valid TOML: a number too long, or tables nested too deep")]) from None
 
 
-def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: str) -> Any:
+def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: str, prefix: tuple[str, ...] = ()) -> Any:
     """A model from parsed TOML.
 
     Parameters
@@ -66,6 +69,8 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
         Parsed tables.
     text, source : str
         The text, to find lines in, and its name.
+    prefix : tuple of str
+        Keys of the table in which the data stand in the text.
 
     Raises
     ------
@@ -75,11 +80,13 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     try:
         return model.model_validate(data, context={"text": True})
     except ValidationError as error:
-        raise InputError(source, [_problem(model, data, text, e) for e in error.errors()]) from None
+        raise InputError(source, [_problem(model, data, text, e, prefix) for e in error.errors()]) from None
 
 
-def _problem(model: type[BaseModel], data: dict, text: str, error: dict) -> tuple[int | None, str, str]:
-    keys = _keys(data, error)
+def _problem(
+    model: type[BaseModel], data: dict, text: str, error: dict, prefix: tuple[str, ...]
+) -> tuple[int | None, str, str]:
+    keys = [*prefix, *_keys(data, error)]
     return line_of(text, keys), ".".join(str(k) for k in keys), _message(model, error, keys)
 
 
@@ -88,8 +95,9 @@ def _keys(data: object, error: dict) -> list[str | int]:
     keys: list[str | int] = []
     loc = list(error["loc"])
     for i, item in enumerate(loc):
-        present = (isinstance(data, dict) and item in data) or (isinstance(data, list) and isinstance(item, int))
-        absent_key = i == len(loc) - 1 and error["type"] == "missing"
+        in_list = isinstance(data, list) and isinstance(item, int) and item < len(data)
+        present = (isinstance(data, dict) and item in data) or in_list
+        absent_key = i == len(loc) - 1 and error["type"] == "missing" and isinstance(item, str)
         if present:
             data = data[item]
             keys.append(item)
@@ -111,7 +119,7 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             allowed = _fields_at(model, error["loc"][:-1])
             return "unknown key" + _allowed(last, allowed)
         case "missing":
-            return "is missing"
+            return "is missing" if isinstance(error["loc"][-1], str) else "has too few entries"
         case "union_tag_invalid":
             allowed = re.findall(r"'([^']+)'", context.get("expected_tags", ""))
             tag = str(context.get("tag"))
@@ -140,7 +148,7 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
 def _allowed(name: str, allowed: list[str]) -> str:
     if not allowed:
         return ""
-    near = difflib.get_close_matches(name, allowed, n=1)
+    near = nearest(name, allowed)
     return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 
@@ -172,7 +180,7 @@ def _descend(annotation: Any, item: str | int) -> Any:
     """Annotation of a key, an entry of a table, or an arm of a union named by its tag."""
     here = _bare(annotation)
     if _is_union(here):
-        return next((_bare(a) for a in get_args(here) if item in _tags(_bare(a))), None)
+        return next((_bare(a) for a in get_args(here) if item in _tags(a)), None)
     if isinstance(here, type) and issubclass(here, BaseModel):
         field = here.model_fields.get(str(item))
         return field.annotation if field else None
@@ -181,7 +189,12 @@ def _descend(annotation: Any, item: str | int) -> Any:
     return here
 
 
-def _tags(model: Any) -> tuple[object, ...]:
+def _tags(arm: Any) -> tuple[object, ...]:
+    """Tags by which an arm of a union is named: its own, or the values of its key "type"."""
+    own = tuple(mark.tag for mark in getattr(arm, "__metadata__", ()) if isinstance(mark, Tag))
+    if own:
+        return own
+    model = _bare(arm)
     field = getattr(model, "model_fields", {}).get("type")
     return get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
 
@@ -193,7 +206,7 @@ _PART = re.compile(r""""[^"]*"|'[^']*'|[\w-]+""")
 
 def line_of(text: str, keys: list[str | int]) -> int | None:
     """Line of a TOML text that holds a key, or the deepest table or key around it that has a line of its own."""
-    names = [str(k) for k in keys if not isinstance(k, int)]
+    names = [part for k in keys if not isinstance(k, int) for part in str(k).split(".")]
     best, deepest = None, 0
     table: list[str] = []
     for number, line in enumerate(text.splitlines(), 1):
@@ -203,10 +216,11 @@ def line_of(text: str, keys: list[str | int]) -> int | None:
             here = table + _split(key["keys"])
         else:
             continue
-        if len(here) > deepest and names[: len(here)] == here:
-            best, deepest = number, len(here)
+        depth = min(len(here), len(names))
+        if depth > deepest and names[:depth] == here[:depth]:
+            best, deepest = number, depth
     return best
 
 
 def _split(keys: str) -> list[str]:
-    return [part.strip("\"'") for part in _PART.findall(keys)]
+    return [name for part in _PART.findall(keys) for name in part.strip("\"'").split(".")]

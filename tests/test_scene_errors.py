@@ -325,7 +325,7 @@ shaft on a sliding input | SLIDING | [groups.bars] | [shafts.wheel]\ngeared_to =
 motor on a sliding input | SLIDING | [groups.bars]
     | [moments.drive]\ntype = "dc_motor"\non = "ram"\nstall_moment = "1 N m"\nno_load_speed = "9 rpm"\n\n[groups.bars]
     | on = "ram" | moments.drive.on | motor
-sliding input that doesn't move | SLIDING | "50 mm" | "0 mm" | [input] | input | stop | start
+sliding input that doesn't move | SLIDING | stop = "50 mm" | stop = "0 mm" | [input] | input | stop | start
 shaft on itself | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "wheel"\nratio = 2\n\n[groups.bars]
     | geared_to | shafts.wheel.geared_to | 'wheel'
 shaft on the frame | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "frame"\nratio = 2\n\n[groups.bars]

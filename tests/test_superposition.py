@@ -26,7 +26,7 @@ def loads_of(scene, variants):
     return {p: numbers[p].value * random.uniform(0.5, 1.5, variants) for p in paths}
 
 
-@pytest.mark.parametrize("name", ["crank_press", "compressor"])
+@pytest.mark.parametrize("name", ["crank_press", "compressor", "shaper"])
 @pytest.mark.parametrize("fields", [[], ["reduced_moment", "work"]])
 def test_flywheel__is_the_same_summed_and_whole(name, fields, monkeypatch):
     scene = read_study(bundled()[name]).scene
