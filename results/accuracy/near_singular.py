@@ -129,10 +129,10 @@ def main() -> None:
     ]
     lines += ["Made by `python results/accuracy/near_singular.py`.", ""]
     lines += [
-        "Positions keep all their digits. Rates keep theirs in the slider-crank, whose root is taken from factors. In",
-        "the four-bar, rounding of the coordinates (1e-16) moves the height of B by 1e-16/sine² of itself, and with it",
-        "its x velocity, which nearly vanishes; acceleration and I keep their digits down to a sine of 1e-6. Below 1e-7",
-        "the verdict is `singular`.",
+        "Positions keep all their digits. Rates keep theirs in the slider-crank, whose root is taken from factors.",
+        "In the four-bar, rounding of the coordinates (1e-16) moves the height of B by 1e-16/sine² of itself, and with",
+        "it its x velocity, which nearly vanishes; acceleration and I keep their digits down to a sine of 1e-6. Below",
+        "1e-7 the verdict is `singular`.",
         "",
     ]
     figure = Figure(figsize=(8.3, 3.8), layout="constrained")

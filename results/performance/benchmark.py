@@ -11,6 +11,7 @@ needs g++ on the path; pylinkage (pip install pylinkage) is left out where it is
 import argparse
 import ctypes
 import math
+import os
 import platform
 import resource
 import shutil
@@ -23,12 +24,16 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
+# An idle OpenMP thread would otherwise spin on the core that the other side needs in its turn.
+os.environ["OMP_WAIT_POLICY"] = "passive"
+
 import numpy as np
-from machines import BASELINE_PATHS, CASES, all_numbers, sample
+from machines import BASELINE_PATHS, CASES, Case, all_numbers, sample
 
 import engine.machine
-from engine import Machine
+from engine import Machine, scene_numbers
 from engine.jit import threads
+from sweeps.study import bundled, read_study
 
 HERE = Path(__file__).parent
 VARIANTS, POSITIONS, ROUNDS = 20_000, 720, 9
@@ -38,7 +43,7 @@ SUMMARIES = ["required_drive_moment", "excess_work"]
 SUMMARIES += ["flywheel_excess_work", "flywheel_merzalov", "flywheel_wittenbauer"]
 MEMORY_VARIANTS, MEMORY_BLOCK = 1_000_000, 16_384
 PYLINKAGE_SHARE = 10
-AGREEMENT = 1e-12
+AGREEMENT = 1e-11
 
 phi = np.arange(POSITIONS) * (2 * math.pi / POSITIONS)
 cosines, sines, h = np.cos(phi), np.sin(phi), phi[1]
@@ -203,9 +208,15 @@ def race_pylinkage() -> Contest:
     )
 
 
-def race_factorised(name: str, asked: dict[str, list[str]], what: str) -> Contest:
+def bundled_case(name: str) -> Case:
+    """A bundled machine, its masses and the scales of its forces varied."""
+    scene = read_study(bundled()[name]).scene
+    loads = [path for path in scene_numbers(scene) if path.endswith((".mass", ".scale", "moments.friction.moment"))]
+    return Case(scene, {}, dict.fromkeys(loads, 0.2))
+
+
+def race_factorised(name: str, case: Case, asked: dict[str, list[str]], what: str) -> Contest:
     """Only masses and loads vary: as the engine chooses, against every variant evaluated whole."""
-    case = CASES[name]
     varied = sample(case, case.loads, VARIANTS)
     chosen, whole = (Machine(case.scene, varied=varied, positions=POSITIONS, **asked) for _ in range(2))
     buffer, rows = chosen.new_buffer(VARIANTS), whole.new_buffer(VARIANTS)
@@ -280,7 +291,7 @@ def report(groups: list[tuple[str, str, str, list[Contest]]], memory: str) -> st
         "",
         f"{VARIANTS} variants × {POSITIONS} positions, float64, {threads()} threads on both sides. Times are wall",
         f"times per position, medians of {ROUNDS} alternating runs; the ratio is that of the medians, with the least",
-        "and greatest of the runs' pairs. Outputs agree to 1e-12 of their scale.",
+        "and greatest of the runs' pairs. Outputs agree to 1e-11 of their scale.",
         "",
         f"{processor()}, {threads()} cores; {platform.system()}; {versions()}.",
         f"C++: `{' '.join(COMPILER[:6])}`. Remade by `python results/performance/benchmark.py`.",
@@ -310,8 +321,9 @@ def main() -> None:
         fields = [race_fields(name, baseline) for name in CASES]
         summaries = [race_summaries(name, baseline) for name in CASES]
         positions = [race_positions(baseline)]
-    factorised = [race_factorised(name, {"fields": FIELDS}, "I, dI/dφ, M") for name in CASES]
-    factorised += [race_factorised(name, {"summaries": SUMMARIES}, "flywheel sizes") for name in CASES]
+    factorised = [race_factorised(name, case, {"fields": FIELDS}, "I, dI/dφ, M") for name, case in CASES.items()]
+    cases = CASES | {name: bundled_case(name) for name in ("crank_press", "four_stroke_engine", "compressor")}
+    factorised += [race_factorised(n, c, {"summaries": SUMMARIES}, "flywheel sizes") for n, c in cases.items()]
     groups = [
         ("Engine and hand-written C++", "engine", "C++", fields + summaries + positions),
         ("Only masses and loads vary", "factorised", "whole", factorised),
