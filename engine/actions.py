@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from engine.drives import nameplate_trouble
 from engine.parts import FRAME, Angle, AngularSpeed, Length, Name, Number, Part, quantity
 from engine.tables import TableError, make_table
 
@@ -212,12 +213,26 @@ class TorsionSpring(Part):
 
 
 class DCMotor(Part):
-    """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it."""
+    """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
+
+    Instead of the stall moment, the nameplate's power and rated speed may be given.
+    """
 
     type: Literal["dc_motor"]
     on: Name
-    stall_moment: Annotated[Moment, Field(gt=0)]
     no_load_speed: Annotated[AngularSpeed, Field(gt=0)]
+    stall_moment: Annotated[Moment, Field(gt=0)] | None = None
+    power: Annotated[Power, Field(gt=0)] | None = None
+    rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_description(self) -> "DCMotor":
+        nameplate = (self.power, self.rated_speed)
+        if (self.stall_moment is None) == (None in nameplate) or (None in nameplate and any(nameplate)):
+            raise ValueError("give either stall_moment, or power and rated_speed (nameplate)")
+        if self.rated_speed is not None and not self.rated_speed < self.no_load_speed:
+            raise ValueError("rated_speed must be below no_load_speed")
+        return self
 
 
 class InductionMotor(Part):
@@ -240,8 +255,11 @@ class InductionMotor(Part):
         if None not in kloss and all(v is None for v in (*nameplate, self.starting_ratio)):
             return self
         if None not in nameplate and all(v is None for v in kloss):
-            if not self.rated_speed < self.synchronous_speed:
-                raise ValueError("rated_speed must be below synchronous_speed")
+            trouble = nameplate_trouble(
+                self.power, self.rated_speed, self.synchronous_speed, self.breakdown_ratio, self.starting_ratio
+            )
+            if trouble:
+                raise ValueError(trouble)
             return self
         raise ValueError(
             "give either breakdown_moment and breakdown_slip (Kloss), or power, rated_speed and "

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.actions import DCMotor, InductionMotor
-from engine.drives import dc_motor, induction_motor, kloss_from_nameplate
+from engine.drives import dc_motor, dc_motor_from_nameplate, induction_motor, kloss_from_nameplate
 from engine.model import Model
 from engine.quantities import STATISTICS, InputUnits, Quantity, has_cycle, machine_summaries, statistics_of
 from engine.scene import Numbers, Scene
@@ -239,12 +239,19 @@ def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> flo
         speed = np.abs(numbers["input.speed"] * ratio)
         if isinstance(motor, DCMotor):
             law = np.vectorize(dc_motor, otypes=[float])
-            moment = law(numbers[f"{at}.stall_moment"], numbers[f"{at}.no_load_speed"], speed)
+            moment = law(_stall_moment(motor, at, numbers), numbers[f"{at}.no_load_speed"], speed)
         else:
             law = np.vectorize(induction_motor, otypes=[float])
             moment = law(*kloss_constants(motor, at, numbers), numbers[f"{at}.synchronous_speed"], speed)
         total = total + moment * np.abs(ratio) * np.sign(numbers["input.speed"])
     return total
+
+
+def _stall_moment(motor: DCMotor, at: str, numbers: Numbers) -> float | np.ndarray:
+    """Stall moment of a DC motor, as given or from its nameplate."""
+    if motor.stall_moment is not None:
+        return numbers[f"{at}.stall_moment"]
+    return dc_motor_from_nameplate(*(numbers[f"{at}.{key}"] for key in ("power", "rated_speed", "no_load_speed")))
 
 
 def kloss_constants(motor: InductionMotor, at: str, numbers: Numbers) -> tuple:

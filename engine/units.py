@@ -367,3 +367,24 @@ def _words(dimension: str, *, article: bool = False) -> str:
 
 def _wanted(dimension: str) -> str:
     return f"{_words(dimension, article=True)} such as '{DIMENSIONS[dimension].example}'"
+
+
+def recognised(value: float | str) -> tuple[float, str]:
+    """SI value and dimension of a quantity of whatever dimension; of several that fit the unit, the plainest.
+
+    Raises
+    ------
+    UnitError
+        The text is not a number with a known unit.
+    """
+    for dimension in ("number", *DIMENSIONS):
+        try:
+            return in_text(value, dimension), dimension
+        except UnitError:
+            continue
+    raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+
+
+def any_quantity(text: str) -> float:
+    """SI value of a quantity of whatever dimension, in an expression."""
+    return recognised(text)[0]

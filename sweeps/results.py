@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from engine import Scene, Verdict, scene_numbers
+from engine.units import any_quantity
 from sweeps.expressions import ExpressionError, parse, unknown_name_message
-from sweeps.scenefile import scene_from, write_scene
+from sweeps.scenefile import scene_from
 from sweeps.store import Description, columns, describe
-from sweeps.study import any_quantity
 from sweeps.studyfile import Best
 from sweeps.textfile import InputError, parse_toml
 
@@ -104,10 +104,6 @@ class Result:
             raise InputError(str(self.path), [(None, "variant", f"{variant} is not one of 0 … {count - 1}")])
         known = scene_numbers(self.scene)
         return {p: float(self.columns[p][variant]) for p in self.parameters if p in known}
-
-    def variant_scene(self, variant: int) -> str:
-        """TOML text of the scene of one variant."""
-        return write_scene(self.scene, self.variant_values(variant))
 
     @property
     def goal(self) -> Best | None:

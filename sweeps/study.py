@@ -14,7 +14,7 @@ import numpy as np
 from engine import AskError, Machine, Scene, SceneError, scene_numbers
 from engine.jit import sources_digest
 from engine.scene import SceneNumber
-from engine.units import DIMENSIONS, UnitError, in_text
+from engine.units import UnitError, any_quantity, in_text, recognised
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
 from sweeps.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.scenefile import read_csv, read_scene, scene_from
@@ -373,27 +373,6 @@ class _Reader:
 
 def _split(keys: list[str]) -> list[str]:
     return [part for key in keys for part in key.split(".")]
-
-
-def recognised(value: float | str) -> tuple[float, str]:
-    """SI value and dimension of a quantity of whatever dimension; of several that fit the unit, the plainest.
-
-    Raises
-    ------
-    UnitError
-        The text is not a number with a known unit.
-    """
-    for dimension in ("number", *DIMENSIONS):
-        try:
-            return in_text(value, dimension), dimension
-        except UnitError:
-            continue
-    raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
-
-
-def any_quantity(text: str) -> float:
-    """SI value of a quantity of whatever dimension, in an expression."""
-    return recognised(text)[0]
 
 
 def _check_where(study: Study, where: str) -> None:
