@@ -71,7 +71,7 @@ class Analyses:
         self._strokes()
         for group, sine in model.mechanism.sines.items():
             self._step(f"least__{sine}$", f"least_magnitude(row__{sine}$)")
-            self.results[f"{group}.transmission_angle"] = difference(f"math.asin(min(1.0, least__{sine}$))")
+            self.results[f"{group}.transmission_angle"] = difference(f"transmission_angle(least__{sine}$)")
         first_kind = model.linear["reduced_inertia"].constant
         self.results["first_kind_inertia"] = Result(first_kind, "0.0")
         self._motors()

@@ -181,6 +181,20 @@ def rpr_rates(gapx: float, gapy: float, c: float, s: float, offset: float, slide
 
 
 @scalar
+def transmission_angle(sine: float) -> float:
+    """Transmission angle of a group from its `sine`, at most a right angle [rad]; NaN where it can't be assembled.
+
+    Parameters
+    ----------
+    sine : float
+        Magnitude of the quality of transmission; rounding may put it just above 1.
+    """
+    if sine > 1.0:
+        return math.asin(1.0)
+    return math.asin(sine)
+
+
+@scalar
 def oblique_components(gapx: float, gapy: float, c1: float, s1: float, c2: float, s2: float) -> tuple[float, float]:
     """Components p, q of a vector in two oblique directions: p u1 + q u2 = gap.
 

@@ -23,6 +23,7 @@ from pydantic import (
     Field,
     StringConstraints,
     ValidationInfo,
+    field_validator,
     model_validator,
 )
 
@@ -83,6 +84,12 @@ class Guide(Part):
     angle: Angle = 0.0
 
 
+def _not_at_rest(speed: float) -> float:
+    if speed == 0.0:
+        raise ValueError("the input is at rest: give its mean speed, such as '60 rpm' (negative: the other way)")
+    return speed
+
+
 class CrankInput(Part):
     """Rotating input link: a crank from a pivot on the frame to a pin; the generalised coordinate is its angle.
 
@@ -98,6 +105,11 @@ class CrankInput(Part):
     revolutions: Literal[1, 2] = 1
     start: Angle | None = None
     stop: Angle | None = None
+
+    @field_validator("speed")
+    @classmethod
+    def _runs(cls, speed: float) -> float:
+        return _not_at_rest(speed)
 
     @model_validator(mode="after")
     def _limits_come_together(self) -> "CrankInput":
@@ -118,6 +130,11 @@ class SliderInput(Part):
     start: Length
     stop: Length
     speed: Speed
+
+    @field_validator("speed")
+    @classmethod
+    def _runs(cls, speed: float) -> float:
+        return _not_at_rest(speed)
 
     @model_validator(mode="after")
     def _travels(self) -> "SliderInput":

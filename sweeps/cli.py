@@ -246,21 +246,22 @@ def export(file: str, to: Path, variant: int | None, at: str, where: str | None)
     from sweeps.textfile import InputError
 
     _make_folder(to)
+    machine = ""
     match to.suffix:
         case ".csv" if file.endswith(".h5") and variant is None:
             exports.result_csv(Path(file), to, where)
         case ".csv":
-            scene, values, _ = _machine_of(file, variant)
+            scene, values, machine = _machine_of(file, variant)
             exports.positions_csv(scene, values, to)
         case ".svg" | ".dxf":
-            scene, values, _ = _machine_of(file, variant)
+            scene, values, machine = _machine_of(file, variant)
             exports.drawing(scene, values, to, _degrees(at)[0])
         case ".toml":
-            scene, values, _ = _machine_of(file, variant)
+            scene, values, machine = _machine_of(file, variant)
             exports.scene_toml(scene, values, to)
         case _:
             raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are .csv, .svg, .dxf, .toml")])
-    click.echo(f"Wrote {to}")
+    click.echo(f"Wrote {to}" + (f" of {machine}" if machine else ""))
 
 
 @main.command()
@@ -333,8 +334,13 @@ def _machine_of(file: str, variant: int | None) -> tuple:
 
 def _plots(result: object) -> list[Path]:
     from sweeps import pictures
+    from sweeps.errors import PictureError
 
-    return pictures.result_pictures(result.path, None, None, None, None)
+    try:
+        return pictures.result_pictures(result.path)
+    except PictureError as error:
+        click.echo(f"No picture: {error}", err=True)
+        return []
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -232,7 +232,10 @@ def scatter(
     ax.set(xlabel=x_label, ylabel=y_label)
     if failed:
         ax.set_title(
-            f"{failed} of {data.ok.size} variants failed and aren't shown", fontsize=7, loc="right", color=GREY
+            f"{failed} of {data.ok.size} variants failed or were dropped and aren't shown",
+            fontsize=7,
+            loc="right",
+            color=GREY,
         )
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="best")

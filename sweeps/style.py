@@ -73,11 +73,15 @@ def save(figure: Figure, path: Path | str) -> None:
     Raises
     ------
     PictureError
-        The ending is another one.
+        The ending is another one, or the file can't be written.
     """
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
         raise PictureError(f"{path}: ending {ending!r} isn't a picture's; allowed are {', '.join(FORMATS)}")
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
-    with house_style():
-        figure.savefig(path, metadata=undated)
+    try:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        with house_style():
+            figure.savefig(path, metadata=undated)
+    except OSError as error:
+        raise PictureError(f"{path} can't be written: {error.strerror}") from None

@@ -37,7 +37,9 @@ def read_text(path: Path) -> str:
     except OSError as error:
         raise InputError(str(path), [(None, "", f"can't be read: {error.strerror}")]) from None
     except ValueError:
-        raise InputError(str(path), [(None, "", "is not UTF-8 text")]) from None
+        raise InputError(
+            str(path), [(None, "", "is not UTF-8 text; a result file (.h5) is looked at with `sweeps show`")]
+        ) from None
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
