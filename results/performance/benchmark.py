@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
@@ -32,7 +33,7 @@ from machines import BASELINE_PATHS, CASES, Case, all_numbers, sample
 
 import engine.machine
 from engine import Machine, scene_numbers
-from engine.jit import threads
+from engine.jit import set_threads, threads
 from sweeps.study import bundled, read_study
 
 HERE = Path(__file__).parent
@@ -71,14 +72,21 @@ def quotient(value: float) -> str:
     return f"{value:.2f}" if value > 0.1 else f"1/{1 / value:.0f}"
 
 
-def contest(case: str, first: Callable, second: Callable, goal: str, shares: tuple[int, int] = (1, 1)) -> Contest:
+def contest(
+    case: str,
+    first: Callable,
+    second: Callable,
+    goal: str,
+    shares: tuple[int, int] = (1, 1),
+    clock: Callable[[], float] = time.perf_counter,
+) -> Contest:
     """Time two sides in turns; `shares` says that a side evaluates only one in so many of the variants."""
     times = np.empty((2, ROUNDS))
     for turn in range(ROUNDS):
         for side, run in enumerate((first, second)):
-            start = time.perf_counter()
+            start = clock()
             run()
-            times[side, turn] = time.perf_counter() - start
+            times[side, turn] = clock() - start
     times *= 1e9 / (VARIANTS * POSITIONS) * np.array(shares)[:, None]
     found = Contest(case, *times, goal)
     print(found.row(), flush=True)
@@ -132,7 +140,7 @@ def geometry_and_loads(name: str) -> dict[str, np.ndarray]:
 # The cases
 
 
-def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
+def race_fields(name: str, baseline: ctypes.CDLL, clock: Callable[[], float] = time.perf_counter) -> Contest:
     varied = geometry_and_loads(name)
     machine = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)
     buffer, rows = machine.new_buffer(VARIANTS), np.zeros((3, VARIANTS, POSITIONS))
@@ -141,7 +149,8 @@ def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
     machine.evaluate(varied, buffer=buffer)
     rival()
     require_agreement(name, buffer, rows, np.abs(rows).max(axis=2, keepdims=True))
-    return contest(f"I, dI/dφ, M: {title(name)}", lambda: machine.evaluate(varied, buffer=buffer), rival, "≤ 1.1")
+    run = partial(machine.evaluate, varied, buffer=buffer)
+    return contest(f"I, dI/dφ, M: {title(name)}", run, rival, "≤ 1.1", clock=clock)
 
 
 def race_summaries(name: str, baseline: ctypes.CDLL) -> Contest:
@@ -321,11 +330,21 @@ def main() -> None:
         fields = [race_fields(name, baseline) for name in CASES]
         summaries = [race_summaries(name, baseline) for name in CASES]
         positions = [race_positions(baseline)]
+        set_threads(1)
+        baseline.use_threads(1)
+        alone = [race_fields(name, baseline, time.process_time) for name in CASES]
+        set_threads(0)
     factorised = [race_factorised(name, case, {"fields": FIELDS}, "I, dI/dφ, M") for name, case in CASES.items()]
     cases = CASES | {name: bundled_case(name) for name in ("crank_press", "four_stroke_engine", "compressor")}
     factorised += [race_factorised(n, c, {"summaries": SUMMARIES}, "flywheel sizes") for n, c in cases.items()]
     groups = [
         ("Engine and hand-written C++", "engine", "C++", fields + summaries + positions),
+        (
+            "The same fields on one thread, CPU time, which other users of the machine disturb less",
+            "engine",
+            "C++",
+            alone,
+        ),
         ("Only masses and loads vary", "factorised", "whole", factorised),
     ]
     try:
@@ -333,7 +352,7 @@ def main() -> None:
     except PackageNotFoundError:
         print("pylinkage isn't installed; its comparison is left out")
     else:
-        groups.insert(1, ("Engine and pylinkage", "engine", "pylinkage", [race_pylinkage()]))
+        groups.insert(2, ("Engine and pylinkage", "engine", "pylinkage", [race_pylinkage()]))
     (HERE / "performance.md").write_text(report(groups, memory), encoding="utf8")
     print(HERE / "performance.md")
 
