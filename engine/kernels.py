@@ -84,11 +84,7 @@ class KernelWriter:
         )
 
     def _position_loop(self, form: Form) -> list[str]:
-        """The vectorised loop over positions.
-
-        `troubled` counts groups that are singular or can't be assembled; `check` is finite only if the asked fields
-        that are complete in this loop are.
-        """
+        """The vectorised loop over positions; `troubled` counts groups that are singular or can't be assembled."""
         demand, sines = self.demand, self.model.mechanism.sines
         inner = [step.line for step in demand.steps]
         inner += [f"row__{v}[k] = {v}" for v in sorted(demand.row_variables)]
@@ -98,27 +94,14 @@ class KernelWriter:
             for target, row in demand.linear.items():
                 terms = self._terms(row, in_laws=False)
                 if terms or not row.terms:
-                    inner += [f"value = {' + '.join(terms) or 'zero'}", f"{target}[k] = value"]
-                    inner += ["check += value"] if target in self._checked_in_loop(form) else []
-        inner += [f"check += {r.removeprefix('row__')}" for r in self._checked_in_loop(form) if r.startswith("row__")]
-        inner += [f"troubled += zero if abs({sines[g]}) >= least_sine else one" for g in demand.groups]
+                    inner.append(f"{target}[k] = {' + '.join(terms) or 'zero'}")
+        # One addition to the running count: a second would have to wait for the first.
+        troubles = [f"(zero if abs({sines[g]}) >= least_sine else one)" for g in demand.groups]
+        inner += [f"troubled += {' + '.join(troubles)}"] if troubles else []
         if not inner:
-            return ["troubled = check = zero"]
+            return ["troubled = zero"]
         lines = (*_places(inner), *inner)
-        return ["troubled = check = zero", "for k in range(n):", *(f"    {line}" for line in lines)]
-
-    def _checked_in_loop(self, form: Form) -> list[str]:
-        """Rows of asked fields that the position loop completes."""
-        demand, rows = self.demand, dict.fromkeys(row_of(self.model, field) for field in self.fields)
-        laws = self.model.moments.laws
-        found = []
-        for row in rows:
-            if row in demand.linear:
-                complete = form == "whole" and not any(b in laws for _, b in demand.linear[row].terms)
-            else:
-                complete = row.removeprefix("row__") in demand.row_variables
-            found += [row] if complete else []
-        return found
+        return ["troubled = zero", "for k in range(n):", *(f"    {line}" for line in lines)]
 
     def _terms(self, row: LinearRow, in_laws: bool) -> list[str]:
         """Terms of a linear row at position k: those of laws, or its constant and those of the position loop."""
@@ -156,8 +139,8 @@ class KernelWriter:
             if row in rows[:i] or not self._is_direct(row, form):
                 lines += ["for k in range(n):", f"    fields[{i}, v, k] = {row}[k]"]
         lines.append("troubles[v] = troubled")
-        later = [row for row in dict.fromkeys(rows) if row not in self._checked_in_loop(form)]
-        lines.append(f"checks[v] = {' + '.join(['check', *(f'mean_of({row})' for row in later)])}")
+        checks = " + ".join(f"mean_of({row})" for row in dict.fromkeys(rows))
+        lines.append(f"checks[v] = {checks or 'zero'}")
         return lines
 
     def _is_direct(self, row: str, form: Form) -> bool:
