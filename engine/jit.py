@@ -32,7 +32,7 @@ from numba import config, njit
 FLOATING_POINT_RULES = frozenset({"contract", "arcp", "nsz", "reassoc"})
 
 # Kernels run without Python's lock, in Python threads, each over its own range of variants. Numba's own parallel
-# loops would take about four times as long to compile, abort when two threads enter them, and not survive a fork.
+# loops would take several times as long to compile, abort when two threads enter them, and not survive a fork.
 KERNEL_OPTIONS = {
     "error_model": "numpy",
     "fastmath": set(FLOATING_POINT_RULES),
