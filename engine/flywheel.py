@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from engine.jit import scalar
-from engine.rows import accumulate, greatest, is_finite, larger, least, mean_of, roughness, smaller
+from engine.rows import accumulate, greatest, is_finite, larger, least, mean_of, roughness, second_difference, smaller
 
 
 @scalar
@@ -61,14 +61,60 @@ def missed_extreme(inertia: np.ndarray, work: np.ndarray, slope: float) -> float
     An eighth of the greatest second difference: the height of a parabola over the middle of its chord.
     """
     worst = total = 0.0
-    for k in range(1, work.shape[0] - 1):
+    n = work.shape[0]
+    for k in range(1, n - 1):
         here = work[k] - slope * inertia[k]
         before = work[k - 1] - slope * inertia[k - 1]
         after = work[k + 1] - slope * inertia[k + 1]
-        bend = abs(before - here + (after - here))
+        bend = abs(second_difference(before, here, after))
         total += bend
         worst = larger(worst, bend)
-    return 0.125 * worst if is_finite(total) else math.nan
+    before, last = work[n - 2] - slope * inertia[n - 2], work[n - 1] - slope * inertia[n - 1]
+    first, second = work[0] - slope * inertia[0], work[1] - slope * inertia[1]
+    ends = larger(abs(second_difference(before, last, first)), abs(second_difference(last, first, second)))
+    return 0.125 * larger(worst, ends) if is_finite(total) else math.nan
+
+
+# Of no position: least and greatest W and W − ½ω² I, least W − ½ω_min² I, greatest W − ½ω_max² I, sum of W − ½ω² I.
+NO_EXTREMES = (math.inf, -math.inf, math.inf, -math.inf, math.inf, -math.inf, 0.0)
+
+
+@scalar
+def energy_slopes(omega: float, delta: float) -> tuple[float, float, float]:
+    """½ω² of the least, the mean and the greatest speed [rad²/s²]."""
+    slow, fast = omega * (1.0 - 0.5 * delta), omega * (1.0 + 0.5 * delta)
+    return 0.5 * slow * slow, 0.5 * omega * omega, 0.5 * fast * fast
+
+
+@scalar
+def widened(
+    extremes: tuple[float, float, float, float, float, float, float],
+    work: float,
+    inertia: float,
+    slow: float,
+    middle: float,
+    fast: float,
+) -> tuple[float, float, float, float, float, float, float]:
+    """Extremes (see NO_EXTREMES) after one position more; the slopes are those of `energy_slopes`."""
+    low, high, low_middle, high_middle, bottom, top, total = extremes
+    energy = work - middle * inertia
+    low, high = smaller(low, work), larger(high, work)
+    low_middle, high_middle = smaller(low_middle, energy), larger(high_middle, energy)
+    bottom, top = smaller(bottom, work - slow * inertia), larger(top, work - fast * inertia)
+    return low, high, low_middle, high_middle, bottom, top, total + energy
+
+
+@scalar
+def sizes(
+    extremes: tuple[float, float, float, float, float, float, float], omega: float, delta: float, first_kind: float
+) -> tuple[float, float, float, float]:
+    """Excess work and flywheel's inertias from the extremes of a cycle; NaN if W or I is not finite anywhere."""
+    low, high, low_middle, high_middle, bottom, top, total = extremes
+    if not is_finite(total):
+        return math.nan, math.nan, math.nan, math.nan
+    excess, denominator = high - low, delta * omega * omega
+    merzalov = (high_middle - low_middle) / denominator
+    return excess, excess / denominator, merzalov - first_kind, (top - bottom) / denominator
 
 
 @scalar
@@ -97,26 +143,12 @@ def flywheel_sizes(
     by_excess_work, merzalov, wittenbauer : float
         Inertia of the flywheel on the input link [kg·m²]; 0 or less: the machine needs none.
     """
-    fast = 0.5 * (omega * (1.0 + 0.5 * delta)) ** 2
-    slow = 0.5 * (omega * (1.0 - 0.5 * delta)) ** 2
-    middle = 0.5 * omega * omega
-    low = high = work[0]
-    low_middle = high_middle = work[0] - middle * inertia[0]
-    bottom = work[0] - slow * inertia[0]
-    top = work[0] - fast * inertia[0]
-    total = 0.0
+    slow, middle, fast = energy_slopes(omega, delta)
+    extremes = NO_EXTREMES
     # One loop for all six extremes: it is bound by reading the rows.
     for k in range(work.shape[0]):
-        w, i = work[k], inertia[k]
-        total += w - middle * i
-        low, high = smaller(low, w), larger(high, w)
-        low_middle, high_middle = smaller(low_middle, w - middle * i), larger(high_middle, w - middle * i)
-        bottom, top = smaller(bottom, w - slow * i), larger(top, w - fast * i)
-    if not is_finite(total):
-        return math.nan, math.nan, math.nan, math.nan
-    excess, denominator = high - low, delta * omega * omega
-    merzalov = (high_middle - low_middle) / denominator
-    return excess, excess / denominator, merzalov - first_kind, (top - bottom) / denominator
+        extremes = widened(extremes, work[k], inertia[k], slow, middle, fast)
+    return sizes(extremes, omega, delta, first_kind)
 
 
 @scalar

@@ -1,17 +1,33 @@
 """The text of a kernel's module: where rows are kept, the loops around the mathematics, the arguments."""
 
 import re
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from engine.model import Model
 from engine.parts import CrankInput
+from engine.superposition import SideBySide
 
 Form = Literal["whole", "factorised"]
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
+
+
+class Lines(NamedTuple):
+    """The mathematics of a kernel: the loop over positions, what follows for the shape, what for each variant."""
+
+    positions: list[str]
+    shape: list[str]
+    together: SideBySide | None
+    variant: list[str]
+
+    @property
+    def text(self) -> str:
+        """All of it, to be searched for names."""
+        together = [self.together.text] if self.together else []
+        return "\n".join((*self.positions, *self.shape, *together, *self.variant))
 
 
 def spacing(model: Model) -> list[str]:
@@ -25,9 +41,19 @@ def spacing(model: Model) -> list[str]:
 class KernelText:
     """Puts the lines of a kernel into a module."""
 
-    def __init__(self, model: Model, form: Form, dtype: np.dtype, slots: list[str], rows: dict[str, str]) -> None:
+    def __init__(
+        self,
+        model: Model,
+        form: Form,
+        dtype: np.dtype,
+        slots: list[str],
+        fixed: frozenset[str],
+        rows: dict[str, str],
+    ) -> None:
         self.model, self.form, self.dtype = model, form, np.dtype(dtype)
         self.slots, self.rows = slots, rows
+        # What the variants of a shape have in common is read once for all of them.
+        self.shared = {s for s in slots if model.program.slots[s].role == "shape" or s in fixed}
 
     def tables(self, text: str) -> tuple[str, ...]:
         """Searched tables that a text uses."""
@@ -43,44 +69,64 @@ class KernelText:
         ]
         return found + [f"angle_table__{t}" for t in self.angle_tables(text)]
 
-    def _loads(self, role: str) -> list[str]:
-        slots = self.model.program.slots
-        return [f"{s} = P[{i}, v]" for i, s in enumerate(self.slots) if slots[s].role == role]
+    def _numbers(self, shared: bool) -> list[str]:
+        return [f"{s} = P[{i}, v]" for i, s in enumerate(self.slots) if (s in self.shared) == shared]
 
-    def module(self, position_loop: list[str], geometry: list[str], variant: list[str], diagnosis: list[str]) -> str:
+    def module(self, mathematics: Lines, diagnosis: list[str]) -> str:
         """Text of the module."""
-        text = "\n".join((*position_loop, *geometry, *variant))
         arguments = ", ".join(
             ["begin", "end", "P", "nodes", "cos_nodes", "sin_nodes", "step", "rounding"]
             + (["starts", "members"] if self.form == "factorised" else [])
-            + self._table_arguments(text)
+            + self._table_arguments(mathematics.text)
             + ["values", "errors", "fields", "troubles", "checks"]
         )
         scratch = [r for r, home in self.rows.items() if home == "scratch"]
         half = [r for r, home in self.rows.items() if home == "half"]
-        direct = [f"{r} = {home}" for r, home in self.rows.items() if home not in ("scratch", "half")]
         lines = [f"def kernel({arguments}):", "    n = nodes.shape[0]"]
         lines += [f"    scratch = np.empty(({max(len(scratch), 1)}, n), dtype)"]
         lines += [f"    {r} = scratch[{i}]" for i, r in enumerate(scratch)]
         if half:
             lines += [f"    halves = np.empty(({len(half)}, (n + 1) // 2), dtype)"]
             lines += [f"    {r} = halves[{i}]" for i, r in enumerate(half)]
+        if mathematics.together:
+            loads = mathematics.together.loads
+            lines += [f"    kept = room_for_lanes({len(loads)})"]
+            lines += [f"    lane__{load} = kept[KEPT + {i}]" for i, load in enumerate(loads)]
         lines += ["    for group in range(begin, end):"]
-        lines += self._inside(position_loop, geometry, variant, direct)
+        lines += [f"        {line}" for line in self._inside(mathematics)]
         return "\n".join([self._head(), *lines, "", "", *self._diagnose(diagnosis), ""])
 
-    def _inside(
-        self, position_loop: list[str], geometry: list[str], variant: list[str], direct: list[str]
-    ) -> list[str]:
-        pad = " " * 8
+    def _inside(self, mathematics: Lines) -> list[str]:
+        positions, shape, together, variant = mathematics
+        direct = [f"{r} = {home}" for r, home in self.rows.items() if home not in ("scratch", "half")]
         if self.form == "whole":
-            first = ["v = group", *self._loads("shape"), *self._loads("load"), *spacing(self.model), *direct]
-            return [pad + line for line in (*first, *position_loop, *geometry, *variant)]
-        first = ["v = members[starts[group]]", *self._loads("shape"), *spacing(self.model)]
-        lines = [pad + line for line in (*first, *position_loop, *geometry)]
-        lines += [f"{pad}for member in range(starts[group], starts[group + 1]):"]
-        each = ["v = members[member]", *self._loads("load"), *direct, *variant]
-        return lines + [f"{pad}    {line}" for line in each]
+            first = ["v = group", *self._numbers(True), *self._numbers(False), *spacing(self.model), *direct]
+            return [*first, *positions, *shape, *variant]
+        first = ["v = members[starts[group]]", *self._numbers(True), *spacing(self.model), *positions, *shape]
+        each = [*self._numbers(False), *direct, *variant]
+        if together is None:
+            return [
+                *first,
+                "for member in range(starts[group], starts[group + 1]):",
+                *_indented("v = members[member]", *each),
+            ]
+        return [
+            *first,
+            "for block in range(starts[group], starts[group + 1], LANES):",
+            *_indented("count = min(LANES, starts[group + 1] - block)", *self._side_by_side(together)),
+            *_indented("for lane in range(count):", *_indented("v = members[block + lane]", *each)),
+        ]
+
+    def _side_by_side(self, together: SideBySide) -> list[str]:
+        """The pass over the cycle that several variants share; lanes left over repeat the last variant."""
+        kept = [f"lane__{load}[lane] = {load}" for load in together.loads]
+        return [
+            "lanes = whole_vectors(count)",
+            "for lane in range(lanes):",
+            *_indented("v = members[block + min(lane, count - 1)]", *self._numbers(False), *kept, together.begin),
+            "for k in range(0, n, 2):",
+            *_indented(*together.shared, "for lane in range(lanes):", *_indented(*together.lane)),
+        ]
 
     def _head(self) -> str:
         imports = [
@@ -95,6 +141,7 @@ class KernelText:
             "from engine.flywheel import *",
             "from engine.indicator import *",
             "from engine.jit import KERNEL_OPTIONS",
+            "from engine.lanes import *",
             "from engine.links import *",
             "from engine.loads import *",
             "from engine.reduction import *",
@@ -126,3 +173,7 @@ class KernelText:
             *(f"            {line}" for line in (diagnosis or ["pass"])),
             "        places[i, 0], places[i, 1], sines[i] = group, place, least",
         ]
+
+
+def _indented(*lines: str) -> list[str]:
+    return [f"    {line}" for line in lines]

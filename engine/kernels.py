@@ -12,9 +12,10 @@ import numpy as np
 
 from engine.analyses import Analyses, row_of
 from engine.demand import HALF, ROW, Demand, Node
-from engine.kernel_text import Form, KernelText, spacing
+from engine.kernel_text import Form, KernelText, Lines, spacing
 from engine.model import LinearRow, Model
 from engine.program import Step
+from engine.scene import scene_numbers
 from engine.superposition import superpose
 
 _SLOT = re.compile(r"\bnum__\w+")
@@ -56,25 +57,27 @@ class KernelWriter:
         self.fields, self.summaries = fields, summaries
         self.demand = Demand(model, analyses, fields, summaries)
         self.of_variant = self.demand.of_variant()
+        self._fixed = _fixed_loads(model)
 
     def source(self, form: Form, dtype: np.dtype) -> Source:
         """The kernel's source in one of its two forms."""
         positions = self._position_loop(form)
         outputs, shape, variant = self._outputs(form), [], []
-        shape_lines, nodes = (), self.demand.nodes
+        shape_lines, together, nodes = (), None, self.demand.nodes
         if form == "factorised":
-            shape_lines, nodes = superpose(self.demand, "\n".join(outputs))
+            shape_lines, together, nodes = superpose(self.demand, "\n".join(outputs), self._fixed)
         for node in nodes:
             lines = self._linear_lines(node, form) if node.targets[0] in self.demand.linear else node.lines
             (variant if self.of_variant.intersection(node.targets) else shape).extend(lines)
         shape += shape_lines
         variant += outputs
-        body = "\n".join((*positions, *shape, *variant))
+        lines = Lines(positions, shape, together, variant)
+        body = lines.text
         diagnosis = self._diagnosis()
         slots = self._slots("\n".join((body, *diagnosis, *spacing(self.model))))
-        writer = KernelText(self.model, form, dtype, slots, self._homes(body, form))
+        writer = KernelText(self.model, form, dtype, slots, self._fixed, self._homes(body, form))
         return Source(
-            writer.module(positions, shape, variant, diagnosis),
+            writer.module(lines, diagnosis),
             tuple(slots),
             sum(self.model.program.slots[s].role == "shape" for s in slots),
             writer.tables(body),
@@ -177,6 +180,16 @@ class KernelWriter:
                 f"    least, group, place = abs({sine}), {i}, k",
             ]
         return lines
+
+
+def _fixed_loads(model: Model) -> frozenset[str]:
+    """Loads that are the same for all variants: no array enters where all that varies is one."""
+    known = scene_numbers(model.scene)
+    numbers = model.numbers({path: np.array([known[path].value]) for path in model.varied})
+    with np.errstate(all="ignore"):
+        return frozenset(
+            s for s, slot in model.program.slots.items() if slot.role == "load" and np.ndim(slot.compute(numbers)) == 0
+        )
 
 
 def _places(lines: list[str]) -> list[str]:

@@ -148,6 +148,12 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
 
 
 @scalar
+def second_difference(before: float, here: float, after: float) -> float:
+    """Second difference of three neighbours."""
+    return before - here + (after - here)
+
+
+@scalar
 def bend_about(row: np.ndarray, value: float, periodic: bool) -> float:
     """Greatest second difference at the first position that takes a value and at its two neighbours."""
     n = row.shape[0]
@@ -156,7 +162,7 @@ def bend_about(row: np.ndarray, value: float, periodic: bool) -> float:
     for k in range(centre - 1, centre + 2):
         if periodic or 0 < k < n - 1:
             here = row[k % n]
-            worst = max(worst, abs(row[(k - 1) % n] - here + (row[(k + 1) % n] - here)))
+            worst = max(worst, abs(second_difference(row[(k - 1) % n], here, row[(k + 1) % n])))
     return worst
 
 

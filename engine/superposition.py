@@ -2,75 +2,125 @@
 
 Mean, work W(φ) and jumps of each basis of the reduced moment are computed once for the shape; a variant's own are
 their sums. Only the bound on hidden jumps loses by it: magnitudes add up, where jumps might cancel.
+
+Flywheel sizes need extremes of such sums alone, so they are taken from several variants side by side, and rows of
+a variant are made only where something else needs them.
 """
 
+import re
 from typing import NamedTuple
 
-from engine.demand import HALF, Demand, Node
+from engine.demand import HALF, WORD, Demand, Node
+from engine.side_by_side import ONE, SideBySide, Terms, added, side_by_side
 
 MOMENT = "lin__reduced_moment"
 USEFUL = "lin__useful_moment"
+INERTIA = "lin__reduced_inertia"
+
+_SIZES = re.compile(r"flywheel_sizes\(\w+, \w+, (.+)\)")
 
 
 class Superposed(NamedTuple):
-    """Lines for the shape, and the nodes that remain for each variant."""
+    """Lines for the shape, lines for variants side by side, and the nodes that remain for each variant."""
 
     shape_lines: tuple[str, ...]
+    together: SideBySide | None
     nodes: tuple[Node, ...]
 
 
-def superpose(demand: Demand, outputs: str) -> Superposed:
+def superpose(demand: Demand, outputs: str, fixed: frozenset[str]) -> Superposed:
     """Replace the passes over each variant's moment by sums over the bases of its shape.
 
     Parameters
     ----------
     demand : Demand
     outputs : str
-        Lines that write the results, which may use the moment's row themselves.
+        Lines that write the results, which may use rows themselves.
+    fixed : frozenset of str
+        Loads that are the same for all variants.
     """
     targets = {t for node in demand.nodes for t in node.targets}
-    laws = demand.model.moments.laws
-    terms = {
-        row: [(c, b if b in laws else f"bas__{b}") for c, b in demand.linear[row].terms]
-        for row in (MOMENT, USEFUL)
-        if row in demand.linear
-    }
+    terms = {row: _terms(demand, row) for row in (MOMENT, USEFUL, INERTIA) if row in demand.linear}
     if "mean_moment" not in targets or MOMENT not in terms:
-        return Superposed((), demand.nodes)
+        return Superposed((), None, demand.nodes)
     sums = {
         target: _sum(target, terms) for target in targets if _kind(target) in ("mean_moment", "useful", "row__work")
     }
-    jumps = " + ".join(f"abs({c}) * rough__{b}" for c, b in terms[MOMENT] if b != "bas__one")
-    sums["doubt"] = f"doubt = 0.5 * h * ({jumps or 'zero'})"
-    nodes = [_replaced(node, sums) for node in demand.nodes]
-    used = {name for node in nodes for name in node.needs} | {r for r in terms if r in outputs}
-    dropped = {row + mark for row in terms for mark in ("", HALF)} - used
-    kept = tuple(node for node in nodes if not dropped.issuperset(node.targets))
-    bases = dict.fromkeys(b for row in terms.values() for _, b in row if b != "bas__one")
-    return Superposed(tuple(line for b in bases for line in _of_shape(b, targets)), kept)
+    bases = dict.fromkeys(b for row in (MOMENT, USEFUL) for _, b in terms.get(row, ()) if b != ONE)
+    lines = [line for b in bases for line in _of_shape(b, targets)]
+    sums["doubt"] = f"doubt = 0.5 * h * ({_jumps(terms[MOMENT])})"
+    together = None
+    if "excess" in targets:
+        sums |= _of_lane(demand, terms[INERTIA])
+        lines += [f"mean__{b} = mean_of({b})" for b in {b: None for _, b in terms[INERTIA]} if b not in (*bases, ONE)]
+        together = side_by_side(terms[INERTIA], _working(terms[MOMENT]), fixed, _asked_sizes(demand))
+        lines += together.shape
+    nodes = _needed([_replaced(node, sums) for node in demand.nodes], "\n".join((outputs, *lines)))
+    return Superposed(tuple(lines), together, nodes)
+
+
+def _terms(demand: Demand, row: str) -> Terms:
+    """Loads of a linear row, each with the row of its basis."""
+    laws, linear = demand.model.moments.laws, demand.linear[row]
+    terms = [(c, b if b in laws or b == ONE else f"bas__{b}") for c, b in linear.terms]
+    return [(linear.constant, ONE), *terms] if linear.constant else terms
 
 
 def _kind(target: str) -> str:
     return target.removesuffix(HALF)
 
 
-def _sum(target: str, terms: dict[str, list[tuple[str, str]]]) -> str:
+def _working(terms: Terms, mark: str = "") -> Terms:
+    """Loads with the rows of their work; a constant moment does none about its mean."""
+    return [(c, f"wrk__{b}{mark}") for c, b in terms if b != ONE]
+
+
+def _jumps(terms: Terms) -> str:
+    return added([(f"abs({c})", b) for c, b in terms if b != ONE], "rough__{}")
+
+
+def _sum(target: str, terms: dict[str, Terms]) -> str:
     """Line that makes a variant's number or row from those of the bases."""
     mark = HALF if target.endswith(HALF) else ""
     row = USEFUL if _kind(target) == "useful" else MOMENT
     if _kind(target) == "row__work":
-        total = " + ".join(f"{c} * wrk__{b}{mark}[k]" for c, b in terms[row] if b != "bas__one") or "zero"
+        total = added(_working(terms[row], mark), "{}[k]")
         return f"for k in range({target}.shape[0]):\n    {target}[k] = {total}"
-    total = " + ".join(f"{c} * mean__{b}{mark}" if b != "bas__one" else c for c, b in terms[row]) or "zero"
-    return f"{target} = {total}"
+    return f"{target} = {added(terms[row], f'mean__{{}}{mark}')}"
+
+
+def _of_lane(demand: Demand, inertia: Terms) -> dict[str, str]:
+    """Lines that take from a variant's lane, or from its loads, what rows would otherwise give."""
+    lines = {
+        "missed": "missed = missed_by_lane(kept, lane)",
+        "mean_inertia": f"mean_inertia = {added(inertia, 'mean__{}')}",
+    }
+    for part, mark in (("WHOLE", ""), ("HALF", HALF)):
+        targets = next(node.targets for node in demand.nodes if f"excess{mark}" in node.targets)
+        sizes = f"sizes_of_lane(kept, {part}, lane, {_asked_sizes(demand)})"
+        lines[targets[0]] = f"{', '.join(targets)} = {sizes}"
+    return lines
+
+
+def _asked_sizes(demand: Demand) -> str:
+    """Last arguments of `flywheel_sizes`."""
+    lines = next(node.lines for node in demand.nodes if "excess" in node.targets)
+    return _SIZES.search(lines[0]).group(1)
 
 
 def _replaced(node: Node, sums: dict[str, str]) -> Node:
     line = sums.get(node.targets[0])
-    if line is None:
-        return node
-    needs = frozenset(n for n in node.needs if _kind(n) not in (MOMENT, USEFUL, "mean_moment"))
-    return Node(node.targets, needs, tuple(line.split("\n")))
+    return node if line is None else Node(node.targets, frozenset(WORD.findall(line)), tuple(line.split("\n")))
+
+
+def _needed(nodes: list[Node], lines: str) -> tuple[Node, ...]:
+    """Nodes that other lines still depend on, in their order."""
+    wanted, kept = set(WORD.findall(lines)), []
+    for node in reversed(nodes):
+        if wanted.intersection(node.targets):
+            kept.append(node)
+            wanted |= node.needs
+    return tuple(kept[::-1])
 
 
 def _of_shape(basis: str, targets: set[str]) -> list[str]:

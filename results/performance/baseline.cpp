@@ -278,6 +278,9 @@ double missed_extreme(const double* __restrict inertia, const double* __restrict
         const double before = work[k - 1] - slope * inertia[k - 1], after = work[k + 1] - slope * inertia[k + 1];
         worst = std::max(worst, std::abs(before - 2.0 * here + after));
     }
+    const double before = work[n - 2] - slope * inertia[n - 2], last = work[n - 1] - slope * inertia[n - 1];
+    const double first = work[0] - slope * inertia[0], second = work[1] - slope * inertia[1];
+    worst = std::max({worst, std::abs(before - 2.0 * last + first), std::abs(last - 2.0 * first + second)});
     return 0.125 * worst;
 }
 
