@@ -12,7 +12,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -83,6 +83,25 @@ class ExpressionError(ValueError):
     """An expression that can't be used; the message shows the place and what is allowed."""
 
 
+class Quantity(NamedTuple):
+    """A quantity in quotes: its value (SI) and its text."""
+
+    value: float
+    text: str
+
+
+class Operation(NamedTuple):
+    """An operation, a comparison or a function with its operands, and the column where it stands in the text."""
+
+    name: str
+    operands: tuple["Tree", ...]
+    column: int
+
+
+# A number, a quantity, a name, or an operation on others.
+Tree = float | Quantity | str | Operation
+
+
 @dataclass(frozen=True)
 class Expression:
     """A parsed expression, made by `parse`.
@@ -95,12 +114,14 @@ class Expression:
         The dotted paths it uses, each once, in order of first appearance.
     is_condition : bool
         Whether it yields true or false (a comparison) instead of a number.
+    tree : float, Quantity, str or Operation
+        Its structure.
     """
 
     text: str
     names: tuple[str, ...]
     is_condition: bool
-    _tree: Any = field(repr=False)
+    tree: Tree = field(repr=False)
 
     def evaluate(self, values: Mapping[str, float | np.ndarray]) -> float | bool | np.ndarray:
         """Evaluate in float64, element by element.
@@ -127,7 +148,7 @@ class Expression:
             if name not in values:
                 raise ExpressionError(f"in '{self.text}': {unknown_name_message(name, values)}")
         with np.errstate(all="ignore"):
-            result = _evaluate(self._tree, values)
+            result = _evaluate(self.tree, values)
         return result if np.ndim(result) else result.item()
 
 
@@ -152,8 +173,7 @@ def parse(text: str, quantity: Callable[[str], float] | None = None) -> Expressi
         If the text is no expression, holds anything that isn't allowed, is longer than 2000 characters or
         nested deeper than 50.
     """
-    # One line, so that a column is enough to show a place; each character keeps its column.
-    line = "".join(" " if character.isspace() else character for character in text)
+    line = _one_line(text)
     translator = _Translator(line, quantity)
     if len(line) > LONGEST:
         raise translator.refusal(LONGEST, f"longer than {LONGEST} characters")
@@ -191,15 +211,29 @@ def unknown_name_message(name: str, known: Iterable[str]) -> str:
     return f"unknown name '{name}'; known are {', '.join(known[:20])}{more}"
 
 
-def _evaluate(tree: Any, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
+def pointed_out(text: str, column: int) -> str:
+    """The expression's text, or an excerpt of a long one, with a caret below a column."""
+    first = max(0, column - 60)
+    shown = _one_line(text)[first : column + 40]
+    shown = "".join(character if character.isprintable() else "?" for character in shown)
+    return f"    {shown}\n    {' ' * (column - first)}^"
+
+
+def _one_line(text: str) -> str:
+    """The text on one line, so that a column is enough to show a place; each character keeps its column."""
+    return "".join(" " if character.isspace() else character for character in text)
+
+
+def _evaluate(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
     if isinstance(tree, float):
         return np.float64(tree)
+    if isinstance(tree, Quantity):
+        return np.float64(tree.value)
     if isinstance(tree, str):
         return np.asarray(values[tree], dtype=np.float64)
-    operation, *operands = tree
-    results = [_evaluate(operand, values) for operand in operands]
-    ufunc = _UFUNCS[operation]
-    return functools.reduce(ufunc, results) if operation in _REPEATED else ufunc(*results)
+    results = [_evaluate(operand, values) for operand in tree.operands]
+    ufunc = _UFUNCS[tree.name]
+    return functools.reduce(ufunc, results) if tree.name in _REPEATED else ufunc(*results)
 
 
 def _syntax_tree(translator: "_Translator") -> ast.expr:
@@ -219,7 +253,7 @@ def _syntax_tree(translator: "_Translator") -> ast.expr:
 
 
 class _Translator:
-    """Translates Python's syntax tree into ours: float, name (str) or (operation, operand, ...)."""
+    """Translates Python's syntax tree into ours."""
 
     def __init__(self, line: str, quantity: Callable[[str], float] | None) -> None:
         self.line = line
@@ -228,7 +262,7 @@ class _Translator:
         self.quantity = quantity
         self.names: dict[str, None] = {}
 
-    def translate(self, node: ast.expr, depth: int) -> tuple[Any, bool]:
+    def translate(self, node: ast.expr, depth: int) -> tuple[Tree, bool]:
         """Return the tree and whether it is a condition."""
         if depth > DEEPEST:
             raise self.refusal(node, f"nested, or chained by + - * /, deeper than {DEEPEST}")
@@ -240,15 +274,15 @@ class _Translator:
             case ast.Call():
                 return self.call(node, depth), False
             case ast.UnaryOp(op=ast.USub()):
-                return ("negative", self.number(node.operand, depth)), False
+                return self.operation("negative", [self.number(node.operand, depth)], node), False
             case ast.BinOp() if type(node.op) in _ARITHMETIC:
                 left, right = self.number(node.left, depth), self.number(node.right, depth)
-                return (_ARITHMETIC[type(node.op)], left, right), False
+                return Operation(_ARITHMETIC[type(node.op)], (left, right), self.after(node.left)), False
             case ast.UnaryOp(op=ast.Not()):
-                return ("not", self.condition(node.operand, depth)), True
+                return self.operation("not", [self.condition(node.operand, depth)], node), True
             case ast.BoolOp():
                 word = "and" if isinstance(node.op, ast.And) else "or"
-                return (word, *(self.condition(value, depth) for value in node.values)), True
+                return self.operation(word, (self.condition(value, depth) for value in node.values), node), True
             case ast.Compare():
                 return self.comparison(node, depth), True
             case _:
@@ -256,31 +290,34 @@ class _Translator:
                 place = self.after(node.left) if isinstance(node, ast.BinOp) else node
                 raise self.refusal(place, _HINTS.get(kind, f"{kind.__name__} can't be used here"))
 
-    def number(self, node: ast.expr, depth: int) -> Any:
+    def operation(self, name: str, operands: Iterable[Tree], node: ast.expr) -> Operation:
+        return Operation(name, tuple(operands), self.column(node.col_offset))
+
+    def number(self, node: ast.expr, depth: int) -> Tree:
         tree, is_condition = self.translate(node, depth + 1)
         if is_condition:
             raise self.refusal(node, "a number is needed here, this is a condition")
         return tree
 
-    def condition(self, node: ast.expr, depth: int) -> Any:
+    def condition(self, node: ast.expr, depth: int) -> Tree:
         tree, is_condition = self.translate(node, depth + 1)
         if not is_condition:
             raise self.refusal(node, "a condition is needed here, this is a number; compare it with something")
         return tree
 
-    def comparison(self, node: ast.Compare, depth: int) -> tuple:
+    def comparison(self, node: ast.Compare, depth: int) -> Operation:
         nodes = (node.left, *node.comparators)
         for operator, left in zip(node.ops, nodes, strict=False):
             if type(operator) not in _COMPARISONS:
                 raise self.refusal(self.after(left), f"{type(operator).__name__} is no comparison of numbers")
         operands = [self.number(operand, depth) for operand in nodes]
-        pairs = tuple(
-            (_COMPARISONS[type(operator)], left, right)
-            for operator, (left, right) in zip(node.ops, itertools.pairwise(operands), strict=True)
-        )
-        return pairs[0] if len(pairs) == 1 else ("and", *pairs)
+        pairs = [
+            Operation(_COMPARISONS[type(operator)], pair, self.after(left))
+            for operator, pair, left in zip(node.ops, itertools.pairwise(operands), nodes, strict=False)
+        ]
+        return pairs[0] if len(pairs) == 1 else self.operation("and", pairs, node)
 
-    def call(self, node: ast.Call, depth: int) -> tuple:
+    def call(self, node: ast.Call, depth: int) -> Operation:
         name = node.func.id if isinstance(node.func, ast.Name) else None
         if name not in FUNCTIONS:
             raise self.refusal(node, "no such function")
@@ -290,12 +327,11 @@ class _Translator:
         if not fewest <= len(node.args) <= most:
             needed = f"{fewest} or more" if most > fewest else str(fewest)
             raise self.refusal(node, f"{name} takes {needed} operand(s), here are {len(node.args)}")
-        return (name, *(self.number(operand, depth) for operand in node.args))
+        return self.operation(name, (self.number(operand, depth) for operand in node.args), node)
 
-    def constant(self, node: ast.Constant) -> float:
-        value = node.value
-        if isinstance(value, str):
-            value = self.converted(node)
+    def constant(self, node: ast.Constant) -> float | Quantity:
+        is_quantity = isinstance(node.value, str)
+        value = self.converted(node) if is_quantity else node.value
         if type(value) not in (int, float):
             raise self.refusal(node, f"{value!r} is no real number")
         # Integers would be exact, and 9**9**9**9 would take all memory.
@@ -305,7 +341,7 @@ class _Translator:
             number = math.inf
         if not math.isfinite(number):
             raise self.refusal(node, "this number is not finite")
-        return number
+        return Quantity(number, node.value) if is_quantity else number
 
     def converted(self, node: ast.Constant) -> float:
         if self.quantity is None:
@@ -345,10 +381,7 @@ class _Translator:
         """Make the error to raise, with a caret under the place (a node or a column)."""
         if isinstance(place, ast.AST):
             place = self.column(place.col_offset)
-        first = max(0, place - 60)
-        shown = self.line[first : place + 40]
-        shown = "".join(character if character.isprintable() else "?" for character in shown)
-        return ExpressionError(f"{what}:\n    {shown}\n    {' ' * (place - first)}^\nallowed: {ALLOWED}")
+        return ExpressionError(f"{what}:\n{pointed_out(self.line, place)}\nallowed: {ALLOWED}")
 
     def after(self, operand: ast.expr) -> int:
         """Return the column of the operator that follows."""

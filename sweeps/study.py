@@ -2,8 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -13,13 +12,14 @@ import numpy as np
 
 from engine import AskError, Machine, Scene, SceneError, scene_numbers
 from engine.jit import sources_digest
-from engine.scene import SceneNumber
-from engine.units import UnitError, any_quantity, in_text, recognised
+from engine.units import DIMENSIONS, any_quantity
+from sweeps.dimensions import check_condition
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
-from sweeps.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
-from sweeps.scenefile import read_csv, read_scene, scene_from
-from sweeps.studyfile import AXIS_KEYS, Best, Between, Listing, Range, StudyText, flatten
-from sweeps.textfile import InputError, line_of, parse_toml, read_text, validate
+from sweeps.sampling import Axis, Design
+from sweeps.scenefile import scene_from
+from sweeps.studyfile import Best, StudyText
+from sweeps.studyreader import StudyReader, default_summaries
+from sweeps.textfile import InputError, line_of, parse_toml, read_text
 
 STUDIES = Path(str(files("sweeps") / "studies"))
 
@@ -43,6 +43,8 @@ class Study:
     precision : {"float64", "float32"}
     name, title, question, text : str
     best : Best or None
+    free_units : dict of str to str
+        SI unit of each parameter that is no number of the scene, as CF spells it.
     """
 
     scene: Scene
@@ -58,7 +60,7 @@ class Study:
     question: str = ""
     text: str = ""
     best: Best | None = None
-    free_dimensions: Mapping[str, str] = field(default_factory=dict)
+    free_units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -71,10 +73,10 @@ class Study:
         """All varied and derived numbers, free parameters too."""
         return (*self.design.names, *self.derived)
 
-    def parameter_number(self, name: str) -> SceneNumber:
-        """Nominal value and dimension of a parameter; that of a free one from its values, "" where it is derived."""
-        free = SceneNumber(float("nan"), self.free_dimensions.get(name, ""), ())
-        return scene_numbers(self.scene).get(name, free)
+    def unit(self, name: str) -> str:
+        """SI unit of a parameter as CF spells it; "" where that isn't known."""
+        number = scene_numbers(self.scene).get(name)
+        return DIMENSIONS[number.dimension].unit if number else self.free_units.get(name, "")
 
     def machine(self) -> Machine:
         """The machine that answers the study.
@@ -93,16 +95,17 @@ class Study:
 
         They depend on the study and the variants' numbers alone, not on how variants are split into blocks.
         """
+        values, missed = self.values_and_misses(start, stop)
+        return values, missed.any(axis=0)
+
+    def values_and_misses(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Parameters of the variants start … stop − 1 (SI), and which of them fail which condition, as of `misses`."""
         count = stop - start
         values = dict(self.design.values(start, stop))
         fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
-        with np.errstate(all="ignore"):
-            for path, expression in self.derived.items():
-                values[path] = np.broadcast_to(expression.evaluate(fixed | values), (count,)).astype(float)
-            drop = np.zeros(count, bool)
-            for condition in self.require:
-                drop |= ~np.broadcast_to(condition.evaluate(fixed | values), (count,)).astype(bool)
-        return values, drop
+        for path, expression in self.derived.items():
+            values[path] = np.broadcast_to(expression.evaluate(fixed | values), (count,)).astype(float)
+        return values, misses(self.require, fixed | values, count)
 
     @property
     def digest(self) -> str:
@@ -116,6 +119,27 @@ class Study:
             "engine": sources_digest(),
         }
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def misses(conditions: Sequence[Expression], values: Mapping[str, float | np.ndarray], count: int) -> np.ndarray:
+    """Which variants fail which condition.
+
+    Parameters
+    ----------
+    conditions : sequence of Expression
+    values : mapping of str to float or ndarray (count,)
+        Numbers of the variants (SI), and of the scene.
+    count : int
+        Number of variants.
+
+    Returns
+    -------
+    ndarray (conditions, count) of bool
+    """
+    found = np.zeros((len(conditions), count), bool)
+    for row, condition in zip(found, conditions, strict=True):
+        row[:] = ~np.broadcast_to(condition.evaluate(values), (count,)).astype(bool)
+    return found
 
 
 def _axis_content(axis: Axis) -> dict[str, Any]:
@@ -141,6 +165,8 @@ def find_study(name: str) -> Path:
     path = Path(name)
     if path.is_file():
         return path
+    if path.is_dir():
+        raise InputError(name, [(None, "", "is a folder; give a study or a scene (.toml), or a bundled study's name")])
     known = bundled()
     if name in known:
         return known[name]
@@ -163,238 +189,42 @@ def read_study(path: Path | str) -> Study:
     path = Path(path)
     text = read_text(path)
     data = parse_toml(text, path.name)
+    if not data:
+        message = "is empty; `sweeps new slider_crank` writes a scene to start from"
+        raise InputError(str(path), [(None, "", message)])
+    if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
+        message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
+        raise InputError(str(path), [(None, "", message)])
     if "scene" not in data and "input" in data:
-        scene = read_scene(path)
-        return _checked(
-            Study(scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text), path
-        )
-    return _Reader(path, text, data).study()
+        scene = scene_from(data, text, path.name, path.parent)
+        study = Study(scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text)
+    else:
+        study = Study(**StudyReader(path, text, data).content())
+    return _checked(study, path)
 
 
-def default_summaries(scene: Scene) -> tuple[str, ...]:
-    """What is asked of a machine where nothing is named: everything about its cycle and its flywheel, and strokes."""
-    left_out = ("first_kind_inertia", "power_balance_residual")
-    available = Machine(scene).available_summaries
-    return tuple(n for n in available if n not in left_out and ("." not in n or n.endswith((".stroke", "_angle"))))
-
-
-class _Reader:
-    """Turns the text of a study into a Study, collecting problems with their lines."""
-
-    def __init__(self, path: Path, text: str, data: dict[str, Any]) -> None:
-        self.path, self.text, self.folder = path, text, path.parent
-        for key, leaves in (("vary", AXIS_KEYS), ("derive", None)):
-            if isinstance(data.get(key), dict):
-                data[key] = flatten(data[key], leaves)
-        self.raw = validate(StudyText, data, text, path.name)
-        self.scene = self._scene()
-        self.numbers = scene_numbers(self.scene)
-        self.problems: list[tuple[int | None, str, str]] = []
-        self.free_dimensions: dict[str, str] = {}
-
-    def _scene(self) -> Scene:
-        if isinstance(self.raw.scene, dict):
-            return scene_from(self.raw.scene, self.text, self.path.name, self.folder, ("scene",))
-        return read_scene(self.folder / self.raw.scene)
-
-    def study(self) -> Study:
-        """The study.
-
-        Raises
-        ------
-        InputError
-        """
-        design = self._design()
-        names = design.names if design else ()
-        derived = self._derived(names)
-        known = {*self.numbers, *names, *derived}
-        require = tuple(e for i, t in enumerate(self.raw.require) if (e := self._condition(t, ["require"], known, i)))
-        if self.problems:
-            raise InputError(self.path.name, self.problems)
-        outputs = self.raw.outputs
-        summaries = tuple(dict.fromkeys(outputs.summaries))
-        if not summaries and not outputs.fields:
-            summaries = default_summaries(self.scene)
-        if self.raw.best and self.raw.best.goal not in summaries:
-            summaries = (*summaries, self.raw.best.goal)
-        study = Study(
-            self.scene,
-            design,
-            derived,
-            require,
-            summaries,
-            tuple(dict.fromkeys(outputs.fields)),
-            self.raw.positions,
-            self.raw.precision,
-            self.path.stem,
-            self.raw.title or self.scene.title,
-            self.raw.question,
-            self.text,
-            self.raw.best,
-            self.free_dimensions,
-        )
-        return _checked(study, self.path)
-
-    def _problem(self, keys: list[str], message: str) -> None:
-        self.problems.append((line_of(self.text, keys) or line_of(self.text, _split(keys)), ".".join(keys), message))
-
-    # What varies
-
-    def _design(self) -> Design | None:
-        axes: list[Axis] = []
-        sampled: dict[str, Between] = {}
-        for path, axis in self.raw.vary.items():
-            if not self._is_variable(path, ["vary", path]):
-                continue
-            if isinstance(axis, Between):
-                sampled[path] = axis
-            else:
-                self._add(axes, path, axis)
-        if self.raw.variants is not None:
-            self._add_columns(axes, self.raw.variants)
-        if sampled:
-            self._add_sampled(axes, sampled)
-        elif self.raw.sampling is not None:
-            self._problem(["sampling"], "nothing is sampled; give low and high for what varies, or leave this out")
-        try:
-            return Design(tuple(axes))
-        except SamplingError as error:
-            self._problem(["vary"], str(error))
-            return None
-
-    def _is_variable(self, path: str, keys: list[str]) -> bool:
-        if path in self.numbers or (path.isidentifier() and self._used(path)):
-            return True
-        message = unknown_name_message(path, self.numbers)
-        self._problem(keys, f"is not a number of the scene. {message}")
-        return False
-
-    def _used(self, name: str) -> bool:
-        """Whether a free parameter enters any expression."""
-        for text in (*self.raw.derive.values(), *self.raw.require):
-            with suppress(ExpressionError):
-                if name in parse(text, any_quantity).names:
-                    return True
-        return False
-
-    def _quantity(self, path: str, value: float | str, keys: list[str]) -> float:
-        try:
-            if path in self.numbers:
-                return in_text(value, self.numbers[path].dimension)
-            number, self.free_dimensions[path] = recognised(value)
-            return number
-        except UnitError as error:
-            self._problem(keys, str(error))
-            return float("nan")
-
-    def _add(self, axes: list[Axis], path: str, axis: Range | Listing) -> None:
-        keys, before = ["vary", path], len(self.problems)
-        if isinstance(axis, Listing):
-            numbers = [self._quantity(path, v, keys) for v in axis.values]
-        else:
-            numbers = [self._quantity(path, v, keys) for v in (axis.start, axis.stop)]
-        if len(self.problems) > before:
-            return
-        try:
-            if isinstance(axis, Listing):
-                axes.append(Listed(path, tuple(numbers)))
-            else:
-                kind = Linear if axis.spacing == "linear" else Logarithmic
-                axes.append(kind(path, *numbers, axis.count))
-        except SamplingError as error:
-            self._problem(keys, str(error))
-
-    def _add_columns(self, axes: list[Axis], name: str) -> None:
-        try:
-            columns = read_csv(self.folder / name)
-        except InputError as error:
-            self._problem(["variants"], str(error))
-            return
-        before = len(self.problems)
-        table = []
-        for path, (unit, values) in columns.items():
-            if self._is_variable(path, ["variants"]):
-                table.append([self._quantity(path, f"{v} {unit}".strip(), ["variants"]) for v in values])
-        if len(self.problems) == before:
-            axes.append(Columns(tuple(columns), tuple(tuple(t) for t in table)))
-
-    def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:
-        if self.raw.sampling is None:
-            self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
-            return
-        ends = {p: [self._quantity(p, v, ["vary", p]) for v in (a.low, a.high)] for p, a in sampled.items()}
-        if self.problems:
-            return
-        s = self.raw.sampling
-        lows, highs = zip(*ends.values(), strict=True)
-        logs = tuple(a.spacing == "log" for a in sampled.values())
-        try:
-            axes.append(Sampled(tuple(sampled), lows, highs, s.count, s.method, s.seed, logs))
-        except SamplingError as error:
-            self._problem(["sampling"], str(error))
-
-    # Expressions
-
-    def _derived(self, varied: tuple[str, ...]) -> dict[str, Expression]:
-        found: dict[str, Expression] = {}
-        for path, text in self.raw.derive.items():
-            keys = ["derive", path]
-            if path in varied:
-                self._problem(keys, "varies already; a number is either varied or derived")
-            elif self._is_variable(path, keys):
-                known = {*self.numbers, *varied, *found}
-                expression = self._expression(text, keys, known)
-                if expression and expression.is_condition:
-                    self._problem(keys, f"{text!r} is a condition; a number is needed here")
-                elif expression:
-                    found[path] = expression
-        return found
-
-    def _condition(self, text: str, keys: list[str], known: Iterable[str], number: int) -> Expression | None:
-        expression = self._expression(text, keys, known)
-        if expression and not expression.is_condition:
-            self._problem(
-                keys, f"entry {number + 1}, {text!r}, is a number; a condition such as 'a < b' is needed here"
-            )
-            return None
-        return expression
-
-    def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> Expression | None:
-        try:
-            expression = parse(text, any_quantity)
-        except ExpressionError as error:
-            self._problem(keys, str(error))
-            return None
-        unknown = [name for name in expression.names if name not in set(known)]
-        for name in unknown:
-            self._problem(keys, unknown_name_message(name, known))
-        return None if unknown else expression
-
-
-def _split(keys: list[str]) -> list[str]:
-    return [part for key in keys for part in key.split(".")]
-
-
-def _check_where(study: Study, where: str) -> None:
-    """See that a condition is one, and uses what the result will hold."""
+def _check_where(study: Study, machine: Machine, where: str) -> None:
+    """See that a condition is one, uses what the result will hold, and compares like with like."""
     condition = parse(where, any_quantity)
     if not condition.is_condition:
         raise ExpressionError(f"{where!r} is a number; a condition such as 'a < b' is needed")
-    known = (*study.parameters, *study.summaries)
+    units = {name: study.unit(name) for name in study.parameters}
+    units |= {name: machine.available_summaries[name].units for name in study.summaries}
     for name in condition.names:
-        if name not in known:
-            raise ExpressionError(f"{unknown_name_message(name, known)}; name it under outputs.summaries to have it")
+        if name not in units:
+            raise ExpressionError(f"{unknown_name_message(name, units)}; name it under outputs.summaries to have it")
+    check_condition(condition, units)
 
 
 def _checked(study: Study, path: Path) -> Study:
     """The study, if everything asked of it exists."""
     try:
-        study.machine()
+        machine = study.machine()
         if study.best and study.best.where:
-            _check_where(study, study.best.where)
+            _check_where(study, machine, study.best.where)
     except AskError as error:
         key = next((k for k in ("positions", "vary") if k in str(error)), "outputs")
-        if study.best and repr(study.best.goal) in str(error):
+        if study.best and str(error).startswith(repr(study.best.goal)):
             key = f"best.{'minimise' if study.best.minimise else 'maximise'}"
         raise InputError(path.name, [(line_of(study.text, key.split(".")), key, str(error))]) from None
     except SceneError as error:

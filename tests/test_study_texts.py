@@ -114,8 +114,19 @@ def test_parameters__are_the_varied_and_the_derived_and_free_ones_are_no_paths(f
     study = study_of(folder, STUDY)
     assert study.parameters == ("input.length", "bodies.ram.mass", "reach", "groups.slide.first.length")
     assert study.paths == ("input.length", "bodies.ram.mass", "groups.slide.first.length")
-    assert study.parameter_number("reach").dimension == "number"
-    assert study.parameter_number("input.length")[:2] == (0.05, "length")
+    assert [study.unit(name) for name in study.parameters] == ["m", "kg", "1", "m"]
+
+
+def test_free_parameters__have_the_units_of_their_values_and_expressions(folder):
+    study = varying(
+        folder,
+        'play = {values = [0, "2 mm"]}\n'
+        '"input.length" = {values = ["40 mm"]}\n'
+        '[derive]\npace = "input.speed * (input.length + play)"\nturn = "2 * input.speed"\nroot = "sqrt(play)"\n'
+        'energy = "bodies.ram.mass * pace**2"',
+        "require = [\"energy < '1 kJ' and root > 0 and turn > 0\"]",
+    )
+    assert [study.unit(n) for n in ("play", "pace", "turn", "root", "energy")] == ["m", "m s-1", "rad s-1", "", "N m"]
 
 
 @pytest.mark.parametrize(
@@ -153,10 +164,10 @@ def test_path__may_be_quoted_or_nested(written, folder):
     assert column(study, "input.length") == [0.04, 0.06]
 
 
-@pytest.mark.parametrize("derived", ['"bodies.ram.mass" = "2 * input.length"', 'bodies.ram.mass = "2 * input.length"'])
+@pytest.mark.parametrize("derived", ['"points.O.x" = "2 * input.length"', 'points.O.x = "2 * input.length"'])
 def test_derived_path__may_be_quoted_or_nested(derived, folder):
     study = varying(folder, f'"input.length" = {{values = ["40 mm"]}}\n[derive]\n{derived}')
-    assert column(study, "bodies.ram.mass") == [0.08]
+    assert column(study, "points.O.x") == [0.08]
 
 
 def test_mode_and_scale__vary_as_plain_numbers(folder):
@@ -233,7 +244,7 @@ def test_derived_numbers__build_on_each_other_in_order(folder):
 
 
 def test_require__drops_the_variants_that_fail_any_condition(folder):
-    first, second = "groups.slide.first.length < '200 mm'", "not (bodies.ram.mass == 50 and reach < 4)"
+    first, second = "groups.slide.first.length < '200 mm'", "not (bodies.ram.mass == '50 kg' and reach < 4)"
     text = changed(STUDY, "positions = 48", f'positions = 48\nrequire = ["{first}", "{second}"]')
     study = study_of(folder, text)
     values, drop = study.values(0, 18)
@@ -245,7 +256,9 @@ def test_require__drops_the_variants_that_fail_any_condition(folder):
 
 def test_undefined_condition__drops_the_variant_without_a_warning(folder):
     study = varying(
-        folder, 'reach = {values = [-1, 1]}\n[derive]\n"input.length" = "sqrt(reach)"', 'require = ["1/reach > 0"]'
+        folder,
+        'reach = {values = [-1, 1]}\n[derive]\n"input.length" = "sqrt(reach) * \'1 m\'"',
+        'require = ["1/reach > 0"]',
     )
     values, drop = study.values(0, 2)
     assert np.isnan(values["input.length"][0])
@@ -381,8 +394,23 @@ best of nothing | minimise = "excess_work" | minimise = "exces_work" | exces | b
 best of two | minimise = "excess_work" | minimise = "excess_work"\nmaximise = "ram.stroke" | [best] | best | either
 best where unfinished | > '90 mm' | > | where | best.where | >
 best where unknown | ram.stroke > | ram.strok > | where | best.where | 'ram.stroke'
+mass for a length | positions | require = ["input.length > '2 kg'"]\npositions | require | require
+    | compares a length with a mass | input.length > '2 kg'
+bare number in a sum | reach * input.length | reach * input.length + 0.1 | reach * | derive.groups.slide.first.length
+    | adds a plain number to a length | '0.1 m'
+derived of another dimension | reach * input.length | reach * bodies.ram.mass | reach *
+    | derive.groups.slide.first.length | gives a mass, but this is a length
+derived bare number | reach * input.length | 0.2 | "0.2" | derive.groups.slide.first.length | '0.2 m' or '0.2 mm'
+dimension of a derived number | positions | require = ["2 * groups.slide.first.length > '1 kg'"]\npositions | require
+    | require | compares a length with a mass
+power that varies | reach * input.length | input.length**reach | **reach | derive.groups.slide.first.length
+    | fixed number
+several kinds | [3, 4, 5] | [3, "4 mm", "5 kg"] | 4 mm | vary.reach | number and length and mass | one kind
+best where a mass | > '90 mm' | > '90 kg' | where | best.where | compares a length with a mass | ram.stroke
+best where a bare number | > '90 mm' | > 90 | where | best.where | 90 has no unit: write '90 m' or '90 mm'
 best where a number | ram.stroke > '90 mm' | ram.stroke | where | best.where | condition
-no such scene | press.toml | pres.toml | scene |  | pres.toml | can't be read
+no such scene | press.toml | pres.toml | scene = | scene | pres.toml | can't be read
+scene that is a folder | press.toml | . | scene = | scene | can't be read
 no such csv | positions | variants = "choice.csv"\npositions | variants | variants | choice.csv | can't be read
 misspelt table | [vary] | [varry] | [varry] | varry | did you mean 'vary'?
 not TOML | [vary] | [vary | [vary |  | not valid TOML
@@ -432,6 +460,40 @@ def test_bad_csv_of_variants__is_refused_and_named(csv, words, folder):
         study_of(folder, 'scene = "press.toml"\nvariants = "choice.csv"\n')
     assert {(2, "variants")} == {(line, key) for line, key, _ in caught.value.problems}, str(caught.value)
     assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+def test_condition_of_several_lines__is_refused_with_its_own_line(folder):
+    require = """require = [
+  "reach < 5",
+  "groups.slide.first.length < '1 m'",
+  "input.length < bodies.ram.mass",
+]
+"""
+    with pytest.raises(InputError) as caught:
+        study_of(folder, changed(STUDY, "positions = 48\n", require))
+    assert [(line, key) for line, key, _ in caught.value.problems] == [(7, "require")]
+    assert "compares a length with a mass:\n    input.length < bodies.ram.mass" in str(caught.value)
+
+
+def test_row_of_a_table__is_refused_by_the_names_of_its_columns(folder):
+    table = """[forces.punch]
+type = "table"
+on = "B"
+angle = "90 deg"
+over_stroke = ["0 mm", "8 mm", "1 mm"]
+slider = "ram"
+interpolation = "linear"
+force = ["0 kN", "1 kN", "2 kN"]
+"""
+    start, end = SCENE.index("[forces.punch]"), SCENE.index("[flywheel]")
+    (folder / "press.toml").write_text(SCENE[:start] + table + SCENE[end:])
+    with pytest.raises(
+        InputError, match=r"row 3: over_stroke = 0\.001 is below row 2's 0\.008; sort .* by over_stroke"
+    ):
+        study_of(folder, STUDY)
+    (folder / "press.toml").write_text((SCENE[:start] + table + SCENE[end:]).replace(', "2 kN"]', "]"))
+    with pytest.raises(InputError, match="over_stroke has 3 rows, force has 2; give one force for every over_stroke"):
+        study_of(folder, STUDY)
 
 
 def test_name_varied_in_two_places__is_refused(folder):
