@@ -109,7 +109,8 @@ class Tabled(Part):
         if (given == ["over_stroke"]) != (self.slider is not None):
             raise ValueError("over_stroke and slider belong together: name the slider whose stroke is meant")
         try:
-            make_table(self.abscissae, self.ordinates, self.interpolation, outside=self.outside)
+            names = (given[0], "force" if hasattr(self, "force") else "moment")
+            make_table(self.abscissae, self.ordinates, self.interpolation, outside=self.outside, names=names)
         except TableError as error:
             raise ValueError(str(error)) from None
         return self
@@ -203,6 +204,72 @@ class PowerDragMoment(ResistingOnLink):
     exponent: Annotated[Number, Field(ge=0)]
 
 
+class Brake(Part):
+    """A brake on a link or shaft: a moment against the rotation, wherever a regime doesn't name it as `off`."""
+
+    on: Name
+
+    @property
+    def role(self) -> str:
+        """Its work is heat in the brake."""
+        return "braking"
+
+
+class BlockBrake(Brake):
+    """Blocks pressed on a drum, M = n f N R; `force` on each of the `blocks`.
+
+    Long blocks that embrace the angle `embrace` each hold a little better than short ones.
+    """
+
+    type: Literal["block_brake"]
+    force: Annotated[Force, Field(ge=0)]
+    friction: Annotated[Number, Field(ge=0)]
+    radius: Annotated[Length, Field(gt=0)]
+    blocks: Annotated[int, Field(ge=1)] = 1
+    embrace: Annotated[Angle, Field(ge=0, le=3.2)] = 0.0
+
+
+class DiscBrake(Brake):
+    """A disc or plates between linings, M = n f P r_m; `faces` rub, worn in (uniform wear) or new (pressure)."""
+
+    type: Literal["disc_brake"]
+    force: Annotated[Force, Field(ge=0)]
+    friction: Annotated[Number, Field(ge=0)]
+    inner_radius: Annotated[Length, Field(ge=0)]
+    outer_radius: Annotated[Length, Field(gt=0)]
+    faces: Annotated[int, Field(ge=1)] = 2
+    linings: Literal["worn in", "new"] = "worn in"
+
+    @model_validator(mode="after")
+    def _inner_inside_outer(self) -> "DiscBrake":
+        if not self.inner_radius < self.outer_radius:
+            raise ValueError("inner_radius must be less than outer_radius")
+        return self
+
+
+class BandBrake(Brake):
+    """A band round a drum, by Euler; a lever of `lever_arm` pulls its ends on arms of `slack_arm` and `tight_arm`.
+
+    Arms are those of the band's slack and tight end about the lever's fulcrum; one of them 0 for a simple band,
+    of opposite signs for a differential band.
+    """
+
+    type: Literal["band_brake"]
+    force: Annotated[Force, Field(ge=0)]
+    friction: Annotated[Number, Field(ge=0)]
+    radius: Annotated[Length, Field(gt=0)]
+    wrap: Annotated[Angle, Field(gt=0)]
+    lever_arm: Annotated[Length, Field(gt=0)]
+    slack_arm: Length = 0.0
+    tight_arm: Length = 0.0
+
+    @model_validator(mode="after")
+    def _holds_an_end(self) -> "BandBrake":
+        if self.slack_arm == 0.0 and self.tight_arm == 0.0:
+            raise ValueError("give slack_arm or tight_arm: the lever must pull an end of the band")
+        return self
+
+
 class TorsionSpring(Part):
     """A torsion spring between a link and the frame: −k (θ − free_angle), θ in (−π, π]."""
 
@@ -278,6 +345,9 @@ MomentAction = Annotated[
     | LinearDragMoment
     | QuadraticDragMoment
     | PowerDragMoment
+    | BlockBrake
+    | DiscBrake
+    | BandBrake
     | TorsionSpring
     | DCMotor
     | InductionMotor,

@@ -8,13 +8,9 @@ estimate of the discretisation error.
 import re
 from typing import NamedTuple
 
-import numpy as np
-
-from engine.actions import DCMotor, InductionMotor
-from engine.drives import dc_motor, dc_motor_from_nameplate, induction_motor, kloss_from_nameplate
 from engine.model import Model
+from engine.motors import motor_moment
 from engine.quantities import STATISTICS, InputUnits, Quantity, has_cycle, machine_summaries, statistics_of
-from engine.scene import Numbers, Scene
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 
@@ -135,6 +131,8 @@ class Analyses:
         ends = [difference(f"{end}__{variable}$").error for end in ("low", "high")]
         places = [difference(f"{end}_at__{variable}$").error for end in ("low", "high")]
         add(kind, f"high__{variable}$ - low__{variable}$", " + ".join(ends))
+        add(f"{kind}_low", f"low__{variable}$")
+        add(f"{kind}_high", f"high__{variable}$")
         add(f"{kind}_low_at", f"low_at__{variable}$")
         add(f"{kind}_high_at", f"high_at__{variable}$")
         if self.periodic:
@@ -227,37 +225,3 @@ def difference(value: str, more: str = "", may_be_undefined: bool = False) -> Re
     """Result whose error is its change from half the positions, plus `more`."""
     change = f"abs(({value}) - ({value.replace('$', '_half')}))"
     return Result(value, f"{change} + {more}" if more else change, may_be_undefined)
-
-
-def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> float | np.ndarray:
-    """Moment of the motors at the input's speed, reduced to the input link [N·m], for every variant."""
-    total: float | np.ndarray = 0.0
-    for name in motors:
-        motor, at = scene.moments[name], f"moments.{name}"
-        ratio = 1.0 if motor.on == scene.input.link else numbers[f"shafts.{motor.on}.ratio"]
-        # A motor drives its shaft the way it is meant to turn.
-        speed = np.abs(numbers["input.speed"] * ratio)
-        if isinstance(motor, DCMotor):
-            law = np.vectorize(dc_motor, otypes=[float])
-            moment = law(_stall_moment(motor, at, numbers), numbers[f"{at}.no_load_speed"], speed)
-        else:
-            law = np.vectorize(induction_motor, otypes=[float])
-            moment = law(*kloss_constants(motor, at, numbers), numbers[f"{at}.synchronous_speed"], speed)
-        total = total + moment * np.abs(ratio) * np.sign(numbers["input.speed"])
-    return total
-
-
-def _stall_moment(motor: DCMotor, at: str, numbers: Numbers) -> float | np.ndarray:
-    """Stall moment of a DC motor, as given or from its nameplate."""
-    if motor.stall_moment is not None:
-        return numbers[f"{at}.stall_moment"]
-    return dc_motor_from_nameplate(*(numbers[f"{at}.{key}"] for key in ("power", "rated_speed", "no_load_speed")))
-
-
-def kloss_constants(motor: InductionMotor, at: str, numbers: Numbers) -> tuple:
-    """Breakdown moment and slip, and rotor ratio, of an induction motor, as given or from its nameplate."""
-    if motor.breakdown_moment is not None:
-        return numbers[f"{at}.breakdown_moment"], numbers[f"{at}.breakdown_slip"], 0.0
-    keys = ["power", "rated_speed", "synchronous_speed", "breakdown_ratio"]
-    keys += ["starting_ratio"] if motor.starting_ratio is not None else []
-    return kloss_from_nameplate(*(numbers[f"{at}.{key}"] for key in keys))

@@ -8,8 +8,6 @@ Sources: R. Fischer, Elektrische Maschinen (Kloss' formula, nameplate data); A. 
 and S. D. Umans, Electric Machinery (equivalent circuit, DC motors).
 """
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -75,10 +73,22 @@ def induction_motor(
     denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
     factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
     torque = factor * breakdown_slip * slip / denominator
-    if slip < 0.0 and denominator <= 0.0:
-        # NaN in the arguments' own precision: at a pole infinity times 0, between the poles a root below 0.
-        return torque * math.sqrt(denominator)
-    return torque
+    # NaN in the arguments' own precision, and without a branch: motors of many variants go side by side.
+    nothing = slip - slip
+    return torque + (nothing / nothing if (slip < 0.0) & (denominator <= 0.0) else nothing)
+
+
+@scalar
+def induction_motor_slope(
+    breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
+) -> float:
+    """Derivative of `induction_motor` by the speed, dM/domega = −(dM/ds)/omega_s [N·m·s]; parameters as there."""
+    slip = (synchronous_speed - omega) / synchronous_speed
+    damping = rotor_ratio * breakdown_slip
+    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
+    factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
+    rise = (breakdown_slip - slip) * (breakdown_slip + slip) / denominator / denominator
+    return -factor * breakdown_slip * rise / synchronous_speed
 
 
 def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_speed: ArrayLike) -> np.ndarray:

@@ -15,10 +15,10 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from functools import cache
+from functools import cache, wraps
 from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
@@ -44,6 +44,8 @@ PIECES_PER_THREAD = 8
 UNUSED_FOR = 60 * 24 * 3600.0
 
 _COMPILING = threading.Lock()
+# Whether the work on this thread is already one of several pieces.
+_here = threading.local()
 _settings = {"threads": 0}
 
 
@@ -214,10 +216,57 @@ def run_kernel(text: str, function: str, count: int, *arguments: object) -> None
     *arguments
         Passed on after the range.
     """
-    kernel = compiled(text, function, 0, 0, *arguments)
+    _run_pieces(compiled(text, function, 0, 0, *arguments), count, arguments)
+
+
+def over_variants(function: Callable) -> Callable:
+    """Compile a function over a range of variants; called with their number, it runs in pieces on all threads.
+
+    Its first two parameters are the range it works on; the caller gives the length of the whole range instead.
+    """
+    kernel = njit(**{**KERNEL_OPTIONS, "cache": False})(function)
+    _keep_compiled(kernel)
+
+    @wraps(function)
+    def run(count: int, *arguments: object) -> None:
+        with _COMPILING:
+            kernel(0, 0, *arguments)
+        _run_pieces(kernel, count, arguments)
+
+    return run
+
+
+def on_all_threads(function: Callable, pieces: Sequence) -> list:
+    """Call a function for every piece of some work, on all threads; kernels within stay on the thread they are on.
+
+    Parameters
+    ----------
+    function : callable
+    pieces : sequence
+
+    Returns
+    -------
+    list
+        What the function returned, in the order of the pieces.
+    """
+    workers = threads()
+    if workers == 1 or len(pieces) <= 1:
+        return [function(piece) for piece in pieces]
+
+    def alone(piece: object) -> object:
+        _here.alone = True
+        try:
+            return function(piece)
+        finally:
+            _here.alone = False
+
+    return list(_pool(workers).map(alone, pieces))
+
+
+def _run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
     workers = threads()
     pieces = min(count, workers * PIECES_PER_THREAD)
-    if workers == 1 or pieces <= 1:
+    if workers == 1 or pieces <= 1 or getattr(_here, "alone", False):
         kernel(0, count, *arguments)
         return
     cuts = [i * count // pieces for i in range(pieces + 1)]

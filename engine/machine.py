@@ -12,6 +12,8 @@ from engine.jit import run_kernel, threads
 from engine.kernel_text import SINGULAR_SINE, Form
 from engine.kernels import KernelWriter, Source
 from engine.model import Model
+from engine.motion.quantities import motion_fields, motion_summaries
+from engine.motion.schedule import Schedule
 from engine.names import nearest
 from engine.parts import CrankInput
 from engine.quantities import STATISTICS, Quantity, has_cycle
@@ -22,6 +24,7 @@ from engine.wheel import wheel_columns, wheel_summaries
 
 ROUNDING = 16
 WORTH_FACTORISING = 3
+CACHE_LINE = 64
 
 
 class AskError(ValueError):
@@ -101,7 +104,11 @@ class Machine:
     ) -> None:
         self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
         self.varied = tuple(varied)
-        self.asked_summaries, self.asked_fields = list(summaries), list(fields)
+        self._motion_quantities = {q.name: q for q in motion_summaries(scene)}
+        self._motion_fields = {q.name: q for q in motion_fields(scene)}
+        # Fields of the kernel first, so that they lie together in memory.
+        self.asked_summaries = list(summaries)
+        self.asked_fields = sorted(fields, key=lambda name: name in self._motion_fields)
         _check_positions(positions)
         self._limits = scene_numbers(scene)
         _check_names(self.varied, self._limits, "number of the scene")
@@ -113,21 +120,37 @@ class Machine:
         self._add_statistics()
         _check_names(self.asked_summaries, self.available_summaries, "summary")
         self._wheel = [name for name in self.asked_summaries if name in self._wheel_quantities]
-        computed = [name for name in self.asked_summaries if name not in self._wheel]
-        self._computed = list(dict.fromkeys([*computed, *(self._wheel_needs if self._wheel else ())]))
-        self._writer = KernelWriter(self.model, self.analyses, self.asked_fields, self._computed)
+        computed = [n for n in self.asked_summaries if n not in self._wheel and n not in self._motion_quantities]
+        self.schedule = self._schedule()
+        needs = [*(self._wheel_needs if self._wheel else ()), *(self._motion_needs if self.schedule else ())]
+        self._computed = list(dict.fromkeys([*computed, *needs]))
+        self._kernel_fields = [name for name in self.asked_fields if name not in self._motion_fields]
+        self._writer = KernelWriter(self.model, self.analyses, self._kernel_fields, self._computed)
         self._sources: dict[Form, Source] = {}
         self.forms_used: set[Form] = set()
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        return self.model.fields
+        return self.model.fields | self._motion_fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        return self.analyses.summaries | self._wheel_quantities
+        return self.analyses.summaries | self._wheel_quantities | self._motion_quantities
+
+    def _schedule(self) -> Schedule | None:
+        """The regimes, where anything of them is asked."""
+        asked = {n for n in (*self.asked_summaries, *self.asked_fields) if n in self._motion_quantities}
+        asked |= set(self.asked_fields) & set(self._motion_fields)
+        return Schedule(self.model, asked, self.positions) if asked else None
+
+    @property
+    def _motion_needs(self) -> list[str]:
+        """Summaries that show whether every group which takes part in the motion can be assembled."""
+        for field in ("reduced_inertia", "reduced_moment"):
+            self.analyses.add_statistics(self.model.fields[field])
+        return ["reduced_inertia.min", "reduced_moment.mean"]
 
     @property
     def _wheel_quantities(self) -> dict[str, Quantity]:
@@ -227,7 +250,11 @@ class Machine:
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for the asked fields of a number of variants; worth reusing from block to block."""
-        return np.empty((len(self.asked_fields), variants, self.nodes.size), self.dtype)
+        shape = (len(self.asked_fields), variants, self.nodes.size)
+        # From the begin of a cache line on: vectors that straddle two of them cost time.
+        room = np.empty(math.prod(shape) + CACHE_LINE // self.dtype.itemsize, self.dtype)
+        first = -room.ctypes.data % CACHE_LINE // self.dtype.itemsize
+        return room[first : first + math.prod(shape)].reshape(shape)
 
     def _blank(self, status: np.ndarray, room: np.ndarray) -> Outcome:
         variants = status.shape[0]
@@ -264,7 +291,7 @@ class Machine:
             *self._tables(source),
             values,
             errors,
-            fields,
+            fields[: len(self._kernel_fields)],
             troubles,
             checks,
         )
@@ -275,8 +302,34 @@ class Machine:
             wheels = wheel_columns(self.scene, *(computed[name] for name in self._wheel_needs), numbers)
             computed |= {name: wheels[name] for name in self._wheel}
         for name in self.asked_summaries:
-            outcome.summaries[name][keep], outcome.errors[name][keep] = computed[name]
+            if name in computed:
+                outcome.summaries[name][keep], outcome.errors[name][keep] = computed[name]
         self._judge(outcome, keep, parameters, troubles, ~np.isfinite(checks) | self._undefined(undefined))
+        if self.schedule is not None:
+            self._move(outcome, keep, numbers, fields)
+
+    def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, fields: np.ndarray) -> None:
+        """Compute the regimes of the variants `keep` that can be assembled."""
+        fields[len(self._kernel_fields) :] = np.nan
+        ready = np.flatnonzero(outcome.status[keep] == Verdict.OK)
+        if not ready.size:
+            return
+        answers = self.schedule.answers(numbers.of_variants(ready), ready.size)
+        moved = keep[ready]
+        outcome.status[moved] = answers.verdict
+        for name in self.asked_summaries:
+            if name in self._motion_quantities:
+                outcome.summaries[name][moved] = answers.values[name]
+                outcome.errors[name][moved] = answers.errors[name]
+        for i, name in enumerate(self.asked_fields):
+            if name in self._motion_fields:
+                fields[i, ready] = answers.fields[name]
+        missing = np.zeros(ready.size, bool)
+        for name, value in answers.values.items():
+            # Nothing drives a machine that runs down: it has no efficiency.
+            if not name.endswith(".efficiency"):
+                missing |= ~np.isfinite(value)
+        outcome.status[moved[missing & (answers.verdict == Verdict.OK)]] = Verdict.NOT_FINITE
 
     def _places(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Positions and their cosines and sines, one table for all variants."""
@@ -288,6 +341,7 @@ class Machine:
         if variants < 2 * WORTH_FACTORISING:
             return "whole", None
         shapes = parameters[: source.shape_slots]
+        shapes = shapes[(shapes != shapes[:, :1]).any(axis=1)]
         keys = _shape_keys(shapes)
         ordered = np.sort(keys)
         if (1 + np.count_nonzero(ordered[1:] != ordered[:-1])) * WORTH_FACTORISING > variants:
@@ -357,12 +411,11 @@ def _part(buffer: np.ndarray, variants: int) -> np.ndarray:
 
 
 def _shape_keys(shapes: np.ndarray) -> np.ndarray:
-    """A 64-bit mix of the bits of each variant's shape: equal for equal shapes, and very likely for no others."""
-    varying = np.flatnonzero((shapes != shapes[:, :1]).any(axis=1))
-    factors = np.random.default_rng(0).integers(2**62, 2**63, varying.size, dtype=np.uint64) * 2 + 1
+    """A 64-bit mix of the bits of what varies of each shape: equal for equal shapes, and very likely for no others."""
+    factors = np.random.default_rng(0).integers(2**62, 2**63, shapes.shape[0], dtype=np.uint64) * 2 + 1
     keys = np.zeros(shapes.shape[1], np.uint64)
-    for row, factor in zip(varying, factors, strict=True):
-        keys += shapes[row].astype(np.float64).view(np.uint64) * factor
+    for row, factor in zip(shapes, factors, strict=True):
+        keys += row.astype(np.float64).view(np.uint64) * factor
     return keys ^ (keys >> np.uint64(29))
 
 

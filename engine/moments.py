@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import actions
+from engine.braking import braking_moment
 from engine.inertia import body_mass
 from engine.mechanism import Mechanism
 from engine.parts import CrankInput
@@ -22,12 +23,16 @@ from engine.tables import Table, make_table
 
 
 class Term(NamedTuple):
-    """A reduced moment: `coefficient` (a load slot) times `basis` (a variable, or the row of a law)."""
+    """A reduced moment: `coefficient` (a load slot) times `basis` (a variable, or the row of a law).
+
+    `order` is the power of the input's speed with which it grows; for a power-law drag the path of its exponent.
+    """
 
     action: str
     coefficient: str
     basis: str
     role: str | None
+    order: int | str = 0
 
 
 class Law(NamedTuple):
@@ -43,12 +48,15 @@ class Law(NamedTuple):
         Variables of the vectorised steps that it reads as rows.
     stroke_of : str or None
         Slider whose ends of stroke it needs.
+    clock : str
+        What in the expression is the time since the first position; "" where time plays no part.
     """
 
     row: str
     expression: str
     rows: tuple[str, ...]
     stroke_of: str | None = None
+    clock: str = ""
 
 
 class Moments:
@@ -65,6 +73,8 @@ class Moments:
     angle_tables : dict of str to Table
         Tables over the crank angle, evaluated once at the nodes for all variants.
     motors : tuple of str
+    along : dict of str to str
+        Of each force and moment, the variable of the velocity along it, per unit of the input's.
     """
 
     def __init__(self, scene: Scene, mechanism: Mechanism, program: Program, varied: frozenset[str]) -> None:
@@ -75,6 +85,7 @@ class Moments:
         self.laws: dict[str, Law] = {}
         self.tables: dict[str, Table] = {}
         self.angle_tables: dict[str, Table] = {}
+        self.along: dict[str, str] = {}
         motors = (actions.DCMotor, actions.InductionMotor)
         self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, motors))
         # The sign of the speed decides which way the cycle is run through; it is the motion's shape.
@@ -128,13 +139,14 @@ class Moments:
 
     # Actions by characteristic
 
-    def _term(self, name: str, coefficient: str, basis: str) -> None:
+    def _term(self, name: str, coefficient: str, basis: str, order: int | str = 0) -> None:
         table = next(t for t in ("forces", "moments", "springs", "cylinders") if name in getattr(self.scene, t))
         role = getattr(getattr(self.scene, table)[name], "role", None)
-        self.terms.append(Term(name, coefficient, basis, role))
+        self.terms.append(Term(name, coefficient, basis, role, order))
 
     def _action(self, name: str, action: actions.OnPoint | actions.OnLink, table: str, w: str) -> None:
         p, at = self.program, f"{table}.{name}"
+        self.along[name] = w
         value = "force" if table == "forces" else "moment"
         match action.type:
             case "constant":
@@ -148,16 +160,23 @@ class Moments:
                 self._resistance(name, action, coefficient, f"{w} * constant_against_motion(one, {w})", w)
             case "linear_drag":
                 coefficient = p.derived(f"{at}.at_speed", lambda n: n[f"{at}.coefficient"] * n["input.speed"], "load")
-                self._resistance(name, action, coefficient, f"{w} * linear_drag(one, {w})", w)
+                self._resistance(name, action, coefficient, f"{w} * linear_drag(one, {w})", w, 1)
             case "quadratic_drag":
                 coefficient = p.derived(
                     f"{at}.at_speed",
                     lambda n: n[f"{at}.coefficient"] * n["input.speed"] * np.abs(n["input.speed"]),
                     "load",
                 )
-                self._resistance(name, action, coefficient, f"{w} * quadratic_drag(one, {w})", w)
+                self._resistance(name, action, coefficient, f"{w} * quadratic_drag(one, {w})", w, 2)
             case "power_drag":
                 self._power_drag(name, action, at, value, w)
+            case "block_brake" | "disc_brake" | "band_brake":
+                coefficient = p.derived(
+                    f"{at}.signed",
+                    lambda n: braking_moment(action, at, n) * np.sign(n["input.speed"]),
+                    "load",
+                )
+                self._term(name, coefficient, p.fresh(f"{w} * constant_against_motion(one, {w})"))
             case "torsion_spring":
                 link = self.mechanism.links[action.on]
                 angle = f"math.atan2(row__{link.s}[k], row__{link.c}[k])"
@@ -172,16 +191,22 @@ class Moments:
         direction = "one" if action.acts == "along" else "-one"
         return self.program.fresh(f"{w} * acts_in_direction({direction}, {w} * {self._forward})")
 
-    def _resistance(self, name: str, action: actions.OnPoint, coefficient: str, basis: str, w: str) -> None:
+    def _resistance(
+        self, name: str, action: actions.OnPoint, coefficient: str, basis: str, w: str, order: int = 0
+    ) -> None:
         basis = self.program.fresh(basis)
         if action.acts != "always":
             direction = "one" if action.acts == "along" else "-one"
             basis = self.program.fresh(f"{basis} * acts_in_direction({direction}, {w} * {self._forward})")
-        self._term(name, coefficient, basis)
+        self._term(name, coefficient, basis, order)
 
-    def _law(self, name: str, expression: str, rows: tuple[str, ...], stroke_of: str | None = None) -> None:
+    def _law(
+        self, name: str, expression: str, rows: tuple[str, ...], stroke_of: str | None = None, clock: str = ""
+    ) -> None:
         rows = tuple(r for r in rows if r not in ("one", "zero"))
-        self.laws[f"law__{name}"] = Law(f"law__{name}", expression.replace("row__one[k]", "one"), rows, stroke_of)
+        self.laws[f"law__{name}"] = Law(
+            f"law__{name}", expression.replace("row__one[k]", "one"), rows, stroke_of, clock
+        )
 
     def _power_drag(self, name: str, action: actions.PowerDragForce, at: str, value: str, w: str) -> None:
         def at_speed(n: Mapping) -> float | np.ndarray:
@@ -195,7 +220,7 @@ class Moments:
             direction = "one" if action.acts == "along" else "-one"
             expression += f" * acts_in_direction({direction}, {row} * {self._forward})"
         self._law(name, expression, (w,))
-        self._term(name, p.derived(f"{at}.at_input_speed", at_speed, "load"), f"law__{name}")
+        self._term(name, p.derived(f"{at}.at_input_speed", at_speed, "load"), f"law__{name}", f"{at}.exponent")
 
     def _tabled(self, name: str, action: actions.Tabled, at: str, w: str) -> None:
         p, drive = self.program, self.scene.input
@@ -209,12 +234,12 @@ class Moments:
             self.terms[-1] = self.terms[-1]._replace(basis=p.fresh(f"angle_table__{name}[k] * {w}"))
             return
         self.tables[name] = make_table(x, y, action.interpolation, outside=action.outside)
-        rows, stroke_of = (w,), None
+        rows, stroke_of, clock = (w,), None, ""
         if action.over_time is not None:
             place = "nodes[k]"
             if not isinstance(drive, CrankInput):
                 place = f"({p.number('input.stop')} - {p.number('input.start')}) * nodes[k]"
-            argument = f"{place} / {p.number('input.speed')}"
+            argument = clock = f"{place} / {p.number('input.speed')}"
         else:
             slide = self.mechanism.slides[action.slider]
             rows, place = (w, slide.d), f"row__{slide.d}[k]"
@@ -226,7 +251,7 @@ class Moments:
                 "high end": f"high__{action.slider} - {place}",
             }[action.measured_from]
         fields = ", ".join(f"table__{name}_{field}" for field in Table._fields)
-        self._law(name, f"row__{w}[k] * table_value({fields}, {argument})", rows, stroke_of)
+        self._law(name, f"row__{w}[k] * table_value({fields}, {argument})", rows, stroke_of, clock)
 
     def _spring(self, name: str) -> None:
         p, spring, at = self.program, self.scene.springs[name], f"springs.{name}"
@@ -240,7 +265,7 @@ class Moments:
         self._term(name, p.number(f"{at}.stiffness", "load"), p.fresh(f"{rate} * spring(one, {free}, {length})"))
         if spring.damping or f"{at}.damping" in self.varied:
             coefficient = p.derived(f"{at}.damping_at_speed", lambda n: n[f"{at}.damping"] * n["input.speed"], "load")
-            self._term(name, coefficient, p.fresh(f"{rate} * linear_drag(one, {rate})"))
+            self._term(name, coefficient, p.fresh(f"{rate} * linear_drag(one, {rate})"), 1)
 
     # Cylinders
 

@@ -115,7 +115,14 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs += [(f"springs.{name}.between", "point", end) for end in spring.between]
     for name, cylinder in scene.cylinders.items():
         refs.append((f"cylinders.{name}.piston", "link", cylinder.piston))
+    for name, regime in scene.regimes.items():
+        refs += [(f"regimes.{name}.off", "action", action) for action in regime.off]
     return refs
+
+
+def acting(scene: Scene) -> set[str]:
+    """Names of everything that acts on the machine and that a regime may switch off."""
+    return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders}
 
 
 def sliders(scene: Scene) -> tuple[str, ...]:
@@ -130,7 +137,7 @@ def sliders(scene: Scene) -> tuple[str, ...]:
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
+    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle, _wrong_regimes)
     return [problem for check in checks for problem in check(scene)]
 
 
@@ -245,4 +252,22 @@ def _no_cycle(scene: Scene) -> list[Problem]:
         path = f"cylinders.{name}.type"
         if cylinder.type == "four_stroke" and not (turns and drive.revolutions == 2):
             problems.append((path, "a four-stroke engine's cycle is two turns of a crank: set input.revolutions = 2"))
+    return problems
+
+
+def _wrong_regimes(scene: Scene) -> list[Problem]:
+    drive, problems = scene.input, []
+    if scene.regimes and not (isinstance(drive, CrankInput) and drive.start is None):
+        return [("regimes", "true motion needs a crank that turns fully; leave regimes, or input.start and input.stop")]
+    timed = {
+        n for t in (scene.forces, scene.moments) for n, a in t.items() if getattr(a, "over_time", None) is not None
+    }
+    for name, regime in scene.regimes.items():
+        at = f"regimes.{name}"
+        left = sorted(timed - set(regime.off))
+        if regime.type == "steady" and left:
+            message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
+            problems.append((f"{at}.off", message))
+        if name in scene.forces or name in scene.moments or name in {*scene.groups, *scene.points}:
+            problems.append((at, f"the name {name!r} is already taken; choose another"))
     return problems

@@ -157,6 +157,8 @@ def machine_summaries(scene: Scene, structure: Structure, turning: tuple[str, ..
     ):
         for name in names:
             found.append(Quantity(f"{name}.{kind}", f"{kind} of {word} {name}", unit))
+            found.append(Quantity(f"{name}.{kind}_low", f"low end of the {kind} of {word} {name}", unit))
+            found.append(Quantity(f"{name}.{kind}_high", f"high end of the {kind} of {word} {name}", unit))
             found.append(Quantity(f"{name}.{kind}_low_at", f"input position at the low end of the {kind} of {name}", q))
             found.append(
                 Quantity(f"{name}.{kind}_high_at", f"input position at the high end of the {kind} of {name}", q)

@@ -24,6 +24,7 @@ from engine.parts import (
     Shaft,
     SliderInput,
 )
+from engine.regimes import Regime
 
 
 class SceneError(ValueError):
@@ -54,6 +55,7 @@ class Scene(Part):
     springs: dict[Name, Spring] = {}
     cylinders: dict[Name, CylinderAction] = {}
     flywheel: Flywheel | None = None
+    regimes: dict[Name, Regime] = {}
 
 
 class SceneNumber(NamedTuple):
@@ -143,6 +145,20 @@ class Numbers(Mapping[str, float | np.ndarray]):
         if path in self._varied:
             return self._varied[path]
         return self._fixed[path].value
+
+    def with_values(self, values: Mapping[str, np.ndarray]) -> "Numbers":
+        """The same numbers with some of them replaced."""
+        return Numbers(self._fixed, {**self._varied, **values})
+
+    def of_variants(self, chosen: np.ndarray) -> "Numbers":
+        """The numbers of some of the variants.
+
+        Parameters
+        ----------
+        chosen : ndarray of int or bool
+            Index into the variants.
+        """
+        return Numbers(self._fixed, {path: values[chosen] for path, values in self._varied.items()})
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._fixed)

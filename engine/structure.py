@@ -6,7 +6,7 @@ degrees of freedom as input links, one. Lower pairs only: W = 3n − 2p₁ (Cheb
 
 from typing import NamedTuple
 
-from engine.names import definitions, did_you_mean, input_point, misplaced, references, sliders
+from engine.names import acting, definitions, did_you_mean, input_point, misplaced, references, sliders
 from engine.parts import FRAME, Sliding, Yoke
 from engine.scene import Scene, SceneError
 
@@ -141,9 +141,13 @@ def order(scene: Scene) -> Structure:
         other (higher class) or on the frame alone, and actions on what can't carry them.
     """
     points, guides, links = definitions(scene)
-    kinds = {"point": points, "guide": guides, "link": links}
+    kinds = {"point": points, "guide": guides, "link": links, "action": acting(scene)}
     problems = [
-        (path, f"{name!r} is not a {kind} of this scene; " + did_you_mean(name, kinds[kind]))
+        (
+            path,
+            f"{name!r} is not {'an' if kind == 'action' else 'a'} {kind} of this scene; "
+            + did_you_mean(name, kinds[kind]),
+        )
         for path, kind, name in references(scene)
         if name not in kinds[kind]
     ]

@@ -51,7 +51,14 @@ class Table(NamedTuple):
     period: float
 
 
-def make_table(x: ArrayLike, y: ArrayLike, interpolation: str, period: float = 0.0, outside: str = "hold") -> Table:
+def make_table(
+    x: ArrayLike,
+    y: ArrayLike,
+    interpolation: str,
+    period: float = 0.0,
+    outside: str = "hold",
+    names: tuple[str, str] = ("x", "y"),
+) -> Table:
     """Make a piecewise cubic through rows of x and y.
 
     Parameters
@@ -70,6 +77,8 @@ def make_table(x: ArrayLike, y: ArrayLike, interpolation: str, period: float = 0
     outside : {"hold", "zero"}
         The value beyond the rows: that of the end row, or zero (the end rows themselves belong to the
         table). Without meaning for a periodic table.
+    names : (str, str)
+        What x and y are called in messages.
 
     Returns
     -------
@@ -86,11 +95,11 @@ def make_table(x: ArrayLike, y: ArrayLike, interpolation: str, period: float = 0
     _check_name("outside", outside, OUTSIDE)
     if not (np.isfinite(period) and period >= 0.0):
         raise TableError(f"period = {period}: give a positive length, or 0 for a table that doesn't repeat")
-    x, y = _numbers(x, y)
+    x, y = _numbers(x, y, names)
     if period:
-        x, y = _closed(x, y, float(period))
-    _check_order(x, interpolation)
-    coefficients = _coefficients(x, y, interpolation, bool(period))
+        x, y = _closed(x, y, float(period), names)
+    _check_order(x, interpolation, names[0])
+    coefficients = _coefficients(x, y, interpolation, bool(period), names[0])
     if period:
         return Table(x, coefficients, float(x[0]), float(period))
     breaks, coefficients = _with_ends(x, y, coefficients, outside)
@@ -138,10 +147,10 @@ def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:
         raise TableError(f"{key} = {name!r}: choose one of {', '.join(map(repr, allowed))}{hint}")
 
 
-def _numbers(x: ArrayLike, y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+def _numbers(x: ArrayLike, y: ArrayLike, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
     """Both columns as float64, of the same length, with at least two finite rows."""
     columns = []
-    for key, column in (("x", x), ("y", y)):
+    for key, column in zip(names, (x, y), strict=True):
         try:
             numbers = np.asarray(column, dtype=np.float64)
         except (TypeError, ValueError) as error:
@@ -150,10 +159,13 @@ def _numbers(x: ArrayLike, y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
             raise TableError(f"{key} has {numbers.ndim} dimensions; give it as one list of numbers")
         columns.append(numbers)
     if columns[0].size != columns[1].size:
-        raise TableError(f"x has {columns[0].size} rows, y has {columns[1].size}; give one y for every x")
+        raise TableError(
+            f"{names[0]} has {columns[0].size} rows, {names[1]} has {columns[1].size};"
+            f" give one {names[1]} for every {names[0]}"
+        )
     if columns[0].size < 2:
         raise TableError(f"the table has {columns[0].size} row(s); give at least 2")
-    for key, numbers in zip("xy", columns, strict=True):
+    for key, numbers in zip(names, columns, strict=True):
         wrong = np.flatnonzero(~np.isfinite(numbers))
         if wrong.size:
             row = wrong[0]
@@ -161,7 +173,7 @@ def _numbers(x: ArrayLike, y: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     return columns[0], columns[1]
 
 
-def _closed(x: np.ndarray, y: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
     """Rows over exactly one period, the last one repeating the first one's value."""
     end = x[0] + period
     x = np.where(np.abs(x - end) <= CLOSING_TOLERANCE * period, end, x)
@@ -169,40 +181,41 @@ def _closed(x: np.ndarray, y: np.ndarray, period: float) -> tuple[np.ndarray, np
     if beyond.size:
         row = beyond[0]
         raise TableError(
-            f"row {row + 1}: x = {x[row]} is more than one period ({period}) after the first row"
+            f"row {row + 1}: {names[0]} = {x[row]} is more than one period ({period}) after the first row"
             f" ({x[0]}); remove the rows from there on, or correct the period"
         )
     if x[-1] < end:
         return np.append(x, end), np.append(y, y[0])
     if abs(y[-1] - y[0]) > CLOSING_TOLERANCE * np.abs(y).max():
         raise TableError(
-            f"row {x.size}: y = {y[-1]} one period after the first row, whose y = {y[0]}; make them equal"
-            ' (for a step there: interpolation "linear", and one more row with the same x and the first y)'
+            f"row {x.size}: {names[1]} = {y[-1]} one period after the first row, whose {names[1]} = {y[0]}; make them"
+            f' equal (for a step there: interpolation "linear", and one more row with the same {names[0]} and the'
+            f" first {names[1]})"
         )
     return x, np.append(y[:-1], y[0])
 
 
-def _check_order(x: np.ndarray, interpolation: str) -> None:
+def _check_order(x: np.ndarray, interpolation: str, name: str) -> None:
     gaps = np.diff(x)
     if (gaps < 0.0).any():
         row = np.flatnonzero(gaps < 0.0)[0] + 1
-        raise TableError(f"row {row + 1}: x = {x[row]} is below row {row}'s {x[row - 1]}; sort the rows by x")
+        raise TableError(f"row {row + 1}: {name} = {x[row]} is below row {row}'s {x[row - 1]}; sort the rows by {name}")
     steps = np.flatnonzero(gaps == 0.0) + 1
     if steps.size and interpolation != "linear":
         row = steps[0]
         raise TableError(
-            f"row {row + 1}: x = {x[row]} is also row {row}'s; remove one of them, or, if a step is meant,"
+            f"row {row + 1}: {name} = {x[row]} is also row {row}'s; remove one of them, or, if a step is meant,"
             f' use interpolation "linear" instead of {interpolation!r}'
         )
     thirds = np.flatnonzero((gaps[1:] == 0.0) & (gaps[:-1] == 0.0)) + 2
     if thirds.size:
         row = thirds[0]
-        raise TableError(f"row {row + 1}: x = {x[row]} for the third time; a step needs two rows, remove one")
+        raise TableError(f"row {row + 1}: {name} = {x[row]} for the third time; a step needs two rows, remove one")
     if gaps.max() == 0.0:
-        raise TableError(f"row {x.size}: every row has x = {x[0]}; give at least two different x")
+        raise TableError(f"row {x.size}: every row has {name} = {x[0]}; give at least two different ones")
 
 
-def _coefficients(x: np.ndarray, y: np.ndarray, interpolation: str, periodic: bool) -> np.ndarray:
+def _coefficients(x: np.ndarray, y: np.ndarray, interpolation: str, periodic: bool, name: str) -> np.ndarray:
     """Coefficients of the pieces between the rows, shape (rows - 1, 4)."""
     with np.errstate(all="ignore"):
         try:
@@ -218,7 +231,7 @@ def _coefficients(x: np.ndarray, y: np.ndarray, interpolation: str, periodic: bo
         gap = np.diff(x)
         row = np.flatnonzero(gap == gap[gap > 0.0].min())[0] + 1
         raise TableError(
-            f"rows {row} and {row + 1}: x = {x[row - 1]} and {x[row]} are too close to put a curve through;"
+            f"rows {row} and {row + 1}: {name} = {x[row - 1]} and {x[row]} are too close to put a curve through;"
             " remove one of them"
         )
     return np.ascontiguousarray(pieces)

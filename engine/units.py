@@ -25,7 +25,17 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["DIMENSIONS", "Dimension", "UnitError", "in_text", "to_si"]
+__all__ = [
+    "DIMENSIONS",
+    "Dimension",
+    "UnitError",
+    "any_quantity",
+    "base_powers",
+    "common_units",
+    "in_text",
+    "recognised",
+    "to_si",
+]
 
 
 class UnitError(ValueError):
@@ -260,7 +270,7 @@ def _factor(unit: str, dimension: str) -> Decimal:
     if kind == wanted:
         return factor
     if "[angle]" in wanted and kind == {base: power for base, power in wanted.items() if base != "[angle]"}:
-        units = " or ".join(dict.fromkeys([_unit_of(dimension), _plain(dimension)]))
+        units = " or ".join(common_units(dimension))
         raise UnitError(f"{unit!r} is ambiguous for {_words(dimension, article=True)}: write {units}")
     raise UnitError(f"expected {_wanted(dimension)}, got {unit!r}")
 
@@ -346,13 +356,47 @@ def _unreadable(unit: str, dimension: str) -> UnitError:
 
 
 def _no_unit(number: str, dimension: str) -> UnitError:
-    common, si = _unit_of(dimension), _plain(dimension)
-    other = "" if common == si else f', or "{number} {si}" if the SI unit is meant'
+    common, *si = common_units(dimension)
+    other = f', or "{number} {si[0]}" if the SI unit is meant' if si else ""
     return UnitError(f'{number} has no unit: write "{number} {common}"{other}')
 
 
-def _unit_of(dimension: str) -> str:
-    return DIMENSIONS[dimension].example.partition(" ")[2]
+def common_units(dimension: str) -> tuple[str, ...]:
+    """Units as a text may have them: the one of the dimension's example, and the SI unit if that is another.
+
+    Parameters
+    ----------
+    dimension : str
+        A key of `DIMENSIONS`, "number" apart.
+
+    Returns
+    -------
+    tuple of str
+        For instance ("mm", "m").
+    """
+    return tuple(dict.fromkeys([DIMENSIONS[dimension].example.partition(" ")[2], _plain(dimension)]))
+
+
+def base_powers(unit: str) -> dict[str, int]:
+    """Powers of length, mass, time and angle in a unit.
+
+    Parameters
+    ----------
+    unit : str
+        As texts or the CF conventions spell it: "N m", "kg m2 rad-1", "1" for plain numbers.
+
+    Returns
+    -------
+    dict of str to int
+        For instance {"[mass]": 1, "[length]": 2, "[time]": -2}; empty for plain numbers.
+
+    Raises
+    ------
+    UnitError
+        The unit is not known.
+    """
+    powers = {} if unit == "1" else _read_unit(unit, "number")
+    return {base: int(power) for base, power in _factor_and_kind(powers)[1].items()}
 
 
 def _plain(dimension: str) -> str:

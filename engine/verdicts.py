@@ -12,6 +12,10 @@ class Verdict(IntEnum):
     OUTSIDE_LIMITS = 3
     DROPPED = 4
     NOT_FINITE = 5
+    STALLS = 6
+    RUNS_AWAY = 7
+    NO_END = 8
+    TOO_STIFF = 9
     NOT_COMPUTED = 255
 
 
@@ -27,5 +31,14 @@ SENTENCES = {
     Verdict.OUTSIDE_LIMITS: "a varied number is outside its limits (a length must be positive, an assembly mode ±1, …)",
     Verdict.DROPPED: "dropped by a constraint of the study",
     Verdict.NOT_FINITE: "a result is infinite or undefined: an overflow, or a characteristic without a value there",
+    Verdict.STALLS: (
+        "the machine comes to a stop: its motors can't carry the loads through the cycle, or can't start them; a "
+        "stronger motor, a lower load or a heavier flywheel helps"
+    ),
+    Verdict.RUNS_AWAY: "the machine runs away: at no speed do the loads hold the drive; check signs, or add a load",
+    Verdict.NO_END: "a regime doesn't come to its end within the time or the cycles allowed for it",
+    Verdict.TOO_STIFF: (
+        "a characteristic is so steep in speed that the motion can't be computed with these steps; more positions help"
+    ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -11,7 +11,7 @@ from PIL import Image
 
 from engine import Scene
 from engine.quantities import has_cycle
-from sweeps.drawing import FILLS, Motion, bounds, figures, paint, prepare
+from sweeps.drawing import FILLS, Motion, bounds, figures, names_of_points, paint, prepare
 from sweeps.errors import PictureError
 from sweeps.style import VERMILION, house_style
 
@@ -55,9 +55,11 @@ def animate(
     if not 1 <= fps <= 50:
         raise PictureError(f"fps = {fps}: allowed are 1 to 50, such as 20")
     motion = Motion(scene, values)
-    # Names that hop from side to side distract; the drawing has them.
-    poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in _moments(motion, frames)]
-    pictures = _pictures(motion, poses)
+    moments = _moments(motion, frames)
+    poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
+    # Names that hop from side to side would distract.
+    names = names_of_points(motion, [motion.node(at) for at in moments], poses)
+    pictures = _pictures(motion, [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)])
     indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
     # The format counts in hundredths of a second.
     indexed[0].save(path, save_all=True, append_images=indexed[1:], duration=10 * round(100 / fps), loop=0)

@@ -99,7 +99,7 @@ def new(template: str, out: Path | None) -> None:
 @explained
 def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
-    from sweeps.report import answer_text, counts_text
+    from sweeps.report import answer_text, counts_text, kept_text
     from sweeps.results import Result
     from sweeps.runner import run_study
     from sweeps.study import find_study, read_study
@@ -114,7 +114,7 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
         run_study(found, out, restart, bar.update)
     except KeyboardInterrupt:
         bar.close()
-        click.echo("\nInterrupted. All finished blocks are kept; the same command goes on where it stopped.", err=True)
+        click.echo(f"\nInterrupted: {kept_text(out, bar.total)}; the same command goes on from there.", err=True)
         sys.exit(INTERRUPTED)
     bar.close()
     result = Result(out)
@@ -154,7 +154,7 @@ def check(study: str, out: Path, source: bool) -> None:
 @explained
 def show(file: Path, where: str | None, sort: str | None, descending: bool, limit: int, columns: str | None) -> None:
     """Show a result file: what it holds, its verdicts, its best variants."""
-    from sweeps.report import answer_text, counts_text, variants_text
+    from sweeps.report import answer_text, counts_text, variants_done_text, variants_text
     from sweeps.results import Result
     from sweeps.textfile import InputError
 
@@ -170,7 +170,7 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
         sort, descending = goal.goal, goal.sign < 0
     chosen = result.select(where or (goal.where if goal else None), sort, descending)
     d = result.description
-    click.echo(f"{d.title}: {d.variants} variants, {d.blocks_done} of {d.blocks} blocks done")
+    click.echo(f"{d.title}: {variants_done_text(result)}")
     click.echo(f"varied: {d.attributes.get('grid', '')}")
     if result.fields:
         click.echo(f"fields over {d.positions} positions: {', '.join(result.fields)}")
@@ -206,7 +206,7 @@ def plot(
     """Draw: of a scene the mechanism and its diagrams; of a result file the sweep, or the machine of one variant."""
     from sweeps import pictures
 
-    if file.endswith(".h5") and variant is None:
+    if _is_result(file) and variant is None:
         made = pictures.result_pictures(Path(file), out, x, y, colour)
     else:
         scene, values, name = _machine_of(file, variant)
@@ -239,16 +239,23 @@ def animate(file: str, out: Path | None, variant: int | None, paths: str, frames
 @click.option("--variant", type=int, help="One variant of a result file.")
 @click.option("--at", default="60", show_default=True, help="Crank angle of the drawing [deg].")
 @click.option("--where", help="Only variants that meet a condition (CSV of a result).")
+@click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (CSV).")
 @explained
-def export(file: str, to: Path, variant: int | None, at: str, where: str | None) -> None:
-    """Write results or positions as CSV, the drawing as SVG or DXF, one variant as a scene (TOML)."""
+def export(file: str, to: Path, variant: int | None, at: str, where: str | None, history: bool) -> None:
+    """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML)."""
     from sweeps import exports
     from sweeps.textfile import InputError
 
+    if history and to.suffix != ".csv":
+        raise InputError(str(to), [(None, "--history", f"writes .csv, not {to.suffix!r}; name a .csv file")])
     _make_folder(to)
     machine = ""
     match to.suffix:
-        case ".csv" if file.endswith(".h5") and variant is None:
+        case ".csv" if history:
+            scene, values, machine = _machine_of(file, variant)
+            if ended := exports.history_csv(scene, values, to):
+                click.echo(f"The history ends early: {ended}", err=True)
+        case ".csv" if _is_result(file) and variant is None:
             exports.result_csv(Path(file), to, where)
         case ".csv":
             scene, values, machine = _machine_of(file, variant)
@@ -315,12 +322,19 @@ class _Progress:
             self.bar.close()
 
 
+def _is_result(file: str) -> bool:
+    """Whether a file is a result of a sweep, by its content where it isn't called so."""
+    from sweeps.textfile import is_hdf5
+
+    return file.endswith(".h5") or is_hdf5(Path(file))
+
+
 def _machine_of(file: str, variant: int | None) -> tuple:
     """Scene, replaced values and name of what a file describes: a result, a study or a scene."""
     from sweeps.results import Result
     from sweeps.study import find_study, read_study
 
-    if file.endswith(".h5"):
+    if _is_result(file):
         result = Result(Path(file))
         chosen = result.best() if variant is None else variant
         chosen = 0 if chosen is None else chosen

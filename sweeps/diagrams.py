@@ -233,11 +233,11 @@ def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: Cyc
         k = best(work - slope * inertia)
         heights.append(work[k] - slope * inertia[k])
         word = "max" if sign > 0 else "min"
-        ax.plot(
-            fi * ends, fw * (heights[-1] + slope * ends), color=colour, linewidth=0.9, label=rf"½ω$_\mathrm{{{word}}}$²"
-        )
+        label = rf"tangent of slope ½ω$_\mathrm{{{word}}}$²"
+        ax.plot(fi * ends, fw * (heights[-1] + slope * ends), color=colour, linewidth=0.9, label=label)
         ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
     wheel = (heights[0] - heights[1]) / (delta * omega**2)
     factor, unit = engineer_unit("kg m2", np.array([wheel]))
     ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
-    ax.legend(loc="upper left", ncols=2)
+    # Within the axes it would cover one of the tangents, whatever their slopes.
+    ax.figure.legend(loc="outside lower right", ncols=2)

@@ -1,4 +1,4 @@
-"""Units as an engineer reads them: mm, rpm, kN·m instead of m, rad s-1, N m."""
+"""Numbers as an engineer reads them: mm, rpm, kN·m instead of m, rad s-1, N m, and no digits that mean nothing."""
 
 import math
 
@@ -7,7 +7,7 @@ import numpy as np
 # For each SI unit, the units to choose from, from small to large: (name, size in SI units).
 _SCALES: dict[str, tuple[tuple[str, float], ...]] = {
     "m": (("mm", 1e-3), ("m", 1.0)),
-    "rad": (("°", math.pi / 180),),
+    "rad": (("°", math.pi / 180), ("rev", 2 * math.pi)),
     "rad s-1": (("rpm", math.pi / 30),),
     "kg": (("g", 1e-3), ("kg", 1.0), ("t", 1e3)),
     "N": (("N", 1.0), ("kN", 1e3), ("MN", 1e6)),
@@ -20,6 +20,7 @@ _SCALES: dict[str, tuple[tuple[str, float], ...]] = {
 _PLAIN = {
     "m s-1": "m/s",
     "m s-2": "m/s²",
+    "rad s-2": "rad/s²",
     "kg m-3": "kg/m³",
     "m2": "m²",
     "m3": "m³",
@@ -57,8 +58,48 @@ def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
         return 1.0, _PLAIN.get(units, units)
     finite = np.abs(np.asarray(values, float)[np.isfinite(values)])
     largest = float(finite.max()) if finite.size else 0.0
-    # Metres only from 10 m on: drawings of machines are in millimetres.
-    threshold = 10.0 if units == "m" else 1.0
+    # Metres only from 10 m on: drawings of machines are in millimetres. Angles within a cycle are in degrees.
+    threshold = 10.0 if units in ("m", "rad") else 1.0
     fitting = [step for step in scale if largest >= threshold * step[1]]
     name, size = fitting[-1] if fitting else scale[0]
     return 1.0 / size, name
+
+
+def quantity_text(value: float, units: str, error: float | None = None) -> str:
+    """A value with its error figure, in the unit an engineer would use."""
+    if not math.isfinite(value):
+        return "–"
+    factor, label = engineer_unit(units, np.array([value]))
+    unit = f" {label}" if label not in ("", "1") else ""
+    return figure_text(value * factor, None if error is None else error * factor, 5) + unit
+
+
+def figure_text(value: float, error: float | None, digits: int) -> str:
+    """A value with its error figure, without digits that the error makes meaningless.
+
+    Parameters
+    ----------
+    value : float
+    error : float or None
+        Shown with one digit.
+    digits : int
+        Significant digits of a value whose error figure is smaller still, or that has none.
+    """
+    plain = f"{value:.{digits}g}"
+    if error is None or not math.isfinite(error):
+        return plain
+    first, last = _exponent(value), _exponent(error, 0)
+    if error == 0 or first - last >= digits:
+        return f"{plain} ± {error:.1g}"
+    # Adding 0 turns −0 into 0.
+    rounded = round(value, -last) + 0.0
+    if -5 < last < digits:
+        places = max(-last, 0)
+        return f"{rounded:.{places}f} ± {round(error, -last):.{places}f}"
+    shown = f"{rounded:.{max(first - last, 0)}e}" if rounded else "0"
+    return f"{shown} ± {error:.0e}"
+
+
+def _exponent(number: float, places: int = 16) -> int:
+    """The power of ten of a number's first digit, rounded to so many places after it."""
+    return int(f"{number:.{places}e}".partition("e")[2])

@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Machine, Scene
+from engine import Machine, Scene, Verdict
+from engine.motion.history import history
+from engine.quantities import InputUnits
+from sweeps.regimes import failure_text
 from sweeps.results import Result
-from sweeps.scenefile import write_scene
+from sweeps.scenefile import with_values, write_scene
 from sweeps.textfile import InputError
 
 
@@ -33,6 +36,8 @@ def result_csv(path: Path, out: Path, where: str | None = None) -> None:
 def positions_csv(scene: Scene, values: Mapping[str, float], out: Path, positions: int = 360) -> None:
     """Positions and transfer functions of all points, links and sliders over the cycle as CSV.
 
+    The first column is the input's angle or displacement.
+
     Parameters
     ----------
     scene : Scene
@@ -46,9 +51,55 @@ def positions_csv(scene: Scene, values: Mapping[str, float], out: Path, position
     names += ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
     machine = Machine(scene, fields=names, varied=list(values), positions=positions)
     outcome = machine.evaluate({p: np.array([v]) for p, v in values.items()})
-    header = ["q [rad or share of range]", *(_header(n, available[n].units) for n in names)]
-    rows = ([repr(float(q)), *(_cell(outcome.fields[n][0, k]) for n in names)] for k, q in enumerate(machine.nodes))
+    unit = InputUnits.of(scene).q
+    header = [_header("phi" if unit == "rad" else "q", unit), *(_header(n, available[n].units) for n in names)]
+    inputs = machine.nodes
+    if unit == "m":
+        start, stop = (values.get(f"input.{end}", getattr(scene.input, end)) for end in ("start", "stop"))
+        inputs = start + (stop - start) * inputs
+    rows = ([repr(float(q)), *(_cell(outcome.fields[n][0, k]) for n in names)] for k, q in enumerate(inputs))
     _write_csv(out, header, rows)
+
+
+def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int = 360) -> str:
+    """History of a machine through its regimes as CSV; a steady regime is there for one cycle.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        Numbers of the scene (SI) to be replaced.
+    out : Path
+    steps : int
+        Steps a cycle.
+
+    Returns
+    -------
+    str
+        Why the history ends before its last regime does; "" where it doesn't.
+
+    Raises
+    ------
+    InputError
+        The scene has no regimes, or the file can't be written.
+    """
+    if not scene.regimes:
+        message = 'the scene has none, so no history; add [regimes.NAME] with type = "run" or "steady"'
+        raise InputError(scene.title or "scene", [(None, "regimes", message)])
+    scene = with_values(scene, values)
+    seen = history(scene, steps)
+    columns = {
+        "time [s]": seen.time,
+        "angle [rad]": seen.angle,
+        "speed [rad s-1]": seen.speed,
+        "acceleration [rad s-2]": seen.acceleration,
+        "motor_moment [N m]": seen.motor_moment,
+        **{f"{channel}_moment [N m]": moment for channel, moment in seen.load_moments.items()},
+        "energy [J]": seen.energy,
+    }
+    rows = ([name, *map(_cell, row)] for name, *row in zip(seen.regime, *columns.values(), strict=True))
+    _write_csv(out, ["regime", *columns], rows)
+    return "" if seen.verdict == Verdict.OK else failure_text(scene, seen)
 
 
 def scene_toml(scene: Scene, values: Mapping[str, float], out: Path) -> None:

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from engine.turning_moment import TurningMoment, from_table
 from engine.units import in_text
-from sweeps.report import quantity_text, table
+from sweeps.engineer_units import quantity_text
+from sweeps.report import table
 from sweeps.scenefile import read_csv
 from sweeps.textfile import InputError
 

@@ -15,7 +15,7 @@ from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.parallel_coordinates import chosen_columns, parallel
 from sweeps.pareto import pareto_front
-from sweeps.style import BLUE, COLOURS, GREY, PALETTE, VERMILION, house_style, new_figure, save
+from sweeps.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
 from sweeps.sweep_data import SweepData
 
 REASONS = {
@@ -26,6 +26,9 @@ REASONS = {
     Verdict.NOT_FINITE: "infinite or undefined",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
+
+
+VEIL = "#e9ebed"
 
 
 def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int | None = None) -> None:
@@ -55,13 +58,16 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         if data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > 0.002 * np.ptp(values[data.ok]):
             low, high = (values - error)[order], (values + error)[order]
             ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error figure")
+        if data.out.any():
+            shown = np.where(data.out, values, np.nan)[order]
+            look = {"color": PALE, "marker": "o" if few else None, "markersize": 3, "linewidth": 1.8}
+            ax.plot(along[order], shown, **look, label=_missing(data))
         _mark_failed(ax, along, data.status)
         if best is not None:
             ax.plot(along[best], values[best], "*", color=VERMILION, markersize=10, label="best")
         ax.set_ylabel(y_label)
-        if ax.get_legend_handles_labels()[0]:
-            ax.legend(loc="best")
     axes[-1].set_xlabel(label)
+    _legend_below(figure, axes)
 
 
 def _mark_failed(ax: Axes, along: np.ndarray, status: np.ndarray) -> None:
@@ -109,10 +115,14 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
     if unit == "°" and round((position[-1] + step) % 360, 6) in (0, 360):
         # The cycle closes: its first position is shown again at its end.
         position, values = np.append(position, position[-1] + step), np.append(values, values[:, :1], axis=1)
-    count = int(np.count_nonzero(sound))
-    low, middle, high = values[sound].min(axis=0), np.median(values[sound], axis=0), values[sound].max(axis=0)
-    ax.fill_between(position, low, high, color=BLUE, alpha=0.18, linewidth=0, label=f"{count} variants")
-    ax.plot(position, middle, color=BLUE, linewidth=1, linestyle=(0, (5, 2)), label="median")
+    if data.out.any():
+        _band(ax, position, values[sound], PALE, 0.5, f"all {np.count_nonzero(sound)} variants")
+    chosen = sound & ~data.out
+    if chosen.any():
+        words = f"{np.count_nonzero(chosen)} variants"
+        _band(ax, position, values[chosen], BLUE, 0.18, data.legend_of(f"{words} with") if data.out.any() else words)
+        middle = np.median(values[chosen], axis=0)
+        ax.plot(position, middle, color=BLUE, linewidth=1, linestyle=(0, (5, 2)), label="median")
     if best is not None:
         ax.plot(position, values[best], color=VERMILION, label="best variant")
     ax.set(xlabel=f"crank angle φ, {unit}" if unit == "°" else f"position q, {unit}", ylabel=label)
@@ -120,6 +130,11 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
     if unit == "°":
         ax.xaxis.set_major_locator(MultipleLocator(90 if np.ptp(position) > 180 else 30))
     ax.legend(loc="best")
+
+
+def _band(ax: Axes, position: np.ndarray, values: np.ndarray, colour: str, alpha: float, label: str) -> None:
+    low, high = values.min(axis=0), values.max(axis=0)
+    ax.fill_between(position, low, high, color=colour, alpha=alpha, linewidth=0, label=label)
 
 
 def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | None = None) -> None:
@@ -169,10 +184,31 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
     ax.set(xlabel=x_label, ylabel=y_label)
     ax.grid(False)
     handles = ax.get_legend_handles_labels()[0]
+    if data.out.any():
+        _veil(ax, places_x, places_y, cells(data.out))
+        handles.append(Patch(label=_missing(data), facecolor=VEIL, linewidth=0))
     for k, code in enumerate(_failures(status)):
         handles.append(Patch(label=_reason(code), linewidth=0, **_failed_look(k)))
     if handles:
         ax.figure.legend(handles=handles, loc="outside lower center", ncols=3)
+
+
+def _missing(data: SweepData) -> str:
+    return data.legend_of("doesn't meet:")
+
+
+def _legend_below(figure: Figure, axes: Sequence[Axes]) -> None:
+    """One legend for all panels, where it covers nothing."""
+    entries = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    if entries:
+        figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=3)
+
+
+def _veil(ax: Axes, xs: np.ndarray, ys: np.ndarray, out: np.ndarray) -> None:
+    """Cover the cells of variants that miss the condition, so that their colours only shimmer through."""
+    there = np.ma.masked_where(~out, np.ones(out.shape))
+    face = ListedColormap([VEIL])
+    ax.pcolormesh(xs, ys, there, cmap=face, shading="nearest", alpha=0.8, linewidth=0, rasterized=out.size > 10_000)
 
 
 def _failed_look(k: int) -> dict[str, str]:
@@ -216,8 +252,12 @@ def scatter(
         Whether x and y should be small; with it the front is drawn.
     """
     (xs, x_label, _), (ys, y_label, _) = data.shown(x), data.shown(y)
-    sound = data.ok & np.isfinite(xs) & np.isfinite(ys)
-    size = float(np.clip(3000 / max(1, np.count_nonzero(sound)), 0.5, 14))
+    finite = data.ok & np.isfinite(xs) & np.isfinite(ys)
+    sound = finite & ~data.out
+    size = float(np.clip(3000 / max(1, np.count_nonzero(finite)), 0.5, 14))
+    out = finite & data.out
+    if out.any():
+        ax.scatter(xs[out], ys[out], c=PALE, s=size, linewidths=0, rasterized=True, label=_missing(data))
     shades, label = (BLUE, "") if colour is None else (data.shown(colour)[0][sound], data.shown(colour)[1])
     dots = ax.scatter(
         xs[sound], ys[sound], c=shades, s=size, cmap=None if colour is None else COLOURS, linewidths=0, rasterized=True
@@ -237,8 +277,7 @@ def scatter(
             loc="right",
             color=GREY,
         )
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(loc="best")
+    _legend_below(ax.figure, [ax])
 
 
 def _front(ax: Axes, xs: np.ndarray, ys: np.ndarray, sound: np.ndarray, minimise: tuple[bool, bool]) -> None:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from sweeps.errors import PictureError
-from sweeps.style import COLOURS, GREY, VERMILION
+from sweeps.style import COLOURS, GREY, PALE, VERMILION
 from sweeps.sweep_data import SweepData, wrapped
 
 MOST_LINES = 3000
@@ -75,16 +75,24 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
     heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
     places = np.arange(len(columns))
-    paths = [np.column_stack([places, heights[row]]) for row in rows]
-    faint = float(np.clip(300 / rows.size, 0.12, 0.8))
-    lines = LineCollection(paths, array=shades[rows], cmap=COLOURS, linewidths=0.7, alpha=faint, rasterized=True)
-    ax.add_collection(lines)
-    bar = ax.figure.colorbar(lines, ax=ax, label=label, pad=0.02)
-    bar.solids.set_alpha(1)
+    look = {"linewidths": 0.7, "alpha": float(np.clip(300 / rows.size, 0.12, 0.8)), "rasterized": True}
+    out, rows = rows[data.out[rows]], rows[~data.out[rows]]
+    if out.size:
+        ax.add_collection(LineCollection(_paths(places, heights[out]), color=PALE, **look))
+        ax.plot([], color=PALE, label=data.legend_of("doesn't meet:"))
+    if rows.size:
+        lines = LineCollection(_paths(places, heights[rows]), array=shades[rows], cmap=COLOURS, **look)
+        ax.add_collection(lines)
+        ax.figure.colorbar(lines, ax=ax, label=label, pad=0.02).solids.set_alpha(1)
     if best is not None:
         ax.plot(places, heights[best], color=VERMILION, linewidth=2, marker="o", markersize=4, label="best")
-        ax.figure.legend(loc="outside upper left")
+    if ax.get_legend_handles_labels()[0]:
+        ax.figure.legend(loc="outside upper left", ncols=2)
     _uprights(ax, [text for _, text, _ in columns], lows, highs)
+
+
+def _paths(places: np.ndarray, heights: np.ndarray) -> list[np.ndarray]:
+    return [np.column_stack([places, row]) for row in heights]
 
 
 def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarray) -> None:

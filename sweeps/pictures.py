@@ -6,10 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from engine import Scene
+from engine.motion.history import history
+from engine.regimes import SteadyRegime
 from sweeps.diagrams import diagrams
 from sweeps.drawing import picture
 from sweeps.maps import plot_result
+from sweeps.motion_diagrams import courses, cycle_diagrams, history_diagrams
 from sweeps.results import Result
+from sweeps.scenefile import with_values
 from sweeps.store import columns
 from sweeps.sweep_data import SweepData
 
@@ -20,7 +24,7 @@ LARGEST_FIELD = 256e6
 def machine_pictures(
     scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
 ) -> list[Path]:
-    """Drawing of a machine and its diagrams, side by side in two files.
+    """Drawing of a machine and its diagrams, side by side in two files; with regimes its motion in further ones.
 
     Parameters
     ----------
@@ -42,7 +46,32 @@ def machine_pictures(
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
     picture(scene, path, at, paths, values)
     diagrams(scene, second, values)
-    return [path, second]
+    return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else [])]
+
+
+def motion_pictures(scene: Scene, path: Path) -> list[Path]:
+    """History of a machine through its regimes, and the cycle of each of its steady ones.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+        The names of the pictures are this one's with `_history` and `_REGIME` added.
+
+    Returns
+    -------
+    list of Path
+        The files made; none of what a machine that fails doesn't come to.
+    """
+    seen = history(scene)
+    made = [path.with_name(f"{path.stem}_history{path.suffix}")]
+    history_diagrams(scene, seen, made[0])
+    reached = {part.name for part in courses(seen)}
+    for name, regime in scene.regimes.items():
+        if isinstance(regime, SteadyRegime) and name in reached:
+            made.append(path.with_name(f"{path.stem}_{name}{path.suffix}"))
+            cycle_diagrams(scene, seen, name, made[-1])
+    return made
 
 
 def result_pictures(
@@ -95,4 +124,6 @@ def sweep_data(result: Result, asked: Sequence[str | None]) -> SweepData:
         np.asarray(result.columns["status"]),
         position,
         result.units.get(result.position_name, "rad"),
+        goal.where or "" if goal else "",
+        result.candidates(),
     )

@@ -1,24 +1,36 @@
 """What a study will compute, and what its results say, in words and tables."""
 
-import math
 import shutil
 import time
+import tracemalloc
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from engine import SENTENCES, Machine, Verdict
+from engine import SENTENCES, Machine, Outcome, Verdict
 from engine.demand import describe
+from engine.jit import threads
 from engine.kernel_text import Form
+from engine.model import Model
+from engine.motion.cases import regime_text
 from engine.quantities import InputUnits
 from engine.rotation import assembly_ranges
 from engine.scene import Scene
 from engine.structure import group_links
-from sweeps.engineer_units import engineer_unit
+from sweeps.engineer_units import engineer_unit, figure_text, quantity_text
+from sweeps.regimes import MOTION_VERDICTS, by_regime, failure_text, regime_words, telling_summaries
 from sweeps.results import Result
-from sweeps.runner import block_size, evaluate_block, layout_of
+from sweeps.runner import LARGEST_BLOCK, block_size, evaluate_block, layout_of
+from sweeps.scenefile import with_values
+from sweeps.store import StoreError, part_path
 from sweeps.study import Study
+
+# Up to so many variants `check` tells what each condition drops by looking at all of them.
+MOST_COUNTED = 16 * LARGEST_BLOCK
+# Seconds by which the cost of motion is measured.
+LONG_ENOUGH = 1.0
 
 
 def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
@@ -26,18 +38,6 @@ def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = ("  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows)
     return "\n".join(indent + line for line in lines)
-
-
-def quantity_text(value: float, units: str, error: float | None = None) -> str:
-    """A value with its error figure, in the unit an engineer would use."""
-    if not math.isfinite(value):
-        return "–"
-    factor, label = engineer_unit(units, np.array([value]))
-    unit = f" {label}" if label not in ("", "1") else ""
-    shown = f"{value * factor:.5g}"
-    if error is not None and math.isfinite(error):
-        shown += f" ± {error * factor:.1g}"
-    return shown + unit
 
 
 # Before a run
@@ -74,16 +74,37 @@ def nominal_text(study: Study) -> str:
     wanted = [n for n in available if n.endswith((".stroke", ".swing", "_time_ratio", ".transmission_angle"))]
     machine = Machine(study.scene, wanted)
     outcome = machine.evaluate({})
-    rows = [
-        (name, quantity_text(float(outcome.summaries[name][0]), available[name].units, float(outcome.errors[name][0])))
-        for name in wanted
-        if np.isfinite(outcome.summaries[name][0])
-    ]
+    rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
     verdict = Verdict(outcome.status[0])
     lines = [assembly_text(study.scene)]
     if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
         lines.append(SENTENCES[verdict])
     return "\n".join([*lines, table(rows)] if rows else lines)
+
+
+def regimes_text(scene: Scene, positions: int) -> str:
+    """What each regime is, by which method it is computed, and what the machine as it is does in it."""
+    model = Model(scene)
+    machine = Machine(scene, telling_summaries(model), positions=positions)
+    outcome = machine.evaluate({})
+    asked = by_regime(scene, machine.asked_summaries)
+    lines = []
+    for name, case, method in regime_text(model):
+        lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}"]
+        if outcome.status[0] == Verdict.OK:
+            lines += table(_asked_rows(machine, outcome, asked[name]), "  ").splitlines()
+    verdict = Verdict(outcome.status[0])
+    if verdict in MOTION_VERDICTS:
+        lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene)}")
+    return "\n".join(lines)
+
+
+def _asked_rows(machine: Machine, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, str]]:
+    """Summaries of the first variant with their error figures."""
+    units = machine.available_summaries
+    return [
+        (n, quantity_text(float(outcome.summaries[n][0]), units[n].units, float(outcome.errors[n][0]))) for n in names
+    ]
 
 
 def plan_text(machine: Machine) -> tuple[str, str]:
@@ -99,15 +120,55 @@ def plan_text(machine: Machine) -> tuple[str, str]:
     return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
 
 
-def probe(study: Study, machine: Machine) -> tuple[float, Form]:
-    """Seconds a block takes once compiled, and the form its kernel takes."""
+class Cost(NamedTuple):
+    """What a study costs: seconds a variant once compiled, the form of its kernel, memory of its motion [bytes]."""
+
+    seconds: float
+    form: Form
+    motion_bytes: float
+
+
+def probe(study: Study, machine: Machine) -> Cost:
+    """Cost of a study, measured on some of its variants."""
+    if machine.schedule is not None:
+        return _probe_motion(study, machine)
     size = min(block_size(study, machine), 4096)
     buffer = machine.new_buffer(size)
     evaluate_block(study, machine, slice(0, size), buffer)
     start = time.perf_counter()
     evaluate_block(study, machine, slice(0, size), buffer)
     seconds = time.perf_counter() - start
-    return seconds / size, "factorised" if "factorised" in machine.forms_used else "whole"
+    return Cost(seconds / size, _form(machine), 0.0)
+
+
+def _probe_motion(study: Study, machine: Machine) -> Cost:
+    """Cost by ever more variants from all over the study, until that takes a while: each has its own time to start."""
+    most = min(block_size(study, machine), study.design.size)
+    size, seconds, memory = min(16 * threads(), most), 0.0, 0.0
+    machine.evaluate(*_spread(study, size))
+    while seconds < LONG_ENOUGH:
+        chosen = _spread(study, size)
+        tracemalloc.start()
+        start = time.perf_counter()
+        machine.evaluate(*chosen)
+        seconds, memory = time.perf_counter() - start, tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        if size == most:
+            break
+        size = min(4 * size, most)
+    return Cost(seconds / size, _form(machine), memory * most / size)
+
+
+def _spread(study: Study, count: int) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
+    """Numbers of so many variants evenly spread over a study, and which of them are dropped."""
+    if not study.paths:
+        return {}, None
+    parts = [study.values(int(i), int(i) + 1) for i in np.linspace(0, study.design.size - 1, count)]
+    return {p: np.concatenate([v[p] for v, _ in parts]) for p in study.paths}, np.concatenate([d for _, d in parts])
+
+
+def _form(machine: Machine) -> Form:
+    return "factorised" if "factorised" in machine.forms_used else "whole"
 
 
 def check_text(study: Study, out: Path) -> str:
@@ -115,7 +176,7 @@ def check_text(study: Study, out: Path) -> str:
     machine = study.machine()
     layout = layout_of(study, machine)
     computed, left = plan_text(machine)
-    seconds, form = probe(study, machine)
+    cost = probe(study, machine)
     size = layout.bytes()
     free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
     slots = machine.model.program.slots
@@ -123,23 +184,25 @@ def check_text(study: Study, out: Path) -> str:
     reused = [p for p in study.paths if p not in shape]
     form_line = (
         f"kinematics once for each geometry, reused for {', '.join(reused)}"
-        if form == "factorised"
+        if cost.form == "factorised"
         else "each variant from its own numbers"
     )
     block = layout.block
     memory = block * (
         8 * (len(slots) + 4 * len(study.summaries)) + machine.nodes.size * machine.dtype.itemsize * len(study.fields)
     )
+    memory += cost.motion_bytes
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
         ("Machine as it is", nominal_text(study)),
+        *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", "\n".join((*study.summaries, *study.fields))),
         (f"Computed at each of {machine.nodes.size} positions", computed),
         ("Left out, as nothing asked needs it", left),
-        ("Evaluation", f"{form_line}; {study.precision}; blocks of {block} variants"),
-        ("Time", f"about {seconds * study.design.size:.3g} s, {seconds * 1e6:.3g} µs a variant"),
+        ("Evaluation", f"{form_line}; {study.precision}; saved after every {block} variants"),
+        ("Time", f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"),
         ("Memory", f"about {memory / 1e6:.3g} MB beside the program's own"),
         ("File", f"{size / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
     ]
@@ -162,11 +225,42 @@ def _design_text(study: Study) -> str:
     axes = " × ".join(f"{' + '.join(axis.names)} [{axis.size}]" for axis in study.design.axes)
     notes = [axis.note for axis in study.design.axes if getattr(axis, "note", "")]
     derived = [f"{path} = {e.text}" for path, e in study.derived.items()]
-    dropped = [f"only if {e.text}" for e in study.require]
-    return "\n".join([axes or "the scene as it is", *derived, *dropped, *notes])
+    return "\n".join([axes or "the scene as it is", *derived, *_required_text(study), *notes])
+
+
+def _required_text(study: Study) -> list[str]:
+    """How many variants each condition drops; of many variants, by a sample of them."""
+    if not study.require:
+        return []
+    size, block = study.design.size, LARGEST_BLOCK
+    whole = size <= MOST_COUNTED
+    starts = range(0, size, block) if whole else np.linspace(0, size - block, MOST_COUNTED // block).astype(np.int64)
+    found = [study.values_and_misses(int(start), min(int(start) + block, size))[1] for start in starts]
+    missed = np.concatenate(found, axis=1)
+    texts = [" ".join(e.text.split()) for e in study.require]
+    lines = _drops(list(zip(texts, missed, strict=True)), None if whole else size)
+    dropped = missed.any(axis=0).sum() / missed.shape[1]
+    share = f"{int(dropped * size)}" if whole else f"about {100 * dropped:.3g} %"
+    return [f"required, {share} of {size} dropped:", *(f"  {line}" for line in lines)]
 
 
 # After a run
+
+
+def kept_text(path: Path, variants: int) -> str:
+    """How many variants an interrupted run into a file leaves behind."""
+    try:
+        done = Result(part_path(path)).done
+    except StoreError:
+        done = 0
+    return f"{done} of {variants} variants are done and kept"
+
+
+def variants_done_text(result: Result) -> str:
+    """How many variants there are, and how many of them are done if not all."""
+    count, done = result.description.variants, result.done
+    words = f"{count} variant{'' if count == 1 else 's'}"
+    return f"{words}, all done" if done == count else f"{done} of {words} done; run the study again to go on"
 
 
 def counts_text(result: Result) -> str:
@@ -178,8 +272,31 @@ def counts_text(result: Result) -> str:
         if failed.any():
             sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
             rows.append((f"{int(failed.sum())}", verdict.name.lower().replace("_", " "), sentence))
-            rows += [("", "", line) for line in _blame(result, failed)]
+            lines = _drops(list(result.missed().items())) if verdict == Verdict.DROPPED else _blame(result, failed)
+            if verdict in MOTION_VERDICTS and status.size > 1:
+                shown = f"sweeps plot {result.path} --variant {int(np.argmax(failed))}"
+                lines = [f"the motion of the first of them, as far as it goes: {shown}"]
+            rows += [("", "", line) for line in lines]
     return table(rows)
+
+
+def _drops(missed: Sequence[tuple[str, np.ndarray]], variants: int | None = None) -> list[str]:
+    """For each condition how many variants fail it, and how many of them fail no other.
+
+    Parameters
+    ----------
+    missed : sequence of (str, ndarray of bool)
+        Condition and whether each variant fails it.
+    variants : int, optional
+        Number of all variants, where those looked at are a sample.
+    """
+    total = np.sum([m for _, m in missed], axis=0)
+    lines = []
+    for text, m in missed:
+        counts = [int(m.sum()), int((m & (total == 1)).sum())]
+        first, alone = (f"{c}" if variants is None else f"about {c * variants // m.size}" for c in counts)
+        lines.append(f"{text}: {first}" + (f", {alone} by this alone" if len(missed) > 1 else ""))
+    return lines
 
 
 def _blame(result: Result, failed: np.ndarray) -> list[str]:
@@ -208,10 +325,8 @@ def variants_text(result: Result, variants: Iterable[int], names: Sequence[str] 
         for name, (factor, _) in units.items():
             value = result.columns[name][variant]
             error = result.columns.get(f"{name}_error")
-            cell = f"{value * factor:.6g}" if np.isfinite(value) else "–"
-            if error is not None and np.isfinite(error[variant]):
-                cell += f" ± {error[variant] * factor:.1g}"
-            cells.append(cell)
+            shown = None if error is None else error[variant] * factor
+            cells.append(figure_text(value * factor, shown, 6) if np.isfinite(value) else "–")
         rows.append(cells)
     return table(rows)
 
@@ -220,7 +335,7 @@ def answer_text(result: Result) -> str:
     """The answer to the study's question: its best variant, by name, parameters and results."""
     goal = result.goal
     if result.description.variants == 1:
-        return "\n".join([*([result.question] if result.question else []), table(_summary_rows(result, 0), "  ")])
+        return "\n".join([*([result.question] if result.question else []), _only_text(result)])
     if goal is None:
         return "No [best] in the study: nothing to choose by. Look with `sweeps show`."
     best = result.best()
@@ -240,11 +355,32 @@ def answer_text(result: Result) -> str:
     return "\n".join(lines)
 
 
-def _summary_rows(result: Result, variant: int) -> list[tuple[str, str, str]]:
-    """Every summary of a variant with its error figure."""
+def _only_text(result: Result) -> str:
+    """Summaries of a single machine, those of each regime together, or why its motion fails."""
+    scene, verdict = result.scene, Verdict(int(result.columns["status"][0]))
+    if not scene.regimes:
+        return table(_summary_rows(result, 0), "  ")
+    parts, failed = [], verdict in MOTION_VERDICTS
+    for regime, names in by_regime(scene, result.summaries).items():
+        if regime and failed:
+            continue
+        head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
+        parts.append(f"{head}\n{table(_summary_rows(result, 0, names), '  ')}")
+    if failed:
+        parts.append(failure_text(with_values(scene, result.variant_values(0))))
+    return "\n".join(parts)
+
+
+def _cycle_words(scene: Scene) -> str:
+    speed = quantity_text(abs(scene.input.speed), "rad s-1")
+    return f"cycle at {speed}, driven by a constant moment, everything acting"
+
+
+def _summary_rows(result: Result, variant: int, names: Iterable[str] | None = None) -> list[tuple[str, str, str]]:
+    """Summaries of a variant with their error figures."""
     return [
         (name, "→", quantity_text(result.columns[name][variant], result.units[name], _error(result, name, variant)))
-        for name in result.summaries
+        for name in (result.summaries if names is None else names)
     ]
 
 

@@ -9,9 +9,11 @@ import numpy as np
 
 from engine import Scene, Verdict, scene_numbers
 from engine.units import any_quantity
+from sweeps.dimensions import check_condition
 from sweeps.expressions import ExpressionError, parse, unknown_name_message
 from sweeps.scenefile import scene_from
 from sweeps.store import Description, columns, describe
+from sweeps.study import misses
 from sweeps.studyfile import Best
 from sweeps.textfile import InputError, parse_toml
 
@@ -68,6 +70,11 @@ class Result:
     def fields(self) -> tuple[str, ...]:
         """Names of the fields."""
         return tuple(c.name for c in self.description.columns if "position" in c.dims)
+
+    @property
+    def done(self) -> int:
+        """How many variants have been computed or dropped so far."""
+        return int((self.columns["status"] != Verdict.NOT_COMPUTED).sum())
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -146,16 +153,37 @@ class Result:
             condition = parse(where, any_quantity)
             if not condition.is_condition:
                 raise ExpressionError(f"{where!r} is a number; a condition such as 'a < b' is needed")
+            check_condition(condition, self.units)
             return np.asarray(condition.evaluate(self.columns), bool)
         except ExpressionError as error:
             raise InputError(str(self.path), [(None, "where", str(error))]) from None
+
+    def candidates(self) -> np.ndarray:
+        """Which variants were computed and meet the condition for the best one (variants,)."""
+        chosen = np.zeros(self.description.variants, bool)
+        chosen[self.select(self.goal.where if self.goal else None)] = True
+        return chosen
+
+    def missed(self) -> dict[str, np.ndarray]:
+        """For each condition of `require`, which variants fail it (variants,); those not computed yet apart.
+
+        Found anew from the parameters, as the file holds only whether a variant was dropped.
+        """
+        texts = self.description.attributes.get("require", "").splitlines()
+        if not texts:
+            return {}
+        fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
+        conditions = [parse(text, any_quantity) for text in texts]
+        found = misses(conditions, fixed | self.columns, self.description.variants)
+        found &= self.columns["status"] != Verdict.NOT_COMPUTED
+        return dict(zip(texts, found, strict=True))
 
     def best(self) -> int | None:
         """Number of the variant that answers the study's question; None without a goal or without candidates."""
         goal = self.goal
         if goal is None:
             return None
-        chosen = self.select(goal.where)
+        chosen = np.flatnonzero(self.candidates())
         values = goal.sign * self.columns[goal.goal][chosen]
         if not np.isfinite(values).any():
             return None

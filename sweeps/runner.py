@@ -13,7 +13,6 @@ import numpy as np
 from engine import SENTENCES, Machine, Outcome, Verdict
 from engine.jit import threads
 from engine.quantities import InputUnits, Quantity
-from engine.units import DIMENSIONS
 from sweeps.scenefile import write_scene
 from sweeps.store import Column, Layout, Store
 from sweeps.study import Study
@@ -23,6 +22,8 @@ from sweeps.study import Study
 WORK_PER_BLOCK = 5e7
 BYTES_PER_BLOCK = 96e6
 LARGEST_BLOCK = 65_536
+# Motion takes a thousand times as long as a cycle at uniform speed.
+LARGEST_BLOCK_IN_MOTION = 4096
 
 
 def block_size(study: Study, machine: Machine) -> int:
@@ -33,7 +34,8 @@ def block_size(study: Study, machine: Machine) -> int:
     work = machine.nodes.size * (len(machine.source("whole").steps) + 10)
     row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
     numbers = 8 * (2 * len(study.summaries) + 4 * len(study.parameters) + len(machine.source("whole").slots) + 8)
-    fitting = min(WORK_PER_BLOCK * 10 / work, BYTES_PER_BLOCK / (row + numbers), LARGEST_BLOCK)
+    most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
+    fitting = min(WORK_PER_BLOCK * 10 / work, BYTES_PER_BLOCK / (row + numbers), most)
     return int(min(max(2 ** int(np.log2(max(fitting, 1))), 16), max(study.design.size, 1)))
 
 
@@ -69,9 +71,7 @@ def layout_of(study: Study, machine: Machine) -> Layout:
 
 
 def _parameter_column(study: Study, name: str) -> Column:
-    dimension = study.parameter_number(name).dimension
-    unit = DIMENSIONS[dimension].unit if dimension else ""
-    return Column(name, name, unit)
+    return Column(name, name, study.unit(name))
 
 
 def _attributes(study: Study, machine: Machine) -> dict[str, str]:
@@ -87,6 +87,7 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "parameters": " ".join(study.parameters),
         "varied": " ".join(study.design.names),
         "best": _goal_text(study),
+        "require": "\n".join(" ".join(e.text.split()) for e in study.require),
         "position": _position_name(study),
         "study": study.text,
         "scene": write_scene(study.scene),

@@ -3,6 +3,7 @@
 import csv
 import io
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -167,6 +168,21 @@ def write_scene(scene: Scene, values: dict[str, float] | None = None) -> str:
             table[last] = int(value) if last == "mode" else number_text(value, number.dimension)
     _label_tables(scene, data)
     return tomli_w.dumps(data)
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """A scene with some of its numbers replaced, such as the machine of one variant of a study.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        New values (SI).
+    """
+    if not values:
+        return scene
+    text = write_scene(scene, dict(values))
+    return scene_from(parse_toml(text, scene.title), text, scene.title or "scene", Path())
 
 
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:

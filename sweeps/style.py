@@ -20,6 +20,8 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
     "#56b4e9",
 )
 GREY = "#8a8f94"
+# What was computed but isn't wanted.
+PALE = "#c9cdd1"
 # Map of colours for numbers.
 COLOURS = "cividis"
 FORMATS = (".svg", ".pdf", ".png")

@@ -10,6 +10,8 @@ from engine import Verdict
 from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 
+NO_BREAK = "\N{NO-BREAK SPACE}"
+LONGEST_LEGEND = 200
 SYMBOLS = {
     "reduced_inertia": "I",
     "reduced_moment": "M",
@@ -47,6 +49,10 @@ class SweepData(NamedTuple):
     position : ndarray (positions,), optional
         Positions of the fields, SI.
     position_units : str
+    condition : str
+        What the best variant must meet, "" where nothing is asked.
+    candidates : ndarray (variants,) of bool, optional
+        Which of the computed variants meet it; all of them unless given.
     """
 
     arrays: Mapping[str, np.ndarray]
@@ -58,6 +64,19 @@ class SweepData(NamedTuple):
     status: np.ndarray
     position: np.ndarray | None = None
     position_units: str = "rad"
+    condition: str = ""
+    candidates: np.ndarray | None = None
+
+    @property
+    def out(self) -> np.ndarray:
+        """Which of the variants computed without complaint miss the condition."""
+        return np.zeros_like(self.ok) if self.candidates is None else self.ok & ~self.candidates
+
+    def legend_of(self, words: str) -> str:
+        """Words followed by the condition, as a legend has it: quantities stay on one line, long ones are cut."""
+        condition = re.sub(r"'[^']*'", lambda quoted: quoted[0].replace(" ", NO_BREAK), self.condition)
+        text = f"{words} {condition}"
+        return "\n".join(wrapped(text if len(text) <= LONGEST_LEGEND else f"{text[:LONGEST_LEGEND]} …", 70))
 
     @property
     def ok(self) -> np.ndarray:

@@ -10,6 +10,8 @@ from pydantic import BaseModel, Tag, ValidationError
 
 from engine.names import nearest
 
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
 
 class InputError(ValueError):
     """A text that is refused; `problems` holds (line or None, key path, message)."""
@@ -22,6 +24,15 @@ class InputError(ValueError):
         for line, key, message in self.problems:
             place = f"{self.source}, line {line}" if line else self.source
             yield f"{place}: {key}: {message}" if key else f"{place}: {message}"
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether a file is there and begins as an HDF5 file does."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
+    except (OSError, ValueError):
+        return False
 
 
 def read_text(path: Path) -> str:
@@ -37,9 +48,13 @@ def read_text(path: Path) -> str:
     except OSError as error:
         raise InputError(str(path), [(None, "", f"can't be read: {error.strerror}")]) from None
     except ValueError:
-        raise InputError(
-            str(path), [(None, "", "is not UTF-8 text; a result file (.h5) is looked at with `sweeps show`")]
-        ) from None
+        is_result = is_hdf5(path)
+        message = (
+            "is a result file (HDF5), not a text; look at it with `sweeps show`"
+            if is_result
+            else "is not UTF-8 text, as scenes, studies and tables are"
+        )
+        raise InputError(str(path), [(None, "", message)]) from None
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:

@@ -1,10 +1,14 @@
 """Animations: as many frames as asked for, small, endless."""
 
+import math
+
 import pytest
 from drawn_machines import four_bar, sliding_input
 from PIL import Image
 
+from sweeps import animation
 from sweeps.animation import animate
+from sweeps.drawing import paint
 from sweeps.errors import PictureError
 
 
@@ -29,3 +33,27 @@ def test_animation__asked_frames_small_and_endless(scene, tmp_path):
 def test_animation_with_wrong_settings__refused(file, settings_, words, tmp_path):
     with pytest.raises(PictureError, match=words):
         animate(four_bar(), tmp_path / file, **settings_)
+
+
+@pytest.mark.parametrize("scene", [four_bar(), sliding_input()], ids=["crank", "sliding input"])
+def test_names_of_joints__go_along_with_them_and_never_hop(scene, tmp_path, monkeypatch):
+    poses = []
+
+    def painted(ax, drawn, factor):
+        poses.append(list(drawn))
+        paint(ax, drawn, factor)
+
+    monkeypatch.setattr(animation, "paint", painted)
+    animate(scene, tmp_path / "a.gif", frames=8)
+    assert len(poses) == 8
+    offsets = {}
+    for pose in poses:
+        joints = {p.text: p.points[0] for p in pose if p.layer == "joints" and p.text}
+        names = {p.text: p.points[0] for p in pose if p.kind == "text"}
+        assert set(names) == set(joints) != set()
+        for name, place in names.items():
+            offsets.setdefault(name, []).append(place - joints[name])
+    for name, away in offsets.items():
+        # Two roundings of coordinates below 1 m.
+        assert all(math.isclose(abs(a - away[0]), 0, abs_tol=1e-15) for a in away), name
+        assert abs(away[0]) > 0

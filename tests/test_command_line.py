@@ -201,12 +201,6 @@ def test_run_of_a_bad_scene__tells_the_scene_s_file(folder):
     assert "press.toml, line 19: groups.slide.first.joint: 'Z' is not a point" in refused("run", "study.toml")
 
 
-def test_run_of_a_folder_or_a_binary__is_refused(folder):
-    Path("binary.toml").write_bytes(bytes(range(256)))
-    assert "binary.toml" in refused("run", "binary.toml")
-    assert str(folder) in refused("run", str(folder))
-
-
 def test_out_under_a_file__is_refused(folder):
     assert "press.toml" in refused("run", "study.toml", "--no-plots", "--out", "press.toml/r.h5")
 
@@ -240,8 +234,82 @@ def test_interrupt__has_its_own_exit_code(folder, monkeypatch):
     monkeypatch.setattr("sweeps.runner.run_study", stopped)
     answer = said("run", "study.toml", "--no-plots")
     assert answer.exit_code == 130
-    assert "the same command goes on" in answer.stderr
+    assert "Interrupted: 0 of 8 variants are done and kept; the same command goes on from there." in answer.stderr
     assert answer.stdout == ""
+
+
+def interrupted(after: int) -> click.testing.Result:
+    """A run stopped by the keyboard after so many variants, in blocks of three."""
+
+    def stop(self: object, done: int, before: int) -> None:
+        if done >= after:
+            raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sweeps.runner.block_size", lambda study, machine: 3)
+        patch.setattr(cli._Progress, "update", stop)
+        return said("run", "study.toml", "--no-plots", "--out", "r.h5")
+
+
+def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(folder, monkeypatch):
+    assert "Interrupted: 3 of 8 variants are done and kept; the same command goes on" in interrupted(3).stderr
+    assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
+    assert "Interrupted: 6 of 8 variants" in interrupted(6).stderr
+    monkeypatch.setattr("sweeps.runner.block_size", lambda study, machine: 3)
+    assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
+
+
+REQUIRE = """require = [
+  "bodies.ram.mass < '90 kg'",
+  "input.length <= '60 mm'",
+]
+"""
+
+
+def test_what_each_condition_drops__is_told_by_check_run_and_show(folder):
+    Path("study.toml").write_text(STUDY.replace("positions", f"{REQUIRE}positions"))
+    # Of 4 lengths × 2 masses: one mass in four lengths, one length in two masses; one variant fails both.
+    counts = ["bodies.ram.mass < '90 kg': 4, 3 by this alone", "input.length <= '60 mm': 2, 1 by this alone"]
+    checked = said("check", "study.toml").stdout
+    assert "required, 5 of 8 dropped:" in checked
+    assert all(line in checked for line in counts)
+    ran, shown = said("run", "study.toml", "--no-plots", "--out", "r.h5").stdout, said("show", "r.h5").stdout
+    for text in (ran, shown):
+        lines = [line.strip() for line in text.splitlines()]
+        dropped = next(i for i, line in enumerate(lines) if "dropped by a constraint" in line)
+        assert lines[dropped].startswith("5 ")
+        assert lines[dropped + 1 : dropped + 3] == counts
+        # Failures of groups are told apart from what is dropped.
+        assert "group slide" not in text
+
+
+def test_what_each_condition_drops__counts_only_what_is_done(folder):
+    Path("study.toml").write_text(STUDY.replace("positions", f"{REQUIRE}positions"))
+    interrupted(3)
+    # The first three variants: 40 mm with both masses, 60 mm with 50 kg.
+    assert "bodies.ram.mass < '90 kg': 1, 1 by this alone" in said("show", "r.part.h5").stdout
+    assert "input.length <= '60 mm': 0, 0 by this alone" in said("show", "r.part.h5").stdout
+
+
+def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_many(folder, monkeypatch):
+    from sweeps import report
+
+    monkeypatch.setattr(report, "MOST_COUNTED", 64)
+    monkeypatch.setattr(report, "LARGEST_BLOCK", 4)
+    vary = '"input.length" = {from = "40 mm", to = "60 mm", count = 4001}'
+    start, end = STUDY.index('"input.length"'), STUDY.index("[outputs]")
+    text = STUDY[:start] + vary + "\n" + STUDY[end:]
+    Path("study.toml").write_text(text.replace("positions", "require = [\"input.length > '45 mm'\"]\npositions"))
+    line = next(line for line in said("check", "study.toml").stdout.splitlines() if "required" in line)
+    share = float(line.split("about ")[1].split(" %")[0])
+    # Sixteen samples evenly taken: the border lies within one of them.
+    assert abs(share - 25) <= 100 / 15
+
+
+def test_words_of_reports__are_the_engineer_s(result):
+    texts = [said(*arguments).stdout for arguments in (("check", "study.toml"), ("show", result))]
+    assert not any("block" in text for text in texts)
 
 
 def test_progress_into_a_pipe__is_plain_lines_now_and_then(folder, monkeypatch):
@@ -330,7 +398,7 @@ def test_show__lists_what_meets_the_study_s_condition_the_best_first(result):
     answer = said("show", result)
     assert answer.exit_code == 0
     assert answer.stderr == ""
-    assert answer.stdout.splitlines()[0] == "Which crank?: 8 variants, 1 of 1 blocks done"
+    assert answer.stdout.splitlines()[0] == "Which crank?: 8 variants, all done"
     assert [row[0] for row in table_of(answer.stdout)] == ["6", "7", "2", "3"]
     assert [row[1] for row in table_of(answer.stdout)] == ["50", "50", "60", "60"]
     assert "Answer: the least excess_work" in answer.stdout
@@ -375,10 +443,85 @@ def test_show_with_a_bad_option__is_refused(options, words, result):
     assert not Path("stolen").exists()
 
 
-@pytest.mark.parametrize("content", [b"", b"title = 1", bytes(range(256)), b"\x89HDF\r\n\x1a\n" + bytes(100)])
-def test_show_of_what_is_no_result__is_refused(content, folder):
-    Path("no.h5").write_bytes(content)
-    assert "no.h5" in refused("show", "no.h5")
+WRONG = {
+    "empty": b"",
+    "text.toml": b"title = 'x'",
+    "random": bytes(range(256)),
+    "damaged.h5": b"\x89HDF\r\n\x1a\n" + bytes(100),
+    "folder": None,
+    "nothing": None,
+    "r.h5": None,
+}
+KINDS = [
+    ("run check plot animate", "empty", "is empty; `sweeps new slider_crank` writes a scene"),
+    ("show", "empty", "it is empty, so no result of a sweep"),
+    ("run check plot animate", "text.toml", "scene: is missing"),
+    ("show", "text.toml", "it is no HDF5 file, so no result of a sweep. Scenes and studies are looked at with"),
+    ("run check plot animate", "random", "is not UTF-8 text"),
+    ("show", "random", "it is no HDF5 file"),
+    ("run check", "damaged.h5", "is a result file (HDF5), not a text; look at it with `sweeps show`"),
+    ("show plot animate", "damaged.h5", "it is damaged or cut off"),
+    ("run check plot animate", "folder", "is a folder; give a study or a scene"),
+    ("show", "folder", "this is a folder"),
+    ("show", ".", "this is a folder"),
+    ("run check plot animate", "nothing", "there is no such file, and no bundled study of that name"),
+    ("show", "nothing", "there is no such file. Results are .h5 files"),
+    ("run check", "r.h5", "is a result file (HDF5), not a text; look at it with `sweeps show`"),
+]
+
+
+@pytest.mark.parametrize(
+    ("command", "file", "words"), [(command, file, words) for all_, file, words in KINDS for command in all_.split()]
+)
+def test_file_of_the_wrong_kind__is_refused_in_one_sentence(command, file, words, result):
+    Path("folder").mkdir()
+    for name, content in WRONG.items():
+        if content is not None:
+            Path(name).write_bytes(content)
+    message = refused(command, file)
+    assert words in message
+    assert f" {file}: " in message or f"{file}, line" in message
+    assert len(message.splitlines()) == 1
+    for foreign in ("h5py", "Unable", "Errno", "synchronously", "Traceback"):
+        assert foreign not in message
+
+
+def test_text_without_any_known_key__is_told_to_be_neither_study_nor_scene(folder):
+    Path("other.toml").write_text("[project]\nname = 'x'\n")
+    assert "neither a study (it has no key 'scene') nor a scene" in refused("check", "other.toml")
+
+
+def test_result_under_another_name__is_known_by_its_content(result):
+    Path(result).rename("r.dat")
+    assert said("plot", "r.dat", "--variant", "2", "--out", "p.png").stdout.startswith("Wrote p.png")
+    assert said("export", "r.dat", "--to", "r.csv").exit_code == 0
+    assert len(Path("r.csv").read_text().splitlines()) == 9
+
+
+def test_condition_of_another_dimension__is_refused_by_show_and_export(result):
+    for command in (("show", result), ("export", result, "--to", "r.csv")):
+        message = refused(*command, "--where", "ram.stroke > '2 kg'")
+        assert "compares a length with a mass" in message
+        assert "no unit: write '2 m'" in refused(*command, "--where", "ram.stroke > 2")
+
+
+SLIDING = SCENE.replace(
+    'type = "crank"\npivot = "O"\npin = "A"\nlength = "50 mm"\nspeed = "60 rpm"',
+    'type = "slider"\nlink = "bar"\npoint = "A"\nguide = "bed"\nstart = "10 mm"\nstop = "50 mm"\nspeed = "1 m/s"',
+).replace("[input]", 'bed = {angle = "0 deg"}\n\n[input]')
+
+
+@pytest.mark.parametrize(
+    ("scene", "head", "first", "second"),
+    # A full turn in 360 steps; 40 mm in 360 steps from 10 mm on.
+    [(SCENE, "phi [rad]", 0.0, 0.017453292519943295), (SLIDING, "q [m]", 0.01, 0.01 + 0.04 / 360)],
+)
+def test_export_of_positions__begins_with_the_input_and_its_unit(scene, head, first, second, folder):
+    Path("press.toml").write_text(scene)
+    assert said("export", "press.toml", "--to", "p.csv").exit_code == 0
+    header, *rows = (line.split(",") for line in Path("p.csv").read_text().splitlines())
+    assert header[0] == head
+    assert [float(rows[0][0]), float(rows[1][0])] == pytest.approx([first, second], rel=1e-12)
 
 
 def test_show_of_another_hdf5_file__is_refused(folder):
@@ -387,11 +530,6 @@ def test_show_of_another_hdf5_file__is_refused(folder):
     with h5py.File("other.h5", "w") as file:
         file["x"] = [1, 2]
     assert "other.h5 is no result of a sweep" in refused("show", "other.h5")
-
-
-def test_show_of_nothing_or_a_folder__is_refused(folder):
-    assert "nothing.h5" in refused("show", "nothing.h5")
-    assert str(folder) in refused("show", str(folder))
 
 
 # new, list, and what belongs to none

@@ -78,7 +78,7 @@ ASKED = """
 [outputs]
 summaries = ["ram.stroke", "rocker.swing", "excess_work"]
 """
-BEST = '\n[best]\nminimise = "excess_work"\nwhere = "ram.stroke > 0.08"\n'
+BEST = '\n[best]\nminimise = "excess_work"\nwhere = "ram.stroke > \'80 mm\'"\n'
 FIELDS = ASKED + 'fields = ["ram.slide", "reduced_moment"]\n' + BEST
 STROKE = '\n[outputs]\nsummaries = ["ram.stroke"]\n'
 LISTS = """
@@ -146,6 +146,10 @@ CODES = {
     3: "outside_limits",
     4: "dropped",
     5: "not_finite",
+    6: "stalls",
+    7: "runs_away",
+    8: "no_end",
+    9: "too_stiff",
     255: "not_computed",
 }
 
@@ -187,7 +191,7 @@ def test_file__tells_where_it_comes_from(result):
     assert attributes["question"] == "How short?"
     assert attributes["study"] == GOOD
     assert attributes["parameters"] == PARAMETERS
-    assert attributes["best"] == "minimise excess_work where ram.stroke > 0.08"
+    assert attributes["best"] == "minimise excess_work where ram.stroke > '80 mm'"
     assert attributes["groups"] == "bars, press"
     assert attributes["grid"] == "input.length[2] x bodies.ram.mass[2]"
     assert len(attributes["study_hash"]) == 64
@@ -197,7 +201,7 @@ def test_file__tells_where_it_comes_from(result):
     assert attributes["finished"].startswith("20")
     assert set(attributes) == {
         *("Conventions", "title", "question", "study", "scene", "parameters", "best", "groups", "grid"),
-        *("study_hash", "versions", "machine", "finished", "outcome", "varied", "position"),
+        *("study_hash", "versions", "machine", "finished", "outcome", "varied", "position", "require"),
     }
     assert Result(result).scene == study_of(result.parent, GOOD).scene
 
@@ -249,7 +253,7 @@ def test_scene_alone__runs_as_one_variant(tmp_path):
 
 def test_failing_variants__get_nan_a_verdict_and_the_place(tmp_path):
     lengths = ["50 mm", "240 mm", "200 mm", "-1 mm", "120 mm"]
-    head = "positions = 48\nrequire = ['bodies.ram.mass < 1e6']\n"
+    head = "positions = 48\nrequire = [\"bodies.ram.mass < '1e6 kg'\"]\n"
     path = run(tmp_path, text_of(lengths, ["1 kg", "2000 t", "-1 kg"], FIELDS, head))
     columns = Result(path).columns
     status, V = columns["status"].reshape(5, 3), Verdict

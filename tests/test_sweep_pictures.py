@@ -8,9 +8,14 @@ import pytest
 from matplotlib.figure import Figure
 
 from engine import Verdict
+from sweeps.diagrams import diagrams
 from sweeps.errors import PictureError
 from sweeps.maps import curves, field_band, map2d, plot_result, scatter
+from sweeps.parallel_coordinates import parallel
 from sweeps.pareto import pareto_front
+from sweeps.scenefile import read_scene
+from sweeps.study import STUDIES
+from sweeps.style import PALE, new_figure
 from sweeps.sweep_data import SweepData
 
 
@@ -40,8 +45,9 @@ def test_curves__values_error_band_and_failed_variants():
     assert np.isnan(bottom.lines[0].get_ydata()[:2]).all()
     assert top.lines[1].get_xdata() == pytest.approx([100, 112.5])
     assert top.lines[2].get_xdata() == pytest.approx([150])
-    labels = [text.get_text() for text in top.get_legend().get_texts()]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["error figure", "can't be assembled", "best"]
+    assert top.get_legend() is None
     assert top.get_ylabel() == "Mass of the wheel, g"
     assert bottom.get_xlabel() == "a, mm"
 
@@ -122,6 +128,112 @@ def test_random_samples__are_no_grid():
     data = data._replace(arrays={name: values[shuffled] for name, values in data.arrays.items()})
     assert data.grid_parameters() == []
     assert grid_data((4, 1, 5), parameters=("a", "b", "c")).grid_parameters() == ["a", "c"]
+
+
+# Variants that miss the condition for the best one
+
+
+def conditioned(shape, out, failed=(), parameters=("a", "b")):
+    data = grid_data(shape, failed, parameters)
+    candidates = data.ok.copy()
+    candidates[list(out)] = False
+    return data._replace(condition="mass < '2 kg' and b > '3 mm'", candidates=candidates)
+
+
+def labels_of(figure):
+    return [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in figure.legends[0].get_texts()]
+
+
+MISSING = "doesn't meet: mass < '2 kg' and b > '3 mm'"
+
+
+def test_out__is_what_was_computed_but_misses_the_condition():
+    data = conditioned((4,), [0, 1], failed=[1], parameters=("a",))
+    assert data.out.tolist() == [True, False, False, False]
+    assert grid_data((4,), parameters=("a",)).out.tolist() == [False] * 4
+
+
+def test_curves__missing_variants_are_pale():
+    figure = Figure()
+    data = conditioned((9,), [0, 1, 2], failed=[8], parameters=("a",))
+    curves(figure, data, "a", ["mass"])
+    pale = next(line for line in figure.axes[0].lines if line.get_color() == PALE)
+    assert np.isfinite(pale.get_ydata()).tolist() == [True] * 3 + [False] * 6
+    assert pale.get_ydata()[:3] == pytest.approx(1000 * data.arrays["mass"][:3])
+    assert labels_of(figure) == ["error figure", MISSING, "can't be assembled"]
+
+
+def test_map__missing_cells_are_veiled():
+    figure = Figure()
+    axes = figure.add_subplot()
+    data = conditioned((5, 4), [0, 7, 8], failed=[3])
+    map2d(axes, data, "a", "b", "mass")
+    veil = axes.collections[-1].get_array()
+    # Rows of the picture run along b, the second axis of the grid.
+    assert np.argwhere(~np.ma.getmaskarray(veil)).tolist() == [[0, 0], [0, 2], [3, 1]]
+    assert labels_of(figure) == [MISSING, "can't be assembled"]
+
+
+def test_scatter__missing_dots_are_pale_and_not_on_the_front():
+    figure = Figure()
+    axes = figure.add_subplot()
+    data = conditioned((5, 4), range(10), failed=[19])
+    scatter(axes, data, "mass", "cost", "a", minimise=(True, False))
+    pale, coloured = axes.collections
+    assert len(pale.get_offsets()) == 10
+    assert len(coloured.get_offsets()) == 9
+    assert axes.lines[0].get_xdata().min() == pytest.approx(1000 * data.arrays["mass"][10:19].min())
+    assert labels_of(figure) == [MISSING, "Pareto front"]
+
+
+def test_parallel__missing_lines_are_pale():
+    figure = Figure()
+    axes = figure.add_subplot()
+    data = conditioned((5, 4), range(15), failed=[19])
+    parallel(axes, data, ["a", "b", "mass"], "mass")
+    pale, coloured = axes.collections
+    assert len(pale.get_paths()) == 15
+    assert np.asarray(coloured.get_array()) == pytest.approx(1000 * data.arrays["mass"][15:19])
+    assert labels_of(figure) == [MISSING]
+
+
+def test_field_band__of_what_meets_the_condition_within_that_of_all():
+    axes = Figure().add_subplot()
+    data = conditioned((4, 3), range(6), failed=[11])
+    field_band(axes, data, "moment")
+    of_all, of_chosen = (band.get_paths()[0].vertices[:, 1].max() for band in axes.collections)
+    assert of_all == pytest.approx(data.arrays["moment"][:11].max())
+    assert of_chosen == pytest.approx(data.arrays["moment"][6:11].max())
+    texts = [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in axes.get_legend().get_texts()]
+    assert texts == ["all 11 variants", "5 variants with mass < '2 kg' and b > '3 mm'", "median"]
+
+
+@pytest.mark.parametrize("asked", [{}, {"y": "moment"}, {"x": "mass", "y": "cost", "colour": "a"}])
+@pytest.mark.parametrize("shape", [(6,), (6, 5), (3, 4, 5)])
+def test_picture_where_no_variant_meets_the_condition__is_drawn_all_the_same(shape, asked, tmp_path):
+    data = conditioned(shape, range(math.prod(shape)), parameters=("a", "b", "c")[: len(shape)])
+    plot_result(data, tmp_path / "a.svg", **asked)
+    ElementTree.parse(tmp_path / "a.svg")
+
+
+def test_long_condition__is_cut_in_a_legend():
+    data = grid_data((2,), parameters=("a",))._replace(condition=" and ".join(["mass < '2 kg'"] * 50))
+    label = data.legend_of("doesn't meet:")
+    assert len(label) < 220
+    assert label.endswith(" …")
+    assert all(len(line) <= 70 for line in label.splitlines())
+    assert "2\N{NO-BREAK SPACE}kg" in label
+    assert "2 kg" not in label
+
+
+def test_legend_of_the_energy_loop__lies_beside_all_axes():
+    figure = new_figure(180, 115)
+    scene = read_scene(STUDIES / "scenes" / "crank_press.toml")
+    diagrams(scene, figure)
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert not any(legend.overlaps(ax.get_window_extent()) for ax in figure.axes)
+    assert not any(ax.get_legend() for ax in figure.axes)
 
 
 def test_unknown_column__refused_with_those_there_are(tmp_path):

@@ -6,6 +6,7 @@ it covers. `draw` paints them on axes of matplotlib, `picture` to a file.
 
 from sweeps.drawing.figures import figures, primitives
 from sweeps.drawing.motion import Motion
+from sweeps.drawing.names import names_of_points
 from sweeps.drawing.painting import FILLS, bounds, draw, paint, picture, prepare
 from sweeps.drawing.symbols import LAYERS, Primitive
 
@@ -17,6 +18,7 @@ __all__ = [
     "bounds",
     "draw",
     "figures",
+    "names_of_points",
     "paint",
     "picture",
     "prepare",

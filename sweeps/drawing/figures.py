@@ -71,7 +71,7 @@ def figures(motion: Motion, at: Sequence[float], paths: Sequence[str] = ()) -> l
     others = [moving_parts(motion, k) for k in rest]
     whole = [*frame_parts(motion), *trails, *moving_parts(motion, first), *sense_of_input(motion, first)]
     obstacles = [*whole, *(p for other in others for p in other)]
-    return [*others, [*whole, *names_of_points(motion, first, obstacles)]]
+    return [*others, [*whole, *names_of_points(motion, [first], [obstacles])[0]]]
 
 
 def _once(path: np.ndarray, near: float) -> np.ndarray:

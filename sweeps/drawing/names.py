@@ -1,7 +1,7 @@
 """What a drawing is lettered with: the names of points, and the arrow of the input's motion."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -50,21 +50,41 @@ def _marks(drawn: Iterable[Primitive], step: float) -> np.ndarray:
     return np.concatenate([np.linspace(a, b, n) for (a, b), n in zip(pieces, counts, strict=True)])
 
 
-def names_of_points(m: Motion, k: int, drawn: Iterable[Primitive]) -> list[Primitive]:
-    """Names beside their points, where they cover least of what is drawn."""
-    height, found = NAME_HEIGHT * m.radius, []
-    marks = _marks(drawn, 0.3 * height)
+def names_of_points(m: Motion, nodes: Sequence[int], drawn: Sequence[Iterable[Primitive]]) -> list[list[Primitive]]:
+    """Names beside their points, at every node on the same side: where they cover least of what is drawn.
+
+    Parameters
+    ----------
+    m : Motion
+    nodes : sequence of int
+    drawn : sequence of iterable of Primitive
+        What is drawn at each node.
+
+    Returns
+    -------
+    list of list of Primitive
+        The names at each node.
+    """
+    height, found = NAME_HEIGHT * m.radius, [[] for _ in nodes]
+    marks = [_marks(figures, 0.3 * height) for figures in drawn]
     around = np.exp(1j * np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]))
     u, reach = np.tile(around, 4), np.repeat([0.25, 0.5, 1.0, 1.7], around.size)
     square = np.add.outer(np.linspace(-1, 1, 5), 1j * np.linspace(-1, 1, 5)).ravel()
-    for joint in joints(m, k):
-        if joint.text:
-            half = complex(0.36 * len(joint.text), 0.5) * height
-            beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * u.imag
-            places = joint.points[0] + (joint.size + height * reach) * u + beside
-            gap = marks - places[:, None]
-            covered = (np.abs(gap.real) < 1.35 * half.real) & (np.abs(gap.imag) < 1.2 * half.imag)
-            at = places[np.argmin(3 * covered.sum(axis=1) + reach)]
-            found.append(Primitive("names", "text", (complex(at),), height, "none", joint.text))
-            marks = np.append(marks, at + square.real * half.real + 1j * square.imag * half.imag)
+    for same in zip(*([joint for joint in joints(m, k) if joint.text] for k in nodes), strict=True):
+        joint = same[0]
+        half = complex(0.36 * len(joint.text), 0.5) * height
+        beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * u.imag
+        away = (joint.size + height * reach) * u + beside
+        covered = [_covered(there, j.points[0] + away, half) for there, j in zip(marks, same, strict=True)]
+        chosen = away[np.argmin(3 * np.mean(covered, axis=0) + reach)]
+        for i, j in enumerate(same):
+            at = complex(j.points[0] + chosen)
+            found[i].append(Primitive("names", "text", (at,), height, "none", joint.text))
+            marks[i] = np.append(marks[i], at + square.real * half.real + 1j * square.imag * half.imag)
     return found
+
+
+def _covered(marks: np.ndarray, places: np.ndarray, half: complex) -> np.ndarray:
+    """How many of the marks a name of half this size would cover at each place."""
+    gap = marks - places[:, None]
+    return ((np.abs(gap.real) < 1.35 * half.real) & (np.abs(gap.imag) < 1.2 * half.imag)).sum(axis=1)

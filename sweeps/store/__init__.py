@@ -1,5 +1,6 @@
 """HDF5 files of sweep results: written block by block, safe against kills, read by any HDF5 tool."""
 
+from .creating import part_path
 from .errors import StoreError
 from .layout import NOT_COMPUTED, Column, Layout
 from .reading import Description, columns, describe, iterate, read
@@ -15,5 +16,6 @@ __all__ = [
     "columns",
     "describe",
     "iterate",
+    "part_path",
     "read",
 ]

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import h5py
 import numpy as np
 
+from sweeps.textfile import HDF5_SIGNATURE
+
 from .creating import part_path
 from .errors import StoreError, explained
 from .layout import Column
@@ -181,15 +183,31 @@ def _open_unlocked(path: Path) -> h5py.File:
     try:
         return h5py.File(path, "r", locking=False)
     except OSError:
+        pass
+    try:
         # HDF5 wants the same answer about locks from all who have a file open in one process.
         return h5py.File(path, "r")
+    except OSError as error:
+        if not error.errno:
+            raise StoreError(f"cannot read {path}: it is damaged or cut off. Run its sweep again.") from error
+        raise
 
 
 def _existing(path: Path) -> Path:
     path = Path(path)
-    part = part_path(path)
-    if not path.exists() and part.exists():
-        raise StoreError(f"{path} is not finished: run its sweep again to go on, or look at {part}.")
+    if path.is_dir():
+        raise StoreError(f"cannot read {path}: this is a folder, no result of a sweep.")
+    if not path.exists():
+        part = part_path(path)
+        if part.exists():
+            raise StoreError(f"{path} is not finished: run its sweep again to go on, or look at {part}.")
+        raise StoreError(f"cannot read {path}: there is no such file. Results are .h5 files, made by `sweeps run`.")
+    with explained(path, "read"), path.open("rb") as file:
+        start = file.read(len(HDF5_SIGNATURE))
+    if start != HDF5_SIGNATURE:
+        found = "it is no HDF5 file" if start else "it is empty"
+        mend = " Scenes and studies are looked at with `sweeps check`." if path.suffix == ".toml" else ""
+        raise StoreError(f"cannot read {path}: {found}, so no result of a sweep.{mend}")
     return path
 
 

@@ -1,0 +1,1 @@
+"""True motion of a machine: the equation of motion under its motors and loads, its regimes, its flywheel."""

@@ -1,0 +1,247 @@
+"""A machine's equation of motion, made ready: I(φ) and M(φ, ω) of many variants, with chosen actions at work."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.actions import DCMotor
+from engine.drives import induction_motor, induction_motor_slope
+from engine.jit import over_variants
+from engine.model import LinearRow, Model
+from engine.motion.breaks import Breaks, Landmarks, instants_of
+from engine.motion.energy_form import Drive, Tables
+from engine.motion.grid import Grid, make_grid
+from engine.motion.tabulation import Ends, Tabulation
+from engine.motors import kloss_constants, motor_ratio, stall_moment
+from engine.scene import Numbers
+
+# Sorts of work that are told apart where works are asked.
+CHANNELS = ("driving", "useful", "harmful", "braking", "other")
+
+
+class Variants(NamedTuple):
+    """A set of variants, ready for motion.
+
+    Attributes
+    ----------
+    numbers : Numbers
+    direction : ndarray (variants,)
+        +1 or −1: the way the crank turns.
+    flywheel : ndarray (variants,)
+        Inertia added to the machine's [kg·m²].
+    parameters : ndarray (slots, variants)
+        Of the rows.
+    ends : mapping of slider to Ends
+    breaks : Breaks
+        Of all actions.
+    drive : Drive or None
+        The motors at work, from `Dynamics.driven`.
+    """
+
+    numbers: Numbers
+    direction: np.ndarray
+    flywheel: np.ndarray
+    parameters: np.ndarray
+    ends: Mapping[str, Ends]
+    breaks: Breaks
+    drive: Drive | None = None
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return self.direction.size
+
+    def some(self, chosen: np.ndarray) -> "Variants":
+        """Some of them, by index."""
+        drive = self.drive
+        return Variants(
+            self.numbers.of_variants(chosen),
+            self.direction[chosen],
+            self.flywheel[chosen],
+            np.ascontiguousarray(self.parameters[:, chosen]),
+            {name: Ends(*(part[chosen] for part in end)) for name, end in self.ends.items()},
+            self.breaks.some(chosen),
+            None if drive is None else Drive(*(np.ascontiguousarray(part[..., chosen]) for part in drive)),
+        )
+
+
+class Reduction:
+    """Rows of a model in motion, made once for whatever acts: I, dI/dφ, and the moment of each action by its order."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.keys = list(dict.fromkeys((term.action, term.order) for term in model.moments.terms))
+        rows = {name: model.linear[name] for name in ("reduced_inertia", "reduced_inertia_phi")}
+        for action, order in self.keys:
+            chosen = [t for t in model.moments.terms if (t.action, t.order) == (action, order)]
+            rows[f"{action} {order}"] = LinearRow(None, tuple((t.coefficient, t.basis) for t in chosen))
+        self.tabulation = Tabulation(model, rows)
+        self.landmarks = Landmarks(model)
+
+    def variants(self, numbers: Numbers, direction: np.ndarray, flywheel: np.ndarray) -> "Variants":
+        """Make a set of variants ready.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        direction : ndarray (variants,)
+            +1 or −1: the way the crank turns.
+        flywheel : ndarray (variants,)
+            Inertia added to the machine's [kg·m²].
+        """
+        count = direction.size
+        ends, breaks = self.landmarks(numbers, count, direction)
+        parameters = self.tabulation.parameters(numbers, count, direction)
+        return Variants(numbers, direction, flywheel, parameters, ends, breaks)
+
+
+class Dynamics:
+    """The equation of motion of a machine with some of its actions at work.
+
+    Parameters
+    ----------
+    reduction : Reduction
+    off : frozenset of str
+        Actions, motors among them, that don't act.
+    works : bool
+        Whether the works of useful and harmful loads, … are told apart.
+    """
+
+    def __init__(self, reduction: Reduction, off: frozenset[str] = frozenset(), works: bool = False) -> None:
+        model = reduction.model
+        self.model, self.works, self.reduction = model, works, reduction
+        self.channels = CHANNELS if works else ("all",)
+        self.motors = tuple(name for name in model.moments.motors if name not in off)
+        terms = [t for t in model.moments.terms if t.action not in off]
+        self.active = frozenset(t.action for t in terms)
+        laws = model.moments.laws
+        self.timed = any(t.basis in laws and laws[t.basis].clock for t in terms)
+        self.instants = instants_of(model, self.active)
+        roles = {t.action: t.role for t in terms}
+        # Of each row of the reduction that acts: its number, its channel and its order.
+        self.polynomial, self.laws = [], []
+        for i, (action, order) in enumerate(reduction.keys):
+            if action in self.active:
+                place = (i + 2, self._channel(roles[action]), order)
+                (self.laws if isinstance(order, str) else self.polynomial).append(place)
+        self.cycle = 2 * np.pi * model.scene.input.revolutions
+
+    def _channel(self, role: str | None) -> int:
+        if not self.works:
+            return 0
+        return CHANNELS.index(role if role in CHANNELS else "other")
+
+    @property
+    def laws_channels(self) -> tuple[int, ...]:
+        """Channel of each power law."""
+        return tuple(channel for _, channel, _ in self.laws)
+
+    def driven(self, variants: Variants) -> Variants:
+        """The variants with the motors that are at work here."""
+        return variants._replace(
+            breaks=variants.breaks.of(self.active), drive=self._drive(variants.numbers, variants.count)
+        )
+
+    def _drive(self, numbers: Numbers, count: int) -> Drive:
+        scene, line, kloss = self.model.scene, np.zeros((2, count)), []
+        for name in self.motors:
+            motor, at = scene.moments[name], f"moments.{name}"
+            ratio = np.abs(motor_ratio(scene, motor, numbers))
+            if isinstance(motor, DCMotor):
+                stall = stall_moment(motor, at, numbers)
+                line[0] += ratio * stall
+                line[1] -= ratio * ratio * stall / numbers[f"{at}.no_load_speed"]
+            else:
+                constants = (*kloss_constants(motor, at, numbers), ratio)
+                kloss.append(np.array([np.broadcast_to(c, count) for c in constants]))
+        exponents = [np.broadcast_to(numbers[path], count) for _, _, path in self.laws]
+        return Drive(
+            line, np.array(kloss).reshape(len(kloss), 5, count), np.array(exponents).reshape(len(exponents), count)
+        )
+
+    def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:
+        """Grid from a start angle, with a node at every break."""
+        return make_grid(start, length, variants.direction, steps, self.cycle, variants.breaks)
+
+    def tables(self, variants: Variants, grid: Grid) -> Tables:
+        """What depends on the crank angle, at the places of a grid."""
+        rows = self.rows(variants, grid.places)
+        return Tables(grid.steps, rows.inertia, rows.loads, rows.powers)
+
+    def rows(self, variants: Variants, places: np.ndarray, clock: np.ndarray | None = None) -> "Rows":
+        """What depends on the crank angle (and time), at any angles of each variant.
+
+        Parameters
+        ----------
+        variants : Variants
+        places : ndarray (places, variants)
+            Crank angles [rad].
+        clock : ndarray (places, variants), optional
+            Time [s].
+        """
+        out = self.reduction.tabulation(variants.parameters, variants.ends, places, clock)
+        loads, way = np.zeros((len(self.channels), 3, *places.shape)), variants.direction
+        for row, channel, order in self.polynomial:
+            loads[channel, order] += out[row] * way
+        powers = np.array([out[row] * way for row, _, _ in self.laws]).reshape(len(self.laws), *places.shape)
+        return Rows(out[0] + variants.flywheel, out[1] * way, loads, powers)
+
+    def moments(self, variants: Variants, rows: "Rows", omega: np.ndarray) -> "Moments":
+        """Moments at given speeds, in the direction of motion.
+
+        Parameters
+        ----------
+        variants : Variants
+        rows : Rows
+        omega : ndarray (places, variants)
+            Speed, positive in the direction of motion [rad/s].
+        """
+        drive = variants.drive
+        motors, slope = drive.line[0] + drive.line[1] * omega, np.broadcast_to(drive.line[1], omega.shape).copy()
+        of_motors(variants.count, drive.kloss, omega, motors, slope)
+        loads = rows.loads[:, 0] + omega * (rows.loads[:, 1] + omega * rows.loads[:, 2])
+        slope += rows.loads[:, 1].sum(axis=0) + 2.0 * omega * rows.loads[:, 2].sum(axis=0)
+        with np.errstate(all="ignore"):
+            for (_, channel, _), row, exponent in zip(self.laws, rows.powers, drive.exponents, strict=True):
+                moment = row * np.abs(omega) ** exponent
+                loads[channel] += moment
+                slope += exponent * moment / omega
+        return Moments(motors, loads, slope)
+
+
+class Rows(NamedTuple):
+    """Reduced inertia with the flywheel, its derivative in the direction of motion, and loads as in `Tables`."""
+
+    inertia: np.ndarray
+    inertia_phi: np.ndarray
+    loads: np.ndarray
+    powers: np.ndarray
+
+
+class Moments(NamedTuple):
+    """Moment of the motors, of each channel of loads [N·m], and ∂M/∂ω of all of them [N·m·s]."""
+
+    motors: np.ndarray
+    loads: np.ndarray
+    slope: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """The reduced moment."""
+        return self.motors + self.loads.sum(axis=0)
+
+
+@over_variants
+def of_motors(
+    begin: int, end: int, kloss: np.ndarray, omega: np.ndarray, moment: np.ndarray, slope: np.ndarray
+) -> None:
+    """Add the moments of induction motors, and their slopes, at the places of variants begin … end − 1."""
+    for motor in range(kloss.shape[0]):
+        for j in range(omega.shape[0]):
+            for v in range(begin, end):
+                most, slip, rotor = kloss[motor, 0, v], kloss[motor, 1, v], kloss[motor, 2, v]
+                synchronous, ratio = kloss[motor, 3, v], kloss[motor, 4, v]
+                w = ratio * omega[j, v]
+                moment[j, v] += ratio * induction_motor(most, slip, rotor, synchronous, w)
+                slope[j, v] += ratio * ratio * induction_motor_slope(most, slip, rotor, synchronous, w)

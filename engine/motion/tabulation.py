@@ -1,0 +1,181 @@
+"""Rows of many variants, each at crank angles of its own.
+
+The kernels of `engine.kernels` go through one set of positions, the same for every variant. Motion needs more: nodes
+where a moment jumps, another angle for every variant at every instant. Here the same steps are vectorised over
+variants instead of positions: a kernel fills `out[row, node, variant]` for given angles `q[node, variant]`.
+"""
+
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.jit import run_kernel
+from engine.model import LinearRow, Model
+from engine.moments import Law
+from engine.scene import Numbers
+from engine.tables import Table
+
+_SLOT = re.compile(r"\bnum__\w+")
+_END = re.compile(r"\b(?:low|high|low_at|high_at)__\w+")
+_FIELDS = Table._fields
+
+
+class Ends(NamedTuple):
+    """Ends of stroke of a slider for every variant: low and high end [m], and the crank angles there [rad]."""
+
+    low: np.ndarray
+    high: np.ndarray
+    low_at: np.ndarray
+    high_at: np.ndarray
+
+
+class Tabulation:
+    """Rows of a model at angles of each variant's own.
+
+    Parameters
+    ----------
+    model : Model
+    rows : mapping of str to LinearRow or str
+        The rows by name: sums of terms, or variables of the program.
+    """
+
+    def __init__(self, model: Model, rows: Mapping[str, LinearRow | str]) -> None:
+        self.model, self.names = model, tuple(rows)
+        laws = model.moments.laws
+        used = {b for row in rows.values() if isinstance(row, LinearRow) for _, b in row.terms}
+        self.laws = [law for name, law in laws.items() if name in used]
+        asked = {b for b in used if b not in laws} | {row for row in rows.values() if isinstance(row, str)}
+        asked |= {v for law in self.laws for v in law.rows}
+        self.steps = model.program.needed(asked - {"one", "zero"})
+        self._in_loop = [self._at_position(i, row) for i, row in enumerate(rows.values())]
+        self._after = [line for i, row in enumerate(rows.values()) for line in self._from_laws(i, row)]
+        text = "\n".join(
+            (*(s.line for s in self.steps), *self._in_loop, *(w.expression for w in self.laws), *self._after)
+        )
+        moments = model.moments
+        self.tables = [t for t in moments.tables if f"table__{t}_breaks" in text]
+        self.angle_tables = [t for t in moments.angle_tables if f"angle_table__{t}[" in text]
+        self.slots = [s for s in model.program.slots if s in set(_SLOT.findall(text))]
+        self.ends = sorted(set(_END.findall(text)))
+        self.text = self._module(text)
+
+    # The kernel's text
+
+    def _at_position(self, row: int, what: LinearRow | str) -> str:
+        if isinstance(what, str):
+            return f"out[{row}, j, k] = {what}"
+        laws = self.model.moments.laws
+        terms = [c if b == "one" else f"{c} * {b}" for c, b in what.terms if b not in laws]
+        terms = [what.constant, *terms] if what.constant else terms
+        return f"out[{row}, j, k] = {' + '.join(terms) or 'zero'}"
+
+    def _from_laws(self, row: int, what: LinearRow | str) -> list[str]:
+        if isinstance(what, str):
+            return []
+        laws = {law.row for law in self.laws}
+        terms = [f"{c} * {b}[k]" for c, b in what.terms if b in laws]
+        return [f"out[{row}, j, k] += {' + '.join(terms)}"] if terms else []
+
+    def _law_line(self, law: Law) -> str:
+        expression = law.expression.replace(law.clock, "clock[j, k]") if law.clock else law.expression
+        return f"{law.row}[k] = {expression}"
+
+    def _module(self, text: str) -> str:
+        kept = sorted({f"row__{v}" for law in self.laws for v in law.rows} | {law.row for law in self.laws})
+        kept += [f"angle_table__{t}" for t in self.angle_tables]
+        tables = [f"table__{t}_{f}" for t in (*self.tables, *self.angle_tables) for f in _FIELDS]
+        load = [f"{s} = P[{i}, k]" for i, s in enumerate(self.slots)]
+        load += [f"{e} = ends[{i}, k]" for i, e in enumerate(self.ends)]
+        main = [*load, "q = nodes[k]", "cos_q, sin_q = direction_of(q)"]
+        main += [s.line for s in self.steps]
+        main += [f"row__{v}[k] = {v}" for v in sorted({v for law in self.laws for v in law.rows})] + self._in_loop
+        lines = ["n = P.shape[1]", f"scratch = np.empty(({max(len(kept), 1)}, n))"]
+        lines += [f"{r} = scratch[{i}]" for i, r in enumerate(kept)]
+        lines += ["for j in range(places.shape[0]):", "    nodes = places[j]"]
+        for t in self.angle_tables:
+            fields = ", ".join(f"table__{t}_{f}" for f in _FIELDS)
+            lines += _loop([f"angle_table__{t}[k] = table_value({fields}, nodes[k])"])
+        lines += _loop(main)
+        # A loop for each characteristic: they are searched and branch, and would keep the others from vectorising.
+        for law in self.laws:
+            lines += _loop([*(a for a in load if a.split(" ")[0] in law.expression), self._law_line(law)])
+        if self._after:
+            lines += _loop([*load, *self._after])
+        arguments = ", ".join(["begin, end, P, places, clock, ends", *tables, "out"])
+        return "\n".join([_HEAD, f"def tabulate({arguments}):", *(f"    {line}" for line in lines), ""])
+
+    # Evaluation
+
+    def parameters(self, numbers: Numbers, variants: int, direction: np.ndarray) -> np.ndarray:
+        """Slots at unit speed in the given direction: with them a row of order n gives the moment over |ω|ⁿ.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        variants : int
+        direction : ndarray (variants,)
+            +1 or −1, the sign of the crank's speed.
+        """
+        unit = numbers.with_values({"input.speed": direction})
+        # What overflows on the way to a parameter ends as a status, not as a warning.
+        with np.errstate(all="ignore"):
+            return self.model.parameters(self.slots, unit, variants, np.float64)
+
+    def __call__(
+        self, parameters: np.ndarray, ends: Mapping[str, Ends], q: np.ndarray, clock: np.ndarray | None = None
+    ) -> np.ndarray:
+        """The rows at given crank angles.
+
+        Parameters
+        ----------
+        parameters : ndarray (slots, variants)
+        ends : mapping of slider to Ends
+        q : ndarray (nodes, variants)
+            Crank angles [rad].
+        clock : ndarray (nodes, variants), optional
+            Time [s], where a moment depends on it.
+
+        Returns
+        -------
+        ndarray (rows, nodes, variants)
+        """
+        variants = parameters.shape[1]
+        out = np.empty((len(self.names), *q.shape))
+        strokes = np.empty((len(self.ends), variants))
+        for i, end in enumerate(self.ends):
+            kind, slider = end.split("__", 1)
+            strokes[i] = getattr(ends[slider], kind)
+        moments = self.model.moments
+        tables = [moments.tables[t] for t in self.tables] + [moments.angle_tables[t] for t in self.angle_tables]
+        fields = [value for table in tables for value in table]
+        clock = q if clock is None else clock
+        run_kernel(self.text, "tabulate", variants, parameters, q, clock, strokes, *fields, out)
+        return out
+
+
+def _loop(lines: list[str]) -> list[str]:
+    return ["    for k in range(begin, end):", *(f"        {line}" for line in lines)]
+
+
+_HEAD = '''"""Rows of one machine's structure at angles of each variant's own; written by engine.motion.tabulation."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from engine.dyads import *
+from engine.indicator import *
+from engine.jit import KERNEL_OPTIONS
+from engine.links import *
+from engine.loads import *
+from engine.reduction import *
+from engine.strokes import *
+from engine.tables import table_value
+
+one, zero = 1.0, 0.0
+
+
+@njit(**KERNEL_OPTIONS)'''

@@ -1,0 +1,196 @@
+"""Motion through rest: swinging, friction that holds, run-down; and regimes that follow one another."""
+
+import math
+
+import numpy as np
+import pytest
+from motion_scenes import ECCENTRIC_MASS, ECCENTRICITY, GRAVITY, ask, pendulum, run, slider_crank, steady
+from mpmath import mp
+
+from engine import Verdict
+
+MASS, ARM, OWN = 2.0, 0.25, 0.05
+WEIGHT = MASS * GRAVITY * ARM
+INERTIA = OWN + MASS * ARM**2
+# Of small swings, rad/s.
+RATE = math.sqrt(WEIGHT / INERTIA)
+DOWN = -math.pi / 2
+
+
+def swing(amplitude: float, only: str = "gravity", **regime: object) -> dict:
+    """A pendulum let go from rest."""
+    scene = pendulum({"go": run(only, from_speed=0.0, from_angle=DOWN + amplitude, **regime)}, MASS, ARM, OWN)
+    return scene
+
+
+def period(amplitude: float) -> float:
+    """Of a pendulum: 4K(sin(amplitude/2))/RATE."""
+    return float(4 * mp.ellipk(mp.sin(mp.mpf(amplitude) / 2) ** 2) / mp.mpf(RATE))
+
+
+@pytest.mark.parametrize("amplitude", [0.3, 1.2, 2.8])
+def test_pendulum__comes_back_after_the_period_by_the_elliptic_integral(amplitude):
+    names = "go.angle go.final_speed go.speed_min go.speed_max go.work_residual"
+    turns = 5
+    found = ask(swing(amplitude, time=turns * period(amplitude)), names, 240)
+    # RK4 with steps of 2π/240 of an angle or of the time of a radian from rest: (0.026)⁴/120 a radian of phase, 2π a
+    # swing; the slow turn of a wide swing has a rate of its own.
+    allowed = turns * 2 * math.pi * 10 * (2 * math.pi / 240) ** 4 / 120
+    assert abs(found["go.angle"]) <= allowed * amplitude
+    assert abs(found["go.final_speed"]) <= allowed * 4 * RATE * 10
+    # At the bottom ½Iω² is the weight's drop; the speeds are those at steps, h²/8 of the true ones away.
+    fastest = 2 * RATE * math.sin(amplitude / 2)
+    assert found["go.speed_max"] == pytest.approx(fastest, rel=1e-3)
+    assert found["go.speed_min"] == pytest.approx(-fastest, rel=1e-3)
+    assert abs(found["go.work_residual"]) <= 1e-7
+
+
+def test_pendulum__quarter_swings():
+    whole = period(1.2)
+    for share, angle in ((0.25, -1.2), (0.5, -2.4), (0.75, -1.2)):
+        found = ask(swing(1.2, time=share * whole), "go.angle", 240)
+        # As above; ω·δt beside it.
+        assert found["go.angle"] == pytest.approx(angle, abs=1e-7)
+
+
+def test_pendulum_over_the_top__time_of_a_turn_by_the_elliptic_integral():
+    # Slowest at the top, where a third of the speed is left.
+    begin = 2 * RATE * 1.1
+    scene = pendulum({"go": run("gravity", from_speed=begin, from_angle=DOWN, cycles=2.0)}, MASS, ARM, OWN)
+    found = ask(scene, "go.time go.final_speed", 240)
+    turn = 2 * 2 * mp.ellipk((2 * mp.mpf(RATE) / mp.mpf(begin)) ** 2) / mp.mpf(begin)
+    # 1/ω varies within half a radian at the top: rate 2.
+    assert found["go.time"] == pytest.approx(float(2 * turn), rel=20 * (2 * 2 * math.pi / 240) ** 4 / 120)
+    assert found["go.final_speed"] == pytest.approx(begin, rel=1e-12)
+
+
+def next_turning(angle: float, friction: float) -> float:
+    """Where a pendulum with friction turns round next, on the other side: E falls by friction × way."""
+
+    def gap(x: float) -> float:
+        return WEIGHT * (math.cos(x) - math.cos(angle)) - friction * (angle + x)
+
+    return float(mp.findroot(gap, angle - 2 * friction / WEIGHT))
+
+
+def test_pendulum_with_friction__each_half_swing_loses_friction_times_way():
+    friction = 0.4
+    turning, way = 1.2, 0.0
+    reached = [turning]
+    while WEIGHT * math.sin(turning) > friction:
+        after = next_turning(turning, friction)
+        way += turning + after
+        turning = after
+        reached.append(turning)
+    assert len(reached) > 4
+    found = ask(swing(1.2, "gravity rub", time=60.0), "go.angle go.final_speed go.harmful_work go.time", 240)
+    side = 1.0 if len(reached) % 2 else -1.0
+    # A few turning points, each met to the error of RK4, 1e-8 or so; √ of it where the last swing hardly turns.
+    assert found["go.angle"] == pytest.approx(side * turning - 1.2, abs=1e-6)
+    assert found["go.harmful_work"] == pytest.approx(friction * way, rel=1e-6)
+    assert found["go.final_speed"] == 0.0
+    assert found["go.time"] == 60.0
+    first = ask(swing(1.2, "gravity rub", rest=True), "go.angle", 240)
+    assert first["go.angle"] == pytest.approx(-1.2 - reached[1], abs=1e-8)
+
+
+def test_pendulum_held_by_friction__stays():
+    found = ask(swing(0.08, "gravity rub", time=3.0), "go.angle go.final_speed go.time")
+    # 4.905·sin 0.08 = 0.39 N·m against 0.4 N·m.
+    assert (found["go.angle"], found["go.final_speed"], found["go.time"]) == (0.0, 0.0, 3.0)
+    assert ask(swing(0.083, "gravity rub", time=3.0), "go.angle")["go.angle"] < 0.0
+    assert ask(swing(0.08, "gravity rub", cycles=1.0), "go.angle").status == [Verdict.STALLS]
+
+
+def test_pendulum_let_go_at_the_bottom__stays_there():
+    # cos(−π/2) is 6e-17, not 0: what pulls it away is rounding, and what it may swing through then as well.
+    found = ask(swing(0.0, time=3.0), "go.angle go.final_speed go.time")
+    assert abs(found["go.angle"]) < 1e-14
+    assert abs(found["go.final_speed"]) < 1e-13
+    assert found["go.time"] == 3.0
+
+
+def test_brake_moment_on_a_hanging_machine__holds_it_where_it_stops():
+    # Against the load alone the brake of 0.8 N·m can't; with a load of 0.5 N·m it holds.
+    scene = slider_crank({"go": run("brake load", from_speed=10.0, time=30.0)}, load={"moment": -0.5}, flywheel=0.4)
+    found = ask(scene, "go.final_speed go.angle")
+    assert found["go.final_speed"] == 0.0
+    falls = slider_crank({"go": run("brake load", from_speed=10.0, time=30.0)}, load={"moment": -1.5}, flywheel=0.4)
+    # It stops, and then runs backwards.
+    assert ask(falls, "go.final_speed")["go.final_speed"] < -10.0
+
+
+# One regime after another
+
+REGIMES = {
+    "start": run("dc fan gravity", speed=45.0),
+    "working": run("dc fan gravity cut", cycles=6.25),
+    "idle": run("dc fan gravity", time=0.7),
+    "on": steady("dc fan gravity cut"),
+    "stop": run("brake gravity rub", rest=True),
+}
+
+
+def test_schedule__each_regime_begins_where_the_one_before_ended():
+    names = [f"{r}.{q}" for r in REGIMES for q in ("work_residual", "energy_change", "speed_min", "speed_max")]
+    names += [f"{r}.{q}" for r in ("start", "working", "idle", "stop") for q in ("angle", "time", "final_speed")]
+    found = ask(slider_crank(REGIMES, flywheel=0.2), " ".join(names), 240, "on.speed")
+    assert found["start.final_speed"] == pytest.approx(45.0, rel=1e-14)
+    assert found["working.angle"] == pytest.approx(12.5 * math.pi, rel=1e-14)
+    assert found["idle.time"] == pytest.approx(0.7, rel=1e-14)
+    assert found["stop.final_speed"] == 0.0
+
+    # The same by one regime at a time, each told where it begins.
+    angle, omega = 0.0, 0.0
+    for name in ("start", "working", "idle"):
+        alone = REGIMES[name] | {"from_speed": omega, "from_angle": angle}
+        one = ask(slider_crank({"go": alone}, flywheel=0.2), "go.angle go.final_speed go.time", 240)
+        for key in ("angle", "final_speed", "time"):
+            assert found[f"{name}.{key}"] == pytest.approx(one[f"go.{key}"], rel=1e-13), (name, key)
+        angle, omega = angle + one["go.angle"], one["go.final_speed"]
+    # After the steady regime: at φ = 0 with its speed there.
+    begin = float(found.fields["on.speed"][0, 0])
+    last = REGIMES["stop"] | {"from_speed": begin, "from_angle": 0.0}
+    one = ask(slider_crank({"go": last}, flywheel=0.2), "go.angle go.time", 240)
+    assert found["stop.angle"] == pytest.approx(one["go.angle"], rel=1e-13)
+    assert found["stop.time"] == pytest.approx(one["go.time"], rel=1e-12)
+
+    inertia = 0.2 + 0.02 + ECCENTRIC_MASS * ECCENTRICITY**2
+    # At φ = 0 the ram stands still.
+    assert found["stop.energy_change"] == pytest.approx(-0.5 * inertia * begin**2 + 0.5 * 0.0, rel=1e-12)
+    for name in REGIMES:
+        # Works and energy are the same integrals in the energy form: rounding. Near rest both have the error of time.
+        assert abs(found[f"{name}.work_residual"]) <= (1e-12 if name in ("working", "idle", "on") else 1e-8), name
+
+
+def test_regimes_not_asked__change_nothing():
+    alone = ask(slider_crank(REGIMES, flywheel=0.2), "start.time")
+    assert alone["start.time"] == ask(slider_crank(REGIMES, flywheel=0.2), "start.time stop.time")["start.time"]
+
+
+def test_work_balance__in_watts_and_joules():
+    scene = slider_crank({"go": run("dc fan rub cut gravity push brake", from_speed=30.0, cycles=5.0)}, flywheel=0.2)
+    works = ["motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work", "energy_change"]
+    found = ask(scene, " ".join(f"go.{w}" for w in [*works, "motor_power", "time", "efficiency"]), 240)
+    motor, driving, useful, harmful, brake, other, change = (found[f"go.{w}"] for w in works)
+    assert motor + driving - useful - harmful - brake + other == pytest.approx(change, rel=1e-11, abs=1e-11 * motor)
+    # Whole turns: 7 J a cut, gravity none, constant moments by their angle.
+    turned = 10 * math.pi
+    assert useful == pytest.approx(35.0, rel=1e-6)
+    assert driving == pytest.approx(3.0 * turned, rel=1e-12)
+    assert brake == pytest.approx(0.8 * turned, rel=1e-12)
+    assert other == pytest.approx(0.0, abs=1e-6)
+    assert found["go.motor_power"] * found["go.time"] == pytest.approx(motor, rel=1e-14)
+    assert found["go.efficiency"] == pytest.approx(useful / (motor + driving), rel=1e-14)
+
+
+def test_variants_of_all_kinds__each_its_own_way():
+    scene = slider_crank({"go": run("dc load rub gravity", speed=30.0, from_speed=1.0)}, flywheel=0.05)
+    stalls = [0.5, 1.0, 2.0, 2.5, 3.0, 5.0, 20.0]
+    found = ask(scene, "go.time", varied={"moments.dc.stall_moment": stalls})
+    # 2.4 N·m resist; the motor gives 0.7 of its stall moment at 30 rad/s: from 3.43 N·m on it gets there.
+    assert [code == Verdict.OK for code in found.status] == [False] * 5 + [True] * 2
+    assert np.isnan(found.values["go.time"][:5]).all()
+    for i in (5, 6):
+        one = ask(scene, "go.time", varied={"moments.dc.stall_moment": [stalls[i]]})
+        assert one.values["go.time"][0] == pytest.approx(found.values["go.time"][i], rel=1e-13)

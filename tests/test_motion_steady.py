@@ -1,0 +1,212 @@
+"""Steady motion: against long runs and finite differences, with motors of any stiffness, and the flywheel in it."""
+
+import math
+
+import numpy as np
+import pytest
+from motion_scenes import MOMENTS, RATIO, ask, run, slider_crank, steady
+
+from engine import Verdict
+
+MACHINES = {
+    "DC motor, cutting": ("dc fan gravity cut", 0.2, 60.0),
+    "induction motor, constant load": ("induction load gravity", 2.0, 19.0),
+    "constant drive and fan": ("push fan gravity", 0.1, 50.0),
+}
+
+
+def engine_with_fan() -> dict:
+    """A two-stroke engine driving a fan."""
+    scene = slider_crank({})
+    scene["cylinders"] = {
+        "gas": {
+            "type": "two_stroke",
+            "piston": "ram",
+            "bore": 0.06,
+            "clearance": 0.15,
+            "intake": 1.0e5,
+            "exhaust": 1.05e5,
+            "peak": 2.5e6,
+            "port": 0.8,
+        }
+    }
+    scene["moments"] = {"fan": MOMENTS["fan"]}
+    scene["forces"] = {}
+    scene["flywheel"]["inertia"] = 0.2
+    return scene
+
+
+def scene_of(name: str, regimes: dict) -> dict:
+    if name == "engine with fan":
+        scene = engine_with_fan()
+        free = {key: {k: v for k, v in regime.items() if k != "only"} for key, regime in regimes.items()}
+        return scene | {"regimes": free}
+    only, flywheel, _ = MACHINES[name]
+    return slider_crank({k: regime | {"only": only} for k, regime in regimes.items()}, flywheel=flywheel)
+
+
+@pytest.mark.parametrize("name", [*MACHINES, "engine with fan"])
+def test_steady_motion__is_the_limit_of_a_long_run(name):
+    found = ask(scene_of(name, {"on": steady("")}), "on.multiplier on.mean_speed on.period", 240, "on.speed")
+    multiplier, at_zero = found["on.multiplier"], float(found.fields["on.speed"][0, 0])
+    assert 0.0 < multiplier < 1.0
+    # From a speed that is off by a twentieth; what is left of it after so many cycles is below 1e-10.
+    cycles = math.ceil(math.log(1e-10) / math.log(multiplier)) + 1
+    long = ask(scene_of(name, {"go": run("", from_speed=0.95 * at_zero, cycles=cycles)}), "go.final_speed", 240)
+    # Both go over the same nodes: they differ by rounding, and by what is left.
+    assert long["go.final_speed"] == pytest.approx(at_zero, rel=2e-10)
+    once = ask(scene_of(name, {"go": run("", from_speed=at_zero, cycles=1.0)}), "go.time go.final_speed", 240)
+    assert once["go.time"] == pytest.approx(found["on.period"], rel=1e-12)
+    assert found["on.mean_speed"] == pytest.approx(2 * math.pi / once["go.time"], rel=1e-12)
+
+
+@pytest.mark.parametrize("name", [*MACHINES, "engine with fan"])
+def test_multiplier__is_the_slope_of_the_return_map(name):
+    found = ask(scene_of(name, {"on": steady("")}), "on.multiplier", 480, "on.speed")
+    at_zero = float(found.fields["on.speed"][0, 0])
+
+    def after(share: float) -> float:
+        scene = scene_of(name, {"go": run("", from_speed=at_zero * (1 + share), cycles=1.0)})
+        return ask(scene, "go.final_speed", 480)["go.final_speed"] ** 2
+
+    share = 1e-4
+    energies = at_zero**2 * ((1 + share) ** 2 - (1 - share) ** 2)
+    slope = (after(share) - after(-share)) / energies
+    # Central difference: share² of curvature; the multiplier's trapezoids: h²/12 = 1.4e-5 beside breaks.
+    assert found["on.multiplier"] == pytest.approx(slope, rel=1e-5, abs=1e-9)
+
+
+def test_no_steady_motion__stalls_and_runs_away():
+    weak = ask(
+        slider_crank({"on": steady("dc load")}, flywheel=1.0),
+        "on.mean_speed",
+        varied={"moments.dc.stall_moment": [1.0, 1.9, 2.1, 20.0]},
+    )
+    assert weak.status == [Verdict.STALLS, Verdict.STALLS, Verdict.OK, Verdict.OK]
+    assert np.isfinite(weak.values["on.mean_speed"]).tolist() == [False, False, True, True]
+    for only, verdict in (
+        ("load", Verdict.STALLS),
+        ("rub fan", Verdict.STALLS),
+        ("push", Verdict.RUNS_AWAY),
+        ("push rub", Verdict.RUNS_AWAY),
+        ("push fan", Verdict.OK),
+    ):
+        assert ask(slider_crank({"on": steady(only)}, flywheel=0.2), "on.mean_speed").status == [verdict], only
+    # Beyond the breakdown moment of 18.75 N·m.
+    heavy = slider_crank({"on": steady("induction load")}, flywheel=5.0, load={"moment": -19.0})
+    assert ask(heavy, "on.mean_speed").status == [Verdict.STALLS]
+
+
+# Motors however steep
+
+STEEPER = [1.0, 1e2, 1e4, 1e6, 1e8]
+
+
+def needed(speed: float) -> float:
+    """Greatest moment that keeps the slider-crank with its cut at a speed, N·m: ram, cut and eccentric."""
+    return 0.5 * speed**2 * 0.0075 * 1.4 + 900.0 * 0.05 + 0.6
+
+
+@pytest.mark.parametrize("positions", [60, 120, 240])
+@pytest.mark.parametrize("motor", ["dc", "induction"])
+def test_steady_motion_with_a_steep_motor__within_the_quasi_static_limit(motor, positions):
+    numbers = MOMENTS[motor]
+    key, rated = {"dc": ("stall_moment", 100.0), "induction": ("breakdown_moment", 20.0)}[motor]
+    scene = slider_crank({"on": steady(f"{motor} cut gravity fan")}, flywheel=0.02)
+    names = "on.mean_speed on.speed_min on.speed_max on.motor_moment_peak on.multiplier on.work_residual"
+    found = ask(
+        scene, names, positions, varied={f"moments.{motor}.{key}": [numbers[key] * s for s in STEEPER]}
+    )
+    assert found.status == [Verdict.OK] * len(STEEPER)
+    # M′ at the synchronous speed.
+    slopes = {"dc": MOMENTS["dc"]["stall_moment"] / 100.0, "induction": 2 * 2.5 * RATIO**2 / (0.2 * 150.0)}
+    for i, steeper in enumerate(STEEPER[1:], 1):
+        off = needed(rated) / (slopes[motor] * steeper)
+        for name in ("on.mean_speed", "on.speed_min", "on.speed_max"):
+            value, figure = found.values[name][i], found.errors[name][i]
+            assert abs(value - rated) <= 1.1 * off + figure + 1e-10 * rated, (name, steeper, value, figure)
+        assert found.errors["on.mean_speed"][i] <= 2e-5 * rated
+        assert found.values["on.motor_moment_peak"][i] <= 1.2 * needed(rated) + found.errors["on.motor_moment_peak"][i]
+        assert abs(found.values["on.work_residual"][i]) < 1e-9
+        assert 0.0 <= found.values["on.multiplier"][i] < 1.0
+
+
+@pytest.mark.parametrize("motor", ["dc", "induction"])
+def test_start_with_a_steep_motor__never_beyond_its_own_speed(motor):
+    key, rated = {"dc": ("stall_moment", 100.0), "induction": ("breakdown_moment", 20.0)}[motor]
+    scene = slider_crank({"go": run(f"{motor} load fan", time=1.0)}, flywheel=0.5)
+    names = "go.final_speed go.angle go.speed_max go.motor_moment_peak go.work_residual"
+    found = ask(scene, names, varied={f"moments.{motor}.{key}": [MOMENTS[motor][key] * s for s in STEEPER]})
+    assert found.status == [Verdict.OK] * len(STEEPER)
+    assert (found.values["go.speed_max"] <= rated * (1 + 1e-3)).all()
+    # 0.0075·1.4·ω²/2 N·m from the ram, with 20 N·m·s and more for every 1 rad/s.
+    assert found.values["go.final_speed"][1:] == pytest.approx(np.full(4, rated), rel=2e-2)
+    assert found.values["go.final_speed"][3:] == pytest.approx(np.full(2, rated), rel=1e-5)
+    # The slower start takes a part of the angle; what is lost at the beginning is ω/ε.
+    assert found.values["go.angle"][3:] == pytest.approx(np.full(2, rated), rel=1e-4)
+    peak = {"dc": MOMENTS["dc"]["stall_moment"], "induction": RATIO * MOMENTS["induction"]["breakdown_moment"]}[motor]
+    assert (found.values["go.motor_moment_peak"] <= peak * np.array(STEEPER) * (1 + 1e-9)).all()
+    assert (np.abs(found.values["go.work_residual"]) <= 1e-3).all()
+
+
+# The flywheel in true motion
+
+
+@pytest.mark.parametrize(("only", "asked"), [("dc cut fan", 0.02), ("dc cut fan", 1e-3), ("induction cut rub", 0.1)])
+def test_flywheel_in_motion__gives_the_asked_fluctuation(only, asked):
+    scene = slider_crank({"on": steady(only)})
+    scene["flywheel"]["speed_fluctuation"] = asked
+    found = ask(scene, "on.flywheel on.speed_fluctuation", 240)
+    assert found["on.flywheel"] > 0.0
+    fitted = ask(slider_crank({"on": steady(only)}, flywheel=found["on.flywheel"]), "on.speed_fluctuation", 240)
+    # The root is found to 1e-10 of ln(I + I_F).
+    assert fitted["on.speed_fluctuation"] == pytest.approx(asked, rel=1e-8)
+    assert found["on.speed_fluctuation"] == pytest.approx(asked, rel=1e-8)
+
+
+def test_flywheel_light_enough__is_zero():
+    scene = slider_crank({"on": steady("dc fan")}, dc={"stall_moment": 1.0})
+    scene["flywheel"]["speed_fluctuation"] = 1.5
+    assert ask(scene, "on.flywheel")["on.flywheel"] == 0.0
+
+
+@pytest.mark.parametrize("asked", [0.02, 0.002])
+def test_flywheel_in_motion_with_a_soft_motor__as_wittenbauer_to_the_order_of_fluctuation(asked):
+    # A motor that gives nearly the same moment at any speed: 100 times as fast without load. Its moment balances the
+    # cut, 7 J a turn, at 60 rad/s.
+    speed, fast = 60.0, 6e3
+    scene = slider_crank({"on": steady("dc cut")}, speed=speed)
+    scene["gravity"] = 0.0
+    stall = 7.0 / (2 * math.pi) / (1 - speed / fast)
+    scene["moments"] = {"dc": MOMENTS["dc"] | {"no_load_speed": fast, "stall_moment": stall}}
+    scene["regimes"]["on"]["off"] = []
+    scene["flywheel"]["speed_fluctuation"] = asked
+    found = ask(scene, "on.flywheel flywheel_wittenbauer on.mean_speed", 480)
+    assert found["on.mean_speed"] == pytest.approx(speed, rel=2 * asked)
+    assert found["on.flywheel"] == pytest.approx(found["flywheel_wittenbauer"], rel=3 * asked)
+
+
+# The other way round
+
+
+def test_clockwise_machine__is_the_mirror_image():
+    regimes = {
+        "start": run("dc fan rub gravity push", speed=30.0),
+        "on": steady("dc fan rub gravity push cut"),
+        "stop": run("brake rub gravity load", rest=True),
+    }
+    names = "start.time start.angle on.period on.speed_fluctuation on.motor_work stop.time stop.angle stop.brake_heat"
+    fields = "on.speed on.acceleration on.motor_moment on.load_moment reduced_inertia"
+    scene = slider_crank(regimes, flywheel=0.2)
+    # About the x axis: the sense of rotation and what acts across it change their signs.
+    mirrored = slider_crank(regimes, -10.0, 0.2, push={"moment": -3.0}, load={"moment": 2.0}) | {"gravity": -9.81}
+    found, other = ask(scene, names, fields=fields), ask(mirrored, names, fields=fields)
+    for name in names.split():
+        # A jump is a piece of 2e-10 rad that has the moment of one side in its middle.
+        assert other[name] == pytest.approx(found[name], rel=1e-9), name
+    for name in fields.split():
+        one, two = found.fields[name][0], other.fields[name][0]
+        # The angle φ is −φ now.
+        two = np.roll(two[::-1], 1)
+        sign = 1.0 if name in ("on.speed", "reduced_inertia") else -1.0
+        assert sign * two == pytest.approx(one, rel=1e-9, abs=1e-9 * np.abs(one).max()), name
