@@ -25,6 +25,7 @@ TEMPLATE_NAMES = (
     "whitworth",
 )
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper")
+MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi
 
 
@@ -220,8 +221,8 @@ def as_it_is(name):
     return {k: (v[-1], s.errors[k][-1]) for k, v in s.summaries.items()}, {k: v[-1] for k, v in s.fields.items()}
 
 
-def test_studies__are_the_five_with_one_question_each():
-    assert tuple(bundled()) == STUDY_NAMES
+def test_studies__are_the_five_with_one_question_each_and_those_of_motion():
+    assert tuple(bundled()) == tuple(sorted(STUDY_NAMES + MOTION_STUDY_NAMES))
     for name in STUDY_NAMES:
         assert study(name).question.count("?") == 1
         assert study(name).title

@@ -34,7 +34,7 @@ from engine.rows import larger, smaller
 MOTORS = 0
 LAWS = ()
 
-LANES = 64
+LANES = 32
 
 # A group of lanes keeps its numbers in one flat array, its tables in another, each kind at a fixed place: the compiler
 # then sees that no two overlap, and vectorises. Places in the array of numbers …

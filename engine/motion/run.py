@@ -17,9 +17,9 @@ from engine.motion.stepping import advance
 from engine.motion.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
-# The energy form takes over where the speed changes by less than this share per radian. It doesn't depend on the step:
-# so near to rest that it would, 1/ω is a root of the angle, and no refinement of the grid helps.
-BRISK = 1.0
+# The energy form takes over where moments change the energy by less than twice this share per radian. It doesn't depend
+# on the step: so near to rest that it would, 1/ω is a root of the angle, and no refinement of the grid helps.
+BRISK = 2.0
 # Steps in time before a run is given up: it neither ends nor gets going.
 MOST_TIME_STEPS = 200_000
 # Times that a machine at rest looks whether a moment over time sets it going.
@@ -304,14 +304,13 @@ class Run:
         self._give_up(lost, Verdict.NO_END)
 
     def _brisk(self, who: np.ndarray) -> np.ndarray:
-        """Which variants move forward so fast that a step of the grid hardly changes their speed."""
+        """Which variants move forward with so much energy that it lasts for a radian, whatever acts on them."""
         if self.dynamics.timed:
             return np.zeros(who.size, bool)
-        state = self._part(who)
-        epsilon = self._form(who).acceleration(
-            state.turned, state.omega, state.time + self.clock[who], np.where(self.facing[who] < 0.0, -1.0, 1.0)
-        )[0]
-        return (state.omega > 0.0) & (np.abs(epsilon) < BRISK * state.omega**2)
+        state, way = self._part(who), np.where(self.facing[who] < 0.0, -1.0, 1.0)
+        rows, moments = self._form(who).at(state.turned, state.omega, state.time + self.clock[who], way)
+        twice_energy = rows.inertia[0] * state.omega**2
+        return (state.omega > 0.0) & (np.abs(moments.total[0]) < BRISK * twice_energy)
 
     # In angle
 

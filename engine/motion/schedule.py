@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.jit import on_all_threads
+from engine.jit import on_all_threads, threads
 from engine.model import Model
 from engine.motion.cases import case_of
 from engine.motion.closed_runs import run_in_closed_form
@@ -29,6 +29,7 @@ from engine.verdicts import Verdict
 SHARE_OF_CHANGE = 0.5
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
+WORTH_A_THREAD = 128
 ROUNDING = 16 * np.finfo(float).eps
 # So many steps round as much as everything else: each by half a unit in the last place.
 STEPS_OF_ROUNDING = 32
@@ -98,7 +99,8 @@ class Schedule:
         count : int
         """
         together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1
-        cuts = np.array_split(np.arange(count), -(-count // together))
+        pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
+        cuts = np.array_split(np.arange(count), pieces)
         return _joined(on_all_threads(lambda chosen: self._of_chunk(numbers.of_variants(chosen), chosen.size), cuts))
 
     def _of_chunk(self, numbers: Numbers, count: int) -> Answers:
