@@ -205,7 +205,7 @@ class PowerDragMoment(ResistingOnLink):
 
 
 class Brake(Part):
-    """A brake on a link or shaft: a moment against the rotation, wherever a regime doesn't name it as `off`."""
+    """A brake on a link or shaft, against the rotation: in regimes that don't name it as `off`, and only there."""
 
     on: Name
 

@@ -130,9 +130,10 @@ class Model:
         def row(terms: list[Term]) -> LinearRow:
             return LinearRow(None, tuple((t.coefficient, t.basis) for t in terms))
 
-        terms = self.moments.terms
         for action in self.actions:
-            self.linear[f"{action}.moment"] = row([t for t in terms if t.action == action])
+            self.linear[f"{action}.moment"] = row([t for t in self.moments.terms if t.action == action])
+        # At its speed a machine runs with its brakes released; regimes apply them.
+        terms = [t for t in self.moments.terms if t.role != "braking"]
         self.linear["reduced_moment"] = row(terms)
         self.linear["useful_moment"] = row([t for t in terms if t.role == "useful"])
         # At uniform speed the input moment carries the change of kinetic energy: M_in = ½ω² dI/dφ − M.

@@ -50,7 +50,7 @@ def superpose(demand: Demand, outputs: str, fixed: frozenset[str]) -> Superposed
     lines = [line for b in bases for line in _of_shape(b, targets)]
     sums["doubt"] = f"doubt = 0.5 * h * ({_jumps(terms[MOMENT])})"
     together = None
-    if "excess" in targets:
+    if {"excess", f"excess{HALF}"} <= targets:
         sums |= _of_lane(demand, terms[INERTIA])
         lines += [f"mean__{b} = mean_of({b})" for b in {b: None for _, b in terms[INERTIA]} if b not in (*bases, ONE)]
         together = side_by_side(terms[INERTIA], _working(terms[MOMENT]), fixed, _asked_sizes(demand))

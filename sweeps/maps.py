@@ -24,6 +24,10 @@ REASONS = {
     Verdict.OUTSIDE_LIMITS: "outside limits",
     Verdict.DROPPED: "dropped by a constraint",
     Verdict.NOT_FINITE: "infinite or undefined",
+    Verdict.STALLS: "stalls",
+    Verdict.RUNS_AWAY: "runs away",
+    Verdict.NO_END: "doesn't come to its end",
+    Verdict.TOO_STIFF: "too stiff",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 

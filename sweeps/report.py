@@ -1,36 +1,31 @@
 """What a study will compute, and what its results say, in words and tables."""
 
 import shutil
-import time
-import tracemalloc
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from engine import SENTENCES, Machine, Outcome, Verdict
+from engine.actions import Brake
 from engine.demand import describe
-from engine.jit import threads
-from engine.kernel_text import Form
 from engine.model import Model
 from engine.motion.cases import regime_text
 from engine.quantities import InputUnits
 from engine.rotation import assembly_ranges
 from engine.scene import Scene
 from engine.structure import group_links
+from sweeps.cost import probe
 from sweeps.engineer_units import engineer_unit, figure_text, quantity_text
 from sweeps.regimes import MOTION_VERDICTS, by_regime, failure_text, regime_words, telling_summaries
 from sweeps.results import Result
-from sweeps.runner import LARGEST_BLOCK, block_size, evaluate_block, layout_of
+from sweeps.runner import LARGEST_BLOCK, layout_of
 from sweeps.scenefile import with_values
 from sweeps.store import StoreError, part_path
 from sweeps.study import Study
 
 # Up to so many variants `check` tells what each condition drops by looking at all of them.
 MOST_COUNTED = 16 * LARGEST_BLOCK
-# Seconds by which the cost of motion is measured.
-LONG_ENOUGH = 1.0
 
 
 def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
@@ -120,78 +115,10 @@ def plan_text(machine: Machine) -> tuple[str, str]:
     return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
 
 
-class Cost(NamedTuple):
-    """What a study costs: seconds a variant once compiled, the form of its kernel, memory of its motion [bytes]."""
-
-    seconds: float
-    form: Form
-    motion_bytes: float
-
-
-def probe(study: Study, machine: Machine) -> Cost:
-    """Cost of a study, measured on some of its variants."""
-    if machine.schedule is not None:
-        return _probe_motion(study, machine)
-    size = min(block_size(study, machine), 4096)
-    buffer = machine.new_buffer(size)
-    evaluate_block(study, machine, slice(0, size), buffer)
-    start = time.perf_counter()
-    evaluate_block(study, machine, slice(0, size), buffer)
-    seconds = time.perf_counter() - start
-    return Cost(seconds / size, _form(machine), 0.0)
-
-
-def _probe_motion(study: Study, machine: Machine) -> Cost:
-    """Cost by ever more variants from all over the study, until that takes a while: each has its own time to start."""
-    most = min(block_size(study, machine), study.design.size)
-    size, seconds, memory = min(16 * threads(), most), 0.0, 0.0
-    machine.evaluate(*_spread(study, size))
-    while seconds < LONG_ENOUGH:
-        chosen = _spread(study, size)
-        tracemalloc.start()
-        start = time.perf_counter()
-        machine.evaluate(*chosen)
-        seconds, memory = time.perf_counter() - start, tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        if size == most:
-            break
-        size = min(4 * size, most)
-    return Cost(seconds / size, _form(machine), memory * most / size)
-
-
-def _spread(study: Study, count: int) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
-    """Numbers of so many variants evenly spread over a study, and which of them are dropped."""
-    if not study.paths:
-        return {}, None
-    parts = [study.values(int(i), int(i) + 1) for i in np.linspace(0, study.design.size - 1, count)]
-    return {p: np.concatenate([v[p] for v, _ in parts]) for p in study.paths}, np.concatenate([d for _, d in parts])
-
-
-def _form(machine: Machine) -> Form:
-    return "factorised" if "factorised" in machine.forms_used else "whole"
-
-
 def check_text(study: Study, out: Path) -> str:
     """Everything `sweeps check` says of a study."""
     machine = study.machine()
-    layout = layout_of(study, machine)
     computed, left = plan_text(machine)
-    cost = probe(study, machine)
-    size = layout.bytes()
-    free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
-    slots = machine.model.program.slots
-    shape = {p for p in study.paths if _decides_shape(machine, p)}
-    reused = [p for p in study.paths if p not in shape]
-    form_line = (
-        f"kinematics once for each geometry, reused for {', '.join(reused)}"
-        if cost.form == "factorised"
-        else "each variant from its own numbers"
-    )
-    block = layout.block
-    memory = block * (
-        8 * (len(slots) + 4 * len(study.summaries)) + machine.nodes.size * machine.dtype.itemsize * len(study.fields)
-    )
-    memory += cost.motion_bytes
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
@@ -201,12 +128,30 @@ def check_text(study: Study, out: Path) -> str:
         ("Asked", "\n".join((*study.summaries, *study.fields))),
         (f"Computed at each of {machine.nodes.size} positions", computed),
         ("Left out, as nothing asked needs it", left),
-        ("Evaluation", f"{form_line}; {study.precision}; saved after every {block} variants"),
-        ("Time", f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"),
-        ("Memory", f"about {memory / 1e6:.3g} MB beside the program's own"),
-        ("File", f"{size / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
+        *_cost_sections(study, machine, out),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
+
+
+def _cost_sections(study: Study, machine: Machine, out: Path) -> list[tuple[str, str]]:
+    """How a study is evaluated, and its time, memory and file."""
+    cost, layout = probe(study, machine), layout_of(study, machine)
+    way = "each variant from its own numbers"
+    if cost.form == "factorised":
+        reused = ", ".join(p for p in study.paths if not _decides_shape(machine, p))
+        way = f"kinematics once for each geometry, reused for {reused}"
+    seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
+    if machine.schedule is not None:
+        seconds += "; the first time up to a minute more, to compile"
+    numbers = 8 * (len(machine.model.program.slots) + 4 * len(study.summaries))
+    memory = layout.block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
+    free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
+    return [
+        ("Evaluation", f"{way}; {study.precision}; saved after every {layout.block} variants"),
+        ("Time", seconds),
+        ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
+        ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
+    ]
 
 
 def _decides_shape(machine: Machine, path: str) -> bool:
@@ -373,7 +318,8 @@ def _only_text(result: Result) -> str:
 
 def _cycle_words(scene: Scene) -> str:
     speed = quantity_text(abs(scene.input.speed), "rad s-1")
-    return f"cycle at {speed}, driven by a constant moment, everything acting"
+    braked = any(isinstance(moment, Brake) for moment in scene.moments.values())
+    return f"cycle at {speed}, driven by a constant moment, everything acting{' but brakes' if braked else ''}"
 
 
 def _summary_rows(result: Result, variant: int, names: Iterable[str] | None = None) -> list[tuple[str, str, str]]:

@@ -9,8 +9,8 @@ slider-crank in closed form: neither the engine's form of the equation nor any o
 import json
 from pathlib import Path
 
-from mpmath import mp
 from motion_scenes import MOMENTS, dc_moment, kloss_moment, reduced
+from mpmath import mp
 
 PATH = Path(__file__).with_name("motion_reference.json")
 TURNS = 3

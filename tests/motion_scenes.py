@@ -89,7 +89,7 @@ def slider_crank(regimes: dict, speed: float = 10.0, flywheel: float = 0.0, **ch
 
 
 def rotor(regimes: dict, speed: float = 10.0, **changes: dict) -> dict:
-    """The slider-crank without a mass but a rotor of `INERTIA`: its inertia is constant, though not by its structure."""
+    """The slider-crank with no mass but a rotor of `INERTIA`, which is constant, though not by its structure."""
     scene = slider_crank(regimes, speed, **changes)
     scene["bodies"]["ram_body"]["mass"] = 0.0
     scene["bodies"]["eccentric"] |= {"mass": 0.0, "inertia": INERTIA}

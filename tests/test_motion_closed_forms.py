@@ -126,7 +126,9 @@ def test_moment_over_time__speed_and_angle_by_its_impulse(begin):
 @pytest.mark.parametrize("regime", [{"cycles": 3.0}, {"time": 5.0}, {"speed": 30.0}])
 @pytest.mark.parametrize("more", ["", " nothing"], ids=["energy form", "time form"])
 def test_ends__are_met_exactly(regime, more):
-    found = ask(rotor({"go": run("dc oil by_angle" + more, from_speed=5.0, **regime)}), "go.time go.angle go.final_speed", 40)
+    found = ask(
+        rotor({"go": run("dc oil by_angle" + more, from_speed=5.0, **regime)}), "go.time go.angle go.final_speed", 40
+    )
     goal = {"cycles": ("go.angle", 6 * math.pi), "time": ("go.time", 5.0), "speed": ("go.final_speed", 30.0)}
     name, value = goal[next(iter(regime))]
     # Found to a few bits.

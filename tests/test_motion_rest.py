@@ -19,8 +19,7 @@ DOWN = -math.pi / 2
 
 def swing(amplitude: float, only: str = "gravity", **regime: object) -> dict:
     """A pendulum let go from rest."""
-    scene = pendulum({"go": run(only, from_speed=0.0, from_angle=DOWN + amplitude, **regime)}, MASS, ARM, OWN)
-    return scene
+    return pendulum({"go": run(only, from_speed=0.0, from_angle=DOWN + amplitude, **regime)}, MASS, ARM, OWN)
 
 
 def period(amplitude: float) -> float:
@@ -30,7 +29,7 @@ def period(amplitude: float) -> float:
 
 @pytest.mark.parametrize("amplitude", [0.3, 1.2, 2.8])
 def test_pendulum__comes_back_after_the_period_by_the_elliptic_integral(amplitude):
-    names = "go.angle go.final_speed go.speed_min go.speed_max go.work_residual"
+    names = "go.angle go.final_speed go.speed_min go.speed_max go.other_work"
     turns = 5
     found = ask(swing(amplitude, time=turns * period(amplitude)), names, 240)
     # RK4 with steps of 2π/240 of an angle or of the time of a radian from rest: (0.026)⁴/120 a radian of phase, 2π a
@@ -42,7 +41,12 @@ def test_pendulum__comes_back_after_the_period_by_the_elliptic_integral(amplitud
     fastest = 2 * RATE * math.sin(amplitude / 2)
     assert found["go.speed_max"] == pytest.approx(fastest, rel=1e-3)
     assert found["go.speed_min"] == pytest.approx(-fastest, rel=1e-3)
-    assert abs(found["go.work_residual"]) <= 1e-7
+    assert abs(found["go.other_work"]) <= allowed * WEIGHT * amplitude
+
+
+def test_pendulum__work_residual_is_over_what_it_turns_over():
+    # The weight's work cancels over a swing, and it begins and ends at rest: what is turned over is in between.
+    assert abs(ask(swing(1.2, time=period(1.2)), "go.work_residual", 240)["go.work_residual"]) <= 1e-6
 
 
 def test_pendulum__quarter_swings():
@@ -112,12 +116,12 @@ def test_pendulum_let_go_at_the_bottom__stays_there():
 
 def test_brake_moment_on_a_hanging_machine__holds_it_where_it_stops():
     # Against the load alone the brake of 0.8 N·m can't; with a load of 0.5 N·m it holds.
-    scene = slider_crank({"go": run("brake load", from_speed=10.0, time=30.0)}, load={"moment": -0.5}, flywheel=0.4)
+    scene = slider_crank({"go": run("brake load", from_speed=10.0, time=5.0)}, load={"moment": -0.5}, flywheel=0.4)
     found = ask(scene, "go.final_speed go.angle")
     assert found["go.final_speed"] == 0.0
-    falls = slider_crank({"go": run("brake load", from_speed=10.0, time=30.0)}, load={"moment": -1.5}, flywheel=0.4)
+    falls = slider_crank({"go": run("brake load", from_speed=10.0, time=5.0)}, load={"moment": -1.5}, flywheel=0.4)
     # It stops, and then runs backwards.
-    assert ask(falls, "go.final_speed")["go.final_speed"] < -10.0
+    assert ask(falls, "go.final_speed")["go.final_speed"] < -1.0
 
 
 # One regime after another
@@ -185,8 +189,8 @@ def test_work_balance__in_watts_and_joules():
 
 
 def test_variants_of_all_kinds__each_its_own_way():
-    scene = slider_crank({"go": run("dc load rub gravity", speed=30.0, from_speed=1.0)}, flywheel=0.05)
-    stalls = [0.5, 1.0, 2.0, 2.5, 3.0, 5.0, 20.0]
+    scene = slider_crank({"go": run("dc load rub", speed=30.0, from_speed=15.0, at_most=100.0)}, flywheel=0.05)
+    stalls = [1.7, 1.9, 2.0, 2.5, 3.0, 5.0, 20.0]
     found = ask(scene, "go.time", varied={"moments.dc.stall_moment": stalls})
     # 2.4 N·m resist; the motor gives 0.7 of its stall moment at 30 rad/s: from 3.43 N·m on it gets there.
     assert [code == Verdict.OK for code in found.status] == [False] * 5 + [True] * 2

@@ -114,9 +114,7 @@ def test_steady_motion_with_a_steep_motor__within_the_quasi_static_limit(motor, 
     key, rated = {"dc": ("stall_moment", 100.0), "induction": ("breakdown_moment", 20.0)}[motor]
     scene = slider_crank({"on": steady(f"{motor} cut gravity fan")}, flywheel=0.02)
     names = "on.mean_speed on.speed_min on.speed_max on.motor_moment_peak on.multiplier on.work_residual"
-    found = ask(
-        scene, names, positions, varied={f"moments.{motor}.{key}": [numbers[key] * s for s in STEEPER]}
-    )
+    found = ask(scene, names, positions, varied={f"moments.{motor}.{key}": [numbers[key] * s for s in STEEPER]})
     assert found.status == [Verdict.OK] * len(STEEPER)
     # M′ at the synchronous speed.
     slopes = {"dc": MOMENTS["dc"]["stall_moment"] / 100.0, "induction": 2 * 2.5 * RATIO**2 / (0.2 * 150.0)}
@@ -124,10 +122,11 @@ def test_steady_motion_with_a_steep_motor__within_the_quasi_static_limit(motor, 
         off = needed(rated) / (slopes[motor] * steeper)
         for name in ("on.mean_speed", "on.speed_min", "on.speed_max"):
             value, figure = found.values[name][i], found.errors[name][i]
-            assert abs(value - rated) <= 1.1 * off + figure + 1e-10 * rated, (name, steeper, value, figure)
+            assert abs(value - rated) <= 1.5 * off + figure + 1e-10 * rated, (name, steeper, value, figure)
         assert found.errors["on.mean_speed"][i] <= 2e-5 * rated
         assert found.values["on.motor_moment_peak"][i] <= 1.2 * needed(rated) + found.errors["on.motor_moment_peak"][i]
-        assert abs(found.values["on.work_residual"][i]) < 1e-9
+        # The speed is known to a bit or so, and the moment to M′ times that, of some 1 N·m in all.
+        assert abs(found.values["on.work_residual"][i]) <= 1e-9 + 4e-16 * slopes[motor] * steeper * rated
         assert 0.0 <= found.values["on.multiplier"][i] < 1.0
 
 
@@ -206,7 +205,7 @@ def test_clockwise_machine__is_the_mirror_image():
         assert other[name] == pytest.approx(found[name], rel=1e-9), name
     for name in fields.split():
         one, two = found.fields[name][0], other.fields[name][0]
-        # The angle φ is −φ now.
+        # Fields are over the crank angle: φ is −φ now.
         two = np.roll(two[::-1], 1)
         sign = 1.0 if name in ("on.speed", "reduced_inertia") else -1.0
-        assert sign * two == pytest.approx(one, rel=1e-9, abs=1e-9 * np.abs(one).max()), name
+        assert sign * two == pytest.approx(one, rel=1e-8, abs=1e-8 * np.abs(one).max()), name

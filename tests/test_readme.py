@@ -21,8 +21,9 @@ def blocks(language):
 def folder(tmp_path_factory):
     """A folder with the README's scene and study, and the study run."""
     path = tmp_path_factory.mktemp("readme")
-    scene, study = blocks("toml")
+    scene, study, motion = blocks("toml")
     (path / "compressor.toml").write_text(scene, encoding="utf8")
+    (path / "compressor_motion.toml").write_text(scene + motion, encoding="utf8")
     (path / "study.toml").write_text(study, encoding="utf8")
     (path / "torque.csv").write_text("phi [deg], moment [N m]\n0,0\n90,1000\n180,0\n270,-200\n360,0\n", encoding="utf8")
     return path

@@ -104,7 +104,10 @@ ANGLE, TIME, ABOVE, BELOW, NEAR_REST, STIFF = (int(stop) for stop in Stop)
 
 
 class Limits(NamedTuple):
-    """Ends of a stretch, each (variants,): steps to make at most, time [s], speeds from below and above [rad/s]."""
+    """Ends of a stretch, each (variants,): steps to make at most, time [s], speeds from below and above [rad/s].
+
+    A speed `below` that is negative says that the stretch goes on as long as there is energy, near to rest as well.
+    """
 
     steps: np.ndarray
     time: np.ndarray

@@ -164,7 +164,8 @@ def step(x: np.ndarray, p: np.ndarray, width: int) -> None:
         # M differs between the second and the third stage by its dependence on E alone, and E there as the
         # first two stages do: the ratio says how near an explicit method is to being unstable.
         stiff = (abs(m3 - m2) - abs(m2 - m1)) * h > STIFF_SHARE * e
-        slowing = (-m1 > TIMES_PER_RADIAN * e) | (-m1 * h > SHARE_PER_STEP * e)
+        careful = x[UNDER + i] >= 0.0
+        slowing = careful & ((-m1 > TIMES_PER_RADIAN * e) | (-m1 * h > SHARE_PER_STEP * e))
         x[STIFFNESS + i] = 1.0 if stiff else 0.0
         x[GOES + i] = 0.0 if (stiff | slowing) else 1.0
         x[MOTOR_STEP + i] = sixth * (motor1 + 2.0 * (motor2 + motor3) + motor4)

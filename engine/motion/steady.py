@@ -108,9 +108,11 @@ def one_cycle(
     count, steps = variants.count, tables.steps.shape[0]
     record = np.full((2, steps + 1, count), np.nan)
     free = np.full(count, np.inf)
-    limits = Limits(np.full(count, steps), free, free, np.zeros(count))
+    # Nothing else could carry a machine through a cycle in which it nearly stops.
+    limits = Limits(np.full(count, steps), free, free, np.full(count, -1.0))
     course, _ = advance(dynamics, variants, tables, energy, limits, record)
     whole = course.made == steps
+    record[:, :, ~whole] = np.nan
     inertia = tables.inertia[0::2]
     with np.errstate(all="ignore"):
         omega = np.sqrt(2.0 * record[0] / inertia)
