@@ -35,6 +35,8 @@ MOTORS = 0
 LAWS = ()
 
 LANES = 32
+# Lanes that the processor takes at once, or a multiple of that: what is left over would go a scalar way.
+TOGETHER = 8
 
 # A group of lanes keeps its numbers in one flat array, its tables in another, each kind at a fixed place: the compiler
 # then sees that no two overlap, and vectorises. Places in the array of numbers …
@@ -249,6 +251,18 @@ def settle(x: np.ndarray, first: int, width: int, done: int, works: np.ndarray, 
                 course.works[channel + 1, v] = works[channel, i]
 
 
+@scalar
+def fill(x: np.ndarray, packed: np.ndarray, width: int, wide: int) -> None:
+    """Fill up idle lanes with copies of the last: all lanes then take the same instructions, to the last bit."""
+    for i in range(width, wide):
+        for j in range(ROOM // LANES):
+            x[j * LANES + i] = x[j * LANES + width - 1]
+        for k in range(packed.shape[0]):
+            for j in range(ITEMS // LANES):
+                packed[k, j * LANES + i] = packed[k, j * LANES + width - 1]
+        x[MOVING + i] = 0.0
+
+
 @njit(**KERNEL_OPTIONS)
 def carry(
     begin: int,
@@ -267,6 +281,8 @@ def carry(
         width = min(LANES, end - first)
         pack(tables, first, width, packed)
         begin_lanes(tables, drive, energy, limits, first, width, x)
+        wide = -(-width // TOGETHER) * TOGETHER
+        fill(x, packed, width, wide)
         works[:] = 0.0
         moving, done = float(width), 0
         while moving > 0.0:
@@ -274,8 +290,8 @@ def carry(
                 for i in range(width):
                     record[0, done, first + i], record[1, done, first + i] = x[E + i], x[T + i]
             k = done % cycle
-            step(x, packed[k], width)
-            going = take(x, width, done)
+            step(x, packed[k], wide)
+            going = take(x, wide, done)
             if channels > 1:
                 for channel in range(channels):
                     gather(x, tables, k, channel, first, width, works[channel])

@@ -24,6 +24,7 @@ BRISK = 2.0
 MOST_TIME_STEPS = 200_000
 # Times that a machine at rest looks whether a moment over time sets it going.
 WAITS = 1000
+HALVINGS = 60
 # Of the ends that a step in time may meet, the first and the last.
 REST, BREAK = 0, 4
 
@@ -219,7 +220,7 @@ class Run:
         end = self.clock[who] + self.ends.time[who]
         h = np.minimum(form.proper_step(state, self.spacing, facing), self._next_instant(state.time, end) - state.time)
         goal = self._next_break(who, state.turned, facing)
-        after = form.step(state, h, facing, goal)
+        h, after = self._short_enough(form, state, h, facing, goal)
         lost = ~np.isfinite(after.omega)
         self._give_up(who[lost], Verdict.NOT_FINITE)
         over = self._overshoot(after, who, facing, goal)
@@ -239,6 +240,19 @@ class Run:
         """The next time at which a moment over time jumps or bends, or the end."""
         instants = np.append(self.dynamics.instants, np.inf)
         return np.minimum(instants[np.searchsorted(instants, time * (1.0 + 1e-15), side="right")], end)
+
+    @staticmethod
+    def _short_enough(
+        form: TimeForm, state: State, h: np.ndarray, facing: np.ndarray, goal: np.ndarray
+    ) -> tuple[np.ndarray, State]:
+        """A step that doesn't come back to rest where it sets off from rest: its length, and the state after it."""
+        for _ in range(HALVINGS):
+            after = form.step(state, h, facing, goal)
+            back = (state.omega == 0.0) & (after.omega * facing <= 0.0)
+            if not back.any():
+                break
+            h = np.where(back, 0.5 * h, h)
+        return h, after
 
     def _next_break(self, who: np.ndarray, turned: np.ndarray, facing: np.ndarray) -> np.ndarray:
         """Angle turned at the next edge of a break of the moments: no step goes across one."""

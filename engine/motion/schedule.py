@@ -112,7 +112,9 @@ class Schedule:
         errors = {}
         for name, value in values.items():
             change = np.where(other == Verdict.OK, np.abs(value - coarse[name]), np.abs(value))
-            errors[name] = SHARE_OF_CHANGE * change + ROUNDING * np.maximum(np.abs(value), scales.get(name, 0.0))
+            # The multiplier is an integral of order two beside a jump, the rest of order four.
+            share = 1.0 if name.endswith(".multiplier") else SHARE_OF_CHANGE
+            errors[name] = share * change + ROUNDING * np.maximum(np.abs(value), scales.get(name, 0.0))
         return Answers(values, errors, fields, verdict)
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
@@ -137,8 +139,9 @@ class Schedule:
             variants = dynamics.driven(every)
             if isinstance(self.regimes[name], RunRegime):
                 outcome, standing = self.run(name, dynamics, variants, standing, steps)
-                found = self._of_run(dynamics, outcome)
-                made, energy = outcome.state.turned / dynamics.cycle * steps, np.fmax(outcome.started, outcome.ended)
+                made = outcome.state.turned / dynamics.cycle * steps
+                energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
+                found = self._of_run(dynamics, outcome, energy)
             else:
                 found, rows, standing = self._steady(name, dynamics, variants, standing, steps)
                 fields |= rows
@@ -197,13 +200,12 @@ class Schedule:
         return outcome, after
 
     @staticmethod
-    def _of_run(dynamics: Dynamics, outcome: Outcome) -> dict[str, np.ndarray]:
+    def _of_run(dynamics: Dynamics, outcome: Outcome, energy: np.ndarray) -> dict[str, np.ndarray]:
         state = outcome.state
         found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
         found |= {"speed_min": outcome.slowest, "speed_max": outcome.fastest, "motor_moment_peak": outcome.peak}
         change = outcome.ended - outcome.started
-        turned_over = np.maximum(outcome.ended, outcome.started)
-        return found | _work_values(dynamics, state.works, state.squares, state.time, change, turned_over)
+        return found | _work_values(dynamics, state.works, state.squares, state.time, change, energy)
 
     # Steady motion
 
@@ -258,7 +260,12 @@ class Schedule:
         }
         even = np.broadcast_to(np.arange(steady.omega.shape[0])[:, None], steady.omega.shape)
         even = even if grid.even is None else grid.even
-        return {f"{name}.{key}": np.take_along_axis(v, even, axis=0)[:-1].T for key, v in every.items()}
+        found = {f"{name}.{key}": np.take_along_axis(v, even, axis=0)[:-1].T for key, v in every.items()}
+        # Fields are over the crank angle, which falls where the crank turns clockwise.
+        back = variants.direction < 0.0
+        for row in found.values():
+            row[back] = np.roll(row[back, ::-1], 1, axis=1)
+        return found
 
 
 def _work_values(
@@ -299,6 +306,13 @@ def _joined(parts: list[Answers]) -> Answers:
         joined([part.fields for part in parts]),
         np.concatenate([part.verdict for part in parts]),
     )
+
+
+def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: Outcome) -> np.ndarray:
+    """About the greatest kinetic energy of a run: at its ends, or at its greatest speed."""
+    inertia = dynamics.rows(variants, angle[None]).inertia[0]
+    fastest = np.maximum(np.abs(outcome.fastest), np.abs(outcome.slowest))
+    return np.maximum(0.5 * inertia * fastest**2, np.maximum(outcome.started, outcome.ended))
 
 
 def _over_all(outcome: Outcome, ready: np.ndarray, count: int) -> Outcome:

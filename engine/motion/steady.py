@@ -117,7 +117,8 @@ def one_cycle(
     with np.errstate(all="ignore"):
         omega = np.sqrt(2.0 * record[0] / inertia)
         slope = dynamics.moments(variants, tables.at(NODES), omega).slope / (inertia * omega)
-        log_multiplier = (0.5 * tables.steps * (slope[1:] + slope[:-1])).sum(axis=0)
+        # One after another: NumPy sums a single column in another order, and the last bit would depend on company.
+        log_multiplier = np.cumsum(0.5 * tables.steps * (slope[1:] + slope[:-1]), axis=0)[-1]
     return np.where(whole, course.energy, np.nan), course, log_multiplier, omega, record[1]
 
 
@@ -215,7 +216,9 @@ def refined_extremes(omega: np.ndarray, slope: np.ndarray, steps: np.ndarray) ->
     """
     low, high = omega.min(axis=0), omega.max(axis=0)
     rise, m0, m1 = omega[1:] - omega[:-1], steps * slope[:-1], steps * slope[1:]
-    turns = (m0 > 0.0) != (m1 > 0.0)
+    # A cubic says something only where the slopes at both ends go with the rise: not beside a jump, and not where the
+    # speed follows a steep motor within the step.
+    turns = ((m0 > 0.0) != (m1 > 0.0)) & (np.abs(m0 + m1 - 2.0 * rise) <= 0.5 * (np.abs(m0) + np.abs(m1)))
     with np.errstate(all="ignore"):
         a = 3.0 * (m0 + m1 - 2.0 * rise)
         b = 3.0 * rise - 2.0 * m0 - m1

@@ -25,6 +25,7 @@ import numpy as np
 from cases import CASES, Batch, Case, prepare, require_engine_agrees, sample
 from fixed_steps import LANES
 from matplotlib.figure import Figure
+from ours import ours
 from peers import HEYOKA_LANES, PEERS, Peer
 from reference import reference
 
@@ -251,4 +252,4 @@ def benchmark(ours: Solver | None = None) -> None:
 
 
 if __name__ == "__main__":
-    benchmark()
+    benchmark(ours)
