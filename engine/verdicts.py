@@ -36,7 +36,10 @@ SENTENCES = {
         "stronger motor, a lower load or a heavier flywheel helps"
     ),
     Verdict.RUNS_AWAY: "the machine runs away: at no speed do the loads hold the drive; check signs, or add a load",
-    Verdict.NO_END: "a regime doesn't come to its end within the time or the cycles allowed for it",
+    Verdict.NO_END: (
+        "a regime doesn't come to its end: what it is to end at is never reached; change the end or the drive, or "
+        "raise at_most"
+    ),
     Verdict.TOO_STIFF: (
         "a characteristic is so steep in speed that the motion can't be computed with these steps; more positions help"
     ),

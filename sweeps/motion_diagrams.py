@@ -143,10 +143,10 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     for ax, part in zip(axes[0], parts, strict=True):
         kind = " (one cycle)" if isinstance(scene.regimes[part.name], SteadyRegime) else ""
         ax.set_title(f"{part.name}{kind}", fontweight="bold")
-    for ax, part in zip(axes[-1], parts, strict=True):
+    for ax, part, width in zip(axes[-1], parts, widths / widths.sum(), strict=True):
         ax.set_xlabel("t, s")
         ax.set_xlim(0, part.time[-1] if part.time[-1] > 0 else 1)
-        ax.xaxis.set_major_locator(MaxNLocator(5 if len(parts) < 4 else 3))
+        ax.xaxis.set_major_locator(MaxNLocator(max(2, int(10 * width))))
     _legend(figure, axes)
 
 

@@ -89,6 +89,8 @@ def test_history_sheet__shows_only_what_acts():
     ]
     brake = lines_of(figure.axes[5])["brakes"][1]
     assert brake == pytest.approx(-2 * 200.0 * 0.3 * 0.1, rel=1e-12)
+    power, speed = lines_of(figure.axes[8])["brakes"][1], figure.axes[2].lines[0].get_ydata() / RPM
+    assert power == pytest.approx(brake * speed, rel=1e-12)
 
 
 def test_cycle_sheet__marks_mean_speed_and_fluctuation():

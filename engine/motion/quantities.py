@@ -56,7 +56,10 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
             motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
             found += [Quantity(f"{name}.{n}_slip", f"mean slip of motor {n} in {name}", "1") for n in motors]
             if scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None:
-                words = f"flywheel inertia that gives the asked speed fluctuation in the true motion of {name}"
+                words = (
+                    f"flywheel inertia that gives the asked speed fluctuation in the true motion of {name}; where it "
+                    f"is asked, the other answers of {name} are those with it"
+                )
                 found.append(Quantity(f"{name}.flywheel", words, "kg m2"))
     return found
 

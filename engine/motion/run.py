@@ -21,7 +21,7 @@ from engine.verdicts import Verdict
 # on the step: so near to rest that it would, 1/ω is a root of the angle, and no refinement of the grid helps.
 BRISK = 2.0
 # Steps in time before a run is given up: it neither ends nor gets going.
-MOST_TIME_STEPS = 200_000
+MOST_TIME_STEPS = 40_000
 # Times that a machine at rest looks whether a moment over time sets it going.
 WAITS = 1000
 HALVINGS = 60

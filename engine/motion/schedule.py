@@ -223,7 +223,7 @@ class Schedule:
             tables = tables._replace(inertia=tables.inertia + (wheel - variants.flywheel))
         steady = steady_motion(dynamics, variants, tables)
         low, high = speed_extremes(dynamics, variants, grid, tables, steady)
-        period = steady.time[-1]
+        period = np.where(steady.verdict == Verdict.OK, steady.time[-1], np.nan)
         found |= {"speed_min": low, "speed_max": high, "speed_fluctuation": 2.0 * (high - low) / (high + low)}
         found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
         found |= {"return_residual": steady.residual, "motor_moment_peak": steady.course.peak}

@@ -51,9 +51,8 @@ class Tabulation:
         self.steps = model.program.needed(asked - {"one", "zero"})
         self._in_loop = [self._at_position(i, row) for i, row in enumerate(rows.values())]
         self._after = [line for i, row in enumerate(rows.values()) for line in self._from_laws(i, row)]
-        text = "\n".join(
-            (*(s.line for s in self.steps), *self._in_loop, *(w.expression for w in self.laws), *self._after)
-        )
+        read = [w.expression for w in self.laws] + [variable for law in self.laws for variable in law.rows]
+        text = "\n".join((*(s.line for s in self.steps), *self._in_loop, *read, *self._after))
         moments = model.moments
         self.tables = [t for t in moments.tables if f"table__{t}_breaks" in text]
         self.angle_tables = [t for t in moments.angle_tables if f"angle_table__{t}[" in text]
