@@ -15,7 +15,6 @@ class Verdict(IntEnum):
     STALLS = 6
     RUNS_AWAY = 7
     NO_END = 8
-    TOO_STIFF = 9
     NOT_COMPUTED = 255
 
 
@@ -39,9 +38,6 @@ SENTENCES = {
     Verdict.NO_END: (
         "a regime doesn't come to its end: what it is to end at is never reached; change the end or the drive, or "
         "raise at_most"
-    ),
-    Verdict.TOO_STIFF: (
-        "a characteristic is so steep in speed that the motion can't be computed with these steps; more positions help"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -27,7 +27,6 @@ REASONS = {
     Verdict.STALLS: "stalls",
     Verdict.RUNS_AWAY: "runs away",
     Verdict.NO_END: "doesn't come to its end",
-    Verdict.TOO_STIFF: "too stiff",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 

@@ -12,7 +12,7 @@ from engine.regimes import Regime, RunRegime
 from sweeps.engineer_units import quantity_text
 
 # Verdicts that only a motion gets.
-MOTION_VERDICTS = (Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.TOO_STIFF)
+MOTION_VERDICTS = (Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END)
 # Positions in a cycle of a history that is made to see where a motion fails.
 STEPS = 240
 # A run given up after so many cycles at least was going; the history of a longer one may be cut.

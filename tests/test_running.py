@@ -149,7 +149,6 @@ CODES = {
     6: "stalls",
     7: "runs_away",
     8: "no_end",
-    9: "too_stiff",
     255: "not_computed",
 }
 

@@ -89,7 +89,6 @@ def _outcome(balance: Balance, omega: np.ndarray, motion: Motion) -> Outcome:
         motion.peak,
         0.5 * balance.inertia * omega**2,
         0.5 * balance.inertia * motion.omega**2,
-        np.zeros(count, bool),
         None,
     )
 
@@ -98,5 +97,5 @@ def _take(outcome: Outcome, who: np.ndarray, other: Outcome) -> None:
     """Put the outcome of some variants in its place."""
     for mine, new in zip(outcome.state, other.state, strict=True):
         mine[..., who] = new
-    for name in ("verdict", "slowest", "fastest", "peak", "started", "ended", "implicit"):
+    for name in ("verdict", "slowest", "fastest", "peak", "started", "ended"):
         getattr(outcome, name)[who] = getattr(other, name)

@@ -54,8 +54,6 @@ class Outcome(NamedTuple):
         Least and greatest speed [rad/s], greatest moment of the motors by magnitude [N·m].
     started, ended : ndarray
         Kinetic energy at begin and end [J].
-    implicit : ndarray of bool
-        Whether a stiff characteristic called for the implicit method.
     history : ndarray (3, instants) or None
         Time [s], angle turned [rad] and speed [rad/s] of the only variant, where recorded.
     """
@@ -67,7 +65,6 @@ class Outcome(NamedTuple):
     peak: np.ndarray
     started: np.ndarray
     ended: np.ndarray
-    implicit: np.ndarray
     history: np.ndarray | None
 
 
@@ -108,7 +105,6 @@ class Run:
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest, self.peak = self.state.omega.copy(), self.state.omega.copy(), np.zeros(count)
-        self.implicit = np.zeros(count, bool)
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)
@@ -146,7 +142,6 @@ class Run:
             self.peak,
             started,
             self._energy(),
-            self.implicit,
             history,
         )
 
@@ -348,8 +343,7 @@ class Run:
         record = None
         if self.notes is not None:
             record = np.empty((2, min(int(limits.steps[0]) + 1, 2_000_000), 1))
-        course, implicit = advance(self.dynamics, part, tables, energy, limits, record)
-        self.implicit[who] |= implicit
+        course = advance(self.dynamics, part, tables, energy, limits, record)
         made, per = course.made, grid.steps.shape[0]
         k = made % per
         turned = made // per * self.dynamics.cycle + nodes[k, np.arange(who.size)]
@@ -407,7 +401,7 @@ class Run:
         tables = Tables(length[None], rows.inertia, rows.loads, rows.powers)
         free = np.full(who.size, np.inf)
         limits = Limits(np.ones(who.size, np.int64), free, free, np.full(who.size, -1.0))
-        course, _ = advance(self.dynamics, part, tables, 0.5 * rows.inertia[0] * state.omega**2, limits)
+        course = advance(self.dynamics, part, tables, 0.5 * rows.inertia[0] * state.omega**2, limits)
         omega = np.sqrt(2.0 * course.energy / rows.inertia[2])
         if take:
             self._take(who, state, length, omega, course)

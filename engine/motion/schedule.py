@@ -324,8 +324,8 @@ def _over_all(outcome: Outcome, ready: np.ndarray, count: int) -> Outcome:
         return whole
 
     state = type(outcome.state)(*(spread(x) for x in outcome.state))
-    verdict, implicit = np.full(count, Verdict.OK, np.uint8), np.zeros(count, bool)
-    verdict[ready], implicit[ready] = outcome.verdict, outcome.implicit
+    verdict = np.full(count, Verdict.OK, np.uint8)
+    verdict[ready] = outcome.verdict
     names = ("slowest", "fastest", "peak", "started", "ended")
     rest = {name: spread(getattr(outcome, name)) for name in names}
-    return Outcome(verdict, state, implicit=implicit, history=outcome.history, **rest)
+    return Outcome(verdict, state, history=outcome.history, **rest)

@@ -110,7 +110,7 @@ def one_cycle(
     free = np.full(count, np.inf)
     # Nothing else could carry a machine through a cycle in which it nearly stops.
     limits = Limits(np.full(count, steps), free, free, np.full(count, -1.0))
-    course, _ = advance(dynamics, variants, tables, energy, limits, record)
+    course = advance(dynamics, variants, tables, energy, limits, record)
     whole = course.made == steps
     record[:, :, ~whole] = np.nan
     inertia = tables.inertia[0::2]

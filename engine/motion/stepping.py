@@ -17,7 +17,7 @@ def advance(
     energy: np.ndarray,
     limits: Limits,
     record: np.ndarray | None = None,
-) -> tuple[Course, np.ndarray]:
+) -> Course:
     """Carry every variant from its energy at the first node to the end of its stretch.
 
     Parameters
@@ -34,9 +34,7 @@ def advance(
 
     Returns
     -------
-    course : Course
-    implicit : ndarray (variants,) of bool
-        Which variants took the implicit method.
+    Course
     """
     count, channels = variants.count, len(dynamics.channels)
     record = np.empty((2, 0, count)) if record is None else record
@@ -53,9 +51,7 @@ def advance(
         record[:, :, stiff] = notes
         for whole, some in zip(course, own, strict=True):
             whole[..., stiff] = some
-    implicit = np.zeros(count, bool)
-    implicit[stiff] = True
-    return course, implicit
+    return course
 
 
 def _is_steep(dynamics: Dynamics, variants: Variants, tables: Tables, course: Course) -> np.ndarray:
