@@ -24,6 +24,7 @@ def run_in_closed_form(
     clock: np.ndarray,
     ends: Ends,
     steps: int,
+    half: bool,
     doubt: float,
 ) -> Outcome:
     """Run in closed form, and step by step where that doesn't go.
@@ -32,7 +33,7 @@ def run_in_closed_form(
     ----------
     law : Law
         Of all variants.
-    dynamics, variants, start, omega, clock, ends, steps
+    dynamics, variants, start, omega, clock, ends, steps, half
         As of `Run`.
     doubt : float
         Every moment is increased by this share of its magnitude: what changes shows how sure an answer is.
@@ -51,7 +52,7 @@ def run_in_closed_form(
     left = np.flatnonzero(~found)
     if left.size:
         own = ends._replace(**{k: getattr(ends, k)[left] for k in ("turned", "time", "speed", "most_turned")})
-        run = Run(dynamics, variants.some(left), start[left], omega[left], clock[left], own, steps)
+        run = Run(dynamics, variants.some(left), start[left], omega[left], clock[left], own, steps, half)
         _take(outcome, left, run())
     return outcome
 

@@ -11,8 +11,8 @@ from engine.jit import over_variants
 from engine.model import LinearRow, Model
 from engine.motion.breaks import Breaks, Landmarks, instants_of
 from engine.motion.energy_form import Drive, Tables
-from engine.motion.grid import Grid, make_grid
-from engine.motion.tabulation import Ends, Tabulation
+from engine.motion.grid import Grid, make_grid, nested_grid
+from engine.motion.tabulation import Ends, Sums, Tabulation
 from engine.motors import kloss_constants, motor_ratio, stall_moment
 from engine.scene import Numbers
 
@@ -37,6 +37,8 @@ class Variants(NamedTuple):
         Of all actions.
     drive : Drive or None
         The motors at work, from `Dynamics.driven`.
+    kept : dict
+        Grid and tables of the last stretch.
     """
 
     numbers: Numbers
@@ -46,6 +48,7 @@ class Variants(NamedTuple):
     ends: Mapping[str, Ends]
     breaks: Breaks
     drive: Drive | None = None
+    kept: dict | None = None
 
     @property
     def count(self) -> int:
@@ -53,7 +56,9 @@ class Variants(NamedTuple):
         return self.direction.size
 
     def some(self, chosen: np.ndarray) -> "Variants":
-        """Some of them, by index."""
+        """Some of them, by index, in order."""
+        if chosen.size == self.count:
+            return self
         drive = self.drive
         return Variants(
             self.numbers.of_variants(chosen),
@@ -63,6 +68,7 @@ class Variants(NamedTuple):
             {name: Ends(*(part[chosen] for part in end)) for name, end in self.ends.items()},
             self.breaks.some(chosen),
             None if drive is None else Drive(*(np.ascontiguousarray(part[..., chosen]) for part in drive)),
+            {},
         )
 
 
@@ -93,7 +99,7 @@ class Reduction:
         count = direction.size
         ends, breaks = self.landmarks(numbers, count, direction)
         parameters = self.tabulation.parameters(numbers, count, direction)
-        return Variants(numbers, direction, flywheel, parameters, ends, breaks)
+        return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
 
 
 class Dynamics:
@@ -125,6 +131,13 @@ class Dynamics:
             if action in self.active:
                 place = (i + 2, self._channel(roles[action]), order)
                 (self.laws if isinstance(order, str) else self.polynomial).append(place)
+        # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
+        self.target = np.full(len(reduction.tabulation.names), -1)
+        self.target[:2] = 0, 1
+        for row, channel, order in self.polynomial:
+            self.target[row] = 2 + 3 * channel + order
+        for i, (row, _, _) in enumerate(self.laws):
+            self.target[row] = 2 + 3 * len(self.channels) + i
         self.cycle = 2 * np.pi * model.scene.input.revolutions
 
     def _channel(self, role: str | None) -> int:
@@ -139,9 +152,8 @@ class Dynamics:
 
     def driven(self, variants: Variants) -> Variants:
         """The variants with the motors that are at work here."""
-        return variants._replace(
-            breaks=variants.breaks.of(self.active), drive=self._drive(variants.numbers, variants.count)
-        )
+        drive = self._drive(variants.numbers, variants.count)
+        return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, kept={})
 
     def _drive(self, numbers: Numbers, count: int) -> Drive:
         scene, line, kloss = self.model.scene, np.zeros((2, count)), []
@@ -169,6 +181,26 @@ class Dynamics:
         rows = self.rows(variants, grid.places)
         return Tables(grid.steps, rows.inertia, rows.loads, rows.powers)
 
+    def nested(self, variants: Variants, begin: np.ndarray, steps: int, half: bool) -> tuple[np.ndarray, Tables]:
+        """Nodes (angles turned) and tables of a cycle from given crank angles on, for a run.
+
+        Parameters
+        ----------
+        variants : Variants
+        begin : ndarray (variants,)
+            [rad].
+        steps : int
+        half : bool
+            Of half the steps instead: they are taken from the tables of all, which are kept.
+        """
+        key, kept = (begin.tobytes(), steps), variants.kept
+        if kept.get("key") != key:
+            grid = nested_grid(begin, variants.direction, steps, self.cycle, variants.breaks)
+            rows = self.rows(variants, grid.places)
+            kept.update(key=key, grid=grid, tables=Tables(grid.steps, rows.inertia, rows.loads, rows.powers))
+        grid, tables = kept["grid"], kept["tables"]
+        return grid.halved(tables) if half else (grid.nodes, tables)
+
     def rows(self, variants: Variants, places: np.ndarray, clock: np.ndarray | None = None) -> "Rows":
         """What depends on the crank angle (and time), at any angles of each variant.
 
@@ -180,12 +212,13 @@ class Dynamics:
         clock : ndarray (places, variants), optional
             Time [s].
         """
-        out = self.reduction.tabulation(variants.parameters, variants.ends, places, clock)
-        loads, way = np.zeros((len(self.channels), 3, *places.shape)), variants.direction
-        for row, channel, order in self.polynomial:
-            loads[channel, order] += out[row] * way
-        powers = np.array([out[row] * way for row, _, _ in self.laws]).reshape(len(self.laws), *places.shape)
-        return Rows(out[0] + variants.flywheel, out[1] * way, loads, powers)
+        tabulation, channels = self.reduction.tabulation, len(self.channels)
+        way = np.broadcast_to(variants.direction, (len(tabulation.names), variants.count)).copy()
+        way[0] = 1.0
+        sums = Sums(self.target, 2 + 3 * channels + len(self.laws), way)
+        out = tabulation(variants.parameters, variants.ends, places, clock, sums)
+        loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
+        return Rows(out[0] + variants.flywheel, out[1], loads, powers)
 
     def moments(self, variants: Variants, rows: "Rows", omega: np.ndarray) -> "Moments":
         """Moments at given speeds, in the direction of motion.

@@ -158,9 +158,12 @@ def step(x: np.ndarray, p: np.ndarray, width: int) -> None:
         far = p[FAR + i]
         sixth = h / 6.0
         x[E_AFTER + i] = after
-        x[T_STEP + i] = sixth * (1.0 / w1 + 2.0 / w2 + 2.0 / w3 + 1.0 / w4)
-        squares = motor1 * motor1 / w1 + 2.0 * motor2 * motor2 / w2 + 2.0 * motor3 * motor3 / w3
-        x[SQUARES_STEP + i] = sixth * (squares + motor4 * motor4 / w4)
+        # Reciprocals of two speeds for one division.
+        outer, inner = 1.0 / (w1 * w4), 2.0 / (w2 * w3)
+        r1, r2, r3, r4 = outer * w4, inner * w3, inner * w2, outer * w1
+        x[T_STEP + i] = sixth * (r1 + r2 + r3 + r4)
+        squares = motor1 * motor1 * r1 + motor2 * motor2 * r2 + motor3 * motor3 * r3 + motor4 * motor4 * r4
+        x[SQUARES_STEP + i] = sixth * squares
         x[W_AFTER + i] = math.sqrt(after * far)
         x[PEAK_STEP + i] = larger(abs(motor1), abs(motor4))
         # M differs between the second and the third stage by its dependence on E alone, and E there as the

@@ -78,7 +78,7 @@ def history(scene: Scene, steps: int = 360) -> History:
         if isinstance(scene.regimes[name], RunRegime):
             angle = scene.regimes[name].from_angle
             start = standing.angle[0] if angle is None else angle
-            outcome, standing = schedule.run(name, dynamics, variants, standing, steps, record=True)
+            outcome, standing = schedule.run(name, dynamics, variants, standing, record=True)
             time, turned, omega = outcome.history
         else:
             start, (time, turned, omega), standing = 0.0, *_one_cycle(dynamics, variants, steps)

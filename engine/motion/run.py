@@ -12,7 +12,7 @@ import numpy as np
 from engine.motion.breaks import illinois
 from engine.motion.dynamics import Dynamics, Variants
 from engine.motion.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, NODES, TIME, Course, Limits, Tables
-from engine.motion.grid import JUMP, make_grid
+from engine.motion.grid import JUMP
 from engine.motion.stepping import advance
 from engine.motion.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
@@ -84,6 +84,8 @@ class Run:
     ends : Ends
     steps : int
         Steps a cycle.
+    half : bool
+        Whether to make half as many, for comparison.
     record : bool
         Whether to keep the history (of a single variant).
     """
@@ -97,10 +99,12 @@ class Run:
         clock: np.ndarray,
         ends: Ends,
         steps: int,
+        half: bool = False,
         record: bool = False,
     ) -> None:
         self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
-        self.ends, self.steps, self.spacing = ends, steps, dynamics.cycle / steps
+        self.ends, self.steps, self.half = ends, steps, half
+        self.spacing = dynamics.cycle / (steps // 2 if half else steps)
         count, channels = variants.count, len(dynamics.channels)
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
@@ -327,14 +331,12 @@ class Run:
         """A stretch in the energy form, up to an end of the run or to where the machine slows down."""
         part, state = self.variants.some(who), self._part(who)
         begin = self.start[who] + part.direction * state.turned
-        grid = make_grid(begin, self.dynamics.cycle, part.direction, self.steps, self.dynamics.cycle, part.breaks)
-        tables = self.dynamics.tables(part, grid)
-        nodes = np.concatenate((np.zeros((1, who.size)), np.cumsum(grid.steps, axis=0)))
+        nodes, tables = self.dynamics.nested(part, begin, self.steps, self.half)
         goal = np.minimum(self.ends.turned[who], self.ends.most_turned[who]) - state.turned
         cycles = np.floor(goal / self.dynamics.cycle)
         whole = (nodes <= (goal - cycles * self.dynamics.cycle) * (1.0 + 1e-14)).sum(axis=0) - 1
         limits = Limits(
-            (cycles * grid.steps.shape[0] + whole).astype(np.int64),
+            (cycles * tables.steps.shape[0] + whole).astype(np.int64),
             self.ends.time[who] - state.time,
             self.above[who],
             np.maximum(self.below[who], 0.0),
@@ -344,7 +346,7 @@ class Run:
         if self.notes is not None:
             record = np.empty((2, min(int(limits.steps[0]) + 1, 2_000_000), 1))
         course = advance(self.dynamics, part, tables, energy, limits, record)
-        made, per = course.made, grid.steps.shape[0]
+        made, per = course.made, tables.steps.shape[0]
         k = made % per
         turned = made // per * self.dynamics.cycle + nodes[k, np.arange(who.size)]
         inertia = tables.at(2 * k, np.arange(who.size)).inertia[0]
@@ -352,7 +354,7 @@ class Run:
         if record is not None:
             self._note_nodes(record, int(made[0]), tables, nodes)
         self._take(who, state, turned, omega, course)
-        self._finish(who, course.stop, grid.steps[k, np.arange(who.size)], goal - turned)
+        self._finish(who, course.stop, tables.steps[k, np.arange(who.size)], goal - turned)
 
     def _note_nodes(self, record: np.ndarray, made: int, tables: Tables, nodes: np.ndarray) -> None:
         per = tables.steps.shape[0]

@@ -30,6 +30,8 @@ SHARE_OF_CHANGE = 0.5
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
 WORTH_A_THREAD = 128
+# A line of the cache holds so many numbers.
+ODD = 8
 ROUNDING = 16 * np.finfo(float).eps
 # So many steps round as much as everything else: each by half a unit in the last place.
 STEPS_OF_ROUNDING = 32
@@ -100,13 +102,17 @@ class Schedule:
         """
         together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
-        cuts = np.array_split(np.arange(count), pieces)
+        # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
+        width = -(-count // pieces)
+        width += (ODD - width) % (2 * ODD) if pieces > 1 else 0
+        cuts = [np.arange(first, min(first + width, count)) for first in range(0, count, width)]
         return _joined(on_all_threads(lambda chosen: self._of_chunk(numbers.of_variants(chosen), chosen.size), cuts))
 
     def _of_chunk(self, numbers: Numbers, count: int) -> Answers:
         variants = self.variants(numbers, count)
-        fine, fields, verdict, scales = self._go(variants, self.steps)
-        coarse, _, other, _ = self._go(variants, self.steps // 2)
+        driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
+        fine, fields, verdict, scales = self._go(driven)
+        coarse, _, other, _ = self._go(driven, half=True)
         # A verdict that half the steps don't share is one of the method, not of the machine.
         values = {name: np.where(verdict == Verdict.OK, v, np.nan) for name, v in fine.items()}
         errors = {}
@@ -126,19 +132,20 @@ class Schedule:
         return self.reduction.variants(numbers, direction, flywheel)
 
     def _go(
-        self, every: Variants, steps: int
+        self, driven: dict[frozenset[str], Variants], half: bool = False
     ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray, dict[str, np.ndarray]]:
         """Values, fields, verdicts, and the magnitude that each value's rounding is a share of, where not its own."""
-        zero = np.zeros(every.count)
-        standing = Standing(zero, zero, zero, np.full(every.count, Verdict.OK, np.uint8))
+        count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
+        zero = np.zeros(count)
+        standing = Standing(zero, zero, zero, np.full(count, Verdict.OK, np.uint8))
         values: dict[str, np.ndarray] = {}
         fields: dict[str, np.ndarray] = {}
         scales: dict[str, np.ndarray] = {}
         for name in self.needed:
-            dynamics = self.dynamics[frozenset(self.regimes[name].off)]
-            variants = dynamics.driven(every)
+            off = frozenset(self.regimes[name].off)
+            dynamics, variants = self.dynamics[off], driven[off]
             if isinstance(self.regimes[name], RunRegime):
-                outcome, standing = self.run(name, dynamics, variants, standing, steps)
+                outcome, standing = self.run(name, dynamics, variants, standing, half)
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 found = self._of_run(dynamics, outcome, energy)
@@ -163,7 +170,7 @@ class Schedule:
         dynamics: Dynamics,
         variants: Variants,
         standing: Standing,
-        steps: int,
+        half: bool = False,
         record: bool = False,
     ) -> tuple[Outcome, Standing]:
         """Run a regime from where the machines stand."""
@@ -187,10 +194,10 @@ class Schedule:
         ends = ends._replace(**{k: getattr(ends, k)[ready] for k in ("turned", "time", "speed", "most_turned")})
         begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
         if law is None or record:
-            outcome = Run(dynamics, part, *begin, ends, steps, record)()
+            outcome = Run(dynamics, part, *begin, ends, self.steps, half, record)()
         else:
-            doubt = 0.0 if steps == self.steps else DOUBT
-            outcome = run_in_closed_form(law, dynamics, part, *begin, ends, steps, doubt)
+            doubt = DOUBT if half else 0.0
+            outcome = run_in_closed_form(law, dynamics, part, *begin, ends, self.steps, half, doubt)
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time

@@ -64,45 +64,59 @@ class Tabulation:
 
     def _at_position(self, row: int, what: LinearRow | str) -> str:
         if isinstance(what, str):
-            return f"out[{row}, j, k] = {what}"
+            return f"made[{row} * LANES + k] = {what}"
         laws = self.model.moments.laws
         terms = [c if b == "one" else f"{c} * {b}" for c, b in what.terms if b not in laws]
         terms = [what.constant, *terms] if what.constant else terms
-        return f"out[{row}, j, k] = {' + '.join(terms) or 'zero'}"
+        return f"made[{row} * LANES + k] = {' + '.join(terms) or 'zero'}"
 
     def _from_laws(self, row: int, what: LinearRow | str) -> list[str]:
         if isinstance(what, str):
             return []
         laws = {law.row for law in self.laws}
         terms = [f"{c} * {b}[k]" for c, b in what.terms if b in laws]
-        return [f"out[{row}, j, k] += {' + '.join(terms)}"] if terms else []
+        return [f"made[{row} * LANES + k] += {' + '.join(terms)}"] if terms else []
 
     def _law_line(self, law: Law) -> str:
-        expression = law.expression.replace(law.clock, "clock[j, k]") if law.clock else law.expression
-        return f"{law.row}[k] = {expression}"
+        return f"{law.row}[k] = {law.expression.replace(law.clock, 'now[k]') if law.clock else law.expression}"
 
     def _module(self, text: str) -> str:
+        """Lanes of variants go side by side, with their numbers in small arrays that the compiler sees to be apart."""
         kept = sorted({f"row__{v}" for law in self.laws for v in law.rows} | {law.row for law in self.laws})
         kept += [f"angle_table__{t}" for t in self.angle_tables]
         tables = [f"table__{t}_{f}" for t in (*self.tables, *self.angle_tables) for f in _FIELDS]
-        load = [f"{s} = P[{i}, k]" for i, s in enumerate(self.slots)]
-        load += [f"{e} = ends[{i}, k]" for i, e in enumerate(self.ends)]
-        main = [*load, "q = nodes[k]", "cos_q, sin_q = direction_of(q)"]
+        load = [f"{s} = own[{i} * LANES + k]" for i, s in enumerate((*self.slots, *self.ends))]
+        main = [*load, "cos_q, sin_q = direction_of(nodes[k])", "q = nodes[k]"]
         main += [s.line for s in self.steps]
         main += [f"row__{v}[k] = {v}" for v in sorted({v for law in self.laws for v in law.rows})] + self._in_loop
-        lines = ["n = P.shape[1]", f"scratch = np.empty(({max(len(kept), 1)}, n))"]
-        lines += [f"{r} = scratch[{i}]" for i, r in enumerate(kept)]
-        lines += ["for j in range(places.shape[0]):", "    nodes = places[j]"]
+        of_place = ["for k in range(LANES):", "    v = min(first + k, end - 1)"]
+        of_place += ["    nodes[k], now[k] = places[j, v], clock[j, v]"]
         for t in self.angle_tables:
             fields = ", ".join(f"table__{t}_{f}" for f in _FIELDS)
-            lines += _loop([f"angle_table__{t}[k] = table_value({fields}, nodes[k])"])
-        lines += _loop(main)
+            of_place += _loop([f"angle_table__{t}[k] = table_value({fields}, nodes[k])"])
+        of_place += _loop(main)
         # A loop for each characteristic: they are searched and branch, and would keep the others from vectorising.
         for law in self.laws:
-            lines += _loop([*(a for a in load if a.split(" ")[0] in law.expression), self._law_line(law)])
+            of_place += _loop([*(a for a in load if a.split(" ")[0] in law.expression), self._law_line(law)])
         if self._after:
-            lines += _loop([*load, *self._after])
-        arguments = ", ".join(["begin, end, P, places, clock, ends", *tables, "out"])
+            of_place += _loop([*load, *self._after])
+        of_place += ["sums[:] = 0.0", f"for r in range({len(self.names)}):", "    if target[r] >= 0:"]
+        of_place += ["        for k in range(LANES):"]
+        of_place += ["            sums[target[r] * LANES + k] += made[r * LANES + k] * turned[r * LANES + k]"]
+        of_place += ["for r in range(out.shape[0]):", "    for k in range(min(LANES, end - first)):"]
+        of_place += ["        out[r, j, first + k] = sums[r * LANES + k]"]
+        counts = (len(self.slots), len(self.ends), len(self.names))
+        lines = ["sums = np.empty(out.shape[0] * LANES)", f"turned = np.empty({counts[2]} * LANES)"]
+        lines += [f"own, made = np.empty({counts[0] + counts[1]} * LANES + 1), np.empty({counts[2]} * LANES)"]
+        lines += [f"{r} = np.empty(LANES)" for r in ("nodes", "now", *kept)]
+        lines += ["for first in range(begin, end, LANES):"]
+        for array, at, count in (("P", 0, counts[0]), ("ends", counts[0], counts[1])):
+            lines += [f"    for i in range({count}):", "        for k in range(LANES):"]
+            lines += [f"            own[({at} + i) * LANES + k] = {array}[i, min(first + k, end - 1)]"]
+        lines += [f"    for r in range({counts[2]}):", "        for k in range(LANES):"]
+        lines += ["            turned[r * LANES + k] = way[r, min(first + k, end - 1)]"]
+        lines += ["    for j in range(places.shape[0]):", *(f"        {line}" for line in of_place)]
+        arguments = ", ".join(["begin, end, P, places, clock, ends", *tables, "target, way, out"])
         return "\n".join([_HEAD, f"def tabulate({arguments}):", *(f"    {line}" for line in lines), ""])
 
     # Evaluation
@@ -123,9 +137,14 @@ class Tabulation:
             return self.model.parameters(self.slots, unit, variants, np.float64)
 
     def __call__(
-        self, parameters: np.ndarray, ends: Mapping[str, Ends], q: np.ndarray, clock: np.ndarray | None = None
+        self,
+        parameters: np.ndarray,
+        ends: Mapping[str, Ends],
+        q: np.ndarray,
+        clock: np.ndarray | None = None,
+        sums: "Sums | None" = None,
     ) -> np.ndarray:
-        """The rows at given crank angles.
+        """The rows at given crank angles, or sums of them.
 
         Parameters
         ----------
@@ -135,13 +154,17 @@ class Tabulation:
             Crank angles [rad].
         clock : ndarray (nodes, variants), optional
             Time [s], where a moment depends on it.
+        sums : Sums, optional
+            What to add up; without it every row by itself.
 
         Returns
         -------
-        ndarray (rows, nodes, variants)
+        ndarray (rows or sums, nodes, variants)
         """
         variants = parameters.shape[1]
-        out = np.empty((len(self.names), *q.shape))
+        if sums is None:
+            sums = Sums(np.arange(len(self.names)), len(self.names), np.ones((len(self.names), variants)))
+        out = np.empty((sums.count, *q.shape))
         strokes = np.empty((len(self.ends), variants))
         for i, end in enumerate(self.ends):
             kind, slider = end.split("__", 1)
@@ -150,12 +173,31 @@ class Tabulation:
         tables = [moments.tables[t] for t in self.tables] + [moments.angle_tables[t] for t in self.angle_tables]
         fields = [value for table in tables for value in table]
         clock = q if clock is None else clock
-        run_kernel(self.text, "tabulate", variants, parameters, q, clock, strokes, *fields, out)
+        added = (sums.target, sums.way)
+        run_kernel(self.text, "tabulate", variants, parameters, q, clock, strokes, *fields, *added, out)
         return out
 
 
+class Sums(NamedTuple):
+    """Rows added up.
+
+    Attributes
+    ----------
+    target : ndarray (rows,) of int
+        To which sum each row belongs; −1 where to none.
+    count : int
+        Number of sums.
+    way : ndarray (rows, variants)
+        Factor of each row.
+    """
+
+    target: np.ndarray
+    count: int
+    way: np.ndarray
+
+
 def _loop(lines: list[str]) -> list[str]:
-    return ["    for k in range(begin, end):", *(f"        {line}" for line in lines)]
+    return ["for k in range(LANES):", *(f"    {line}" for line in lines)]
 
 
 _HEAD = '''"""Rows of one machine's structure at angles of each variant's own; written by engine.motion.tabulation."""
@@ -175,6 +217,7 @@ from engine.strokes import *
 from engine.tables import table_value
 
 one, zero = 1.0, 0.0
+LANES = 32
 
 
 @njit(**KERNEL_OPTIONS)'''
