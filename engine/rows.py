@@ -125,8 +125,7 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
     low, high, mean, rms : float
         At the positions themselves, means by the trapezoid rule; NaN if any value is NaN or infinite.
     missed : float
-        How far the curve may go beyond its extreme positions between them: half of the greatest second
-        difference about them, as far as a kink can and four times as far as a parabola does.
+        How far the curve may go beyond its extreme positions between them.
     rough : float
         Jumps of the row, see `roughness`.
     """
@@ -143,7 +142,7 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
         total -= 0.5 * (row[0] + row[n - 1])
         squares -= 0.5 * (row[0] * row[0] + row[n - 1] * row[n - 1])
     low, high = least(row), greatest(row)
-    missed = 0.5 * max(bend_about(row, high, periodic), bend_about(row, low, periodic))
+    missed = max(missed_about(row, high, 1.0, periodic), missed_about(row, low, -1.0, periodic))
     return low, high, total / count, math.sqrt(squares / count), missed, roughness(row, periodic)
 
 
@@ -154,16 +153,48 @@ def second_difference(before: float, here: float, after: float) -> float:
 
 
 @scalar
-def bend_about(row: np.ndarray, value: float, periodic: bool) -> float:
-    """Greatest second difference at the first position that takes a value and at its two neighbours."""
+def missed_beside(row: np.ndarray, centre: int, side: int, sign: float, periodic: bool) -> float:
+    """How far the curve may go beyond an extreme at a position, before it comes to the next one on a side.
+
+    Where a kink hides between the two, no farther than the second difference at either, nor than half of the greater;
+    the same holds, four times over, for a parabola. Where a jump does, the second differences are the jump itself, but
+    either branch goes on from its last two positions, and stays within a step's rise of them.
+
+    Parameters
+    ----------
+    row : ndarray (positions,)
+    centre : int
+        Position of the extreme.
+    side : int
+        +1 towards the next position, −1 towards the one before.
+    sign : float
+        +1 for a greatest value, −1 for a least.
+    periodic : bool
+        Whether the last position is followed by the first.
+    """
     n = row.shape[0]
+    if not (periodic or 0 <= centre + side < n):
+        return 0.0
+    here, near = row[centre], row[(centre + side) % n]
+    greater, lesser, rise = 0.0, math.inf, 0.0
+    if periodic or 0 <= centre - side < n:
+        behind = row[(centre - side) % n]
+        bend = abs(second_difference(behind, here, near))
+        greater, lesser, rise = bend, bend, sign * (here - behind)
+    if periodic or 0 <= centre + 2 * side < n:
+        far = row[(centre + 2 * side) % n]
+        bend = abs(second_difference(here, near, far))
+        greater, lesser = max(greater, bend), min(lesser, bend)
+        rise = max(rise, sign * (near + (near - far) - here))
+    return max(min(0.5 * greater, lesser, rise), 0.0)
+
+
+@scalar
+def missed_about(row: np.ndarray, value: float, sign: float, periodic: bool) -> float:
+    """How far the curve may go beyond an extreme value of a row between its positions; as of `missed_beside`."""
     centre = int(place_of(row, value))
-    worst = 0.0
-    for k in range(centre - 1, centre + 2):
-        if periodic or 0 < k < n - 1:
-            here = row[k % n]
-            worst = max(worst, abs(second_difference(row[(k - 1) % n], here, row[(k + 1) % n])))
-    return worst
+    before = missed_beside(row, centre, -1, sign, periodic)
+    return max(before, missed_beside(row, centre, 1, sign, periodic))
 
 
 @scalar
