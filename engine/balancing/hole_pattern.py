@@ -1,0 +1,154 @@
+"""Corrections on a circle of holes: split on two neighbouring holes, or made of whole pieces of equal mass.
+
+The holes lie at angles first + 2 pi k/n. Arrays of corrections have any axes.
+
+Source: ISO 21940-11, 4.5 (correction by components); the splitting is the law of sines.
+"""
+
+import math
+from functools import lru_cache
+from itertools import combinations, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+LARGEST_TABLE = 500_000
+
+
+class PatternError(ValueError):
+    """A circle of holes that can't take a correction, or with too many ways to do so."""
+
+
+class Split(NamedTuple):
+    """A correction on two neighbouring holes.
+
+    Attributes
+    ----------
+    hole, next_hole : ndarray of int (...)
+        Numbers of the holes, from 0.
+    amount, next_amount : ndarray (...)
+        Magnitudes of the unbalances there, not negative [kg·m].
+    """
+
+    hole: np.ndarray
+    next_hole: np.ndarray
+    amount: np.ndarray
+    next_amount: np.ndarray
+
+
+def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.0) -> Split:
+    """Split a correction exactly on the two holes beside it: C sin(b)/sin(a + b) and C sin(a)/sin(a + b).
+
+    Parameters
+    ----------
+    correction : array_like of complex (...)
+        [kg·m].
+    holes : int
+        Number n of equally spaced holes.
+    first : array_like (...)
+        Angle of the first hole [rad].
+
+    Raises
+    ------
+    PatternError
+        Fewer than three holes: neighbours half a turn apart can't make any other direction.
+    """
+    if holes < 3:
+        raise PatternError(f"holes = {holes}: splitting a correction takes at least 3 equally spaced holes")
+    step = math.tau / holes
+    correction = np.asarray(correction) * np.exp(-1j * np.asarray(first, dtype=float))
+    beyond = np.angle(correction) % math.tau
+    finite = np.isfinite(beyond)
+    hole = np.floor(np.where(finite, beyond, 0.0) / step).astype(int) % holes
+    after = np.clip(beyond - step * np.floor(beyond / step), 0.0, step)
+    size = np.abs(correction) / math.sin(step)
+    return Split(hole, (hole + 1) % holes, size * np.sin(step - after), size * np.sin(after))
+
+
+def best_holes(
+    correction: ArrayLike, holes: int, most: int, used: int, piece: ArrayLike, first: ArrayLike = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whole pieces in a few holes that come nearest to a correction; no more of them than what they make takes.
+
+    Parameters
+    ----------
+    correction : array_like of complex (...)
+        [kg·m].
+    holes : int
+        Number of equally spaced holes.
+    most : int
+        Greatest number of pieces in one hole.
+    used : int
+        Greatest number of holes that get pieces.
+    piece : array_like (...)
+        Unbalance of one piece, its mass times the holes' radius [kg·m]; negative where it is taken away.
+    first : array_like (...)
+        Angle of the first hole [rad].
+
+    Returns
+    -------
+    pieces : ndarray of uint8 (..., holes)
+        Number of pieces in every hole.
+    made : ndarray of complex (...)
+        The unbalance they make [kg·m]; NaN where the correction is not finite or a piece weighs nothing.
+
+    Raises
+    ------
+    PatternError
+        More ways to fill the holes than can be searched.
+    """
+    ways, sums, tree = _ways(holes, most, used)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn = np.exp(1j * np.asarray(first, dtype=float))
+        wanted = np.asarray(correction) / turn / piece
+        possible = np.isfinite(wanted)
+    wanted = np.where(possible, wanted, 0.0)
+    _, chosen = tree.query(np.stack([wanted.real, wanted.imag], axis=-1))
+    made = np.where(possible, sums[chosen] * turn * piece, complex(math.nan, math.nan))
+    return np.where(possible[..., None], ways[chosen], np.uint8(0)), made
+
+
+def ways_to_fill(holes: int, most: int, used: int) -> int:
+    """In how many ways the holes can be filled.
+
+    Parameters
+    ----------
+    holes, most, used : int
+        As of `best_holes`.
+
+    Raises
+    ------
+    PatternError
+        More than can be searched, or none.
+    """
+    if min(holes, most, used) < 1 or most > 255:
+        raise PatternError(
+            f"holes = {holes}, most = {most}, used = {used}: a pattern has at least one of each, at most 255 pieces"
+        )
+    count = sum(math.comb(holes, k) * most**k for k in range(min(used, holes) + 1))
+    if count > LARGEST_TABLE:
+        raise PatternError(
+            f"{holes} holes with up to {most} pieces in {used} of them can be filled in {count} ways; at most "
+            f"{LARGEST_TABLE} are searched: use fewer holes at a time or fewer pieces"
+        )
+    return count
+
+
+@lru_cache(maxsize=16)
+def _ways(holes: int, most: int, used: int) -> tuple[np.ndarray, np.ndarray, cKDTree]:
+    """All ways to fill the holes, the sums of their unit vectors, and a tree to find the nearest."""
+    ways = np.zeros((ways_to_fill(holes, most, used), holes), np.uint8)
+    row = 1
+    for k in range(1, min(used, holes) + 1):
+        fillings = np.array(list(product(range(1, most + 1), repeat=k)), np.uint8)
+        for places in combinations(range(holes), k):
+            ways[row : row + len(fillings), list(places)] = fillings
+            row += len(fillings)
+    ways = ways[np.argsort(ways.sum(axis=1), kind="stable")]
+    sums = ways @ np.exp(1j * math.tau / holes * np.arange(holes))
+    # Opposite pieces cancel: the first of equal sums, the one with the fewest pieces, stands for all.
+    _, kept = np.unique(np.round(sums, 9), return_index=True)
+    ways, sums = ways[kept], sums[kept]
+    return ways, sums, cKDTree(np.stack([sums.real, sums.imag], axis=-1))

@@ -1,0 +1,148 @@
+"""Unbalance of a rigid rotor: what its masses off the axis amount to, and of which kind that is.
+
+A mass m at radius e and angle alpha of the rotor is the unbalance U = m e exp(i alpha) [kg·m]: a complex number whose
+real part lies along the rotor's x and whose imaginary part along its y, across the axis z. At the speed omega it
+pulls outwards with omega² U. Any number of them, at positions z_k along the axis, amounts to
+
+- the resultant unbalance U = Σ U_k, the force, and
+- the moment unbalance P = Σ (z_k - z_0) U_k about a plane z_0 [kg·m²], drawn, as usual in balancing, in the
+  direction of the unbalances; the couple's axis stands a quarter turn before it.
+
+Arrays have the unbalances along their last axis; all other axes are free and are broadcast.
+
+Sources: ISO 21940-2 (kinds of unbalance); K. V. Frolov et al., Theory of Mechanisms and Machines (balancing of
+rotors).
+"""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+class Resultant(NamedTuple):
+    """What a rotor's unbalances amount to.
+
+    Attributes
+    ----------
+    unbalance : ndarray of complex (...)
+        U [kg·m].
+    moment : ndarray of complex (...)
+        P about the plane [kg·m²].
+    plane : ndarray (...)
+        z_0 [m].
+    """
+
+    unbalance: np.ndarray
+    moment: np.ndarray
+    plane: np.ndarray
+
+
+class Kind(IntEnum):
+    """Kinds of unbalance, by where the central principal axis of inertia lies to the axis of rotation.
+
+    BALANCED: on it; STATIC: parallel to it; COUPLE: crosses it in the centre of mass; QUASI_STATIC: crosses it
+    elsewhere; DYNAMIC: passes it by.
+    """
+
+    BALANCED = 0
+    STATIC = 1
+    COUPLE = 2
+    QUASI_STATIC = 3
+    DYNAMIC = 4
+
+
+def unbalance(mass: ArrayLike, radius: ArrayLike, angle: ArrayLike) -> np.ndarray:
+    """Unbalance of a mass off the axis, m e exp(i alpha).
+
+    Parameters
+    ----------
+    mass, radius, angle : array_like (...)
+        m [kg], e [m], alpha [rad].
+
+    Returns
+    -------
+    ndarray of complex (...)
+        [kg·m].
+    """
+    angle = np.asarray(angle, dtype=float)
+    return np.multiply(mass, radius) * (np.cos(angle) + 1j * np.sin(angle))
+
+
+def resultant(unbalances: ArrayLike, positions: ArrayLike, plane: ArrayLike = 0.0) -> Resultant:
+    """Resultant and moment unbalance about a plane.
+
+    Parameters
+    ----------
+    unbalances : array_like of complex (..., unbalances)
+        [kg·m].
+    positions : array_like (..., unbalances)
+        Along the axis [m].
+    plane : array_like (...)
+        Where the moment is taken [m].
+    """
+    unbalances, plane = np.asarray(unbalances), np.asarray(plane, dtype=float)
+    arms = np.asarray(positions, dtype=float) - plane[..., None]
+    return Resultant(unbalances.sum(axis=-1), (unbalances * arms).sum(axis=-1), plane)
+
+
+def about(rotor: Resultant, plane: ArrayLike) -> Resultant:
+    """The same unbalance with its moment about another plane [m]: P + (z_0 - z) U."""
+    plane = np.asarray(plane, dtype=float)
+    return Resultant(rotor.unbalance, rotor.moment + (rotor.plane - plane) * rotor.unbalance, plane)
+
+
+def in_two_planes(rotor: Resultant, first: ArrayLike, second: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """The two unbalances that amount to the same in two planes: U_1 + U_2 = U with the same moment.
+
+    Parameters
+    ----------
+    rotor : Resultant
+    first, second : array_like (...)
+        Positions of the planes [m].
+
+    Returns
+    -------
+    ndarray of complex (...), ndarray of complex (...)
+        [kg·m]; not finite where both planes are one.
+    """
+    first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        span = second - first
+        return -about(rotor, second).moment / span, about(rotor, first).moment / span
+
+
+def kind(rotor: Resultant, centre: ArrayLike, unbalance_tolerance: float, moment_tolerance: float) -> np.ndarray:
+    """Kind of unbalance.
+
+    Parameters
+    ----------
+    rotor : Resultant
+    centre : array_like (...)
+        Position of the centre of mass [m].
+    unbalance_tolerance, moment_tolerance : float
+        Resultant unbalance [kg·m] and moment unbalance [kg·m²] up to which the rotor counts as free of it.
+
+    Returns
+    -------
+    ndarray of int (...)
+        Members of `Kind`.
+    """
+    static, couple = rotor.unbalance, about(rotor, centre).moment
+    has_static, has_couple = np.abs(static) > unbalance_tolerance, np.abs(couple) > moment_tolerance
+    # Both lie in one plane through the axis where the couple has no part across the resultant.
+    across = np.abs((np.conj(static) * couple).imag) > moment_tolerance * np.abs(static)
+    both = np.where(across, Kind.DYNAMIC, Kind.QUASI_STATIC)
+    return np.where(
+        has_static, np.where(has_couple, both, Kind.STATIC), np.where(has_couple, Kind.COUPLE, Kind.BALANCED)
+    )
+
+
+def quasi_static_plane(rotor: Resultant) -> np.ndarray:
+    """Where one correction leaves the least couple: z_0 + Re(U* P)/|U|², [m] (...).
+
+    There a quasi-static unbalance is wholly in one plane; NaN without a resultant unbalance.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return rotor.plane + (rotor.moment / rotor.unbalance).real
