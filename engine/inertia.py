@@ -66,3 +66,13 @@ def body_inertia(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value
             return ring_inertia(mass, numbers[f"{at}.diameter"], numbers[f"{at}.inner_diameter"])
         case _:
             return plate_inertia(mass, numbers[f"{at}.length"], numbers[f"{at}.width"])
+
+
+def centre_along(scene: Scene, body: str, numbers: Mapping[str, Value]) -> Value:
+    """Coordinate of a body's centre of mass along its link: as given; otherwise a rod's middle, or the origin."""
+    part = scene.bodies[body]
+    if part.x is not None:
+        return numbers[f"bodies.{body}.x"]
+    if part.shape is not None and part.shape.type == "rod":
+        return numbers[f"bodies.{body}.shape.length"] / 2
+    return 0.0
