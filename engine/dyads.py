@@ -11,6 +11,8 @@ normal; `mode` is the assembly mode, +1 or −1. Lengths in m, rates per unit of
 assembled its position is NaN; where it is singular (dead centre, change point) the position stays finite and
 the rates are infinite or NaN.
 `sine` is the quality of force transmission, 1 at best and 0 in a singular position; its sign is that of `mode`.
+It comes from a root of what the links' reach leaves over: where that is no more than rounding, whose sign is chance,
+the position is the singular one.
 
 Source: any course of the theory of mechanisms, chapter on the kinematics of Assur groups of class II,
 e.g. I. I. Artobolevsky, Theory of Mechanisms and Machines.
@@ -18,7 +20,36 @@ e.g. I. I. Artobolevsky, Theory of Mechanisms and Machines.
 
 import math
 
+import numpy as np
+from numba.extending import intrinsic
+
 from engine.jit import scalar
+
+# Half a unit in the last place of each of four coordinates and two lengths, and of the operations with them.
+ROUNDINGS = 8.0
+
+
+@intrinsic
+def _roundings(typing: object, number: object) -> tuple:
+    """ROUNDINGS units in the last place of 1, in a number's own precision."""
+
+    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
+        return context.get_constant(number, ROUNDINGS * float(np.finfo(str(number)).eps))
+
+    return number(number), generate
+
+
+@scalar
+def left_over(square: float, scale: float) -> float:
+    """What the links' reach leaves over, 0 where it is within rounding of it.
+
+    Parameters
+    ----------
+    square, scale : float
+        Product of the reach's two factors, and the size of the terms it comes from [m², or its square].
+    """
+    doubt = _roundings(scale) * scale
+    return doubt - doubt if abs(square) < doubt else square
 
 
 @scalar
@@ -47,25 +78,22 @@ def rrr_position(
 
     Notes
     -----
-    The area of the triangle ABD is taken from the factors (r1 + r2)² − d² and d² − (r1 − r2)², which lose no
-    digits where the links are of nearly equal length, nor near the dead centres more than the data deserve.
+    With u = d² − (r1 − r2)² the area of the triangle ABD is √(u (4 r1 r2 − u))/4. Whatever rounding does to u it does
+    to both factors, and to the shares of AD before and behind the foot of B, as another distance of A and D would:
+    links of very different length stay of their length, and lose no more digits than the data deserve.
     """
     lx, ly = dx - ax, dy - ay
     d2 = lx * lx + ly * ly
-    total, difference = r1 + r2, r1 - r2
-    root = mode * math.sqrt((total * total - d2) * (d2 - difference * difference))
-    p = (total * difference + d2) / (d2 + d2)
+    difference = r1 - r2
+    u = d2 - difference * difference
+    twice = r1 * r2 + r1 * r2
+    root = mode * math.sqrt(left_over(u * (twice + twice - u), (twice + twice) * d2))
+    before = (r1 * difference + r1 * difference + u) / (d2 + d2)
+    behind = (u - (r2 * difference + r2 * difference)) / (d2 + d2)
     h = root / (d2 + d2)
-    p1x, p1y = p * lx - h * ly, p * ly + h * lx
-    return (
-        ax + p1x,
-        ay + p1y,
-        p1x / r1,
-        p1y / r1,
-        (p1x - lx) / r2,
-        (p1y - ly) / r2,
-        root / (r1 * r2 + r1 * r2),
-    )
+    p1x, p1y = before * lx - h * ly, before * ly + h * lx
+    p2x, p2y = -behind * lx - h * ly, h * lx - behind * ly
+    return ax + p1x, ay + p1y, p1x / r1, p1y / r1, p2x / r2, p2y / r2, root / twice
 
 
 @scalar
@@ -120,7 +148,7 @@ def rrp_position(
     lx, ly = ax - gx, ay - gy
     along = lx * c + ly * s
     across = ly * c - lx * s - offset
-    root = mode * math.sqrt((r1 - across) * (r1 + across))
+    root = mode * math.sqrt(left_over((r1 - across) * (r1 + across), r1 * (r1 + abs(offset))))
     p1x, p1y = root * c + across * s, root * s - across * c
     return ax + p1x, ay + p1y, p1x / r1, p1y / r1, along + root, root / r1
 
@@ -166,7 +194,7 @@ def rpr_position(
     lx, ly = ax - dx, ay - dy
     d2 = lx * lx + ly * ly
     d = math.sqrt(d2)
-    slide = mode * math.sqrt((d - offset) * (d + offset))
+    slide = mode * math.sqrt(left_over((d - offset) * (d + offset), d2))
     return (slide * lx + offset * ly) / d2, (slide * ly - offset * lx) / d2, slide, slide / d
 
 

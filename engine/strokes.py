@@ -31,9 +31,14 @@ def extreme_between(d0: float, d1: float, v0: float, v1: float, h: float) -> tup
     m0, m1, rise = h * v0, h * v1, d1 - d0
     a = 3.0 * (m0 + m1 - 2.0 * rise)
     half_b = 3.0 * rise - 2.0 * m0 - m1
-    root = math.sqrt(half_b * half_b - a * m0)
+    if m0 == 0.0:
+        return 0.0, d0
+    root = math.sqrt(max(half_b * half_b - a * m0, 0.0))
     # The root of a t² + 2 half_b t + m0 in (0, 1), in the form that doesn't subtract nearly equal numbers.
-    t = m0 / (root - half_b) if m0 > 0.0 else -m0 / (root + half_b)
+    if m0 > 0.0:
+        t = m0 / (root - half_b) if half_b <= 0.0 else -(half_b + root) / a
+    else:
+        t = -m0 / (root + half_b) if half_b >= 0.0 else (root - half_b) / a
     return t, d0 + t * (m0 + t * (half_b + t * a / 3.0))
 
 

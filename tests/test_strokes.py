@@ -49,6 +49,22 @@ def test_extreme_between__is_exact_for_cubics(value, place, second_root, h, sign
     assert extreme == pytest.approx(np.polyval(cubic, place), abs=1e-12)
 
 
+@pytest.mark.parametrize("v0", [0.0, 1e-300, 1e-34, 1e-18, -1e-34])
+@pytest.mark.parametrize("side", [1, -1])
+def test_extreme_between__holds_where_a_flat_dead_centre_lies_on_a_position(v0, side):
+    # d = 0.15 - x^4, as a toggle's ram where its links straighten; rounding alone says which way it moves there.
+    h = 0.01
+    ends, v = (0.15, 0.15 - h**4), (v0, -4 * h**3)
+    if v0 < 0.0:
+        ends, v = (0.15, 0.15 + h**4), (v0, 4 * h**3)
+    if side < 0:
+        ends, v = ends[::-1], (-v[1], -v[0])
+    t, extreme = extreme_between(*ends, *v, h)
+    # Its cubic goes beyond by less than h^4/384 times the fourth derivative, 24.
+    assert 0.0 <= t <= 1.0
+    assert abs(extreme - 0.15) <= 24 * h**4 / 384 + 2 * EPS
+
+
 @few
 @given(st.floats(0.001, 0.3), st.floats(0.01, 0.99))
 def test_extreme_between__keeps_its_error_bound_for_a_cosine(h, share):
