@@ -1,0 +1,172 @@
+"""Everything that acts on each link of a mechanism at a position, inertia forces included: what balances.
+
+A link is in equilibrium under its loads: the reactions of its pairs, weights, inertia forces (d'Alembert), the forces
+and moments of the scene, what gears pass on, and at the input what drives it.
+"""
+
+from typing import NamedTuple
+
+from engine.actions import Brake, DCMotor, InductionMotor, TorsionSpring
+from engine.inertia import body_mass
+from engine.pairs import bearer_of, holder_of, pairs
+from engine.parts import FRAME, CrankInput
+from sweeps.plans.lettering import numbered, subscript, symbol
+from sweeps.plans.pose import Pose
+
+
+class Load(NamedTuple):
+    """A force with its point, or a moment.
+
+    Attributes
+    ----------
+    text : str
+        Its symbol.
+    force : complex
+        x + iy [N]; 0 for a moment.
+    at : complex
+        Point of the force [m].
+    moment : float
+        [N·m], counter-clockwise.
+    pair : str
+        Name of the pair whose reaction it is; "" for what isn't one.
+    """
+
+    text: str
+    force: complex
+    at: complex
+    moment: float = 0.0
+    pair: str = ""
+
+    @property
+    def is_moment(self) -> bool:
+        """Whether it is a moment."""
+        return self.force == 0
+
+    def moment_about(self, place: complex) -> float:
+        """Moment about a place [N·m]."""
+        return self.moment + ((self.at - place).conjugate() * self.force).imag
+
+
+def loads_on_links(pose: Pose) -> dict[str, list[Load]]:
+    """What acts on each moving link, by its name; nothing that is zero.
+
+    Parameters
+    ----------
+    pose : Pose
+    """
+    return _Collector(pose).found()
+
+
+def group_loads(pose: Pose, name: str) -> list[Load]:
+    """What acts on the two links of a group together: all but its inner pair, the reaction of its first pair last.
+
+    Parameters
+    ----------
+    pose : Pose
+    name : str
+        A group.
+    """
+    group, loads = pose.scene.groups[name], loads_on_links(pose)
+    both = [load for part in (group.first, group.second) for load in loads[part.link]]
+    outer = [next((load for load in both if load.pair == f"{name}.{side}"), None) for side in ("second", "first")]
+    own = {f"{name}.first", f"{name}.inner", f"{name}.second"}
+    return [load for load in both if load.pair not in own and not load.is_moment] + [o for o in outer if o is not None]
+
+
+class _Collector:
+    """Gathers the loads of all links."""
+
+    def __init__(self, pose: Pose) -> None:
+        self.pose, self.k, self.forces = pose, pose.k, pose.cycle.forces
+        self.loads: dict[str, list[Load]] = {link: [] for link in pose.cycle.link_numbers}
+
+    def found(self) -> dict[str, list[Load]]:
+        for name in self.pose.scene.bodies:
+            self._body(name)
+        self._actions()
+        for pair in pairs(self.pose.scene):
+            self._pair(pair)
+        self._gears()
+        self._drive()
+        return {link: loads for link, loads in self.loads.items() if link != FRAME}
+
+    def _add(self, link: str, text: str, force: complex, at: complex, pair: str = "") -> None:
+        if force != 0:
+            self.loads[link].append(Load(text, force, at, 0.0, pair))
+
+    def _twist(self, link: str, text: str, moment: float, pair: str = "") -> None:
+        if moment != 0:
+            self.loads[link].append(Load(text, 0j, 0j, moment, pair))
+
+    def _force(self, name: str) -> complex:
+        return complex(self.pose.cycle.force(name)[self.k])
+
+    def _body(self, name: str) -> None:
+        pose, link = self.pose, self.pose.scene.bodies[name].link
+        alone = sum(body.link == link for body in pose.scene.bodies.values()) == 1
+        index = str(pose.number(link)) if alone else subscript(name)
+        numbers = pose.cycle.numbers
+        weight = float(body_mass(pose.scene, name, numbers) * numbers["gravity"])
+        centre = pose.centre(name).place
+        self._add(link, symbol("G", index), -1j * weight, centre)
+        self._add(link, symbol("U", index), self._force(f"{name}.inertia_force"), centre)
+        self._twist(link, symbol("M", f"U{index}"), float(self.forces[f"{name}.inertia_moment"][self.k]))
+
+    def _actions(self) -> None:
+        scene, points = self.pose.scene, self.pose.motion.points
+        for name, force in scene.forces.items():
+            at = complex(points[force.on][self.k])
+            self._add(holder_of(scene, force.on), symbol("F", subscript(name)), self._force(f"{name}.force"), at)
+        for name, spring in scene.springs.items():
+            pull = self._force(f"{name}.force")
+            for end, sign in zip(spring.between, (-1, 1), strict=True):
+                at = complex(points[end][self.k])
+                self._add(holder_of(scene, end), symbol("F", subscript(name)), sign * pull, at)
+        for name, cylinder in scene.cylinders.items():
+            push, at = self._force(f"{name}.force"), self.pose.origin(cylinder.piston).place
+            self._add(cylinder.piston, symbol("F", subscript(name)), push, at)
+            self._add(bearer_of(scene, cylinder.piston), symbol("F", subscript(name)), -push, at)
+        for name, moment in scene.moments.items():
+            if not isinstance(moment, (Brake, DCMotor, InductionMotor)):
+                value = float(self.forces[f"{name}.acting_moment"][self.k])
+                self._twist(moment.on, symbol("M", subscript(name)), value)
+                if isinstance(moment, TorsionSpring):
+                    self._twist(FRAME, symbol("M", subscript(name)), -value)
+
+    def _pair(self, pair: object) -> None:
+        """The reaction of a pair on its link, and the opposite on the other; both at the origin of the first."""
+        n, force, at = self.pose.number, self._force(f"{pair.name}.reaction"), self.pose.origin(pair.link).place
+        if pair.name.endswith(".inner") and pair.kind == "revolute":
+            group = self.pose.scene.groups[pair.name.removesuffix(".inner")]
+            at = complex(self.pose.motion.points[group.inner][self.k])
+        one, two = n(pair.other), n(pair.link)
+        self._add(pair.link, numbered("R", one, two), force, at, pair.name)
+        self._add(pair.other, numbered("R", two, one), -force, at, pair.name)
+        if pair.kind == "prismatic":
+            moment = float(self.forces[f"{pair.name}.reaction_moment"][self.k])
+            self._twist(pair.link, numbered("M", one, two), moment, pair.name)
+            self._twist(pair.other, numbered("M", two, one), -moment, pair.name)
+
+    def _gears(self) -> None:
+        """Moments of gears: they balance each shaft and load what drives it by the ratio."""
+        pose = self.pose
+        for element in reversed(pose.cycle.structure.elements):
+            if element.kind != "shaft":
+                continue
+            name, shaft = element.name, pose.scene.shafts[element.name]
+            inertia = pose.cycle.numbers[f"shafts.{name}.inertia"]
+            self._twist(name, symbol("M", f"U{pose.number(name)}"), -inertia * pose.turn(name).epsilon)
+            origin = pose.origin(name).place
+            total = sum(load.moment_about(origin) for load in self.loads[name])
+            driver, n = shaft.geared_to, pose.number
+            self._twist(name, numbered("M", n(driver), n(name)), -total)
+            self._twist(driver, numbered("M", n(name), n(driver)), total * pose.cycle.numbers[f"shafts.{name}.ratio"])
+
+    def _drive(self) -> None:
+        drive = self.pose.scene.input
+        value = float(self.forces["input_moment_by_equilibrium"][self.k])
+        if isinstance(drive, CrankInput):
+            self._twist(drive.link, symbol("M", r"\mathrm{in}"), value)
+        else:
+            at = self.pose.origin(drive.link).place
+            self._add(drive.link, symbol("F", r"\mathrm{in}"), value * self.pose.guide(drive.guide), at)
