@@ -1,9 +1,9 @@
-"""The command line: run, check, show, plot, animate, export, new, list, flywheel."""
+"""The command line: run, optimise, check, show, plot, animate, export, new, list, flywheel."""
 
 import sys
 import time
 from collections.abc import Callable
-from functools import wraps
+from functools import reduce, wraps
 from pathlib import Path
 
 import click
@@ -36,6 +36,18 @@ def explained(command: Callable) -> Callable:
             fail(str(error))
 
     return guarded
+
+
+def run_options(out: str) -> Callable:
+    """Options of what makes a result file."""
+    options = (
+        click.option("--out", type=click.Path(path_type=Path), help=f"Result file; {out} unless given."),
+        click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it."),
+        click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
+        click.option("--no-plots", is_flag=True, help="Make no pictures."),
+        click.option("--quiet", is_flag=True, help="No progress on standard error."),
+    )
+    return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
 
 
 def _tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -91,14 +103,11 @@ def new(template: str, out: Path | None) -> None:
 
 @main.command()
 @click.argument("study")
-@click.option("--out", type=click.Path(path_type=Path), help="Result file; results/NAME.h5 unless given.")
-@click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it.")
-@click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given.")
-@click.option("--no-plots", is_flag=True, help="Make no pictures.")
-@click.option("--quiet", is_flag=True, help="No progress on standard error.")
+@run_options("results/NAME.h5")
 @explained
 def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
+    from sweeps.progress import Progress
     from sweeps.report import answer_text, counts_text, kept_text
     from sweeps.results import Result
     from sweeps.runner import run_study
@@ -109,22 +118,50 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
     out = out or Path("results") / f"{found.name}.h5"
     _make_folder(out)
     _use_threads(jobs)
-    bar = _Progress(found.design.size, quiet)
+    bar = Progress(found.design.size, quiet)
     try:
         run_study(found, out, restart, bar.update)
     except KeyboardInterrupt:
-        bar.close()
-        click.echo(f"\nInterrupted: {kept_text(out, bar.total)}; the same command goes on from there.", err=True)
-        sys.exit(INTERRUPTED)
+        _stop(bar, kept_text(out, bar.total))
     bar.close()
     result = Result(out)
     plural = "" if found.design.size == 1 else "s"
     click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
     click.echo(counts_text(result))
     click.echo(answer_text(result))
-    made = [out, *([] if no_plots else _plots(result))]
-    click.echo(f"Files ({time.perf_counter() - started:.1f} s):")
-    click.echo("\n".join(f"  {path}" for path in made))
+    _tell_files([out, *([] if no_plots else _plots(result))], started)
+
+
+@main.command()
+@click.argument("study")
+@run_options("results/NAME_optimised.h5")
+@explained
+def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
+    """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
+    from sweeps.optimising.optimum import optimum_text
+    from sweeps.optimising.runner import generations_kept, optimise_study
+    from sweeps.optimising.task import task_of
+    from sweeps.progress import Progress
+    from sweeps.report import counts_text
+    from sweeps.results import Result
+    from sweeps.study import find_study, read_study
+
+    started = time.perf_counter()
+    found = read_study(find_study(study))
+    out = out or Path("results") / f"{found.name}_optimised.h5"
+    _make_folder(out)
+    _use_threads(jobs)
+    bar = Progress(task_of(found).generations, quiet, "generations")
+    try:
+        optimise_study(found, out, restart, bar.update)
+    except KeyboardInterrupt:
+        _stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
+    bar.close()
+    result = Result(out)
+    click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
+    click.echo(counts_text(result))
+    click.echo(optimum_text(result))
+    _tell_files([out, *([] if no_plots else _plots(result))], started)
 
 
 @main.command()
@@ -154,6 +191,7 @@ def check(study: str, out: Path, source: bool) -> None:
 @explained
 def show(file: Path, where: str | None, sort: str | None, descending: bool, limit: int, columns: str | None) -> None:
     """Show a result file: what it holds, its verdicts, its best variants."""
+    from sweeps.optimising.optimum import is_front, is_search, optimum_text
     from sweeps.report import answer_text, counts_text, variants_done_text, variants_text
     from sweeps.results import Result
     from sweeps.textfile import InputError
@@ -165,10 +203,10 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
         raise InputError(
             str(file), [(None, "columns", f"{unknown[0]!r} is not there; there are: {', '.join(result.columns)}")]
         )
-    goal = result.goal
+    goal, usual = result.goal, "front > 0" if is_front(result) else None
     if sort is None and goal is not None:
         sort, descending = goal.goal, goal.sign < 0
-    chosen = result.select(where or (goal.where if goal else None), sort, descending)
+    chosen = result.select(where or (goal.where if goal else usual), sort or (usual and "front"), descending)
     d = result.description
     click.echo(f"{d.title}: {variants_done_text(result)}")
     click.echo(f"varied: {d.attributes.get('grid', '')}")
@@ -178,7 +216,7 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
     click.echo(f"{chosen.size} variants meet the condition; the first {min(limit, chosen.size)}:")
     click.echo(variants_text(result, chosen[:limit], names))
     if where is None:
-        click.echo(answer_text(result))
+        click.echo((optimum_text if is_search(result) else answer_text)(result))
 
 
 @main.command()
@@ -189,6 +227,7 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
 @click.option("--variant", type=int, help="Machine of one variant of a result file.")
 @click.option("--at", default="", help="Crank angles of the drawing [deg], separated by commas.")
 @click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
 @click.option("-x", help="Column along x (results).")
 @click.option("-y", help="Column along y, or shown (results).")
 @click.option("--colour", help="Column shown as colour (results).")
@@ -199,19 +238,23 @@ def plot(
     variant: int | None,
     at: str,
     paths: str,
+    plans: bool,
     x: str | None,
     y: str | None,
     colour: str | None,
 ) -> None:
     """Draw: of a scene the mechanism and its diagrams; of a result file the sweep, or the machine of one variant."""
     from sweeps import pictures
+    from sweeps.named_machine import is_result, machine_of
+    from sweeps.plans import plan_pictures
 
-    if _is_result(file) and variant is None:
+    if is_result(file) and variant is None and not plans:
         made = pictures.result_pictures(Path(file), out, x, y, colour)
     else:
-        scene, values, name = _machine_of(file, variant)
+        scene, values, name = machine_of(file, variant)
         stem = out or Path(f"{name}.png")
         made = pictures.machine_pictures(scene, values, stem, _degrees(at), _names(paths))
+        made += plan_pictures(scene, stem, next(iter(_degrees(at)), None), values) if plans else []
     click.echo("\n".join(f"Wrote {path}" for path in made))
 
 
@@ -225,8 +268,9 @@ def plot(
 def animate(file: str, out: Path | None, variant: int | None, paths: str, frames: int) -> None:
     """Animate the mechanism of a scene, study or variant as a GIF."""
     from sweeps.animation import animate as make
+    from sweeps.named_machine import machine_of
 
-    scene, values, name = _machine_of(file, variant)
+    scene, values, name = machine_of(file, variant)
     out = out or Path(f"{name}.gif")
     _make_folder(out)
     make(scene, out, frames=frames, paths=_names(paths), values=values)
@@ -244,6 +288,7 @@ def animate(file: str, out: Path | None, variant: int | None, paths: str, frames
 def export(file: str, to: Path, variant: int | None, at: str, where: str | None, history: bool) -> None:
     """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML)."""
     from sweeps import exports
+    from sweeps.named_machine import is_result, machine_of
     from sweeps.textfile import InputError
 
     if history and to.suffix != ".csv":
@@ -252,19 +297,19 @@ def export(file: str, to: Path, variant: int | None, at: str, where: str | None,
     machine = ""
     match to.suffix:
         case ".csv" if history:
-            scene, values, machine = _machine_of(file, variant)
+            scene, values, machine = machine_of(file, variant)
             if ended := exports.history_csv(scene, values, to):
                 click.echo(f"The history ends early: {ended}", err=True)
-        case ".csv" if _is_result(file) and variant is None:
+        case ".csv" if is_result(file) and variant is None:
             exports.result_csv(Path(file), to, where)
         case ".csv":
-            scene, values, machine = _machine_of(file, variant)
+            scene, values, machine = machine_of(file, variant)
             exports.positions_csv(scene, values, to)
         case ".svg" | ".dxf":
-            scene, values, machine = _machine_of(file, variant)
+            scene, values, machine = machine_of(file, variant)
             exports.drawing(scene, values, to, _degrees(at)[0])
         case ".toml":
-            scene, values, machine = _machine_of(file, variant)
+            scene, values, machine = machine_of(file, variant)
             exports.scene_toml(scene, values, to)
         case _:
             raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are .csv, .svg, .dxf, .toml")])
@@ -287,63 +332,16 @@ def flywheel(table: Path, speed: str, fluctuation: str, interpolation: str) -> N
 # Help for the commands
 
 
-class _Progress:
-    """Progress on standard error: a bar on a terminal, a plain line every 30 s elsewhere."""
-
-    def __init__(self, total: int, quiet: bool) -> None:
-        self.total, self.quiet = total, quiet
-        self.bar = None
-        self.started = self.said = time.monotonic()
-
-    def update(self, done: int, before: int) -> None:
-        """Tell how many variants are done, `before` of them in earlier runs."""
-        if self.quiet:
-            return
-        if not sys.stderr.isatty():
-            self._line(done, before)
-            return
-        if self.bar is None:
-            from tqdm import tqdm
-
-            self.bar = tqdm(total=self.total, initial=before, unit=" variants", unit_scale=True, file=sys.stderr)
-        self.bar.update(done - self.bar.n)
-
-    def _line(self, done: int, before: int) -> None:
-        now = time.monotonic()
-        if now - self.said >= 30.0:
-            self.said = now
-            rate = (done - before) / (now - self.started)
-            left = (self.total - done) / rate
-            click.echo(f"{done} of {self.total} variants, {rate:.3g} a second, {left:.0f} s left", err=True)
-
-    def close(self) -> None:
-        """End the bar."""
-        if self.bar is not None:
-            self.bar.close()
+def _stop(bar: object, kept: str) -> None:
+    """Say what an interrupted run leaves behind, and stop."""
+    bar.close()
+    click.echo(f"\nInterrupted: {kept}; the same command goes on from there.", err=True)
+    sys.exit(INTERRUPTED)
 
 
-def _is_result(file: str) -> bool:
-    """Whether a file is a result of a sweep, by its content where it isn't called so."""
-    from sweeps.textfile import is_hdf5
-
-    return file.endswith(".h5") or is_hdf5(Path(file))
-
-
-def _machine_of(file: str, variant: int | None) -> tuple:
-    """Scene, replaced values and name of what a file describes: a result, a study or a scene."""
-    from sweeps.results import Result
-    from sweeps.study import find_study, read_study
-
-    if _is_result(file):
-        result = Result(Path(file))
-        chosen = result.best() if variant is None else variant
-        chosen = 0 if chosen is None else chosen
-        return result.scene, result.variant_values(chosen), f"{Path(file).stem}_{chosen}"
-    study = read_study(find_study(file))
-    if variant is None:
-        return study.scene, {}, study.name
-    values, _ = study.values(variant, variant + 1)
-    return study.scene, {p: float(values[p][0]) for p in study.paths}, f"{study.name}_{variant}"
+def _tell_files(made: list[Path], started: float) -> None:
+    click.echo(f"Files ({time.perf_counter() - started:.1f} s):")
+    click.echo("\n".join(f"  {path}" for path in made))
 
 
 def _plots(result: object) -> list[Path]:

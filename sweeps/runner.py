@@ -31,12 +31,17 @@ def block_size(study: Study, machine: Machine) -> int:
 
     It depends on the study alone, so that an interrupted sweep can go on with other settings of the machine.
     """
+    return min(largest_block(study, machine), max(study.design.size, 1))
+
+
+def largest_block(study: Study, machine: Machine) -> int:
+    """As `block_size`, however many variants there are."""
     work = machine.nodes.size * (len(machine.source("whole").steps) + 10)
     row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
     numbers = 8 * (2 * len(study.summaries) + 4 * len(study.parameters) + len(machine.source("whole").slots) + 8)
     most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
     fitting = min(WORK_PER_BLOCK * 10 / work, BYTES_PER_BLOCK / (row + numbers), most)
-    return int(min(max(2 ** int(np.log2(max(fitting, 1))), 16), max(study.design.size, 1)))
+    return int(max(2 ** int(np.log2(max(fitting, 1))), 16))
 
 
 def layout_of(study: Study, machine: Machine) -> Layout:

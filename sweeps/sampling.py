@@ -264,7 +264,7 @@ class Sampled:
         unit = _UNIT_POINTS[self.method](self.seed, self.count, len(self.names), distinct)
         limits = zip(self.names, unit.T, self.lows, self.highs, self.logarithmic, strict=True)
         return {
-            name: _between(fraction, low, high, is_logarithmic)[back]
+            name: between(fraction, low, high, is_logarithmic)[back]
             for name, fraction, low, high, is_logarithmic in limits
         }
 
@@ -383,7 +383,8 @@ def _check_ratio(name: str, low: float, high: float) -> None:
         raise SamplingError(f"{name}: the ratio of {high!r} to {low!r} is too large")
 
 
-def _between(fraction: np.ndarray, low: float, high: float, is_logarithmic: bool) -> np.ndarray:
+def between(fraction: np.ndarray, low: float, high: float, is_logarithmic: bool) -> np.ndarray:
+    """Numbers at fractions from 0 to 1 of the way from one end to the other, or of that between their logarithms."""
     steps = low * np.exp(fraction * math.log(high / low)) if is_logarithmic else low + fraction * (high - low)
     # Rounding may lead out by a unit in the last place.
     return np.clip(steps, low, high)

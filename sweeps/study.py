@@ -4,20 +4,22 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from engine import AskError, Machine, Scene, SceneError, scene_numbers
+from engine import AskError, ElementsAlone, Machine, Scene, SceneError, made_ready, scene_numbers
 from engine.jit import sources_digest
 from engine.units import DIMENSIONS, any_quantity
 from sweeps.dimensions import check_condition
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
+from sweeps.optimising.task import task_of
 from sweeps.sampling import Axis, Design
 from sweeps.scenefile import scene_from
-from sweeps.studyfile import Best, StudyText
+from sweeps.studyfile import Best, Optimise, StudyText, ToleranceText
 from sweeps.studyreader import StudyReader, default_summaries
 from sweeps.textfile import InputError, line_of, parse_toml, read_text
 
@@ -43,6 +45,10 @@ class Study:
     precision : {"float64", "float32"}
     name, title, question, text : str
     best : Best or None
+    optimise : Optimise or None
+        What a search looks for.
+    tolerances : dict of str to ToleranceText
+        How far numbers of the machine as built may be off, by path.
     free_units : dict of str to str
         SI unit of each parameter that is no number of the scene, as CF spells it.
     """
@@ -60,13 +66,19 @@ class Study:
     question: str = ""
     text: str = ""
     best: Best | None = None
+    optimise: Optimise | None = None
+    tolerances: Mapping[str, ToleranceText] = field(default_factory=dict)
     free_units: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def fixed(self) -> dict[str, float]:
+        """Numbers of the scene as it is (SI), by path."""
+        return {path: number.value for path, number in scene_numbers(self.scene).items()}
 
     @property
     def paths(self) -> tuple[str, ...]:
         """Numbers of the scene that differ between variants."""
-        numbers = scene_numbers(self.scene)
-        return tuple(p for p in self.parameters if p in numbers)
+        return tuple(p for p in self.parameters if p in self.fixed)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -78,15 +90,15 @@ class Study:
         number = scene_numbers(self.scene).get(name)
         return DIMENSIONS[number.dimension].unit if number else self.free_units.get(name, "")
 
-    def machine(self) -> Machine:
-        """The machine that answers the study.
+    def machine(self) -> Machine | ElementsAlone:
+        """The machine, or the machine elements alone, that answer the study.
 
         Raises
         ------
         AskError
             An asked summary or field doesn't exist.
         """
-        return Machine(
+        return made_ready(
             self.scene, self.summaries, self.fields, self.paths, self.positions, np.dtype(self.precision).type
         )
 
@@ -100,12 +112,14 @@ class Study:
 
     def values_and_misses(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Parameters of the variants start … stop − 1 (SI), and which of them fail which condition, as of `misses`."""
-        count = stop - start
-        values = dict(self.design.values(start, stop))
-        fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
+        return self.completed(self.design.values(start, stop), stop - start)
+
+    def completed(self, varied: Mapping[str, np.ndarray], count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """Varied parameters of `count` variants with those derived from them, and their misses, as of `misses`."""
+        values = dict(varied)
         for path, expression in self.derived.items():
-            values[path] = np.broadcast_to(expression.evaluate(fixed | values), (count,)).astype(float)
-        return values, misses(self.require, fixed | values, count)
+            values[path] = np.broadcast_to(expression.evaluate(self.fixed | values), (count,)).astype(float)
+        return values, misses(self.require, self.fixed | values, count)
 
     @property
     def digest(self) -> str:
@@ -195,7 +209,7 @@ def read_study(path: Path | str) -> Study:
     if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
         message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
         raise InputError(str(path), [(None, "", message)])
-    if "scene" not in data and "input" in data:
+    if "scene" not in data and data.keys() & {"input", "elements"}:
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text)
     else:
@@ -203,7 +217,7 @@ def read_study(path: Path | str) -> Study:
     return _checked(study, path)
 
 
-def _check_where(study: Study, machine: Machine, where: str) -> None:
+def _check_where(study: Study, machine: Machine | ElementsAlone, where: str) -> None:
     """See that a condition is one, uses what the result will hold, and compares like with like."""
     condition = parse(where, any_quantity)
     if not condition.is_condition:
@@ -232,4 +246,6 @@ def _checked(study: Study, path: Path) -> Study:
         raise InputError(path.name, problems) from None
     except ExpressionError as error:
         raise InputError(path.name, [(line_of(study.text, ["best", "where"]), "best.where", str(error))]) from None
+    if study.optimise is not None or study.tolerances:
+        task_of(study)
     return study

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from engine.parts import Part
 
@@ -69,6 +69,43 @@ class Best(Part):
         return 1.0 if self.minimise else -1.0
 
 
+def _listed(value: object) -> object:
+    """A single text as a list of one."""
+    return [value] if isinstance(value, str) else value
+
+
+Texts = Annotated[list[str], BeforeValidator(_listed)]
+
+
+class Optimise(Part):
+    """What a search looks for: expressions over parameters and summaries, the conditions they meet, and the way.
+
+    Without `minimise` and `maximise` the goal is that of the study's `best`; without `method` it is differential
+    evolution for one objective and NSGA-II for several. `start` holds numbers of a candidate to begin with.
+    """
+
+    minimise: Texts = []
+    maximise: Texts = []
+    subject_to: Texts = []
+    method: Literal["differential evolution", "NSGA-II", "local"] | None = None
+    population: Annotated[int, Field(ge=8)] = 100
+    generations: Annotated[int, Field(ge=1)] = 100
+    seed: Annotated[int, Field(ge=0)] = 0
+    start: dict[str, float | str] = {}
+
+
+def _tolerance(value: object) -> object:
+    """A bare quantity as a tolerance of the usual distribution."""
+    return value if isinstance(value, dict) else {"plus_minus": value}
+
+
+class ToleranceText(Part):
+    """How far a number of the machine as built may be off: evenly within ±, or normally with ± as three deviations."""
+
+    plus_minus: float | str
+    distribution: Literal["uniform", "normal"] = "uniform"
+
+
 def _kind_of_axis(axis: object) -> str:
     """Which kind of axis the keys mean, misspelt ones apart."""
     keys = set(axis) if isinstance(axis, dict) else set()
@@ -89,6 +126,8 @@ class StudyText(Part):
     `scene` names a scene file beside it, or holds the scene itself. `vary` maps paths of the scene's numbers
     (or free parameters, names without a dot) to axes; `variants` names a CSV file whose columns vary together.
     `derive` ties further numbers to those by arithmetic; `require` drops variants that don't meet a condition.
+    `optimise` is what `sweeps optimise` searches for, instead of all variants; `tolerances` say how far numbers of
+    the machine as built may be off.
     """
 
     title: str = ""
@@ -104,8 +143,11 @@ class StudyText(Part):
     require: list[str] = []
     outputs: Outputs = Outputs()
     best: Best | None = None
+    optimise: Optimise | None = None
+    tolerances: dict[str, Annotated[ToleranceText, BeforeValidator(_tolerance)]] = {}
 
 
+TOLERANCE_KEYS = set(ToleranceText.model_fields)
 AXIS_KEYS = {"from", "to", "values", "low", "high", "count", "spacing"}
 
 

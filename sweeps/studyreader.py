@@ -5,23 +5,30 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from engine import Machine, Scene, scene_numbers
+from engine import Machine, Scene, made_ready, scene_numbers
 from engine.units import DIMENSIONS, UnitError, any_quantity, in_text, recognised
 from sweeps.dimensions import check_yields, dimension_of, dimension_of_unit, unit_of_dimension
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
 from sweeps.regimes import telling_summaries
 from sweeps.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.scenefile import read_csv, scene_from
-from sweeps.studyfile import AXIS_KEYS, Between, Listing, Range, StudyText, flatten
+from sweeps.studyfile import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
 from sweeps.textfile import InputError, line_of, parse_toml, read_text, validate
 
 
 def default_summaries(scene: Scene) -> tuple[str, ...]:
     """What is asked of a machine where nothing is named: all of its cycle and its flywheel, strokes, its regimes."""
+    if scene.input is None:
+        return tuple(made_ready(scene).available_summaries)
     left_out = ("first_kind_inertia", "power_balance_residual")
     machine = Machine(scene)
-    names = (n for n in machine.available_summaries if n.partition(".")[0] not in scene.regimes)
-    kept = tuple(n for n in names if n not in left_out and ("." not in n or n.endswith((".stroke", "_angle"))))
+    names = {n: n.partition(".")[0] for n in machine.available_summaries if n not in left_out}
+    telling = (".stroke", "_angle")
+    kept = (
+        name
+        for name, owner in names.items()
+        if owner in scene.elements or (owner not in scene.regimes and ("." not in name or name.endswith(telling)))
+    )
     return (*kept, *telling_summaries(machine.model))
 
 
@@ -44,9 +51,11 @@ class StudyReader:
 
     def __init__(self, path: Path, text: str, data: dict[str, Any]) -> None:
         self.path, self.text, self.folder = path, text, path.parent
-        for key, leaves in (("vary", AXIS_KEYS), ("derive", None)):
+        for key, leaves in (("vary", AXIS_KEYS), ("derive", None), ("tolerances", TOLERANCE_KEYS)):
             if isinstance(data.get(key), dict):
                 data[key] = flatten(data[key], leaves)
+        if isinstance(data.get("optimise"), dict) and isinstance(data["optimise"].get("start"), dict):
+            data["optimise"]["start"] = flatten(data["optimise"]["start"], None)
         self.raw = validate(StudyText, data, text, path.name)
         self.scene = self._scene()
         self.numbers = scene_numbers(self.scene)
@@ -98,6 +107,8 @@ class StudyReader:
             "question": self.raw.question,
             "text": self.text,
             "best": self.raw.best,
+            "optimise": self.raw.optimise,
+            "tolerances": self.raw.tolerances,
             "free_units": {name: unit_of_dimension(self.dimensions[name]) for name in free},
         }
 
@@ -191,17 +202,20 @@ class StudyReader:
             axes.append(Columns(tuple(columns), tuple(tuple(t) for t in table)))
 
     def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:
-        if self.raw.sampling is None:
+        sampling = self.raw.sampling
+        if sampling is None and self.raw.optimise is not None:
+            # A search needs none; a sweep takes as many variants as one of its populations.
+            sampling = Sampling(method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed)
+        if sampling is None:
             self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
             return
         ends = {p: self._quantities(p, (a.low, a.high), ["vary", p]) for p, a in sampled.items()}
         if self.problems:
             return
-        s = self.raw.sampling
         lows, highs = zip(*ends.values(), strict=True)
         logs = tuple(a.spacing == "log" for a in sampled.values())
         try:
-            axes.append(Sampled(tuple(sampled), lows, highs, s.count, s.method, s.seed, logs))
+            axes.append(Sampled(tuple(sampled), lows, highs, sampling.count, sampling.method, sampling.seed, logs))
         except SamplingError as error:
             self._problem(["sampling"], str(error))
 

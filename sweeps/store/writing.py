@@ -102,6 +102,18 @@ class Store:
         """Return the variants of block `i`."""
         return self.layout.slice(i)
 
+    def read(self, i: int) -> dict[str, np.ndarray]:
+        """Return the columns of a block that is done, fields too.
+
+        Raises
+        ------
+        StoreError
+            The system refuses.
+        """
+        file, rows = self._opened(), self.slice(i)
+        with explained(self.part, "read"):
+            return {c.name: file[c.name][rows] for c in self.layout.columns}
+
     def write(self, i: int, arrays: Mapping[str, np.ndarray]) -> None:
         """Write a block and flag it as done.
 

@@ -1,0 +1,151 @@
+"""What the result of a search says: its best candidate or chosen ones of its front, and what holds them there."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import scene_numbers
+from engine.units import any_quantity
+from sweeps.engineer_units import engineer_unit, quantity_text
+from sweeps.expressions import parse
+from sweeps.optimising.margins import conjuncts, margins
+from sweeps.report import table
+from sweeps.results import Result
+
+# A number this close to an end of its range, as a share of the range, lies on it; so do conditions on their limit.
+ON_LIMIT = 1e-6
+
+
+class Choice(NamedTuple):
+    """A candidate of a front that is worth a look, and why."""
+
+    variant: int
+    why: str
+
+
+def is_front(result: Result) -> bool:
+    """Whether a result file is that of a search with several objectives that has come to its end."""
+    return is_search(result) and len(objectives(result)) > 1
+
+
+def is_search(result: Result) -> bool:
+    """Whether a result file is that of a search that has come to its end."""
+    return "objectives" in result.description.attributes and "front" in result.columns
+
+
+def objectives(result: Result) -> list[tuple[str, float]]:
+    """Columns that were sought to be small (sign +1) or great (−1)."""
+    lines = result.description.attributes["objectives"].splitlines()
+    return [(name, 1.0 if way == "minimise" else -1.0) for way, name in (line.split(" ", 1) for line in lines)]
+
+
+def front(result: Result) -> np.ndarray:
+    """Variants on the Pareto front, in the order of their places."""
+    places = result.columns["front"]
+    there = np.flatnonzero(places)
+    return there[np.argsort(places[there])]
+
+
+def met(result: Result) -> np.ndarray:
+    """Which candidates were computed and meet all conditions (candidates,)."""
+    texts = result.description.attributes["subject_to"].splitlines()
+    there = np.zeros(result.description.variants, bool)
+    there[result.select(" and ".join(f"({text})" for text in texts))] = True
+    return there
+
+
+def choices(result: Result) -> list[Choice]:
+    """The best of each objective, and the knee between them: no other gives up less of all of them together.
+
+    Each objective counts by its range over the front; of two, the knee is the point farthest from the line through
+    the ends of the front (Das, "On characterizing the knee of the Pareto curve", Struct. Optim. 18, 1999).
+    """
+    there, goals = front(result), objectives(result)
+    if not there.size:
+        return []
+    costs = np.column_stack([sign * result.columns[name][there] for name, sign in goals])
+    words = [f"{'least' if sign > 0 else 'greatest'} {name}" for name, sign in goals]
+    # Of equal ends the one that is better in the rest.
+    ends = [int(np.lexsort((costs.sum(axis=1), column))[0]) for column in costs.T]
+    found = [Choice(int(there[k]), why) for k, why in zip(ends, words, strict=True)]
+    ranges = np.ptp(costs, axis=0)
+    if len(goals) > 1 and (ranges > 0).all():
+        knee = int(there[np.argmin((costs / ranges).sum(axis=1))])
+        if knee not in [choice.variant for choice in found]:
+            found.append(Choice(knee, "knee"))
+    return found
+
+
+def optimum_text(result: Result) -> str:
+    """The answer of a search: the best candidate with what holds it there, or chosen candidates of the front."""
+    attributes, there = result.description.attributes, front(result)
+    head = [result.question] if result.question else []
+    found = f"{attributes['search']}: {attributes['outcome']}"
+    if not there.size:
+        return "\n".join([*head, "No candidate meets all conditions.", found])
+    if is_front(result):
+        return "\n".join([*head, _choices_text(result), f"{found}, {there.size} of them on the front"])
+    return "\n".join([*head, _best_text(result, int(there[0])), found])
+
+
+def _choices_text(result: Result) -> str:
+    chosen = choices(result)
+    goals = [name for name, _ in objectives(result)]
+    rows = [("", *(f"variant {choice.variant}" for choice in chosen)), ("", *(choice.why for choice in chosen))]
+    for name in dict.fromkeys([*goals, *result.parameters, *result.summaries]):
+        rows.append((name, *(_value(result, name, choice.variant) for choice in chosen)))
+    return f"Chosen from the front:\n{table(rows, '  ')}"
+
+
+def _best_text(result: Result, best: int) -> str:
+    (name, sign), *_ = objectives(result)
+    condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
+    word = "least" if sign > 0 else "greatest"
+    lines = [f"Answer: the {word} {name}{condition} is {_value(result, name, best)}, with variant {best}:"]
+    ends = _ends(result, best)
+    rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in result.parameters]
+    rows += [(n, "→", _value(result, n, best), "") for n in result.summaries if n != name]
+    lines.append(table(rows, "  "))
+    limits = _limits(result, best)
+    lines += [f"on the limit of: {text}" for text in limits]
+    if not limits and not ends:
+        lines.append("inside all ranges and conditions")
+    return "\n".join(lines)
+
+
+def _value(result: Result, name: str, variant: int) -> str:
+    """A column's value with its error figure, and the spread that tolerances cause."""
+    column, units = result.columns, result.units[name]
+    error = float(column[f"{name}_error"][variant]) if f"{name}_error" in column else None
+    value = float(column[name][variant])
+    text = quantity_text(value, units, error)
+    if f"{name}.tolerance" not in column:
+        return text
+    # In the unit of the value, so that the two can be compared.
+    factor, label = engineer_unit(units, np.array([value]))
+    return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
+
+
+def _ends(result: Result, variant: int) -> dict[str, str]:
+    """Parameters of a candidate that lie on an end of their range, and on which."""
+    found = {}
+    for line in result.description.attributes["ranges"].splitlines():
+        name, *ends = line.rsplit(" ", 2)
+        low, high = map(float, ends)
+        value = result.columns[name][variant]
+        near = ON_LIMIT * (high - low)
+        if low < high and (value - low <= near or high - value <= near):
+            found[name] = "least of its range" if value - low <= near else "greatest of its range"
+    return found
+
+
+def _limits(result: Result, variant: int) -> list[str]:
+    """Conditions on whose limit a candidate lies, each by itself; an equality always is."""
+    fixed = {path: number.value for path, number in scene_numbers(result.scene).items()}
+    values = fixed | {name: column[variant : variant + 1] for name, column in result.columns.items()}
+    attributes, found = result.description.attributes, []
+    for text in (*attributes["require"].splitlines(), *attributes["subject_to"].splitlines()):
+        for part in conjuncts(text):
+            if "==" not in part and (np.abs(margins(parse(part, any_quantity), values, 1)) <= ON_LIMIT).any():
+                found.append(part)
+    return found

@@ -1,0 +1,255 @@
+"""Searching a study into a result file, which tools read as that of a sweep; resumable at any moment.
+
+While the search runs, every generation is a block of a file of its own. A search that goes on does so from its first
+generation, with the candidates that the file holds instead of evaluating them: the way is the same, bit for bit.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import numpy as np
+
+from engine import Verdict
+from sweeps.engineer_units import quantity_text
+from sweeps.optimising.searching import STEPS, descend, way_of
+from sweeps.optimising.spread import spread_columns, spreads
+from sweeps.optimising.task import GENETIC, LOCAL, Task, task_of
+from sweeps.optimising.trials import Batch, Trials, joined
+from sweeps.pareto import pareto_front
+from sweeps.runner import LARGEST_BLOCK, layout_of
+from sweeps.store import Column, Layout, Store, StoreError, columns, describe, part_path
+from sweeps.store.creating import remove_unlocked
+from sweeps.store.errors import RESTART
+from sweeps.study import Study
+
+# Called with the generations done, those of them done before this run, and what has been found, in words.
+Progress = Callable[[int, int, str], None]
+
+
+def optimise_study(study: Study, path: Path | str, restart: bool = False, progress: Progress | None = None) -> Path:
+    """Search a study for its best variants, or go on with it, into a result file.
+
+    The file holds every candidate as a variant, with two columns more than a sweep's: `generation` (the candidates
+    that going downhill at the end passes come as one more), and `front`, the place on the Pareto front from the least
+    first objective on, 0 off it; of one objective the best candidate is the front.
+
+    Parameters
+    ----------
+    study : Study
+    path : Path or str
+        The file to make; while the search runs its candidates are kept in NAME.candidates.part.h5.
+    restart : bool
+        Throw away an earlier result under that name.
+    progress : callable, optional
+        Called after every generation with those done, those of them done before this run, and words on the best.
+
+    Returns
+    -------
+    Path
+        The finished file.
+
+    Raises
+    ------
+    InputError
+        The study asks for nothing that can be searched for.
+    StoreError
+        The file can't be made or written, or holds another search.
+    """
+    path, task = Path(path), task_of(study)
+    trials = Trials(task)
+    if path.exists() and not restart:
+        # Opening compares it with this search.
+        with Store.open(path, _final_layout(task, trials, describe(path).variants)):
+            return path
+    if not restart:
+        _spare(part_path(path), task)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if task.method == LOCAL:
+        _finish(task, trials, path, _downhill(task, trials, task.start, task.generations), "going downhill")
+        return path
+    search, work = way_of(task), _work_path(path)
+    with Store.open(work, _layout(task, trials, task.population * task.generations, task.population), restart) as store:
+        search(_History(task, trials, store, progress).evaluate)
+    found = columns(part_path(work))
+    found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
+    best, last = _best(trials.judged(found)), int(found["generation"].max()) + 1
+    words = f"{last} generations"
+    if task.method != GENETIC and best is not None and task.variables.free.any():
+        start = task.variables.coordinates({name: found[name][best] for name in task.variables.names})
+        found = joined([found, _downhill(task, trials, start, STEPS, last)])
+        words += ", then going downhill"
+    _finish(task, trials, path, found, words)
+    remove_unlocked(part_path(work))
+    return path
+
+
+def _spare(part: Path, task: Task) -> None:
+    """Refuse to write over what an interrupted sweep, or another search, keeps under the same name."""
+    if part.exists() and describe(part).attributes.get("study_hash") != task.digest:
+        raise StoreError(f"{part} is there already, of another study. {RESTART}")
+
+
+def _downhill(task: Task, trials: Trials, start: np.ndarray, steps: int, generation: int = 0) -> dict[str, np.ndarray]:
+    """Columns of the candidates passed on the way down that meet all conditions; of the start if there are none."""
+    passed = descend(task, trials, start, steps)
+    if not passed:
+        passed = [trials.columns(task.variables.values(start[None]), 1, drop=True)]
+    return _numbered(joined(passed), generation)
+
+
+def generations_kept(path: Path) -> int:
+    """How many generations an interrupted search into a file leaves behind."""
+    try:
+        return describe(part_path(_work_path(path))).blocks_done
+    except StoreError:
+        return 0
+
+
+def _work_path(path: Path) -> Path:
+    return path.with_name(f"{path.stem}.candidates{path.suffix}")
+
+
+class _History:
+    """The generations of a search: those in the file are read, the others evaluated and written.
+
+    Parameters
+    ----------
+    task : Task
+    trials : Trials
+    store : Store
+        One block for each generation.
+    progress : callable or None
+    """
+
+    def __init__(self, task: Task, trials: Trials, store: Store, progress: Progress | None) -> None:
+        self.task, self.trials, self.store, self.progress = task, trials, store, progress
+        self.pending = set(store.pending)
+        self.before = store.layout.blocks - len(self.pending)
+        self.done, self.best = 0, None
+
+    def evaluate(self, coordinates: np.ndarray) -> Batch:
+        """Columns and costs of the next generation."""
+        varied, count = self.task.variables.values(coordinates), coordinates.shape[0]
+        if self.done in self.pending:
+            found = self.trials.columns(varied, count, drop=True)
+            self.store.write(self.done, _filled(_numbered(found, self.done), self.task.population))
+        else:
+            found = self._kept(varied, count)
+        self.done += 1
+        batch = self.trials.judged(found)
+        if self.progress and self.done > self.before:
+            self.progress(self.done, self.before, self._words(batch))
+        return batch
+
+    def _kept(self, varied: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
+        found = {name: values[:count] for name, values in self.store.read(self.done).items()}
+        if not all(np.array_equal(found[name], values) for name, values in varied.items()):
+            raise StoreError(
+                f"{self.store.part} can't be gone on with: generation {self.done} would be another now, as other "
+                f"versions of SciPy or pymoo ({_versions()}) search another way. Start over with --restart."
+            )
+        return found
+
+    def _words(self, batch: Batch) -> str:
+        objective = self.task.objectives[0]
+        if len(self.task.objectives) > 1:
+            return f"{int(batch.met.sum())} of {batch.met.size} meet the conditions"
+        least = batch.costs[batch.met, 0].min(initial=np.inf)
+        self.best = least if self.best is None else min(least, self.best)
+        return f"{objective.name} {quantity_text(objective.sign * self.best, objective.units)}"
+
+
+def _numbered(found: dict[str, np.ndarray], generation: int) -> dict[str, np.ndarray]:
+    return found | {"generation": np.full(found["status"].size, generation, np.int32)}
+
+
+def _filled(found: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
+    """Columns of a generation, lengthened by candidates that are none."""
+    missing = count - found["status"].size
+    filled = {name: np.append(values, np.repeat(values[-1:], missing)) for name, values in found.items()}
+    filled["status"][count - missing :] = Verdict.NOT_COMPUTED
+    return filled
+
+
+def _best(batch: Batch) -> int | None:
+    """The candidate of least cost that meets all conditions."""
+    costs = np.where(batch.met, batch.costs[:, 0], np.inf)
+    return int(np.argmin(costs)) if batch.met.any() else None
+
+
+def _places(batch: Batch) -> np.ndarray:
+    """Places on the Pareto front from the least first cost on, 0 off it; of equal candidates the first has it."""
+    places = np.zeros(batch.met.size, np.int32)
+    met = np.flatnonzero(batch.met)
+    costs = batch.costs[met]
+    if costs.shape[1] == 1:
+        front = np.argmin(costs, axis=0) if met.size else np.zeros(0, int)
+    else:
+        front = np.flatnonzero(pareto_front(costs, [True] * costs.shape[1]))
+        front = front[np.unique(costs[front], axis=0, return_index=True)[1]]
+    places[met[front]] = np.arange(1, front.size + 1)
+    return places
+
+
+def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
+    """Write the result: all candidates, their places on the front, and what tolerances do to those on it."""
+    places = _places(trials.judged(found))
+    found = found | {"front": places} | spreads(task, found, np.flatnonzero(places))
+    count = places.size
+    with Store.open(path, _final_layout(task, trials, count), restart=True) as store:
+        for i in range(store.layout.blocks):
+            store.write(i, {name: values[store.slice(i)] for name, values in found.items()})
+        store.finish(f"{count} candidates, {way}")
+
+
+# The file
+
+
+def _final_layout(task: Task, trials: Trials, count: int) -> Layout:
+    layout = _layout(task, trials, count, min(count, LARGEST_BLOCK))
+    front = Column("front", "place on the Pareto front, 0 off it", "1", dtype=np.int32)
+    return replace(layout, columns=(*layout.columns, front, *spread_columns(task, trials.machine)))
+
+
+def _layout(task: Task, trials: Trials, count: int, block: int) -> Layout:
+    """A sweep's layout with the objectives and each candidate's generation."""
+    base = layout_of(task.study, trials.machine)
+    extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]
+    for objective in task.objectives:
+        if not objective.is_column:
+            words = " ".join(objective.expression.text.split())
+            extra.append(Column(objective.name, words, objective.units or "1"))
+            extra.append(Column(f"{objective.name}_error", f"error figure of: {words}", objective.units or "1"))
+    columns = (*base.columns, *extra)
+    return replace(
+        base, variants=count, block=block, columns=columns, attributes=base.attributes | _attributes(task, count)
+    )
+
+
+def _attributes(task: Task, count: int) -> dict[str, str]:
+    conditions = [" ".join(e.text.split()) for e in task.conditions]
+    whole = " and ".join(text if len(conditions) == 1 else f"({text})" for text in conditions)
+    goals = [f"{o.way} {o.name}" for o in task.objectives]
+    alone = f"{goals[0]} where {whole}" if whole else goals[0]
+    return {
+        "study_hash": task.digest,
+        "grid": f"{'+'.join(task.variables.names)}[{count}]",
+        "best": alone if len(goals) == 1 else "",
+        "objectives": "\n".join(goals),
+        "subject_to": "\n".join(conditions),
+        "ranges": "\n".join(f"{s.name} {s.low!r} {s.high!r}" for s in task.variables.spans),
+        "search": f"{task.method}, seed {task.seed}",
+        "searched_with": _versions(),
+    }
+
+
+def _versions() -> str:
+    found = []
+    for name in ("scipy", "pymoo"):
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            continue
+    return ", ".join(found)

@@ -1,0 +1,194 @@
+"""The ways to search: differential evolution and NSGA-II by generations, and going downhill from a candidate."""
+
+import warnings
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from scipy.optimize import differential_evolution, minimize
+
+from sweeps.optimising.task import GENETIC, Task
+from sweeps.optimising.trials import Batch, Trials
+from sweeps.textfile import InputError
+from sweeps.unit_points import latin_points
+
+Evaluate = Callable[[np.ndarray], Batch]
+
+# Costs of candidates that miss a condition: above all others, and the greater the more they miss.
+BEYOND = 1e100
+# Evolution ends where the costs of a generation lie so close together; what is left, going downhill does better.
+ALIKE = 1e-3
+
+# Share of a range by which a coordinate is moved to find slopes: the error of central differences, its square times
+# a third derivative, and that of the summaries' rounding, 1e-14 over it, are then both about 1e-9.
+STEP = 1e-4
+# Kept clear of the limits of conditions, so that rounding doesn't carry the end across one.
+CLEARANCE = 1e-9
+STEPS, ROUNDS = 100, 5
+STILL = 1e-9
+
+
+def first_generation(task: Task) -> np.ndarray:
+    """Coordinates (population, variables) of the start and of a Latin hypercube."""
+    points = latin_points(task.seed, task.population, task.variables.size, np.arange(task.population))
+    points[0] = task.start
+    return points
+
+
+def way_of(task: Task) -> Callable[[Evaluate], None]:
+    """The search by generations that a task asks for.
+
+    Returns
+    -------
+    callable
+        To be called with a function that is then called once for each generation, with coordinates (candidates,
+        variables); what is found is what that function was given.
+
+    Raises
+    ------
+    InputError
+        NSGA-II is asked for and pymoo isn't installed.
+    """
+    if task.method != GENETIC:
+        return partial(_evolve, task)
+    try:
+        from sweeps.optimising.genetic import breed
+    except ImportError as error:
+        message = f"{GENETIC!r} needs pymoo ({error}): pip install 'machine-sweeps[optimise]'"
+        raise InputError(f"{task.study.name}.toml", [(None, "optimise.method", message)]) from None
+    return partial(breed, task, first_generation(task))
+
+
+def _evolve(task: Task, evaluate: Evaluate) -> None:
+    """Differential evolution of one objective, candidates compared by Deb's rules.
+
+    Of two candidates that meet all conditions the one of less cost wins, else the one that misses by less (Deb, "An
+    efficient constraint handling method for genetic algorithms", Comput. Methods Appl. Mech. Eng. 186, 2000).
+    """
+
+    def costs(coordinates: np.ndarray) -> np.ndarray:
+        batch = evaluate(coordinates.T)
+        return np.where(batch.met, batch.costs[:, 0], BEYOND * (1.0 + batch.violation))
+
+    first = first_generation(task)
+    if task.generations == 1:
+        costs(first.T)
+        return
+    differential_evolution(
+        costs,
+        [(0.0, 1.0)] * task.variables.size,
+        init=first,
+        maxiter=task.generations - 1,
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        tol=ALIKE,
+        rng=task.seed,
+    )
+
+
+def descend(task: Task, trials: Trials, start: np.ndarray, steps: int = STEPS) -> list[dict[str, np.ndarray]]:
+    """Go downhill from a candidate, along its ranges, by sequential quadratic programming (SciPy's SLSQP).
+
+    Parameters
+    ----------
+    task : Task
+        Of one objective.
+    trials : Trials
+    start : ndarray (variables,)
+        Coordinates; those of lists stay as they are.
+    steps : int
+        How many steps to take at most in each of a few rounds: where the objective has an edge, as a peak over the
+        cycle has where another position takes over, a fresh round gets on when the one before is stuck.
+
+    Returns
+    -------
+    list of dict
+        Columns of the candidates passed that meet all conditions, one in each.
+    """
+    here, least, passed = start, np.inf, []
+    for _ in range(ROUNDS):
+        slope = _Slope(task, trials, here)
+        slope.go(steps)
+        passed += slope.passed
+        if slope.best is None or not slope.best[0] < least - STILL * abs(least):
+            break
+        least, here = slope.best
+    return passed
+
+
+class _Slope:
+    """Cost, conditions and their slopes along the free coordinates, from one batch for each place.
+
+    Attributes
+    ----------
+    passed : list of dict
+        Columns of the places asked for that meet all conditions.
+    best : (float, ndarray) or None
+        Least cost of a place that meets all conditions, and its coordinates.
+    """
+
+    def __init__(self, task: Task, trials: Trials, start: np.ndarray) -> None:
+        self.trials, self.start, self.free = trials, start, np.flatnonzero(task.variables.free)
+        self.passed: list[dict[str, np.ndarray]] = []
+        self.best: tuple[float, np.ndarray] | None = None
+        self._known: dict[bytes, tuple] = {}
+        cost, _, parts, slopes = self._at(start[self.free])
+        self.size = abs(cost) or 1.0
+        # What can't be influenced from here can't be mended either.
+        self.parts = np.flatnonzero((slopes != 0).any(axis=1) & np.isfinite(parts))
+
+    def go(self, steps: int) -> None:
+        """Take at most so many steps."""
+        conditions = {
+            "type": "ineq",
+            "fun": lambda x: -self._at(x)[2][self.parts] - CLEARANCE,
+            "jac": lambda x: -self._at(x)[3][self.parts],
+        }
+        with warnings.catch_warnings():
+            # That a step leaves the ranges by a rounding and is led back.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            minimize(
+                lambda x: self._at(x)[0] / self.size,
+                self.start[self.free],
+                jac=lambda x: self._at(x)[1] / self.size,
+                method="SLSQP",
+                bounds=[(0.0, 1.0)] * self.free.size,
+                constraints=[conditions] if self.parts.size else [],
+                options={"maxiter": steps, "ftol": 1e-12},
+            )
+
+    def _at(self, x: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+        """Cost, its slopes, margins and their slopes (parts, free coordinates)."""
+        x = np.clip(x, 0.0, 1.0)
+        if x.tobytes() not in self._known:
+            self._known[x.tobytes()] = self._found(x)
+        return self._known[x.tobytes()]
+
+    def _found(self, x: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+        count = x.size
+        points = np.repeat(self.start[None], 2 * count + 1, axis=0)
+        moves = STEP * np.vstack([np.zeros(count), np.eye(count), -np.eye(count)])
+        points[:, self.free] = np.clip(x + moves, 0.0, 1.0)
+        batch = self.trials.evaluate(points)
+        cost = batch.costs[:, 0]
+        if batch.met[0]:
+            self.passed.append({name: values[:1] for name, values in batch.columns.items()})
+            if self.best is None or cost[0] < self.best[0]:
+                self.best = float(cost[0]), points[0]
+        places = points[:, self.free]
+        there = places[1 : count + 1].diagonal(), places[count + 1 :].diagonal()
+        slopes = [_slopes(row, x, *there) for row in (cost, *batch.margins)]
+        known = float(cost[0]) if np.isfinite(cost[0]) else BEYOND
+        return known, slopes[0], batch.margins[:, 0], np.reshape(slopes[1:], (-1, count))
+
+
+def _slopes(values: np.ndarray, x: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
+    """Difference quotients of values at a place, the places above and those below it; one-sided at an edge."""
+    count = x.size
+    here, up, down = values[0], values[1 : count + 1], values[count + 1 :]
+    above, up = np.where(np.isfinite(up), (above, up), (x, np.full(count, here)))
+    below, down = np.where(np.isfinite(down), (below, down), (x, np.full(count, here)))
+    wide = above > below
+    quotient = np.divide(up - down, above - below, out=np.zeros(count), where=wide)
+    return np.where(np.isfinite(quotient), quotient, 0.0)

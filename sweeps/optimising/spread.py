@@ -1,0 +1,124 @@
+"""What tolerances of the machine as built make of its results: Monte Carlo, and to first order."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.special import ndtri
+
+from engine import ElementsAlone, Machine, Verdict, made_ready
+from sweeps.optimising.task import Task, Tolerance
+from sweeps.store import Column
+from sweeps.unit_points import sobol_points
+
+# Machines drawn for each candidate: the spread is then good to about 3 %.
+DRAWN = 512
+# Share of a tolerance by which a number is moved to find slopes.
+STEP = 1e-2
+# Candidates whose machines are computed together, so that memory stays bounded.
+TOGETHER = 64
+
+
+def spread_columns(task: Task, machine: Machine | ElementsAlone) -> list[Column]:
+    """Columns that `spreads` fills; none without tolerances."""
+    if not task.tolerances:
+        return []
+    found = [Column("tolerance_misses", "share of machines within tolerances that fail or miss a condition", "1")]
+    for name in task.study.summaries:
+        quantity = machine.available_summaries[name]
+        words = f"standard deviation by tolerances of: {quantity.long_name}"
+        found.append(Column(f"{name}.tolerance", words, quantity.units))
+        found.append(Column(f"{name}.tolerance_first_order", f"{words}, to first order", quantity.units))
+    return found
+
+
+def spreads(task: Task, columns: Mapping[str, np.ndarray], chosen: np.ndarray) -> dict[str, np.ndarray]:
+    """Standard deviations of all summaries that tolerances cause, for some candidates.
+
+    Numbers that are derived from one with a tolerance don't follow it: they were made by the same drawing, but each
+    by itself. Monte Carlo draws scrambled Sobol' points; to first order the variances (∂f/∂p σ)² of all tolerances
+    add up, with slopes by central differences.
+
+    Parameters
+    ----------
+    task : Task
+    columns : mapping of str to ndarray (candidates,)
+    chosen : ndarray of int
+        Numbers of the candidates.
+
+    Returns
+    -------
+    dict of str to ndarray (candidates,)
+        As of `spread_columns`; NaN for all other candidates.
+    """
+    if not task.tolerances:
+        return {}
+    size, study = columns["status"].size, task.study
+    found = {"tolerance_misses": np.full(size, np.nan)}
+    for name in study.summaries:
+        found |= {f"{name}.tolerance": np.full(size, np.nan), f"{name}.tolerance_first_order": np.full(size, np.nan)}
+    paths = tuple(dict.fromkeys([*study.paths, *(t.path for t in task.tolerances)]))
+    machine = made_ready(study.scene, study.summaries, (), paths, study.positions, np.dtype(study.precision).type)
+    for start in range(0, chosen.size, TOGETHER):
+        some = chosen[start : start + TOGETHER]
+        made = {name: values[some] for name, values in columns.items()}
+        for name, values in _spread(task, machine, paths, made, some.size).items():
+            found[name][some] = values
+    return found
+
+
+def _spread(
+    task: Task, machine: Machine | ElementsAlone, paths: tuple[str, ...], made: Mapping[str, np.ndarray], count: int
+) -> dict[str, np.ndarray]:
+    """Columns of `spreads` for a few candidates."""
+    off = np.vstack([_drawn(task.tolerances, task.seed), _moved(task.tolerances)])
+    fixed = task.study.fixed
+    nominal = {path: np.broadcast_to(made.get(path, fixed[path]), (count,)) for path in paths}
+    values = {path: np.repeat(nominal[path], len(off)) for path in paths}
+    for tolerance, column in zip(task.tolerances, off.T, strict=True):
+        values[tolerance.path] = values[tolerance.path] + np.tile(column, count)
+    outcome = machine.evaluate(values)
+    misses = _misses(task, fixed | {n: np.repeat(v, len(off)) for n, v in made.items()} | values | outcome.summaries)
+    misses |= outcome.status != Verdict.OK
+    found = {"tolerance_misses": misses.reshape(count, -1)[:, :DRAWN].mean(axis=1)}
+    for name in task.study.summaries:
+        table = outcome.summaries[name].reshape(count, -1)
+        drawn, moved = table[:, :DRAWN], table[:, DRAWN:].reshape(count, -1, 2)
+        slopes = (moved[:, :, 0] - moved[:, :, 1]) / (2 * STEP * np.array([t.half_width for t in task.tolerances]))
+        deviations = np.array([t.deviation for t in task.tolerances])
+        found[f"{name}.tolerance"] = _deviation(drawn)
+        found[f"{name}.tolerance_first_order"] = np.sqrt(((slopes * deviations) ** 2).sum(axis=1))
+    return found
+
+
+def _misses(task: Task, values: Mapping[str, np.ndarray]) -> np.ndarray:
+    met = [np.asarray(e.evaluate(values), bool) for e in (*task.study.require, *task.conditions)]
+    return ~np.logical_and.reduce([np.broadcast_to(True, values["status"].shape), *met])
+
+
+def _deviation(drawn: np.ndarray) -> np.ndarray:
+    """Standard deviation of each row, of what is defined in it."""
+    there = np.isfinite(drawn)
+    count = np.maximum(there.sum(axis=1), 1)
+    # From the first defined one on, so that what doesn't change has no spread by rounding.
+    first = drawn[np.arange(len(drawn)), there.argmax(axis=1)]
+    apart = np.where(there, drawn - first[:, None], 0.0)
+    square = np.where(there, apart - (apart.sum(axis=1) / count)[:, None], 0.0) ** 2
+    return np.where(there.any(axis=1), np.sqrt(square.sum(axis=1) / count), np.nan)
+
+
+def _drawn(tolerances: tuple[Tolerance, ...], seed: int) -> np.ndarray:
+    """Deviations of drawn machines (DRAWN, tolerances)."""
+    # Half of a point's last digit keeps normal deviations finite.
+    unit = sobol_points(seed, DRAWN, len(tolerances), np.arange(DRAWN)) + 2.0**-31
+    return np.column_stack(
+        [
+            t.deviation * ndtri(u) if t.distribution == "normal" else t.half_width * (2 * u - 1)
+            for t, u in zip(tolerances, unit.T, strict=True)
+        ]
+    )
+
+
+def _moved(tolerances: tuple[Tolerance, ...]) -> np.ndarray:
+    """Deviations of machines in which one number is moved, up and down (2 tolerances, tolerances)."""
+    steps = STEP * np.diag([t.half_width for t in tolerances])
+    return np.stack([steps, -steps], axis=1).reshape(-1, len(tolerances))

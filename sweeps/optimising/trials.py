@@ -1,0 +1,119 @@
+"""Candidates evaluated together: their columns, costs, and how far each is from meeting the conditions."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import Verdict
+from sweeps.optimising.margins import margins
+from sweeps.optimising.task import Objective, Task
+from sweeps.runner import largest_block
+from sweeps.study import misses
+
+# An undefined cost, or a strict inequality on its limit, misses by no measure; yet it mustn't pass.
+LEAST_VIOLATION = 1e-12
+
+
+class Batch(NamedTuple):
+    """Candidates judged.
+
+    Attributes
+    ----------
+    columns : dict of str to ndarray (candidates,)
+        Parameters, verdicts, summaries, error figures and objectives, SI.
+    costs : ndarray (candidates, objectives)
+        What is to be as small as possible.
+    margins : ndarray (parts, candidates)
+        Of the conditions, above 0 by how much one is missed (see `margins`).
+    violation : ndarray (candidates,)
+        How far a candidate is from meeting all conditions; 0 exactly where it meets them.
+    """
+
+    columns: dict[str, np.ndarray]
+    costs: np.ndarray
+    margins: np.ndarray
+    violation: np.ndarray
+
+    @property
+    def met(self) -> np.ndarray:
+        """Which candidates were computed and meet all conditions."""
+        return self.violation == 0
+
+
+class Trials:
+    """Evaluates candidates of a search, all of a batch at once.
+
+    Parameters
+    ----------
+    task : Task
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.machine = task, task.study.machine()
+        self._most = largest_block(task.study, self.machine)
+
+    def evaluate(self, coordinates: np.ndarray) -> Batch:
+        """Evaluate the candidates at coordinates (candidates, variables), each from 0 to 1.
+
+        Those that miss what the study requires too, so that slopes can be found at its limits.
+        """
+        varied = self.task.variables.values(coordinates)
+        return self.judged(self.columns(varied, coordinates.shape[0], drop=False))
+
+    def columns(self, varied: Mapping[str, np.ndarray], count: int, drop: bool) -> dict[str, np.ndarray]:
+        """All columns of `count` candidates from what varies in them; memory is bounded as a sweep's is.
+
+        Parameters
+        ----------
+        varied : mapping of str to ndarray (count,)
+        count : int
+        drop : bool
+            Whether to leave out those that miss what the study requires.
+        """
+        if count > self._most:
+            starts = range(0, count, self._most)
+            some = ({name: v[start : start + self._most] for name, v in varied.items()} for start in starts)
+            return joined([self.columns(part, next(iter(part.values())).size, drop) for part in some])
+        study = self.task.study
+        values, missed = study.completed(varied, count)
+        dropped = missed.any(axis=0) if drop else None
+        outcome = self.machine.evaluate({p: values[p] for p in study.paths}, dropped)
+        found = dict(values)
+        found |= {"status": outcome.status, "status_group": outcome.status_group, "status_at": outcome.status_at}
+        found |= outcome.summaries | {f"{name}_error": error for name, error in outcome.errors.items()}
+        for objective in self.task.objectives:
+            if not objective.is_column:
+                found[objective.name], found[f"{objective.name}_error"] = _with_error(objective, found)
+        return found
+
+    def judged(self, columns: dict[str, np.ndarray]) -> Batch:
+        """What columns of candidates mean for the search."""
+        task, status = self.task, columns["status"]
+        costs = np.column_stack([o.sign * columns[o.name] for o in task.objectives])
+        conditions, values = (*task.study.require, *task.conditions), task.study.fixed | columns
+        apart = [margins(condition, values, status.size) for condition in conditions]
+        parts = np.concatenate(apart) if apart else np.zeros((0, status.size))
+        violation = np.maximum(parts, 0).sum(axis=0)
+        violation += (status != Verdict.OK) & (status != Verdict.DROPPED)
+        met = (status == Verdict.OK) & np.isfinite(costs).all(axis=1)
+        met &= ~misses(conditions, values, status.size).any(axis=0)
+        violation = np.where(met, 0.0, np.maximum(violation, LEAST_VIOLATION))
+        return Batch(columns, costs, parts, violation)
+
+
+def joined(parts: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """Columns of several sets of candidates, one after the other."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _with_error(objective: Objective, columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """An objective and its error figure: what the error figures of its summaries make of it, added up."""
+    expression = objective.expression
+    value = np.broadcast_to(expression.evaluate(columns), columns["status"].shape).astype(float)
+    error = np.zeros_like(value)
+    for name in expression.names:
+        if f"{name}_error" in columns:
+            moved = expression.evaluate({**columns, name: columns[name] + columns[f"{name}_error"]})
+            error += np.abs(moved - value)
+    return value, error
