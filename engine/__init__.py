@@ -1,5 +1,6 @@
 """Planar machines: kinematics, reduced inertia and moments, flywheels; one variant or millions, with error figures."""
 
+from engine.elements_alone import ElementsAlone, made_ready
 from engine.machine import AskError, Machine, Outcome
 from engine.quantities import Quantity
 from engine.scene import Scene, SceneError, scene_numbers
@@ -8,11 +9,13 @@ from engine.verdicts import SENTENCES, Verdict
 __all__ = [
     "SENTENCES",
     "AskError",
+    "ElementsAlone",
     "Machine",
     "Outcome",
     "Quantity",
     "Scene",
     "SceneError",
     "Verdict",
+    "made_ready",
     "scene_numbers",
 ]

@@ -8,9 +8,12 @@ estimate of the discretisation error.
 import re
 from typing import NamedTuple
 
+from engine.inertia_quantities import replacement_slots, replacement_summaries
 from engine.model import Model
 from engine.motors import motor_moment
 from engine.quantities import STATISTICS, InputUnits, Quantity, has_cycle, machine_summaries, statistics_of
+from engine.reaction_quantities import friction_summaries, reaction_summaries
+from engine.shaking_quantities import ORDERS, shaking_summaries
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 
@@ -41,7 +44,7 @@ def row_of(model: Model, field: str) -> str:
         return "lin__" + field.replace(".", "__")
     if field in model.angles:
         return "ang__" + field.removesuffix(".angle")
-    if field in ("work", "speed"):
+    if field in ("work", "speed", "shaking_force"):
         return f"row__{field}"
     return f"row__{model.variables[field]}"
 
@@ -71,6 +74,11 @@ class Analyses:
         first_kind = model.linear["reduced_inertia"].constant
         self.results["first_kind_inertia"] = Result(first_kind, "0.0")
         self._motors()
+        self._reactions()
+        self._shaking()
+        self.summaries |= {q.name: q for q in replacement_summaries(model.scene)}
+        slots = replacement_slots(model.scene, model.mechanism, model.program)
+        self.results |= {name: Result(slot, "0.0") for name, slot in slots.items()}
         if self.periodic:
             self._cycle()
 
@@ -130,7 +138,8 @@ class Analyses:
 
         ends = [difference(f"{end}__{variable}$").error for end in ("low", "high")]
         places = [difference(f"{end}_at__{variable}$").error for end in ("low", "high")]
-        add(kind, f"high__{variable}$ - low__{variable}$", " + ".join(ends))
+        size = f"rounding * (abs(high__{variable}) + abs(low__{variable}))"
+        add(kind, f"high__{variable}$ - low__{variable}$", " + ".join((*ends, size)))
         add(f"{kind}_low", f"low__{variable}$")
         add(f"{kind}_high", f"high__{variable}$")
         add(f"{kind}_low_at", f"low_at__{variable}$")
@@ -149,24 +158,98 @@ class Analyses:
             )
             self.results["motor_moment"] = Result(slot, "0.0")
 
+    def _shaking(self) -> None:
+        """Magnitude of the shaking force, and its orders."""
+        x, y = "lin__shaking_force_x", "lin__shaking_force_y"
+        self._fill("row__shaking_force", f"magnitudes({x}, {y}, row__shaking_force)")
+        self.summaries |= {q.name: q for q in shaking_summaries(self.model.scene)}
+        for n in ORDERS if self.periodic else ():
+            self._step(f"order_{n}$, terms_{n}$", f"order_of({x}$, {y}$, {n}, cos_nodes, sin_nodes)")
+            # Fewer positions can't tell an order from its mirror image, at half of them.
+            few = f"n <= {4 * n * self.model.scene.input.revolutions}"
+            doubt = f"(4.0 if {few} else rounding) * terms_{n}"
+            self.results[f"shaking_force.order_{n}"] = difference(f"order_{n}$", doubt)
+
+    def _reactions(self) -> None:
+        self.summaries |= {q.name: q for q in reaction_summaries()}
+        rows = {key: f"row__{variable}" for key, variable in self.model.reactions.checks.items()}
+        residual = f"unbalanced_share({rows['force']}, {rows['forces']}, {rows['moment']}, {rows['moments']})"
+        self._step("equilibrium_residual", residual)
+        self.results["equilibrium_residual"] = Result("equilibrium_residual", "0.0")
+        ways = [row_of(self.model, f"input_moment{way}") for way in ("", "_by_equilibrium", "_by_power")]
+        if self.model.scene.friction:
+            friction = row_of(self.model, "friction_moment")
+            self._fill("row__against_friction", f"less_friction({ways[0]}, {friction}, row__against_friction)")
+            ways[0] = "row__against_friction"
+        self._step("input_moment_disagreement", f"greatest_disagreement({', '.join(ways)})")
+        self.results["input_moment_disagreement"] = Result("input_moment_disagreement", "0.0")
+        if self.model.scene.friction:
+            self._friction()
+
+    def _friction(self) -> None:
+        """What friction in the pairs costs, how its passes went, and where it jams."""
+        self.summaries |= {q.name: q for q in friction_summaries(self.model.scene)}
+        for settling in self.model.reactions.settlings.values():
+            self._step(f"free__{settling.group}", f"least({settling.margin})")
+            self._step(f"jams__{settling.group}", f"first_jammed({settling.margin}, jammed)")
+            self.results[f"jams__{settling.group}"] = Result(f"jams__{settling.group}", "0.0", may_be_undefined=True)
+        settlings = self.model.reactions.settlings.values()
+        for name, choose, numbers, other in (
+            ("friction_passes", "max", [s.passes for s in settlings], "zero"),
+            ("friction_residual", "max", [s.residual for s in settlings], "zero"),
+            ("jamming_margin", "min", [f"free__{s.group}" for s in settlings], "one"),
+        ):
+            self.results[name] = Result(f"{choose}({', '.join([*numbers, other])})", "0.0")
+        of_all = self.model.variables["friction_moment"]
+        lost = {f"{pair}.friction_work": v for pair, v in self.model.reactions.lost.items()} | {"friction_loss": of_all}
+        for name, variable in lost.items():
+            self._step(f"lost__{variable}$, doubt__{variable}$", f"work_over(row__{variable}$, h$, {self.periodic})")
+            self.results[name] = difference(f"lost__{variable}$", f"doubt__{variable}$")
+        if self.periodic:
+            self._step("driving$", "mean_of(lin__driving_moment$)")
+            self._step("rubbing$", f"mean_of(row__{of_all}$)")
+            efficiency = "mechanical_efficiency(useful$, driving$, mean_moment$, rubbing$)"
+            self.results["mechanical_efficiency"] = difference(efficiency, may_be_undefined=True)
+
     # The steady cycle and its flywheel
 
     def _cycle(self) -> None:
         omega = self.model.program.number("input.speed", "load")
-        inertia, moment = "lin__reduced_inertia$", "lin__reduced_moment$"
-        self._step("mean_moment$", f"mean_of({moment})")
-        self._step("useful$", "mean_of(lin__useful_moment$)")
+        inertia = "lin__reduced_inertia$"
+        self._work()
         self._step("residual$", f"derivative_residual({inertia}, lin__reduced_inertia_phi$, h$)")
-        self._fill("row__work$", f"cumulative_work({moment}, mean_moment$, h$, row__work$)")
-        self._step("doubt", "work_doubt(lin__reduced_moment, h)")
         self._step("mean_inertia", "mean_of(lin__reduced_inertia)")
         self._step("missed", f"missed_extreme(lin__reduced_inertia, row__work, 0.5 * {omega} * {omega})")
-        jump = "doubt / (h * n)"
+        jump = "mean_doubt / (h * n)"
         self.results["required_drive_moment"] = difference("-mean_moment$", jump)
         self.results["required_power"] = difference(f"-mean_moment$ * {omega}", f"abs({omega}) * {jump}")
         self.results["mean_useful_moment"] = difference("-useful$", jump)
         self.results["power_balance_residual"] = Result("residual$", "0.0")
         self._flywheel(inertia, omega)
+
+    def _work(self) -> None:
+        """Mean moments, work over the cycle and its doubt: exactly where that is known, else by the trapezoid rule."""
+        works, rows = self.model.moments.works, ("reduced_moment", "useful_moment")
+        known = {name: [t for t in self.model.linear[name].terms if t[1] in works] for name in rows}
+        for _, law in known["reduced_moment"]:
+            name = law.removeprefix("law__")
+            self.steps.append(RowStep((f"total__{name}$", f"pot__{name}$"), f"total__{name}$ = {works[law]}"))
+        for target, name in (("mean_moment$", "reduced_moment"), ("useful$", "useful_moment")):
+            totals = [f"{c} * {law.replace('law__', 'total__')}$" for c, law in known[name]]
+            mean = f"mean_of(lin__{'other_' if totals else ''}{name}$)"
+            self._step(target, f"{mean} + ({' + '.join(totals)}) / (h * n)" if totals else mean)
+        exact = [f"{c} * {b.replace('law__', 'pot__')}$[k]" for c, b in known[rows[0]]]
+        # An extreme of the work hides between positions where the moment jumps, however well the work is known there.
+        self._step("doubt", "work_doubt(lin__reduced_moment, h)")
+        if not exact:
+            self._fill("row__work$", "cumulative_work(lin__reduced_moment$, mean_moment$, h$, row__work$)")
+            self._step("mean_doubt", "work_doubt(lin__reduced_moment, h)")
+        else:
+            other = "lin__other_reduced_moment"
+            self._step("mean_doubt", f"work_doubt({other}, h)")
+            self._fill("row__other_work$", f"cumulative_work({other}$, mean_moment$, h$, row__other_work$)")
+            total = " + ".join(("row__other_work$[k]", *exact))
+            self._fill("row__work$", f"for k in range(row__work$.shape[0]): row__work$[k] = {total}")
 
     def _flywheel(self, inertia: str, omega: str) -> None:
         p, flywheel = self.model.program, self.model.scene.flywheel
@@ -200,19 +283,17 @@ class Analyses:
 
     def _speeds(self, inertia: str, omega: str, wheel: str) -> None:
         self._step("wheel$", wheel)
-        self._step("energy$, slowest$, fastest$", f"speed_with_flywheel({inertia}, row__work$, wheel$, {omega})")
+        self._step("energy$, delta$", f"fluctuation_with_flywheel({inertia}, row__work$, wheel$, abs({omega}))")
         self._fill("row__speed$", f"speed_row({inertia}, row__work$, wheel$, energy$, row__speed$)")
         jump = f"({self._energy_doubt(omega)}) / (2.0 * energy / {omega} / {omega})"
         share = f"{jump} / abs({omega})"
 
-        self.results["speed_fluctuation"] = difference(
-            f"(fastest$ - slowest$) / abs({omega})", f"2.0 * {share} / abs({omega})", may_be_undefined=False
-        )
+        self.results["speed_fluctuation"] = difference("delta$", f"2.0 * {share} / abs({omega})")
         given = wheel.startswith("num_")
         doubt = "" if given else self.results["flywheel_wittenbauer"].error.split(" + ", 1)[1]
         self.results["flywheel_used"] = difference("wheel$", doubt)
-        self.results["speed_min"] = difference("slowest$", share)
-        self.results["speed_max"] = difference("fastest$", share)
+        self.results["speed_min"] = difference(f"abs({omega}) * (1.0 - 0.5 * delta$)", share)
+        self.results["speed_max"] = difference(f"abs({omega}) * (1.0 + 0.5 * delta$)", share)
 
 
 def turning_links(model: Model) -> tuple[str, ...]:

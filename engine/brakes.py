@@ -10,6 +10,7 @@ and J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 16.
 
 import math
 
+from engine.friction.belts import gripped_share, slack_share
 from engine.jit import scalar
 
 
@@ -134,8 +135,8 @@ def band_brake(
     """
     if not slack_arm + tight_arm > 0.0:
         return math.nan
-    rubbing = -math.expm1(-friction * wrap) * _pressing(force) * lever_arm * radius
-    left = slack_arm * math.exp(-friction * wrap) + tight_arm
+    rubbing = gripped_share(friction, wrap) * _pressing(force) * lever_arm * radius
+    left = slack_arm * slack_share(friction, wrap) + tight_arm
     if left <= 0.0:
         return math.inf if rubbing > 0.0 else rubbing
     return rubbing / left

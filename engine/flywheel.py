@@ -12,6 +12,9 @@ speed ω_m = (ω_max + ω_min)/2.
   I_F = {max[W − ½ω_max² I] − min[W − ½ω_min² I]}/(δ ω_m²), in closed form and without approximation.
 - The speed that follows with a given flywheel: ω² = 2 (E_0 + W)/(I + I_F), E_0 such that the mean speed is ω_m.
 
+Small fluctuations and heavy machines are small differences of large energies. What is constant is therefore taken out
+beforehand: of I its first value, which ½ω_max² − ½ω_min² = δ ω_m² gives back exactly, and of ½ω² that at mean speed.
+
 Sources: Artobolevsky, Theory of Mechanisms and Machines, chapter on the motion of a machine; Levitsky.
 """
 
@@ -144,33 +147,35 @@ def flywheel_sizes(
         Inertia of the flywheel on the input link [kg·m²]; 0 or less: the machine needs none.
     """
     slow, middle, fast = energy_slopes(omega, delta)
-    extremes = NO_EXTREMES
+    extremes, base = NO_EXTREMES, inertia[0]
     # One loop for all six extremes: it is bound by reading the rows.
     for k in range(work.shape[0]):
-        extremes = widened(extremes, work[k], inertia[k], slow, middle, fast)
-    return sizes(extremes, omega, delta, first_kind)
+        extremes = widened(extremes, work[k], inertia[k] - base, slow, middle, fast)
+    excess, by_excess_work, merzalov, wittenbauer = sizes(extremes, omega, delta, first_kind)
+    return excess, by_excess_work, merzalov, wittenbauer - base
 
 
 @scalar
-def squares_at(
-    inertia: np.ndarray, work: np.ndarray, flywheel: float, energy: float, other: float
+def beyond_mean(
+    inertia: np.ndarray, work: np.ndarray, flywheel: float, middle: float, surplus: float, other: float
 ) -> tuple[float, float, float, float]:
-    """Least and greatest ½ω² of the cycle with a flywheel, for two initial energies.
+    """Least and greatest ½ω² − ½ω_m² of the cycle with a flywheel, for two initial energies.
 
     Parameters
     ----------
     inertia, work : ndarray (positions,)
         I [kg·m²] and W [J].
-    flywheel, energy, other : float
-        I_F [kg·m²] and the two kinetic energies at the first position [J].
+    flywheel, middle : float
+        I_F [kg·m²] and ½ω_m² [rad²/s²].
+    surplus, other : float
+        Two kinetic energies at the first position, each less that at mean speed [J].
     """
-    share = 1.0 / (inertia[0] + flywheel)
-    low = high = (energy + work[0]) * share
-    low_other = high_other = (other + work[0]) * share
-    total = 0.0
+    low = low_other = math.inf
+    high = high_other = -math.inf
+    total, base = 0.0, inertia[0]
     for k in range(work.shape[0]):
-        share = 1.0 / (inertia[k] + flywheel)
-        here, there = (energy + work[k]) * share, (other + work[k]) * share
+        share, gained = 1.0 / (inertia[k] + flywheel), work[k] - middle * (inertia[k] - base)
+        here, there = (surplus + gained) * share, (other + gained) * share
         total += here
         low, high = smaller(low, here), larger(high, here)
         low_other, high_other = smaller(low_other, there), larger(high_other, there)
@@ -180,15 +185,21 @@ def squares_at(
 
 
 @scalar
-def speed_with_flywheel(
-    inertia: np.ndarray, work: np.ndarray, flywheel: float, omega: float
-) -> tuple[float, float, float]:
-    """Initial energy, least and greatest speed of the steady cycle with a given flywheel.
+def faster_by(excess: float) -> float:
+    """(ω − ω_m)/ω_m from (ω² − ω_m²)/ω_m²."""
+    return excess / (1.0 + math.sqrt(max(1.0 + excess, 0.0)))
 
-    Iterates on the initial energy E until (ω_max + ω_min)/2 is the mean speed. Two energies at once show the
-    inertias a and b at the least and greatest speed, as dE/d(½ω²). With x = ω_min/√2 and y = ω_max/√2 at those
-    two positions, a x² − W_a = E = b y² − W_b and x + y = √2 ω_m are a quadratic for x; it is exact unless the
-    least or greatest speed moves to another position.
+
+@scalar
+def fluctuation_with_flywheel(
+    inertia: np.ndarray, work: np.ndarray, flywheel: float, omega: float
+) -> tuple[float, float]:
+    """Initial energy and coefficient of speed fluctuation of the steady cycle with a given flywheel.
+
+    Iterates on the initial energy until (ω_max + ω_min)/2 is the mean speed. Two energies at once show the inertias a
+    and b at the least and the greatest speed, as dE/d(½ω²). Where v and w are ½ω² − ½ω_m² there and d = δ/2,
+    a (½ω_m² (d² − 2d) − v) = E' − E = b (½ω_m² (d² + 2d) − w) is a quadratic for d; it is exact unless the least or
+    greatest speed moves to another position. No step of it subtracts nearly equal numbers, however small δ is.
 
     Parameters
     ----------
@@ -203,31 +214,49 @@ def speed_with_flywheel(
     -------
     energy : float
         Kinetic energy at the first position [J].
-    slowest, fastest : float
-        [rad/s]; NaN where the machine would stop within the cycle (δ would exceed 2).
+    fluctuation : float
+        δ; both NaN where the machine would stop within the cycle (δ would exceed 2).
     """
-    both = math.sqrt(2.0) * abs(omega)
-    floor = -least(work)
-    _, greatest_at_floor, _, _ = squares_at(inertia, work, flywheel, floor, floor)
-    if not math.sqrt(greatest_at_floor) <= both:
-        return math.nan, math.nan, math.nan
-    energy = max(0.25 * (mean_of(inertia) + flywheel) * both * both, floor + 0.5 * (floor + greatest(work)))
-    below, above = floor, math.inf
+    middle, swing = 0.5 * omega * omega, greatest(work) - least(work)
+    usual = middle * (inertia[0] + flywheel)
+    below, above = -least(work) - usual, math.inf
+    _, high, _, _ = beyond_mean(inertia, work, flywheel, middle, below, below)
+    if not high <= 3.0 * middle:
+        return math.nan, math.nan
+    surplus = max(middle * (mean_of(inertia) - inertia[0]), below + 0.5 * swing)
+    scale = swing + middle * (greatest(inertia) - least(inertia)) + 1e-9 * usual
     for _ in range(100):
-        other = energy + 0.01 * (energy - floor)
-        low, high, low_other, high_other = squares_at(inertia, work, flywheel, energy, other)
-        a, b = (other - energy) / (low_other - low), (other - energy) / (high_other - high)
-        rest = b * (both * both - high) + a * low
-        x = rest / (b * both + math.sqrt(b * b * both * both + (a - b) * rest))
-        ahead = energy + a * (x * x - low)
-        if abs(ahead - energy) <= 1e-12 * (energy + floor):
-            return ahead, math.sqrt(2.0) * x, math.sqrt(2.0) * (both - x)
-        if math.sqrt(low) + math.sqrt(high) > both:
-            above = energy
+        low, high, low_other, high_other = beyond_mean(inertia, work, flywheel, middle, surplus, surplus + 0.01 * scale)
+        a, b = 0.01 * scale / (low_other - low), 0.01 * scale / (high_other - high)
+        rest, both = b * high - a * low, middle * (a + b)
+        half = rest / (both + math.sqrt(both * both - middle * (a - b) * rest))
+        ahead = surplus + a * (middle * half * (half - 2.0) - low)
+        if abs(ahead - surplus) <= 1e-13 * scale:
+            return ahead + usual, half + half
+        if faster_by(low / middle) + faster_by(high / middle) > 0.0:
+            above = surplus
         else:
-            below = energy
-        energy = ahead if below < ahead < above else 0.5 * (below + min(above, energy + energy))
-    return math.nan, math.nan, math.nan
+            below = surplus
+        surplus = ahead if below < ahead < above else 0.5 * (below + min(above, surplus + surplus + usual + swing))
+    return math.nan, math.nan
+
+
+@scalar
+def speed_with_flywheel(
+    inertia: np.ndarray, work: np.ndarray, flywheel: float, omega: float
+) -> tuple[float, float, float]:
+    """Initial energy, least and greatest speed of the steady cycle; parameters as of `fluctuation_with_flywheel`.
+
+    Returns
+    -------
+    energy : float
+        Kinetic energy at the first position [J].
+    slowest, fastest : float
+        [rad/s]; NaN where the machine would stop within the cycle.
+    """
+    energy, fluctuation = fluctuation_with_flywheel(inertia, work, flywheel, omega)
+    half, mean = 0.5 * fluctuation, abs(omega)
+    return energy, mean * (1.0 - half), mean * (1.0 + half)
 
 
 @scalar

@@ -15,6 +15,12 @@ Form = Literal["whole", "factorised"]
 SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
 
 
+# Passes end where no pressing force changes by more than this share: what is left, its square, is below rounding.
+SETTLED = {np.dtype(np.float64): 1e-10, np.dtype(np.float32): 1e-5}
+# A determinant of friction's feedback that is nothing but rounding.
+JAMMED = {np.dtype(np.float64): 1e-14, np.dtype(np.float32): 1e-6}
+
+
 class Lines(NamedTuple):
     """The mathematics of a kernel: the loop over positions, what follows for the shape, what for each variant."""
 
@@ -61,7 +67,7 @@ class KernelText:
 
     def angle_tables(self, text: str) -> tuple[str, ...]:
         """Tables over the crank angle that a text uses."""
-        return tuple(t for t in self.model.moments.angle_tables if f"angle_table__{t}[" in text)
+        return tuple(t for t in self.model.moments.angle_tables if re.search(rf"\bangle_table__{t}\b", text))
 
     def _table_arguments(self, text: str) -> list[str]:
         found = [
@@ -137,15 +143,24 @@ class KernelText:
             "import numpy as np",
             "from numba import njit",
             "",
+            "from engine.apart import read_apart, read_own, write_apart",
+            "from engine.dyad_forces import *",
             "from engine.dyads import *",
+            "from engine.equilibrium import *",
             "from engine.flywheel import *",
+            "from engine.friction.coefficients import *",
+            "from engine.friction.feedback import *",
             "from engine.indicator import *",
+            "from engine.inertia_forces import *",
             "from engine.jit import KERNEL_OPTIONS",
             "from engine.lanes import *",
             "from engine.links import *",
             "from engine.loads import *",
+            "from engine.losses import *",
             "from engine.reduction import *",
             "from engine.rows import *",
+            "from engine.shaking import *",
+            "from engine.stroke_work import work_over_stroke",
             "from engine.strokes import *",
             "from engine.tables import table_value",
             "",
@@ -153,6 +168,8 @@ class KernelText:
             f"one = np.{self.dtype.name}(1)",
             f"zero = np.{self.dtype.name}(0)",
             f"least_sine = np.{self.dtype.name}({SINGULAR_SINE[self.dtype]})",
+            f"settled = np.{self.dtype.name}({SETTLED[self.dtype]})",
+            f"jammed = np.{self.dtype.name}({JAMMED[self.dtype]})",
             "",
             "",
             "@njit(**KERNEL_OPTIONS)",

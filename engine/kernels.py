@@ -6,11 +6,13 @@ are computed once for the shape and combined for each variant's masses and loads
 """
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.analyses import Analyses, row_of
+from engine.apart import is_long, said_apart
 from engine.demand import HALF, ROW, Demand, Node
 from engine.kernel_text import Form, KernelText, Lines, spacing
 from engine.model import LinearRow, Model
@@ -19,6 +21,7 @@ from engine.scene import scene_numbers
 from engine.superposition import superpose
 
 _SLOT = re.compile(r"\bnum__\w+")
+_TROUBLED = "troubled = total_of(row__troubled)"
 
 
 class Source(NamedTuple):
@@ -62,12 +65,12 @@ class KernelWriter:
     def source(self, form: Form, dtype: np.dtype) -> Source:
         """The kernel's source in one of its two forms."""
         positions = self._position_loop(form)
-        outputs, shape, variant = self._outputs(form), [], []
+        outputs, shape, variant = self._outputs(form, _TROUBLED in positions and bool(self._watched)), [], []
         shape_lines, together, nodes = (), None, self.demand.nodes
         if form == "factorised":
             shape_lines, together, nodes = superpose(self.demand, "\n".join(outputs), self._fixed)
         for node in nodes:
-            lines = self._linear_lines(node, form) if node.targets[0] in self.demand.linear else node.lines
+            lines = self._lines_of(node, form)
             (variant if self.of_variant.intersection(node.targets) else shape).extend(lines)
         shape += shape_lines
         variant += outputs
@@ -89,7 +92,7 @@ class KernelWriter:
     def _position_loop(self, form: Form) -> list[str]:
         """The vectorised loop over positions; `troubled` counts groups that are singular or can't be assembled."""
         demand, sines = self.demand, self.model.mechanism.sines
-        inner = [step.line for step in demand.steps]
+        inner = [step.line for step in demand.first_steps]
         inner += [f"row__{v}[k] = {v}" for v in sorted(demand.row_variables)]
         if form == "factorised":
             inner += [f"bas__{b}[k] = {b}" for b in sorted(demand.bases)]
@@ -98,13 +101,31 @@ class KernelWriter:
                 terms = self._terms(row, in_laws=False)
                 if terms or not row.terms:
                     inner.append(f"{target}[k] = {' + '.join(terms) or 'zero'}")
+        troubles = " + ".join(f"(zero if abs({sines[g]}) >= least_sine else one)" for g in demand.groups)
+        if is_long(inner) and troubles:
+            # A running sum would make the compiler work on several vectors at once, for which there are no registers.
+            # What isn't finite spoils this one, so that many rows needn't be read again for it.
+            troubles += f" + zero * ({' + '.join(self._watched)})" if self._watched else ""
+            return [*_over_positions([*inner, f"row__troubled[k] = {troubles}"]), _TROUBLED]
         # One addition to the running count: a second would have to wait for the first.
-        troubles = [f"(zero if abs({sines[g]}) >= least_sine else one)" for g in demand.groups]
-        inner += [f"troubled += {' + '.join(troubles)}"] if troubles else []
-        if not inner:
-            return ["troubled = zero"]
-        lines = (*_places(inner), *inner)
-        return ["troubled = zero", "for k in range(n):", *(f"    {line}" for line in lines)]
+        inner += [f"troubled += {troubles}"] if troubles else []
+        return ["troubled = zero", *(_over_positions(inner) if inner else [])]
+
+    @property
+    def _watched(self) -> list[str]:
+        """Variables of the asked fields, if the first loop over positions makes them all."""
+        asked = {row_of(self.model, field).removeprefix("row__") for field in self.fields}
+        return sorted(asked) if asked <= self.demand.row_variables else []
+
+    def _lines_of(self, node: Node, form: Form) -> Sequence[str]:
+        """Lines of a node: its own, those of a linear row, a later loop over the positions, or passes of friction."""
+        if node.targets[0] in self.demand.linear:
+            return self._linear_lines(node, form)
+        settling = self.demand.settlings.get(node.targets[0])
+        if settling is not None:
+            return settling.lines(_over_positions)
+        loop = self.demand.loop_of(node)
+        return _over_positions(self.demand.later_loop(loop)) if loop else node.lines
 
     def _terms(self, row: LinearRow, in_laws: bool) -> list[str]:
         """Terms of a linear row at position k: those of laws, or its constant and those of the position loop."""
@@ -130,7 +151,8 @@ class KernelWriter:
             return ()
         return ("for k in range(n):", f"    {target}[k] {'+=' if started else '='} {' + '.join(terms)}")
 
-    def _outputs(self, form: Form) -> list[str]:
+    def _outputs(self, form: Form, watched: bool) -> list[str]:
+        """Lines that write the results; `watched` where the count of troubles shows whether fields are finite."""
         lines = []
         for i, name in enumerate(self.summaries):
             result = self.analyses.results[name]
@@ -142,9 +164,14 @@ class KernelWriter:
             if row in rows[:i] or not self._is_direct(row, form):
                 lines += ["for k in range(n):", f"    fields[{i}, v, k] = {row}[k]"]
         lines.append("troubles[v] = troubled")
-        checks = " + ".join(f"mean_of({row})" for row in dict.fromkeys(rows))
-        lines.append(f"checks[v] = {checks or 'zero'}")
-        return lines
+        if watched:
+            return [*lines, "checks[v] = troubled"]
+        if form == "factorised":
+            # Rows are named one by one: those that no output names aren't made for each variant.
+            checks = " + ".join(f"mean_of({row})" for row in dict.fromkeys(rows))
+            return [*lines, f"checks[v] = {checks or 'zero'}"]
+        checks = ("checks[v] = zero", "for i in range(fields.shape[0]):", "    checks[v] += mean_of(fields[i, v])")
+        return [*lines, *checks]
 
     def _is_direct(self, row: str, form: Form) -> bool:
         """Whether an asked field is computed in its place in the results, not copied there."""
@@ -190,6 +217,12 @@ def _fixed_loads(model: Model) -> frozenset[str]:
         return frozenset(
             s for s, slot in model.program.slots.items() if slot.role == "load" and np.ndim(slot.compute(numbers)) == 0
         )
+
+
+def _over_positions(lines: list[str]) -> list[str]:
+    """The vectorised loop over positions."""
+    lines = [*_places(lines), *lines]
+    return ["for k in range(n):", *(f"    {line}" for line in (said_apart(lines) if is_long(lines) else lines))]
 
 
 def _places(lines: list[str]) -> list[str]:

@@ -8,6 +8,8 @@ Sources: any textbook of machine dynamics; Coulomb's resistance has no value at 
 here (the middle of what it may be).
 """
 
+import math
+
 from engine.jit import scalar
 
 
@@ -33,6 +35,26 @@ def constant_against_motion(magnitude: float, v: float) -> float:
         return magnitude
     # 0 at rest, and NaN where the velocity is not known.
     return v * magnitude
+
+
+@scalar
+def direction_of_motion(vx: float, vy: float) -> tuple[float, float]:
+    """Unit vector along a velocity.
+
+    Parameters
+    ----------
+    vx, vy : float
+        Velocity [m/s].
+
+    Returns
+    -------
+    c, s : float
+        Zero at rest, NaN where the velocity is not known.
+    """
+    v = math.sqrt(vx * vx + vy * vy)
+    if v == 0.0:
+        return vx, vy
+    return vx / v, vy / v
 
 
 @scalar

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.analyses import Analyses
+from engine.demand import Demand
+from engine.element_columns import ElementColumns, element_summaries
 from engine.jit import run_kernel, threads
 from engine.kernel_text import SINGULAR_SINE, Form
 from engine.kernels import KernelWriter, Source
@@ -120,11 +122,14 @@ class Machine:
         self._add_statistics()
         _check_names(self.asked_summaries, self.available_summaries, "summary")
         self._wheel = [name for name in self.asked_summaries if name in self._wheel_quantities]
-        computed = [n for n in self.asked_summaries if n not in self._wheel and n not in self._motion_quantities]
+        self._elements = ElementColumns(scene, self.asked_summaries)
+        apart = {*self._wheel, *self._elements.names, *self._motion_quantities}
+        computed = [n for n in self.asked_summaries if n not in apart]
         self.schedule = self._schedule()
         needs = [*(self._wheel_needs if self._wheel else ()), *(self._motion_needs if self.schedule else ())]
         self._computed = list(dict.fromkeys([*computed, *needs]))
         self._kernel_fields = [name for name in self.asked_fields if name not in self._motion_fields]
+        self._computed += self._jams
         self._writer = KernelWriter(self.model, self.analyses, self._kernel_fields, self._computed)
         self._sources: dict[Form, Source] = {}
         self.forms_used: set[Form] = set()
@@ -137,7 +142,8 @@ class Machine:
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        return self.analyses.summaries | self._wheel_quantities | self._motion_quantities
+        elements = {q.name: q for q in element_summaries(self.scene)}
+        return self.analyses.summaries | self._wheel_quantities | self._motion_quantities | elements
 
     def _schedule(self) -> Schedule | None:
         """The regimes, where anything of them is asked."""
@@ -151,6 +157,13 @@ class Machine:
         for field in ("reduced_inertia", "reduced_moment"):
             self.analyses.add_statistics(self.model.fields[field])
         return ["reduced_inertia.min", "reduced_moment.mean"]
+
+    @property
+    def _jams(self) -> list[str]:
+        """Where each group jams whose friction is needed."""
+        if not self.scene.friction:
+            return []
+        return [f"jams__{g}" for g in Demand(self.model, self.analyses, self._kernel_fields, self._computed).settled]
 
     @property
     def _wheel_quantities(self) -> dict[str, Quantity]:
@@ -304,7 +317,9 @@ class Machine:
         for name in self.asked_summaries:
             if name in computed:
                 outcome.summaries[name][keep], outcome.errors[name][keep] = computed[name]
-        self._judge(outcome, keep, parameters, troubles, ~np.isfinite(checks) | self._undefined(undefined))
+        not_finite = ~np.isfinite(checks) | self._undefined(undefined)
+        self._judge(outcome, keep, parameters, values, troubles, not_finite)
+        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         if self.schedule is not None:
             self._move(outcome, keep, numbers, fields)
 
@@ -336,9 +351,9 @@ class Machine:
         return nodes, np.cos(self.nodes).astype(self.dtype), np.sin(self.nodes).astype(self.dtype)
 
     def _form(self, parameters: np.ndarray, source: Source) -> tuple[Form, tuple[np.ndarray, np.ndarray] | None]:
-        """Which form to use: factorised where each shape serves several variants."""
+        """Which form to use: factorised where each shape serves several variants and loads only enter sums."""
         variants = parameters.shape[1]
-        if variants < 2 * WORTH_FACTORISING:
+        if variants < 2 * WORTH_FACTORISING or not self._writer.demand.separable:
             return "whole", None
         shapes = parameters[: source.shape_slots]
         shapes = shapes[(shapes != shapes[:, :1]).any(axis=1)]
@@ -370,12 +385,14 @@ class Machine:
         outcome: Outcome,
         keep: np.ndarray,
         parameters: np.ndarray,
+        values: np.ndarray,
         troubles: np.ndarray,
         not_finite: np.ndarray,
     ) -> None:
         """Give every variant its verdict, and those that fail the place and the group to blame."""
         least = SINGULAR_SINE[self.dtype]
-        doubtful = np.flatnonzero(troubles > 0)
+        # NaN where something isn't finite, whatever the reason.
+        doubtful = np.flatnonzero(~(troubles == 0))
         if doubtful.size:
             places, sines = np.empty((doubtful.size, 2), np.int64), np.empty(doubtful.size)
             nodes = self._places(self.nodes.astype(self.dtype))
@@ -387,8 +404,20 @@ class Machine:
             outcome.status[blamed] = np.where(sines[failed] < 0, Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR)
             outcome.status_group[blamed] = groups
             outcome.status_at[blamed] = self._at(at, parameters[:, doubtful[failed]])
+        self._blame_friction(outcome, keep, parameters, values)
         blamed = keep[not_finite & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
+
+    def _blame_friction(self, outcome: Outcome, keep: np.ndarray, parameters: np.ndarray, values: np.ndarray) -> None:
+        """Give jammed variants their verdict, with the place and the group that jams first."""
+        columns = {name.removeprefix("jams__"): i for i, name in enumerate(self._computed) if name.startswith("jams__")}
+        for group, column in columns.items():
+            others = np.delete(values[:, list(columns.values())], list(columns).index(group), axis=1)
+            first = np.isfinite(values[:, column]) & ~(others < values[:, column : column + 1]).any(axis=1)
+            first &= outcome.status[keep] == Verdict.OK
+            outcome.status[keep[first]] = Verdict.JAMS
+            outcome.status_group[keep[first]] = self.groups.index(group)
+            outcome.status_at[keep[first]] = self._at(values[first, column].astype(int), parameters[:, first])
 
     def _undefined(self, undefined: np.ndarray) -> np.ndarray:
         """Variants with an undefined summary that should have a value."""

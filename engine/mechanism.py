@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.masses import LinkMass, masses, whole_body
 from engine.parts import FRAME, CrankInput
 from engine.program import Program
 from engine.scene import Scene
@@ -63,6 +64,8 @@ class Mechanism:
         Variables of each by its name in the scene.
     sines : dict
         Variable of the transmission quality of each group that has one.
+    masses : dict of str to LinkMass
+        Bodies and the point masses that stand for bodies.
     """
 
     def __init__(self, scene: Scene, structure: Structure, program: Program, varied: frozenset[str]) -> None:
@@ -73,6 +76,7 @@ class Mechanism:
         self.guides: dict[str, GuideLine] = {}
         self.slides: dict[str, Slide] = {}
         self.sines: dict[str, str] = {}
+        self.masses = masses(scene, varied)
         self._centres: dict[str, Moving] = {}
         # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
         for name, point in scene.points.items():
@@ -112,8 +116,11 @@ class Mechanism:
 
     def point_on(self, name: str, link: Turning, along: str, across: str) -> Moving:
         """Write a rigid point of a link and return its variables."""
-        p, point = self.program, own(name)
-        p.about(f"centre of {name[1:]}" if name.startswith("_") else f"point {name}", "position")
+        self.program.about(f"point {name}", "position")
+        return self._placed(own(name), link, along, across)
+
+    def _placed(self, point: Moving, link: Turning, along: str, across: str) -> Moving:
+        p = self.program
         px, py = p.fresh_pair(f"arm({along}, {across}, {link.c}, {link.s})")
         p.let(f"{point.x}, {point.y}", f"{link.origin.x} + {px}, {link.origin.y} + {py}")
         return self._moved(point, link, px, py)
@@ -126,18 +133,27 @@ class Mechanism:
         p.let(f"{point.ax}, {point.ay}", self.acceleration_at(link, px, py))
         return point
 
-    def centre(self, body: str) -> Moving:
-        """Variables of the centre of mass of a body (the link's origin where it lies there for every variant)."""
-        part = self.scene.bodies[body]
-        link, paths = self.links[part.link], {f"bodies.{body}.x", f"bodies.{body}.y"}
-        rod = part.shape is not None and part.shape.type == "rod"
-        if not part.x and not part.y and not (rod and part.x is None) and not paths & self.varied:
-            return link.origin
-        along = self.program.derived(f"bodies.{body}.along", lambda n: centre_along(self.scene, body, n))
-        across = self.program.number(f"bodies.{body}.y")
-        if body not in self._centres:
-            self._centres[body] = self.point_on(f"_{body}", link, along, across)
-        return self._centres[body]
+    def centre(self, name: str) -> Moving:
+        """Variables of the centre of one of the `masses`: a point known before where it lies in one always."""
+        return self._centre_of(name, self.masses[name])
+
+    def body_centre(self, name: str) -> Moving:
+        """Variables of the centre of mass of a body, whatever stands for it."""
+        return self._centre_of(name, whole_body(self.scene, name, self.varied))
+
+    def _centre_of(self, name: str, mass: LinkMass) -> Moving:
+        p = self.program
+        if mass.point is not None:
+            return self.points[mass.point]
+        if mass.at_origin:
+            return self.links[mass.link].origin
+        if name not in self._centres:
+            along = p.derived(f"bodies.{name}.along", mass.along)
+            across = p.derived(f"bodies.{name}.across", mass.across)
+            p.about(f"centre of {name}", "position")
+            # Links make points of their own name with one underscore.
+            self._centres[name] = self._placed(own(f"__{name}"), self.links[mass.link], along, across)
+        return self._centres[name]
 
     # Elements of the ordering
 
@@ -376,13 +392,3 @@ class Mechanism:
         p.let(f"{yoke.da}, {block.da}", f"oblique_components({a.ax} - {cx}, {a.ay} - {cy}, {solve})")
         kx, ky = self._with_coriolis(guide, under_cross, sx, sy)
         p.let(f"{cross.ax}, {cross.ay}", f"{kx} + {yoke.da} * {guide.c}, {ky} + {yoke.da} * {guide.s}")
-
-
-def centre_along(scene: Scene, body: str, numbers: dict) -> float | np.ndarray:
-    """Coordinate of a body's centre of mass along its link: as given; otherwise a rod's middle, or the origin."""
-    part = scene.bodies[body]
-    if part.x is not None:
-        return numbers[f"bodies.{body}.x"]
-    if part.shape is not None and part.shape.type == "rod":
-        return numbers[f"bodies.{body}.shape.length"] / 2
-    return 0.0

@@ -4,13 +4,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.inertia import body_inertia, body_mass
-from engine.mechanism import Mechanism, centre_along
+from engine.inertia_quantities import inertia_fields, write_inertia_forces
+from engine.mechanism import Mechanism
 from engine.moments import Moments, Term
 from engine.parts import FRAME, CrankInput
 from engine.program import Program
 from engine.quantities import dynamic_fields, kinematic_fields, rates_in_time
+from engine.reaction_quantities import acting_fields, reaction_fields
+from engine.reactions import InputMotion, Reactions
 from engine.scene import Numbers, Scene, scene_numbers
+from engine.shaking_quantities import shaking_fields, shaking_terms
 from engine.structure import Structure, order
 
 
@@ -40,6 +43,7 @@ class Model:
         Fields that are a variable of the program.
     angles : dict of str to (str, str)
         Fields that are an angle of a direction (cosine, sine).
+    reactions : Reactions
     fields : dict of str to Quantity
         Every field one may ask.
     """
@@ -55,9 +59,25 @@ class Model:
         self._sum_moments()
         self.variables, self.angles = self._kinematic_rows()
         self._rates_in_time()
-        self.fields = {
-            q.name: q for q in (*kinematic_fields(scene, self.structure), *dynamic_fields(scene, self.actions))
-        }
+        inertia_forces = write_inertia_forces(scene, self.mechanism, self.program)
+        self.linear |= {name: LinearRow(None, (term,)) for name, term in inertia_forces.sums.items()}
+        self.variables |= inertia_forces.variables
+        shaking = shaking_terms(scene, self.mechanism, self.program)
+        self.linear |= {name: LinearRow(None, terms) for name, terms in shaking.items()}
+        square = self.program.derived("input.square", lambda n: n["input.speed"] ** 2, "load")
+        self.reactions = Reactions(
+            scene, self.structure, self.mechanism, self.moments, self.program, InputMotion(square)
+        )
+        self.variables |= self.reactions.variables
+        fields = (
+            *kinematic_fields(scene, self.structure),
+            *dynamic_fields(scene, self.actions),
+            *inertia_fields(scene),
+            *shaking_fields(scene),
+            *reaction_fields(scene),
+            *acting_fields(scene),
+        )
+        self.fields = {q.name: q for q in fields}
 
     @property
     def actions(self) -> tuple[str, ...]:
@@ -74,13 +94,13 @@ class Model:
             if shaft.geared_to == scene.input.link:
                 turning[name] = numbers[f"shafts.{name}.ratio"]
                 total = total + numbers[f"shafts.{name}.inertia"] * turning[name] ** 2
-        for name, body in scene.bodies.items():
-            mass = body_mass(scene, name, numbers)
-            if body.link in turning:
-                radius2 = centre_along(scene, name, numbers) ** 2 + numbers[f"bodies.{name}.y"] ** 2
-                inertia = body_inertia(scene, name, numbers)
-                total = total + (mass * radius2 + inertia) * turning[body.link] ** 2
-            elif body.link == scene.input.link:
+        for part in self.mechanism.masses.values():
+            mass = part.mass(numbers)
+            if part.link in turning:
+                radius2 = part.along(numbers) ** 2 + part.across(numbers) ** 2
+                inertia = 0.0 if part.inertia is None else part.inertia(numbers)
+                total = total + (mass * radius2 + inertia) * turning[part.link] ** 2
+            elif part.link == scene.input.link:
                 total = total + mass
         return total
 
@@ -89,18 +109,18 @@ class Model:
         inertia: list[tuple[str, str]] = []
         slope: list[tuple[str, str]] = []
         constant = {scene.input.link} | {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
-        for name, body in scene.bodies.items():
-            centre, link = m.centre(name), m.links[body.link]
-            if body.link in constant:
+        for name, part in m.masses.items():
+            centre, link = m.centre(name), m.links[part.link]
+            if part.link in constant:
                 continue
-            mass = p.derived(f"bodies.{name}.mass_of", lambda n, name=name: body_mass(scene, name, n), "load")
+            mass = p.derived(f"bodies.{name}.mass_of", part.mass, "load")
             p.about(f"inertia of {name}", "velocity")
             inertia.append((mass, p.fresh(f"translation_inertia({centre.vx}, {centre.vy})")))
             p.about(f"inertia of {name}", "acceleration")
             rate = p.fresh(f"translation_inertia_phi({centre.vx}, {centre.vy}, {centre.ax}, {centre.ay})")
             slope.append((mass, rate))
-            if self._turns_with_inertia(name):
-                own = p.derived(f"bodies.{name}.inertia_of", lambda n, name=name: body_inertia(scene, name, n), "load")
+            if part.inertia is not None and link.w is not None:
+                own = p.derived(f"bodies.{name}.inertia_of", part.inertia, "load")
                 self._rotation(own, link, f"inertia of {name}", inertia, slope)
         for name, shaft in scene.shafts.items():
             if shaft.geared_to != scene.input.link:
@@ -109,12 +129,6 @@ class Model:
         first_kind = p.derived("first_kind_inertia", self._first_kind, "load")
         self.linear["reduced_inertia"] = LinearRow(first_kind, tuple(inertia))
         self.linear["reduced_inertia_phi"] = LinearRow(None, tuple(slope))
-
-    def _turns_with_inertia(self, name: str) -> bool:
-        body = self.scene.bodies[name]
-        if self.mechanism.links[body.link].w is None:
-            return False
-        return body.shape is not None or bool(body.inertia) or f"bodies.{name}.inertia" in self.varied
 
     def _rotation(self, own: str, link: object, subject: str, inertia: list, slope: list) -> None:
         p = self.program
@@ -136,6 +150,11 @@ class Model:
         terms = [t for t in self.moments.terms if t.role != "braking"]
         self.linear["reduced_moment"] = row(terms)
         self.linear["useful_moment"] = row([t for t in terms if t.role == "useful"])
+        self.linear["driving_moment"] = row([t for t in terms if t.role == "driving"])
+        # What is left beside moments whose work is known exactly.
+        for name in ("reduced_moment", "useful_moment"):
+            left = [t for t in self.linear[name].terms if t[1] not in self.moments.works]
+            self.linear[f"other_{name}"] = LinearRow(None, tuple(left))
         # At uniform speed the input moment carries the change of kinetic energy: M_in = ½ω² dI/dφ − M.
         half_square = self.program.derived("input.half_square", lambda n: 0.5 * n["input.speed"] ** 2, "load")
         minus = [(f"-{t.coefficient}", t.basis) for t in terms]

@@ -72,7 +72,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
         define(points, name, f"points.{name}")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
-    for table in ("forces", "moments", "springs", "cylinders"):
+    for table in ("forces", "moments", "springs", "cylinders", "elements"):
         for name in getattr(scene, table):
             define({}, name, f"{table}.{name}")
     if problems:
@@ -115,6 +115,8 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs += [(f"springs.{name}.between", "point", end) for end in spring.between]
     for name, cylinder in scene.cylinders.items():
         refs.append((f"cylinders.{name}.piston", "link", cylinder.piston))
+    if scene.balance is not None:
+        refs.append(("balance.about", "point", scene.balance.about))
     for name, regime in scene.regimes.items():
         refs += [(f"regimes.{name}.off", "action", action) for action in regime.off]
     return refs
@@ -149,6 +151,7 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
     on_frame = {name for name, point in scene.points.items() if point.link == FRAME}
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
     pivots += [(f"shafts.{n}.pivot", s.pivot) for n, s in scene.shafts.items() if s.pivot is not None]
+    pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
     problems = [
         (path, f"{name!r} is not on the frame; " + did_you_mean(name, on_frame))
         for path, name in pivots
@@ -268,6 +271,6 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
-        if name in scene.forces or name in scene.moments or name in {*scene.groups, *scene.points}:
+        if name in scene.forces or name in scene.moments or name in {*scene.groups, *scene.points, *scene.elements}:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
     return problems

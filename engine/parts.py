@@ -274,11 +274,40 @@ class Plate(Part):
 Shape = Annotated[Rod | Disc | Ring | Plate, Field(discriminator="type")]
 
 
+class Replacement(Part):
+    """Point masses that stand for a body, at named points of its link; "centre" is the body's centre of mass.
+
+    `static` keeps the mass and the centre: two points on a line through the centre, or any three. `dynamic` keeps
+    the moment of inertia too: one point, its conjugate is found; two and the `mass` at the first, a third is found;
+    three on a line through the centre; or four.
+    """
+
+    type: Literal["static", "dynamic"]
+    at: tuple[Name, ...]
+    mass: Mass | None = None
+
+    @model_validator(mode="after")
+    def _points_suffice(self) -> "Replacement":
+        allowed = {"static": (2, 3), "dynamic": (1, 2, 3, 4)}[self.type]
+        if len(self.at) not in allowed:
+            listed = f"{', '.join(map(str, allowed[:-1]))} or {allowed[-1]}"
+            raise ValueError(f"at names {len(self.at)} points; a {self.type} replacement takes {listed}")
+        if len(set(self.at)) < len(self.at):
+            raise ValueError(f"at names a point twice: {', '.join(self.at)}; name each once")
+        by_mass = self.type == "dynamic" and len(self.at) == 2
+        if by_mass and self.mass is None:
+            raise ValueError(f"two points need the mass at the first, {self.at[0]!r}: give mass; or name one point")
+        if self.mass is not None and not by_mass:
+            raise ValueError("mass belongs to a dynamic replacement at two points; leave it out, masses are found")
+        return self
+
+
 class Body(Part):
     """A mass on a link: mass, centre of mass in the link's axes and moment of inertia about it, or a shape.
 
     With a shape, the inertia follows from it; the mass is given, or follows from `density` and the shape's
-    thickness (a rod's area). A rod's centre is its middle unless x, y say otherwise.
+    thickness (a rod's area). A rod's centre is its middle unless x, y say otherwise. With `replace`, point masses
+    stand for the body in everything that is computed.
     """
 
     link: Name
@@ -288,6 +317,7 @@ class Body(Part):
     inertia: Annotated[Inertia, Field(ge=0)] | None = None
     shape: Shape | None = None
     density: Annotated[Density, Field(gt=0)] | None = None
+    replace: Replacement | None = None
 
     @model_validator(mode="after")
     def _mass_is_known(self) -> "Body":
@@ -305,6 +335,12 @@ class Body(Part):
         if self.density is not None and getattr(self.shape, thickness) is None:
             raise ValueError(f"density needs shape.{thickness}; give it, or give mass instead of density")
         return self
+
+
+class Balance(Part):
+    """How the machine's shaking is reckoned: the point of the frame about which its moment is taken."""
+
+    about: Name
 
 
 class Shaft(Part):

@@ -108,6 +108,7 @@ def time_fields(fields: list[Quantity]) -> list[Quantity]:
 def dynamic_fields(scene: Scene, actions: tuple[str, ...]) -> list[Quantity]:
     """Reduced inertia and moments, work and speed."""
     u = InputUnits.of(scene)
+    apart = ", without friction in pairs" if scene.friction else ""
     found = [
         Quantity("reduced_inertia", "reduced moment of inertia", u.inertia),
         Quantity(
@@ -115,8 +116,8 @@ def dynamic_fields(scene: Scene, actions: tuple[str, ...]) -> list[Quantity]:
             "derivative of the reduced moment of inertia by the input",
             f"{u.inertia} {u.per_q}",
         ),
-        Quantity("reduced_moment", "reduced moment of all actions but the driver", u.moment),
-        Quantity("input_moment", "input moment that keeps the speed uniform", u.moment),
+        Quantity("reduced_moment", f"reduced moment of all actions but the driver{apart}", u.moment),
+        Quantity("input_moment", f"input moment that keeps the speed uniform{apart}", u.moment),
         *(Quantity(f"{name}.moment", f"reduced moment of {name}", u.moment) for name in actions),
     ]
     if has_cycle(scene):

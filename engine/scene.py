@@ -5,12 +5,15 @@ from typing import Annotated, NamedTuple, get_args
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import Field
+from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
 from engine.actions import CylinderAction, ForceAction, MomentAction, Spring
+from engine.elements import MachineElement
+from engine.pair_friction import PairFriction
 from engine.parts import (
     Acceleration,
+    Balance,
     Body,
     CrankInput,
     Dimension,
@@ -35,10 +38,15 @@ class SceneError(ValueError):
         super().__init__("\n".join(f"{path}: {message}" if path else message for path, message in problems))
 
 
+# What a scene of machine elements alone may have.
+_ALONE = {"title", "source", "elements"}
+
+
 class Scene(Part):
     """One machine: geometry, input, structural groups, bodies, and what acts on it.
 
-    Groups may stand in any order. `gravity` acts along −y. `source` says where the numbers come from.
+    Groups may stand in any order. `gravity` acts along −y. `source` says where the numbers come from. A scene of
+    machine elements alone has no input.
     """
 
     title: str = ""
@@ -46,7 +54,7 @@ class Scene(Part):
     gravity: Acceleration = 0.0
     points: dict[Name, Point] = {}
     guides: dict[Name, Guide] = {}
-    input: Annotated[CrankInput | SliderInput, Field(discriminator="type")]
+    input: Annotated[CrankInput | SliderInput, Field(discriminator="type")] | None
     groups: dict[Name, Group] = {}
     shafts: dict[Name, Shaft] = {}
     bodies: dict[Name, Body] = {}
@@ -55,7 +63,25 @@ class Scene(Part):
     springs: dict[Name, Spring] = {}
     cylinders: dict[Name, CylinderAction] = {}
     flywheel: Flywheel | None = None
+    friction: dict[Name, PairFriction] = {}
+    balance: Balance | None = None
     regimes: dict[Name, Regime] = {}
+    elements: dict[Name, MachineElement] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _may_be_elements_alone(cls, data: object) -> object:
+        if isinstance(data, dict) and data.get("elements") and data.keys() <= _ALONE:
+            return {**data, "input": None}
+        return data
+
+    @model_validator(mode="after")
+    def _mechanism_has_an_input(self) -> "Scene":
+        fields = {key: field for key, field in type(self).model_fields.items() if key not in {*_ALONE, "input"}}
+        rest = any(getattr(self, key) != field.default for key, field in fields.items())
+        if self.input is None and (rest or not self.elements):
+            raise ValueError("input is missing: only machine elements do without a mechanism")
+        return self
 
 
 class SceneNumber(NamedTuple):

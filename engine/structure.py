@@ -6,7 +6,9 @@ degrees of freedom as input links, one. Lower pairs only: W = 3n − 2p₁ (Cheb
 
 from typing import NamedTuple
 
+from engine.masses import replacement_problems
 from engine.names import acting, definitions, did_you_mean, input_point, misplaced, references, sliders
+from engine.pairs import friction_problems
 from engine.parts import FRAME, Sliding, Yoke
 from engine.scene import Scene, SceneError
 
@@ -137,9 +139,11 @@ def order(scene: Scene) -> Structure:
     Raises
     ------
     SceneError
-        Unknown or repeated names, links moved by two groups (over-constrained), groups that hang on each
+        No input, unknown or repeated names, links moved by two groups (over-constrained), groups that hang on each
         other (higher class) or on the frame alone, and actions on what can't carry them.
     """
+    if scene.input is None:
+        raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has machine elements alone")])
     points, guides, links = definitions(scene)
     kinds = {"point": points, "guide": guides, "link": links, "action": acting(scene)}
     problems = [
@@ -157,6 +161,8 @@ def order(scene: Scene) -> Structure:
     problems = _why_unordered(scene, elements, known_points, known_guides)
     if not problems:
         problems = _check_movable(scene, known_points, known_guides) + misplaced(scene)
+    if not problems:
+        problems = replacement_problems(scene) + friction_problems(scene)
     if problems:
         raise SceneError(problems)
     return Structure(tuple(elements), _moving_links(scene), sliders(scene))

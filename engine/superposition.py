@@ -40,15 +40,17 @@ def superpose(demand: Demand, outputs: str, fixed: frozenset[str]) -> Superposed
         Loads that are the same for all variants.
     """
     targets = {t for node in demand.nodes for t in node.targets}
-    terms = {row: _terms(demand, row) for row in (MOMENT, USEFUL, INERTIA) if row in demand.linear}
+    terms = {row: _terms(demand, row) for row in (MOMENT, USEFUL, INERTIA) if _is_there(demand, row)}
     if "mean_moment" not in targets or MOMENT not in terms:
         return Superposed((), None, demand.nodes)
+    works = demand.model.moments.works
     sums = {
         target: _sum(target, terms) for target in targets if _kind(target) in ("mean_moment", "useful", "row__work")
     }
     bases = dict.fromkeys(b for row in (MOMENT, USEFUL) for _, b in terms.get(row, ()) if b != ONE)
-    lines = [line for b in bases for line in _of_shape(b, targets)]
-    sums["doubt"] = f"doubt = 0.5 * h * ({_jumps(terms[MOMENT])})"
+    lines = [line for b in bases for line in (_known if b in works else _of_shape)(b, targets)]
+    others = [(c, b) for c, b in terms[MOMENT] if b not in works]
+    sums |= {d: f"{d} = 0.5 * h * ({_jumps(t)})" for d, t in (("doubt", terms[MOMENT]), ("mean_doubt", others))}
     together = None
     if {"excess", f"excess{HALF}"} <= targets:
         sums |= _of_lane(demand, terms[INERTIA])
@@ -59,9 +61,14 @@ def superpose(demand: Demand, outputs: str, fixed: frozenset[str]) -> Superposed
     return Superposed(tuple(lines), together, nodes)
 
 
+def _is_there(demand: Demand, row: str) -> bool:
+    """Whether a linear row is wanted, or what is left of it beside moments whose work is known exactly."""
+    return row in demand.linear or row.replace("lin__", "lin__other_") in demand.linear
+
+
 def _terms(demand: Demand, row: str) -> Terms:
     """Loads of a linear row, each with the row of its basis."""
-    laws, linear = demand.model.moments.laws, demand.linear[row]
+    laws, linear = demand.model.moments.laws, demand.model.linear[row.removeprefix("lin__")]
     terms = [(c, b if b in laws or b == ONE else f"bas__{b}") for c, b in linear.terms]
     return [(linear.constant, ONE), *terms] if linear.constant else terms
 
@@ -125,7 +132,7 @@ def _needed(nodes: list[Node], lines: str) -> tuple[Node, ...]:
 
 def _of_shape(basis: str, targets: set[str]) -> list[str]:
     """Mean, work and jumps of one basis, at the resolutions that are asked."""
-    lines = [f"rough__{basis} = roughness({basis}, True)"] if "doubt" in targets else []
+    lines = [f"rough__{basis} = roughness({basis}, True)"] if targets & {"doubt", "mean_doubt"} else []
     for mark in ("", HALF):
         if f"mean_moment{mark}" not in targets:
             continue
@@ -134,4 +141,18 @@ def _of_shape(basis: str, targets: set[str]) -> list[str]:
         lines.append(f"mean__{basis}{mark} = mean_of({basis}{mark})")
         if f"row__work{mark}" in targets:
             lines.append(f"cumulative_work({basis}{mark}, mean__{basis}{mark}, h{mark}, wrk__{basis}{mark})")
+    return lines
+
+
+def _known(law: str, targets: set[str]) -> list[str]:
+    """The same of a law whose work is known exactly."""
+    action, lines = law.removeprefix("law__"), [f"rough__{law} = roughness({law}, True)"] if "doubt" in targets else []
+    for mark in ("", HALF):
+        if f"mean_moment{mark}" not in targets:
+            continue
+        lines.append(f"mean__{law}{mark} = total__{action}{mark} / (h * n)")
+        if f"row__work{mark}" in targets:
+            row = f"wrk__{law}{mark}"
+            exact = f"pot__{action}{mark}[k] - mean__{law}{mark} * h{mark} * k"
+            lines += [f"for k in range({row}.shape[0]):", f"    {row}[k] = {exact}"]
     return lines

@@ -107,6 +107,19 @@ def make_table(
 
 
 @scalar
+def piece_of(breaks: np.ndarray, pieces: int, u: float) -> int:
+    """The piece of a table in which u lies; at a step the one after it."""
+    piece, above = 0, pieces
+    while above - piece > 1:
+        middle = (piece + above) // 2
+        if breaks[middle] <= u:
+            piece = middle
+        else:
+            above = middle
+    return piece
+
+
+@scalar
 def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, period: float, x: float) -> float:
     """Value of a table at x; the arguments before x are the fields of `Table`.
 
@@ -125,19 +138,44 @@ def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, peri
     u = x
     if period > 0.0 and (x < start or x >= start + period):
         u = start + (x - start) % period
-    piece = 0
-    above = coefficients.shape[0]
-    while above - piece > 1:
-        middle = (piece + above) // 2
-        if breaks[middle] <= u:
-            piece = middle
-        else:
-            above = middle
+    piece = piece_of(breaks, coefficients.shape[0], u)
     t = u - breaks[piece]
     value = coefficients[piece, 0]
     for power in range(1, 4):
         value = value * t + coefficients[piece, power]
     return value
+
+
+@scalar
+def table_integral(breaks: np.ndarray, coefficients: np.ndarray, x: float) -> float:
+    """Integral of a table that isn't periodic, from its first row to x.
+
+    Parameters
+    ----------
+    breaks : array of float, shape (n + 1,)
+    coefficients : array of float, shape (n, 5)
+        From `integrated`.
+    x : float
+    """
+    piece = piece_of(breaks, coefficients.shape[0], x)
+    t = x - breaks[piece]
+    value = coefficients[piece, 0]
+    for power in range(1, 5):
+        value = value * t + coefficients[piece, power]
+    return value
+
+
+def integrated(table: Table) -> Table:
+    """The integral of a table that isn't periodic, 0 at its first row: for `table_integral`, of degree four."""
+    pieces = np.zeros((table.coefficients.shape[0], 5))
+    pieces[:, :4] = table.coefficients / np.array([4.0, 3.0, 2.0, 1.0])
+    lengths = np.diff(table.breaks)
+    areas = np.zeros(lengths.size)
+    for power in range(5):
+        areas = areas * lengths + pieces[:, power]
+    # The first piece begins at the first row and reaches to the left of it.
+    pieces[:, 4] = np.concatenate(([0.0], np.cumsum(areas)[:-1]))
+    return Table(table.breaks, pieces, table.start, table.period)
 
 
 def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:

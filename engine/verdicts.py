@@ -15,6 +15,7 @@ class Verdict(IntEnum):
     STALLS = 6
     RUNS_AWAY = 7
     NO_END = 8
+    JAMS = 9
     NOT_COMPUTED = 255
 
 
@@ -38,6 +39,10 @@ SENTENCES = {
     Verdict.NO_END: (
         "a regime doesn't come to its end: what it is to end at is never reached; change the end or the drive, or "
         "raise at_most"
+    ),
+    Verdict.JAMS: (
+        "friction jams: no force or moment, however great, moves an element; less friction, a smaller angle or a "
+        "longer guide helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -16,6 +16,7 @@ _SCALES: dict[str, tuple[tuple[str, float], ...]] = {
     "W": (("W", 1.0), ("kW", 1e3), ("MW", 1e6)),
     "Pa": (("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6)),
     "kg m2": (("kg·m²", 1.0),),
+    "kg m": (("g·mm", 1e-6), ("kg·mm", 1e-3)),
 }
 _PLAIN = {
     "m s-1": "m/s",

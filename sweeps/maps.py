@@ -27,6 +27,7 @@ REASONS = {
     Verdict.STALLS: "stalls",
     Verdict.RUNS_AWAY: "runs away",
     Verdict.NO_END: "doesn't come to its end",
+    Verdict.JAMS: "friction jams",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 

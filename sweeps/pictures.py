@@ -10,8 +10,12 @@ from engine.motion.history import history
 from engine.regimes import SteadyRegime
 from sweeps.diagrams import diagrams
 from sweeps.drawing import picture
+from sweeps.errors import PictureError
 from sweeps.maps import plot_result
 from sweeps.motion_diagrams import courses, cycle_diagrams, history_diagrams
+from sweeps.optimising.front_picture import front_picture
+from sweeps.optimising.optimum import is_front
+from sweeps.plans import reaction_pictures
 from sweeps.results import Result
 from sweeps.scenefile import with_values
 from sweeps.store import columns
@@ -42,7 +46,14 @@ def machine_pictures(
     -------
     list of Path
         The files made.
+
+    Raises
+    ------
+    PictureError
+        The scene has machine elements alone, or its mechanism can't be assembled.
     """
+    if scene.input is None:
+        raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
     picture(scene, path, at, paths, values)
     diagrams(scene, second, values)
@@ -77,7 +88,7 @@ def motion_pictures(scene: Scene, path: Path) -> list[Path]:
 def result_pictures(
     path: Path, out: Path | None = None, x: str | None = None, y: str | None = None, colour: str | None = None
 ) -> list[Path]:
-    """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine.
+    """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine and the reactions kept.
 
     Parameters
     ----------
@@ -95,13 +106,19 @@ def result_pictures(
     """
     result = Result(path)
     if result.description.variants == 1:
-        return machine_pictures(result.scene, result.variant_values(0), out or path.with_suffix(".png"))
+        values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
+        made = machine_pictures(result.scene, values, picture_file)
+        return made + reaction_pictures(result.scene, picture_file, result.fields, values)
     best = result.best()
     made = [out or path.with_suffix(".png")]
+    if is_front(result) and x is y is colour is None:
+        front_picture(result, sweep_data(result, ()), made[0])
+        return made
     plot_result(sweep_data(result, (x, y, colour)), made[0], x, y, colour, best)
-    if best is not None and out is None and x is y is colour is None:
+    if best is not None and out is None and x is y is colour is None and result.scene.input is not None:
         stem = path.with_name(f"{path.stem}_best.png")
         made += machine_pictures(result.scene, result.variant_values(best), stem)
+        made += reaction_pictures(result.scene, stem, result.fields, result.variant_values(best))
     return made
 
 

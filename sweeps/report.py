@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import SENTENCES, Machine, Outcome, Verdict
+from engine import SENTENCES, ElementsAlone, Machine, Outcome, Verdict, made_ready
 from engine.actions import Brake
 from engine.demand import describe
 from engine.model import Model
@@ -40,6 +40,8 @@ def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
 
 def structure_text(scene: Scene) -> str:
     """The mechanism in the mechanic's words: input, groups in order, mobility."""
+    if scene.input is None:
+        return "none; machine elements alone"
     links = 1 + sum(2 for _ in scene.groups)
     pairs = 1 + 3 * len(scene.groups)
     lines = [f"input {scene.input.link} ({scene.input.type})"]
@@ -65,6 +67,8 @@ def assembly_text(scene: Scene) -> str:
 
 def nominal_text(study: Study) -> str:
     """Characteristic numbers of the scene as it is."""
+    if study.scene.input is None:
+        return _elements_text(study.scene)
     available = Machine(study.scene).available_summaries
     wanted = [n for n in available if n.endswith((".stroke", ".swing", "_time_ratio", ".transmission_angle"))]
     machine = Machine(study.scene, wanted)
@@ -75,6 +79,15 @@ def nominal_text(study: Study) -> str:
     if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
         lines.append(SENTENCES[verdict])
     return "\n".join([*lines, table(rows)] if rows else lines)
+
+
+def _elements_text(scene: Scene) -> str:
+    """Results of machine elements alone as they are."""
+    machine = made_ready(scene, made_ready(scene).available_summaries)
+    outcome = machine.evaluate({})
+    rows = _asked_rows(machine, outcome, machine.asked_summaries)
+    verdict = Verdict(outcome.status[0])
+    return table(rows) if verdict == Verdict.OK else f"{SENTENCES[verdict]}\n{table(rows)}"
 
 
 def regimes_text(scene: Scene, positions: int) -> str:
@@ -94,7 +107,7 @@ def regimes_text(scene: Scene, positions: int) -> str:
     return "\n".join(lines)
 
 
-def _asked_rows(machine: Machine, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, str]]:
+def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, str]]:
     """Summaries of the first variant with their error figures."""
     units = machine.available_summaries
     return [
@@ -118,7 +131,6 @@ def plan_text(machine: Machine) -> tuple[str, str]:
 def check_text(study: Study, out: Path) -> str:
     """Everything `sweeps check` says of a study."""
     machine = study.machine()
-    computed, left = plan_text(machine)
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
@@ -126,14 +138,23 @@ def check_text(study: Study, out: Path) -> str:
         *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", "\n".join((*study.summaries, *study.fields))),
-        (f"Computed at each of {machine.nodes.size} positions", computed),
-        ("Left out, as nothing asked needs it", left),
+        *_plan_sections(machine),
         *_cost_sections(study, machine, out),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
 
-def _cost_sections(study: Study, machine: Machine, out: Path) -> list[tuple[str, str]]:
+def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:
+    if isinstance(machine, ElementsAlone):
+        return [("Computed once for each variant", ", ".join(machine.elements))]
+    computed, left = plan_text(machine)
+    return [
+        (f"Computed at each of {machine.nodes.size} positions", computed),
+        ("Left out, as nothing asked needs it", left),
+    ]
+
+
+def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
     """How a study is evaluated, and its time, memory and file."""
     cost, layout = probe(study, machine), layout_of(study, machine)
     way = "each variant from its own numbers"
@@ -143,7 +164,7 @@ def _cost_sections(study: Study, machine: Machine, out: Path) -> list[tuple[str,
     seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
     if machine.schedule is not None:
         seconds += "; the first time up to a minute more, to compile"
-    numbers = 8 * (len(machine.model.program.slots) + 4 * len(study.summaries))
+    numbers = 8 * (len(machine.source("whole").slots) + 4 * len(study.summaries))
     memory = layout.block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
     free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
     return [

@@ -62,7 +62,8 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
                 action |= columns
     scene = validate(Scene, data, text, source, prefix)
     try:
-        order(scene)
+        if scene.input is not None:
+            order(scene)
     except SceneError as error:
         problems = [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in error.problems]
         raise InputError(source, problems) from None

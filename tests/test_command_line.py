@@ -247,7 +247,7 @@ def interrupted(after: int) -> click.testing.Result:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sweeps.runner.block_size", lambda study, machine: 3)
-        patch.setattr(cli._Progress, "update", stop)
+        patch.setattr("sweeps.progress.Progress.update", stop)
         return said("run", "study.toml", "--no-plots", "--out", "r.h5")
 
 
@@ -315,7 +315,7 @@ def test_words_of_reports__are_the_engineer_s(result):
 def test_progress_into_a_pipe__is_plain_lines_now_and_then(folder, monkeypatch):
     ticks = itertools.count(0.0, 40.0)
     clock = SimpleNamespace(monotonic=lambda: next(ticks), perf_counter=time.perf_counter)
-    monkeypatch.setattr(cli, "time", clock)
+    monkeypatch.setattr("sweeps.progress.time", clock)
     monkeypatch.setattr("sweeps.runner.block_size", lambda study, machine: 4)
     answer = said("run", "study.toml", "--no-plots")
     lines = answer.stderr.splitlines()

@@ -149,6 +149,7 @@ CODES = {
     6: "stalls",
     7: "runs_away",
     8: "no_end",
+    9: "jams",
     255: "not_computed",
 }
 

@@ -26,6 +26,9 @@ TEMPLATE_NAMES = (
     "whitworth",
 )
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper")
+ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin")
+SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
+FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi
 
@@ -42,6 +45,8 @@ FIELDS = {
     "jaw_crusher": ("S.x",),
     "shaper": ("lever.angle", "ram.slide_phi", "cutting.moment"),
     "compressor": (),
+    "engine_bearings": ("gas.moment",),
+    "toggle_press": (),
 }
 
 
@@ -223,8 +228,9 @@ def as_it_is(name):
     return {k: (v[-1], s.errors[k][-1]) for k, v in s.summaries.items()}, {k: v[-1] for k, v in s.fields.items()}
 
 
-def test_studies__are_the_five_with_one_question_each_and_those_of_motion():
-    assert tuple(bundled()) == tuple(sorted(STUDY_NAMES + MOTION_STUDY_NAMES))
+def test_studies__are_the_five_with_one_question_each_and_those_of_elements_and_motion():
+    named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
+    assert tuple(bundled()) == tuple(sorted(named))
     for name in STUDY_NAMES:
         assert study(name).question.count("?") == 1
         assert study(name).title

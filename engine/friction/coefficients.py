@@ -18,6 +18,8 @@ from engine.jit import scalar
 # so much the sum of the pressures exceeds the load that they carry.
 WORN_IN = 4 / math.pi
 NEW = math.pi / 2
+# Exponent of Stribeck's curve in the form of Gauss.
+GAUSS = 2.0
 
 
 class Sliding(NamedTuple):

@@ -21,6 +21,8 @@ from engine.jit import scalar
 
 # A position whose pressing forces still change by more than this share after all passes has none in equilibrium.
 UNSETTLED = 1e-6
+# Passes take whole steps first; half ones after that, should kinks throw them to and fro.
+WHOLE_PASSES, MOST_PASSES, HALF_WAY = 8, 40, 0.5
 
 
 @scalar

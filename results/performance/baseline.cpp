@@ -40,6 +40,28 @@ struct Body {
         : mass(m), inertia(j), weight(m * gravity), centre(x, y, length) {}
 };
 
+INLINE double cross(Vec a, Vec b) { return a.x * b.y - a.y * b.x; }
+
+// A force on a link and its moment about the link's first joint.
+struct Load {
+    Vec force{0.0, 0.0};
+    double moment = 0.0;
+    INLINE void push(Vec f, Vec arm) {
+        force = force + f;
+        moment += cross(arm, f);
+    }
+};
+
+// Weight and inertia force of a body, for the speed of the crank.
+struct Heavy {
+    double mass, inertia, weight;
+    Heavy(const Body& b, double square) : mass(b.mass * square), inertia(b.inertia * square), weight(b.weight) {}
+    INLINE void load(Load& on, Vec a, double e, Vec arm) const {
+        on.push({-mass * a.x, -mass * a.y - weight}, arm);
+        on.moment -= inertia * e;
+    }
+};
+
 struct Reduced {
     double inertia, slope, moment;
     INLINE void add(const Body& b, Vec v, Vec a, double w, double e) {
@@ -57,7 +79,11 @@ struct RRR {
 
     struct State {
         Vec p1, p2;
-        double w1, w2, e1, e2;
+        double w1, w2, e1, e2, scale;
+    };
+
+    struct Forces {
+        Vec a, b, d;
     };
 
     INLINE void position(Vec l, Vec& p1, Vec& p2, double& root) const {
@@ -72,7 +98,7 @@ struct RRR {
         State s;
         double root;
         position(d - a, s.p1, s.p2, root);
-        double scale = 2.0 / root;
+        double scale = s.scale = 2.0 / root;
         Vec g = vd - va;
         s.w1 = scale * dot(g, s.p2);
         s.w2 = scale * dot(g, s.p1);
@@ -80,6 +106,11 @@ struct RRR {
         s.e1 = scale * dot(g, s.p2);
         s.e2 = scale * dot(g, s.p1);
         return s;
+    }
+
+    INLINE static Forces reactions(const State& s, const Load& one, const Load& two) {
+        Vec b = -s.scale * (two.moment * s.p1 + one.moment * s.p2);
+        return {-1.0 * one.force - b, b, b - two.force};
     }
 };
 
@@ -185,6 +216,48 @@ struct SixBar {
         out.add(lever, velocity(rest, h.w2, centre), acceleration(rest, h.w2, h.e2, centre), h.w2, h.e2);
         out.moment += dot(force, h.w2 * left(h.p2)) + moment * h.w2;
         return out;
+    }
+};
+
+// Reactions in all pairs of the six-bar and the moment on its crank: x and y of each force, on the link that comes
+// later from the one before it, in the inner joints on the first link of a dyad.
+struct SixBarForces {
+    static constexpr int ROWS = 15;
+    SixBar bar;
+    Heavy crank, rod, rocker, second_bar, lever;
+    SixBarForces(const double* p, double omega)
+        : bar(p), crank(bar.crank, omega * omega), rod(bar.rod, omega * omega), rocker(bar.rocker, omega * omega),
+          second_bar(bar.bar, omega * omega), lever(bar.lever, omega * omega) {}
+
+    INLINE void at(double c, double s, double* __restrict out, long stride) const {
+        Vec arm{bar.r * c, bar.r * s}, va = left(arm), aa{-arm.x, -arm.y}, rest{0.0, 0.0};
+        RRR::State g = bar.first.solve(bar.o + arm, bar.d, va, rest, aa, rest);
+        Vec out_arm = bar.point.of(g.p2), vc = g.w2 * left(out_arm);
+        Vec ac = acceleration(rest, g.w2, g.e2, out_arm);
+        RRR::State h = bar.second.solve(bar.d + out_arm, bar.e, vc, rest, ac, rest);
+        Load on_crank, on_rod, on_rocker, on_bar, on_lever;
+        Vec centre = bar.bar.centre.of(h.p1);
+        second_bar.load(on_bar, acceleration(ac, h.w1, h.e1, centre), h.e1, centre);
+        on_bar.push(bar.force, h.p1);
+        centre = bar.lever.centre.of(h.p2);
+        lever.load(on_lever, acceleration(rest, h.w2, h.e2, centre), h.e2, centre);
+        on_lever.moment += bar.moment;
+        RRR::Forces second = RRR::reactions(h, on_bar, on_lever);
+        centre = bar.rod.centre.of(g.p1);
+        rod.load(on_rod, acceleration(aa, g.w1, g.e1, centre), g.e1, centre);
+        centre = bar.rocker.centre.of(g.p2);
+        rocker.load(on_rocker, acceleration(rest, g.w2, g.e2, centre), g.e2, centre);
+        on_rocker.push(-1.0 * second.a, out_arm);
+        RRR::Forces first = RRR::reactions(g, on_rod, on_rocker);
+        centre = bar.crank.centre.of(arm);
+        crank.load(on_crank, -1.0 * centre, 0.0, centre);
+        on_crank.push(-1.0 * first.a, arm);
+        const Vec forces[7] = {-1.0 * on_crank.force, first.a, first.b, first.d, second.a, second.b, second.d};
+        for (int i = 0; i < 7; ++i) {
+            out[2 * i * stride] = forces[i].x;
+            out[(2 * i + 1) * stride] = forces[i].y;
+        }
+        out[14 * stride] = -on_crank.moment;
     }
 };
 
@@ -347,6 +420,18 @@ void use_threads(int count) { omp_set_num_threads(count); }
 MACHINE(slider_crank, SliderCrank)
 MACHINE(four_bar, FourBar)
 MACHINE(six_bar, SixBar)
+
+void six_bar_reactions(const double* p, int count, int variants, int n, const double* c, const double* s, double omega,
+                       double* rows) {
+    const long stride = static_cast<long>(variants) * n;
+#pragma omp parallel for schedule(static)
+    for (int v = 0; v < variants; ++v) {
+        const SixBarForces machine(p + static_cast<long>(v) * count, omega);
+        double* __restrict out = rows + static_cast<long>(v) * n;
+#pragma omp simd
+        for (int k = 0; k < n; ++k) machine.at(c[k], s[k], out + k, stride);
+    }
+}
 
 void four_bar_positions(const double* p, int count, int variants, int n, const double* c, const double* s, double* x,
                         double* y) {

@@ -42,6 +42,8 @@ COMPILER = ["g++", "-std=c++17", "-O3", "-march=native", "-ffast-math", "-fopenm
 FIELDS = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
 SUMMARIES = ["required_drive_moment", "excess_work"]
 SUMMARIES += ["flywheel_excess_work", "flywheel_merzalov", "flywheel_wittenbauer"]
+PAIRS = ["input", *(f"{group}.{pair}" for group in "gh" for pair in ("first", "inner", "second"))]
+REACTIONS = [*(f"{pair}.reaction_{axis}" for pair in PAIRS for axis in "xy"), "input_moment_by_equilibrium"]
 MEMORY_VARIANTS, MEMORY_BLOCK = 1_000_000, 16_384
 PYLINKAGE_SHARE = 10
 AGREEMENT = 1e-11
@@ -168,6 +170,21 @@ def race_summaries(name: str, baseline: ctypes.CDLL) -> Contest:
     require_agreement(name, found, values, scale)
     require_agreement(f"{name}, error figures", figures, errors, scale)
     return contest(f"flywheel sizes: {title(name)}", lambda: machine.evaluate(varied), rival, "≤ 1.3")
+
+
+def race_reactions(baseline: ctypes.CDLL, clock: Callable[[], float] = time.perf_counter) -> Contest:
+    name, varied = "six_bar", geometry_and_loads("six_bar")
+    scene = CASES[name].scene
+    machine = Machine(scene, fields=REACTIONS, varied=varied, positions=POSITIONS)
+    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((len(REACTIONS), VARIANTS, POSITIONS))
+    buffer.fill(0)
+    rival = call(baseline.six_bar_reactions, *baseline_inputs(name, varied), scene.input.speed, rows)
+    machine.evaluate(varied, buffer=buffer)
+    rival()
+    # Reactions of one pair may be small beside those of another.
+    require_agreement("reactions", buffer, rows, np.abs(rows).max(axis=(0, 2), keepdims=True))
+    run = partial(machine.evaluate, varied, buffer=buffer)
+    return contest(f"reactions of all pairs: {title(name)}", run, rival, "≤ 1.2", clock=clock)
 
 
 def positions_machine() -> tuple[Machine, dict[str, np.ndarray]]:
@@ -329,16 +346,18 @@ def main() -> None:
         baseline = build_baseline(folder)
         fields = [race_fields(name, baseline) for name in CASES]
         summaries = [race_summaries(name, baseline) for name in CASES]
+        reactions = [race_reactions(baseline)]
         positions = [race_positions(baseline)]
         set_threads(1)
         baseline.use_threads(1)
         alone = [race_fields(name, baseline, time.process_time) for name in CASES]
+        alone.append(race_reactions(baseline, time.process_time))
         set_threads(0)
     factorised = [race_factorised(name, case, {"fields": FIELDS}, "I, dI/dφ, M") for name, case in CASES.items()]
     cases = CASES | {name: bundled_case(name) for name in ("crank_press", "four_stroke_engine", "compressor")}
     factorised += [race_factorised(n, c, {"summaries": SUMMARIES}, "flywheel sizes") for n, c in cases.items()]
     groups = [
-        ("Engine and hand-written C++", "engine", "C++", fields + summaries + positions),
+        ("Engine and hand-written C++", "engine", "C++", fields + summaries + reactions + positions),
         (
             "The same fields on one thread, CPU time, which other users of the machine disturb less",
             "engine",

@@ -8,14 +8,10 @@ import numpy as np
 from scipy.optimize import differential_evolution, minimize
 
 from sweeps.optimising.task import GENETIC, Task
-from sweeps.optimising.trials import Batch, Trials
+from sweeps.optimising.trials import BEYOND, Evaluate, Trials
 from sweeps.textfile import InputError
 from sweeps.unit_points import latin_points
 
-Evaluate = Callable[[np.ndarray], Batch]
-
-# Costs of candidates that miss a condition: above all others, and the greater the more they miss.
-BEYOND = 1e100
 # Evolution ends where the costs of a generation lie so close together; what is left, going downhill does better.
 ALIKE = 1e-3
 

@@ -1,6 +1,6 @@
 """Candidates evaluated together: their columns, costs, and how far each is from meeting the conditions."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +39,12 @@ class Batch(NamedTuple):
     def met(self) -> np.ndarray:
         """Which candidates were computed and meet all conditions."""
         return self.violation == 0
+
+
+Evaluate = Callable[[np.ndarray], Batch]
+
+# Costs of candidates that miss a condition: above all others, and the greater the more they miss.
+BEYOND = 1e100
 
 
 class Trials:
