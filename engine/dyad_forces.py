@@ -173,8 +173,9 @@ def prp_reactions(
     sine = c1 * s2 - s1 * c2
     along1, along2 = (f1x * c1 + f1y * s1) / sine, (f2x * c2 + f2y * s2) / sine
     bx, by = -along2 * s1 - along1 * s2, along2 * c1 + along1 * c2
-    normal1 = (f1x + bx) * s1 - (f1y + by) * c1
-    normal2 = (f2x - bx) * s2 - (f2y - by) * c2
+    # Of both sliders together along either guide: the force in the joint, which may be large, is not in it.
+    fx, fy = f1x + f2x, f1y + f2y
+    normal1, normal2 = -(fx * c2 + fy * s2) / sine, (fx * c1 + fy * s1) / sine
     return normal1, -m1, bx, by, normal2, -m2
 
 
@@ -215,5 +216,5 @@ def rpp_reactions(
     sine = c * slot_s - s * slot_c
     normal = -(f2x * c + f2y * s) / sine
     nx, ny = -normal * slot_s, normal * slot_c
-    guide_normal = (f2x - nx) * s - (f2y - ny) * c
+    guide_normal = -(f2x * slot_c + f2y * slot_s) / sine
     return -f1x - nx, -f1y - ny, normal, -m1, guide_normal, slide * normal - m1 - m2

@@ -132,8 +132,10 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
     n = row.shape[0]
     total = squares = 0.0
     for k in range(n):
-        total += row[k]
-        squares += row[k] * row[k]
+        # Squares of small float32 numbers would be zero in float32.
+        value = float(row[k])
+        total += value
+        squares += value * value
     if not is_finite(squares):
         return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
     count = n

@@ -74,7 +74,8 @@ def stribeck(static: float, kinetic: float, speed: float, stribeck_speed: float,
     exponent : float
         d: 2 (Gauss) and 1 (Tustin) are usual, 0.5 has been measured.
     """
-    return kinetic + (static - kinetic) * math.exp(-((abs(speed) / stribeck_speed) ** exponent))
+    decay = (abs(speed) / stribeck_speed) ** exponent
+    return static * math.exp(-decay) - kinetic * math.expm1(-decay)
 
 
 @scalar
