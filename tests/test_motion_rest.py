@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from motion_scenes import ECCENTRIC_MASS, ECCENTRICITY, GRAVITY, ask, pendulum, run, slider_crank, steady
 from mpmath import mp
+from scipy.optimize import brentq
 
 from engine import Verdict
 
@@ -74,7 +75,8 @@ def next_turning(angle: float, friction: float) -> float:
     def gap(x: float) -> float:
         return WEIGHT * (math.cos(x) - math.cos(angle)) - friction * (angle + x)
 
-    return float(mp.findroot(gap, angle - 2 * friction / WEIGHT))
+    # It is at rest here already; a little farther it has energy left, and on the other side as high up it hasn't.
+    return brentq(gap, -angle * (1.0 - 1e-6), angle, xtol=1e-15, rtol=1e-15)
 
 
 def test_pendulum_with_friction__each_half_swing_loses_friction_times_way():
