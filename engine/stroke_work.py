@@ -16,7 +16,7 @@ from engine.parts import FRAME, Sliding, Yoke
 from engine.program import Program
 from engine.scene import Scene
 from engine.strokes import extreme_between
-from engine.tables import table_integral
+from engine.tables import integral_near, table_integral
 
 
 @scalar
@@ -55,20 +55,24 @@ def work_over_stroke(
         Receives the work over the cycle's positions.
     """
     n = d.shape[0]
-    total, way = 0.0, forward * cosine
-    last = table_integral(breaks, coefficients, origin + sense * d[0])
+    total, way, last, piece, known = 0.0, forward * cosine, 0.0, 0, False
     for k in range(n):
         work[k] = total
         after = k + 1 if k + 1 < n else 0
         here, there = acts_in_direction(direction, v[k] * way), acts_in_direction(direction, v[after] * way)
-        reached = table_integral(breaks, coefficients, origin + sense * d[after])
+        if here == 0.0 and there == 0.0:
+            known = False
+            continue
+        if not known:
+            last, piece = integral_near(breaks, coefficients, origin + sense * d[k], piece)
+        reached, piece = integral_near(breaks, coefficients, origin + sense * d[after], piece)
         if (v[k] > 0.0) != (v[after] > 0.0):
             end = extreme_between(d[k], d[after], v[k], v[after], h)[1]
             turned = table_integral(breaks, coefficients, origin + sense * end)
             total += sense * cosine * (here * (turned - last) + there * (reached - turned))
         else:
             total += sense * cosine * (here if v[k] != 0.0 else there) * (reached - last)
-        last = reached
+        last, known = reached, True
     return total
 
 

@@ -165,6 +165,20 @@ def table_integral(breaks: np.ndarray, coefficients: np.ndarray, x: float) -> fl
     return value
 
 
+@scalar
+def integral_near(breaks: np.ndarray, coefficients: np.ndarray, x: float, piece: int) -> tuple[float, int]:
+    """The same, and the piece in which x lies, looked for from a piece near it; NaN for NaN."""
+    while piece + 1 < coefficients.shape[0] and breaks[piece + 1] <= x:
+        piece += 1
+    while piece > 0 and breaks[piece] > x:
+        piece -= 1
+    t = x - breaks[piece]
+    value = coefficients[piece, 0]
+    for power in range(1, 5):
+        value = value * t + coefficients[piece, power]
+    return value, piece
+
+
 def integrated(table: Table) -> Table:
     """The integral of a table that isn't periodic, 0 at its first row: for `table_integral`, of degree four."""
     pieces = np.zeros((table.coefficients.shape[0], 5))
