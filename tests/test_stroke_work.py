@@ -98,7 +98,7 @@ def test_work__begins_at_a_dead_centre_that_is_a_position(shift):
     d, v = (np.roll(row, shift) for row in crank(8))
     v[np.abs(v) < 1e-15] = 0.0
     work, whole = np.empty(8), integrated(STEPPED)
-    total = work_over_stroke(d, v, math.pi / 4, 1.0, 1.0, -1.0, 0.4, -1.0, whole.breaks, whole.coefficients, work)
+    total = work_over_stroke(d, v, math.pi / 4, 1.0, 1.0, -1.0, -0.2, 1.0, whole.breaks, whole.coefficients, work)
     # Against the motion on the way down, from the top dead centre on: minus the area of the table.
     assert total == pytest.approx(-(12.0 + 0.06 * 350.0), rel=1e-13)
 
