@@ -9,10 +9,11 @@ import re
 from typing import NamedTuple
 
 from engine.inertia_quantities import replacement_slots, replacement_summaries
+from engine.loop_quantities import RESIDUAL, loop_summaries, magnifications
 from engine.model import Model
 from engine.motors import motor_moment
 from engine.quantities import STATISTICS, InputUnits, Quantity, has_cycle, machine_summaries, statistics_of
-from engine.reaction_quantities import friction_summaries, reaction_summaries
+from engine.reaction_quantities import direction_summaries, friction_summaries, reaction_summaries
 from engine.shaking_quantities import ORDERS, shaking_summaries
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
@@ -43,7 +44,7 @@ def row_of(model: Model, field: str) -> str:
     if field in model.linear:
         return "lin__" + field.replace(".", "__")
     if field in model.angles:
-        return "ang__" + field.removesuffix(".angle")
+        return "ang__" + field.removesuffix(".angle").replace(".", "__")
     if field in ("work", "speed", "shaking_force"):
         return f"row__{field}"
     return f"row__{model.variables[field]}"
@@ -51,6 +52,12 @@ def row_of(model: Model, field: str) -> str:
 
 class Analyses:
     """The summaries of a model.
+
+    Parameters
+    ----------
+    model : Model
+    panels : bool
+        Whether positions lie in panels (see `engine.panels`) instead of equally spaced.
 
     Attributes
     ----------
@@ -60,17 +67,15 @@ class Analyses:
         Every summary but the statistics of fields, which `add_statistics` adds as they are asked.
     """
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
+    def __init__(self, model: Model, panels: bool = False) -> None:
+        self.model, self.panels = model, panels
         self.periodic = has_cycle(model.scene)
         self.steps: list[RowStep] = []
         self.results: dict[str, Result] = {}
         self.summaries = {q.name: q for q in machine_summaries(model.scene, model.structure, turning_links(model))}
         self._angles()
         self._strokes()
-        for group, sine in model.mechanism.sines.items():
-            self._step(f"least__{sine}$", f"least_magnitude(row__{sine}$)")
-            self.results[f"{group}.transmission_angle"] = difference(f"transmission_angle(least__{sine}$)")
+        self._loops()
         first_kind = model.linear["reduced_inertia"].constant
         self.results["first_kind_inertia"] = Result(first_kind, "0.0")
         self._motors()
@@ -81,6 +86,8 @@ class Analyses:
         self.results |= {name: Result(slot, "0.0") for name, slot in slots.items()}
         if self.periodic:
             self._cycle()
+        if panels:
+            self.results["positions_used"] = Result("float(n)", "0.0")
 
     def _step(self, targets: str, call: str) -> None:
         self.steps.append(RowStep(tuple(t.strip() for t in targets.split(",")), f"{targets} = {call}"))
@@ -106,11 +113,21 @@ class Analyses:
         ):
             change = difference(value).error
             self.results[f"{field.name}.{suffix}"] = Result(value, f"max({change}, {missed}$)")
-        for suffix, value in (("mean", mean), ("rms", rms)):
-            self.results[f"{field.name}.{suffix}"] = difference(f"{value}$", f"0.5 * {rough}$ / n")
+        # A jump moves the mean by up to half of it a step, two of one sign by more than the root of their squares; the
+        # mean square moves by up to twice the peak times as much.
+        jumps = f"0.75 * {rough} / n"
+        self.results[f"{field.name}.mean"] = difference(f"{mean}$", f"{jumps} + rounding * {rms}")
+        steeper = f"({peak} / {rms} if {rms} > zero else one)".replace("$", "")
+        self.results[f"{field.name}.rms"] = difference(f"{rms}$", f"{jumps} * {steeper}")
         for suffix, value in (("min_at", low), ("max_at", high)):
-            self._step(f"{value}_at$", f"first + h * place_of({row}$, {value}$)")
-            self.results[f"{field.name}.{suffix}"] = Result(f"{value}_at$", "h")
+            self._step(f"{value}_at$", f"place_at({row}$, {value}$, first, h$)")
+            place, away = f"{value}_at$", f"{value}_away"
+            if self.panels:
+                self.results[f"{field.name}.{suffix}"] = difference(place)
+                continue
+            sign = "one" if value == high else "-one"
+            self._step(away, f"farthest_rival({row}, {value}, {sign}, {self.periodic})")
+            self.results[f"{field.name}.{suffix}"] = Result(place, f"h * (one + {away})")
         assert len(STATISTICS) == 8
 
     def _angles(self) -> None:
@@ -123,27 +140,53 @@ class Analyses:
         for name, slide in m.slides.items():
             ends = f"low__{name}$, high__{name}$, low_at__{name}$, high_at__{name}$"
             self._step(ends, f"stroke_ends(row__{slide.d}$, row__{slide.dv}$, first, h$, {self.periodic})")
-            self._ends(name, "stroke", name, False)
+            self._ends(name, "stroke", name, slide.dv, False)
         for name in turning_links(self.model):
             ends = ", ".join(f"{end}__turn_{name}$" for end in ("low", "high", "low_at", "high_at"))
             link = m.links[name]
             rows = f"row__{link.c}$, row__{link.s}$, row__{link.w}$"
             self._step(ends, f"swing_ends({rows}, first, h$, {self.periodic})")
-            self._ends(name, "swing", f"turn_{name}", True)
+            self._ends(name, "swing", f"turn_{name}", link.w, True)
 
-    def _ends(self, name: str, kind: str, variable: str, may_be_undefined: bool) -> None:
-        def add(what: str, value: str, error: str = "") -> None:
-            error = error or difference(value).error
+    def _loops(self) -> None:
+        """How the groups transmit forces and magnify errors, and whether their loops close."""
+        self.summaries |= {q.name: q for q in loop_summaries(self.model.scene)}
+        least = {group: f"least__{sine}$" for group, sine in self.model.mechanism.sines.items()}
+        for group, sine in self.model.mechanism.sines.items():
+            self._step(least[group], f"least_magnitude(row__{sine}$)")
+            lower = f"transmission_angle(max(least__{sine} - missed__{sine}, zero))"
+            angle = f"transmission_angle({least[group]})"
+            self.results[f"{group}.transmission_angle"] = difference(angle, f"{angle.replace('$', '')} - {lower}")
+            parts = ", ".join(f"{part}__{sine}$" for part in ("low", "high", "mean", "rms", "missed", "rough"))
+            self._step(parts, f"statistics(row__{sine}$, {self.periodic})")
+        for name, (value, missed) in magnifications(self.model.mechanism.sines).items():
+            self.results[name] = difference(value, missed)
+        worst = ""
+        for variable in self.model.closures.values():
+            peak = f"peak_of(row__{variable})"
+            worst = f"greater({worst}, {peak})" if worst else peak
+        if worst:
+            self._step(RESIDUAL, worst)
+            self.results[RESIDUAL] = Result(RESIDUAL, "0.0")
+
+    def _ends(self, name: str, kind: str, variable: str, rate: str, may_be_undefined: bool) -> None:
+        def add(what: str, value: str, error: str) -> None:
             self.results[f"{name}.{what}"] = Result(value, error, may_be_undefined)
 
-        ends = [difference(f"{end}__{variable}$").error for end in ("low", "high")]
-        places = [difference(f"{end}_at__{variable}$").error for end in ("low", "high")]
         size = f"rounding * (abs(high__{variable}) + abs(low__{variable}))"
+        ends, places = [], []
+        for end in ("low", "high"):
+            at, off, aside = (f"{end}{part}__{variable}" for part in ("_at", "_off", "_aside"))
+            if not self.panels:
+                doubt = f"cubic_doubt(row__{rate}, first, h, {at}, {size}, {self.periodic})"
+                self._step(f"{off}, {aside}", doubt)
+            ends.append(difference(f"{end}__{variable}$", "" if self.panels else off).error)
+            places.append(difference(f"{at}$", "" if self.panels else aside).error)
         add(kind, f"high__{variable}$ - low__{variable}$", " + ".join((*ends, size)))
-        add(f"{kind}_low", f"low__{variable}$")
-        add(f"{kind}_high", f"high__{variable}$")
-        add(f"{kind}_low_at", f"low_at__{variable}$")
-        add(f"{kind}_high_at", f"high_at__{variable}$")
+        add(f"{kind}_low", f"low__{variable}$", ends[0])
+        add(f"{kind}_high", f"high__{variable}$", ends[1])
+        add(f"{kind}_low_at", f"low_at__{variable}$", places[0])
+        add(f"{kind}_high_at", f"high_at__{variable}$", places[1])
         if self.periodic:
             ratio = f"quick_return_ratio(low_at__{variable}$, high_at__{variable}$)"
             # R = α/(2π − α): dR = (1 + R)²/(2π) dα.
@@ -185,6 +228,31 @@ class Analyses:
         self.results["input_moment_disagreement"] = Result("input_moment_disagreement", "0.0")
         if self.model.scene.friction:
             self._friction()
+        self.summaries |= {q.name: q for q in direction_summaries(self.model.scene)}
+        for (pair, link), force in self.model.reactions.in_axes.items():
+            self._load_directions(pair, link, force)
+
+    def _load_directions(self, pair: str, link: str, force: tuple[str, str]) -> None:
+        """Mean direction and spread of the load on a link in a bearing, and the widest arc without any."""
+        whole = self.model.variables[f"{pair}.reaction"]
+        for variable in (*force, whole):
+            parts = ", ".join(f"{part}__{variable}$" for part in ("low", "high", "mean", "rms", "missed", "rough"))
+            self._step(parts, f"statistics(row__{variable}$, {self.periodic})")
+        (x, y, mean), (jx, jy, j) = ([f"{p}__{v}" for v in (*force, whole)] for p in ("mean", "rough"))
+        off = f"math.hypot({x} - {x}_half, {y} - {y}_half) + 0.5 * math.hypot({jx}, {jy}) / n + rounding * {mean}"
+        direction, spread = f"math.atan2({y}$, {x}$)", f"1.0 - math.hypot({x}$, {y}$) / {mean}$"
+        self.results[f"{pair}.load_direction_of_{link}"] = Result(direction, f"direction_doubt({off}, {x}, {y})", True)
+        # What is divided by the mean is no greater than it.
+        change = f"({off} + abs({mean} - {mean}_half) + 0.5 * {j} / n) / {mean}"
+        self.results[f"{pair}.load_spread_of_{link}"] = Result(spread, change, True)
+        key = f"{pair.replace('.', '__')}__{link}"
+        arc, middle, doubt, low, high = (f"{w}__{key}$" for w in ("arc", "amid", "adoubt", "row__alow", "row__ahigh"))
+        rows = ", ".join((*(f"row__{v}$" for v in force), low, high))
+        made = (arc, middle, doubt)
+        self.steps.append(RowStep((*made, low, high), f"{', '.join(made)} = unloaded_arc({rows}, {self.periodic})"))
+        self.results[f"{pair}.unloaded_arc_of_{link}"] = difference(arc, doubt.replace("$", ""))
+        change = f"middle_doubt({middle}, {middle.replace('$', '_half')}, {arc}, {doubt})".replace("$", "")
+        self.results[f"{pair}.unloaded_middle_of_{link}"] = Result(middle, change, True)
 
     def _friction(self) -> None:
         """What friction in the pairs costs, how its passes went, and where it jams."""
@@ -229,7 +297,8 @@ class Analyses:
 
     def _work(self) -> None:
         """Mean moments, work over the cycle and its doubt: exactly where that is known, else by the trapezoid rule."""
-        works, rows = self.model.moments.works, ("reduced_moment", "useful_moment")
+        # Panels end where such a force jumps: what sums over their positions is exact anyway.
+        works, rows = {} if self.panels else self.model.moments.works, ("reduced_moment", "useful_moment")
         known = {name: [t for t in self.model.linear[name].terms if t[1] in works] for name in rows}
         for _, law in known["reduced_moment"]:
             name = law.removeprefix("law__")

@@ -68,8 +68,15 @@ class Demand:
         Whether loads enter the steps nowhere, so that variants of one shape may share them.
     """
 
-    def __init__(self, model: Model, analyses: Analyses, fields: list[str], summaries: list[str]) -> None:
-        self.model, self.analyses = model, analyses
+    def __init__(
+        self,
+        model: Model,
+        analyses: Analyses,
+        fields: list[str],
+        summaries: list[str],
+        given: frozenset[str] = frozenset(),
+    ) -> None:
+        self.model, self.analyses, self._given = model, analyses, given
         self.settlings = {t: s for s in model.reactions.settlings.values() for t in s.targets}
         self._loops = _loops_of(model.program.steps, self.settlings)
         self.nodes, wanted = self._reach(self._asked(fields, summaries))
@@ -139,7 +146,7 @@ class Demand:
         while pending:
             name = pending.pop()
             seen.add(name)
-            node = producers.get(name)
+            node = None if name in self._given else producers.get(name)
             if node is None and name.endswith(HALF) and ROW.fullmatch(name):
                 whole = name.removesuffix(HALF)
                 node = Node((name,), frozenset({whole}), (f"halve({whole}, {name})",))

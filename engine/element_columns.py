@@ -8,7 +8,7 @@ from engine.balancing.engine_columns import engine_law
 from engine.balancing.engine_element import EngineElement
 from engine.balancing.rotor_columns import rotor_law
 from engine.balancing.rotor_element import RotorElement
-from engine.element_laws import LAWS, ArrayLaw, Law, Result
+from engine.element_laws import LAWS, Law, Result
 from engine.elements import MachineElement
 from engine.jit import on_all_threads, run_kernel, scalar
 from engine.quantities import Quantity
@@ -116,7 +116,7 @@ class ElementColumns:
             law, given = law_of(self.scene.elements[name]), self._arguments(name, numbers, variants)
             here = slice(column, column + len(law.results))
             if callable(law.function):
-                values[:, here], errors[:, here] = _with_errors(law.function, given)
+                values[:, here], errors[:, here] = _with_errors(law, given)
             else:
                 scalars.append(given)
             column = here.stop
@@ -172,17 +172,11 @@ def keep(found: tuple[float, ...], changed: int, values: np.ndarray, errors: np.
             errors[i] += EPS / NUDGE * abs(found[i] - values[i])
 
 
-def _with_errors(law: ArrayLaw, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Results (variants, results) of a law of arrays and their error figures, as `keep` makes them."""
-    found, sizes = law(numbers)
-
-    def moved_by(k: int) -> np.ndarray:
-        greater = numbers.copy()
-        greater[k] *= 1.0 + NUDGE
-        return np.abs(law(greater)[0] - found)
-
-    moves = sum(on_all_threads(moved_by, range(len(numbers))))
-    return found.T, (ROUNDING * EPS * sizes + EPS / NUDGE * moves).T
+def _with_errors(law: Law, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Results (variants, results) of a law of arrays and their error figures, block by block."""
+    pieces = np.array_split(numbers, max(1, -(-numbers.shape[1] // law.block)), axis=1)
+    values, sizes = zip(*on_all_threads(law.function, pieces), strict=True)
+    return np.concatenate(values, axis=1).T, ROUNDING * EPS * np.concatenate(sizes, axis=1).T
 
 
 def law_of(element: MachineElement) -> Law:

@@ -66,15 +66,19 @@ class Law(NamedTuple):
     ----------
     function : str or callable
         A scalar law's name in this module; or a function of the numbers of all variants (numbers, variants) that
-        gives their results (results, variants), and the magnitudes whose rounding these carry, of the same shape.
+        gives their results (results, variants) and, of the same shape, the magnitudes whose rounding these carry, that
+        of the numbers with it.
     arguments : callable
         Its arguments, from the element and its numbers by their keys.
     results : tuple of Result
+    block : int
+        Of a function of arrays: for how many variants at a time it is called.
     """
 
     function: str | ArrayLaw
     arguments: Callable[[MachineElement, Given], tuple]
     results: tuple[Result, ...]
+    block: int = 2048
 
 
 @scalar

@@ -4,11 +4,13 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from engine.accuracy import AccurateMachine
 from engine.element_columns import ElementColumns, element_summaries
 from engine.kernel_text import Form
 from engine.kernels import Source
-from engine.machine import AskError, Machine, Outcome
+from engine.machine import Machine
 from engine.names import did_you_mean
+from engine.outcome import AskError, Outcome
 from engine.quantities import Quantity
 from engine.scene import Numbers, Scene, scene_numbers, within_limits
 from engine.verdicts import Verdict
@@ -21,7 +23,8 @@ def made_ready(
     varied: Iterable[str] = (),
     positions: int = 720,
     dtype: type = np.float64,
-) -> "Machine | ElementsAlone":
+    accuracy: float | None = None,
+) -> "Machine | ElementsAlone | AccurateMachine":
     """A scene with what is asked of it, whether it has a mechanism or machine elements alone.
 
     Parameters
@@ -31,6 +34,8 @@ def made_ready(
     positions : int
     dtype : float64 or float32
         All as for `Machine`; elements are computed in float64, once for each variant.
+    accuracy : float, optional
+        Allowed error of every summary, as a share of its magnitude, instead of a number of positions.
 
     Raises
     ------
@@ -39,6 +44,10 @@ def made_ready(
     """
     if scene.input is None:
         return ElementsAlone(scene, summaries, fields, varied)
+    if accuracy is not None:
+        if np.dtype(dtype) != np.float64:
+            raise AskError("accuracy: what it takes is computed in double precision; leave precision = 'float32' out")
+        return AccurateMachine(scene, summaries, fields, varied, accuracy, positions)
     return Machine(scene, summaries, fields, varied, positions, dtype)
 
 

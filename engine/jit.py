@@ -81,6 +81,13 @@ def scalar(function: Callable) -> Callable:
     return compiled
 
 
+def routine(function: Callable) -> Callable:
+    """Compile a function too large to be inlined wherever it is called; otherwise as of `scalar`."""
+    compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), no_cfunc_wrapper=True)(function)
+    _keep_compiled(compiled)
+    return compiled
+
+
 def _keep_compiled(function: Callable) -> None:
     """Let Numba keep the machine code of a function in the folder of this package's sources.
 

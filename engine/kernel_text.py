@@ -9,7 +9,7 @@ from engine.model import Model
 from engine.parts import CrankInput
 from engine.superposition import SideBySide
 
-Form = Literal["whole", "factorised"]
+Form = Literal["whole", "factorised", "panels"]
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
@@ -155,7 +155,9 @@ class KernelText:
             "from engine.jit import KERNEL_OPTIONS",
             "from engine.lanes import *",
             "from engine.links import *",
+            "from engine.load_directions import *",
             "from engine.loads import *",
+            "from engine.loop_closure import *",
             "from engine.losses import *",
             "from engine.reduction import *",
             "from engine.rows import *",

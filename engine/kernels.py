@@ -1,8 +1,9 @@
 """From what is asked to the source of a kernel: a readable straight line of the mathematics.
 
-Two forms of the same mathematics. `whole`: every variant evaluated from its own numbers. `factorised`: variants
+Three forms of the same mathematics. `whole`: every variant evaluated from its own numbers. `factorised`: variants
 that share the numbers which decide the shape of the motion are evaluated together; the bases of I, dI/dφ and M
-are computed once for the shape and combined for each variant's masses and loads.
+are computed once for the shape and combined for each variant's masses and loads. `panels`: as `whole`, but every
+variant at positions of its own.
 """
 
 import re
@@ -16,6 +17,7 @@ from engine.apart import is_long, said_apart
 from engine.demand import HALF, ROW, Demand, Node
 from engine.kernel_text import Form, KernelText, Lines, spacing
 from engine.model import LinearRow, Model
+from engine.panel_text import PanelText
 from engine.program import Step
 from engine.scene import scene_numbers
 from engine.superposition import superpose
@@ -55,15 +57,17 @@ class Source(NamedTuple):
 class KernelWriter:
     """Writes the kernel of a model for asked fields and summaries."""
 
-    def __init__(self, model: Model, analyses: Analyses, fields: list[str], summaries: list[str]) -> None:
+    def __init__(
+        self, model: Model, analyses: Analyses, fields: list[str], summaries: list[str], ends: tuple[str, ...] = ()
+    ) -> None:
         self.model, self.analyses = model, analyses
-        self.fields, self.summaries = fields, summaries
-        self.demand = Demand(model, analyses, fields, summaries)
+        self.fields, self.summaries, self.ends = fields, summaries, ends
+        self.demand = Demand(model, analyses, fields, summaries, frozenset(ends))
         self.of_variant = self.demand.of_variant()
         self._fixed = _fixed_loads(model)
 
     def source(self, form: Form, dtype: np.dtype) -> Source:
-        """The kernel's source in one of its two forms."""
+        """The kernel's source in one of its forms."""
         positions = self._position_loop(form)
         outputs, shape, variant = self._outputs(form, _TROUBLED in positions and bool(self._watched)), [], []
         shape_lines, together, nodes = (), None, self.demand.nodes
@@ -78,7 +82,11 @@ class KernelWriter:
         body = lines.text
         diagnosis = self._diagnosis()
         slots = self._slots("\n".join((body, *diagnosis, *spacing(self.model))))
-        writer = KernelText(self.model, form, dtype, slots, self._fixed, self._homes(body, form))
+        homes = self._homes(body, form)
+        if form == "panels":
+            writer = PanelText(self.model, slots, homes, self.ends)
+        else:
+            writer = KernelText(self.model, form, dtype, slots, self._fixed, homes)
         return Source(
             writer.module(lines, diagnosis),
             tuple(slots),
@@ -140,7 +148,7 @@ class KernelWriter:
         target = node.targets[0]
         row = self.demand.linear[target]
         laws = self._terms(row, in_laws=True)
-        if form == "whole":
+        if form != "factorised":
             terms, started = laws, bool(self._terms(row, in_laws=False))
         else:
             known = self.model.moments.laws
@@ -175,7 +183,7 @@ class KernelWriter:
 
     def _is_direct(self, row: str, form: Form) -> bool:
         """Whether an asked field is computed in its place in the results, not copied there."""
-        return form == "whole" or row in self.of_variant
+        return form != "factorised" or row in self.of_variant
 
     def _homes(self, text: str, form: Form) -> dict[str, str]:
         """Where each row is kept: in the asked fields, in scratch, or in scratch of half the length."""

@@ -2,8 +2,6 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,48 +12,19 @@ from engine.jit import run_kernel, threads
 from engine.kernel_text import SINGULAR_SINE, Form
 from engine.kernels import KernelWriter, Source
 from engine.model import Model
-from engine.motion.quantities import motion_fields, motion_summaries
+from engine.motion.quantities import cycle_statistics, kept_from, motion_fields, motion_summaries
 from engine.motion.schedule import Schedule
 from engine.names import nearest
+from engine.outcome import AskError, Outcome, field_room, front_of
 from engine.parts import CrankInput
 from engine.quantities import STATISTICS, Quantity, has_cycle
 from engine.scene import Numbers, Scene, scene_numbers, within_limits
+from engine.shared_shapes import shared_shapes
 from engine.tables import table_value
 from engine.verdicts import Verdict
 from engine.wheel import wheel_columns, wheel_summaries
 
 ROUNDING = 16
-WORTH_FACTORISING = 3
-CACHE_LINE = 64
-
-
-class AskError(ValueError):
-    """A field, summary or setting that can't be asked of a machine."""
-
-
-class Outcome(NamedTuple):
-    """Results of a set of variants.
-
-    Attributes
-    ----------
-    status : ndarray (variants,) of uint8
-        `Verdict` codes.
-    status_group : ndarray (variants,) of int16
-        Number of the structural group that is to blame (see `Machine.groups`), −1 where none is.
-    status_at : ndarray (variants,)
-        Input position at which it fails [rad, or m of a sliding input]; NaN where it doesn't.
-    summaries, errors : dict of str to ndarray (variants,)
-        Asked summaries and their error figures, SI.
-    fields : dict of str to ndarray (variants, positions)
-        Asked fields, SI.
-    """
-
-    status: np.ndarray
-    status_group: np.ndarray
-    status_at: np.ndarray
-    summaries: dict[str, np.ndarray]
-    errors: dict[str, np.ndarray]
-    fields: dict[str, np.ndarray]
 
 
 class Machine:
@@ -95,6 +64,9 @@ class Machine:
     0.1
     """
 
+    # The form that shows what is evaluated.
+    form: Form = "whole"
+
     def __init__(
         self,
         scene: Scene,
@@ -117,22 +89,27 @@ class Machine:
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
         self.model = Model(scene, frozenset(self.varied))
+        for name, message in kept_from(scene, (*self.asked_summaries, *self.asked_fields)):
+            raise AskError(f"{name}: {message}")
         _check_names(self.asked_fields, self.available_fields, "field")
-        self.analyses = Analyses(self.model)
+        self.analyses = Analyses(self.model, self.form == "panels")
         self._add_statistics()
         _check_names(self.asked_summaries, self.available_summaries, "summary")
-        self._wheel = [name for name in self.asked_summaries if name in self._wheel_quantities]
+        self._wheel = [name for name in self.asked_summaries if name in self.wheel_quantities]
         self._elements = ElementColumns(scene, self.asked_summaries)
         apart = {*self._wheel, *self._elements.names, *self._motion_quantities}
         computed = [n for n in self.asked_summaries if n not in apart]
         self.schedule = self._schedule()
-        needs = [*(self._wheel_needs if self._wheel else ()), *(self._motion_needs if self.schedule else ())]
+        needs = [*(self.wheel_needs if self._wheel else ()), *(self._motion_needs if self.schedule else ())]
         self._computed = list(dict.fromkeys([*computed, *needs]))
         self._kernel_fields = [name for name in self.asked_fields if name not in self._motion_fields]
         self._computed += self._jams
-        self._writer = KernelWriter(self.model, self.analyses, self._kernel_fields, self._computed)
+        self._writer = self._make_writer()
         self._sources: dict[Form, Source] = {}
         self.forms_used: set[Form] = set()
+
+    def _make_writer(self) -> KernelWriter:
+        return KernelWriter(self.model, self.analyses, self._kernel_fields, self._computed)
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
@@ -143,7 +120,7 @@ class Machine:
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
         elements = {q.name: q for q in element_summaries(self.scene)}
-        return self.analyses.summaries | self._wheel_quantities | self._motion_quantities | elements
+        return self.analyses.summaries | self.wheel_quantities | self._motion_quantities | elements
 
     def _schedule(self) -> Schedule | None:
         """The regimes, where anything of them is asked."""
@@ -156,7 +133,8 @@ class Machine:
         """Summaries that show whether every group which takes part in the motion can be assembled."""
         for field in ("reduced_inertia", "reduced_moment"):
             self.analyses.add_statistics(self.model.fields[field])
-        return ["reduced_inertia.min", "reduced_moment.mean"]
+        loaded = self.schedule.loads.groups if self.schedule.loads else ()
+        return ["reduced_inertia.min", "reduced_moment.mean", *(f"{group}.transmission_angle" for group in loaded)]
 
     @property
     def _jams(self) -> list[str]:
@@ -166,19 +144,19 @@ class Machine:
         return [f"jams__{g}" for g in Demand(self.model, self.analyses, self._kernel_fields, self._computed).settled]
 
     @property
-    def _wheel_quantities(self) -> dict[str, Quantity]:
+    def wheel_quantities(self) -> dict[str, Quantity]:
         """Summaries of the flywheel as a wheel, computed from others after the kernel."""
         return {q.name: q for q in wheel_summaries(self.scene)}
 
     @property
-    def _wheel_needs(self) -> tuple[str, str]:
+    def wheel_needs(self) -> tuple[str, str]:
         """Summaries that a wheel is made for: its inertia and the greatest speed."""
         return ("flywheel_used", "speed_max")
 
     @property
     def groups(self) -> tuple[str, ...]:
         """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
-        return self.source("whole").groups
+        return self.source(self.form).groups
 
     @property
     def nodes(self) -> np.ndarray:
@@ -207,7 +185,9 @@ class Machine:
     def _add_statistics(self) -> None:
         for name in self.asked_summaries:
             field, _, suffix = name.rpartition(".")
-            if suffix in STATISTICS and field in self.available_fields:
+            if suffix in STATISTICS and field in self._motion_fields:
+                self._motion_quantities |= {q.name: q for q in cycle_statistics(self._motion_fields[field])}
+            elif suffix in STATISTICS and field in self.available_fields:
                 self.analyses.add_statistics(self.available_fields[field])
 
     def source(self, form: Form) -> Source:
@@ -250,7 +230,7 @@ class Machine:
         if drop is not None:
             status[drop] = Verdict.DROPPED
         keep = np.flatnonzero(status == Verdict.OK)
-        room = _part(self.new_buffer(variants) if buffer is None else buffer, variants)
+        room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         outcome = self._blank(status, room)
         if keep.size:
             chosen = {path: values[keep] for path, values in arrays.items()} if keep.size < variants else arrays
@@ -263,11 +243,7 @@ class Machine:
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for the asked fields of a number of variants; worth reusing from block to block."""
-        shape = (len(self.asked_fields), variants, self.nodes.size)
-        # From the begin of a cache line on: vectors that straddle two of them cost time.
-        room = np.empty(math.prod(shape) + CACHE_LINE // self.dtype.itemsize, self.dtype)
-        first = -room.ctypes.data % CACHE_LINE // self.dtype.itemsize
-        return room[first : first + math.prod(shape)].reshape(shape)
+        return field_room((len(self.asked_fields), variants, self.nodes.size), self.dtype)
 
     def _blank(self, status: np.ndarray, room: np.ndarray) -> Outcome:
         variants = status.shape[0]
@@ -281,38 +257,16 @@ class Machine:
 
     def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, fields: np.ndarray) -> None:
         """Evaluate the variants `keep`, their fields packed into `fields`, and write their summaries and verdicts."""
-        source = self.source("whole")
+        source = self.source(self.form)
         # An overflow on the way to a parameter ends as a status, not as a warning.
         with np.errstate(all="ignore"):
             parameters = self.model.parameters(list(source.slots), numbers, keep.size, self.dtype)
-        form, grouping = self._form(parameters, source)
-        self.forms_used.add(form)
-        source = self.source(form)
-        values = np.empty((keep.size, len(self._computed)))
-        errors, troubles, checks = np.empty_like(values), np.empty(keep.size), np.empty(keep.size)
-        nodes = self.nodes.astype(self.dtype)
-        count = keep.size if grouping is None else grouping[0].size - 1
-        run_kernel(
-            source.text,
-            "kernel",
-            count,
-            parameters,
-            *self._places(nodes),
-            self.dtype.type(self.nodes[1] - self.nodes[0]),
-            ROUNDING * float(np.finfo(self.dtype).eps),
-            *(grouping or ()),
-            *self._tables(source),
-            values,
-            errors,
-            fields[: len(self._kernel_fields)],
-            troubles,
-            checks,
-        )
+        values, errors, troubles, checks = self._run(parameters, numbers, fields[: len(self._kernel_fields)])
         undefined = ~np.isfinite(values)
         values[undefined] = errors[undefined] = np.nan
         computed = {name: (values[:, i], errors[:, i]) for i, name in enumerate(self._computed)}
         if self._wheel:
-            wheels = wheel_columns(self.scene, *(computed[name] for name in self._wheel_needs), numbers)
+            wheels = wheel_columns(self.scene, *(computed[name] for name in self.wheel_needs), numbers)
             computed |= {name: wheels[name] for name in self._wheel}
         for name in self.asked_summaries:
             if name in computed:
@@ -322,6 +276,34 @@ class Machine:
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         if self.schedule is not None:
             self._move(outcome, keep, numbers, fields)
+
+    def _run(
+        self, parameters: np.ndarray, numbers: Numbers, fields: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Run the kernel: values and error figures (variants, summaries), troubles and checks (variants,)."""
+        form, grouping = self._form(parameters, self.source(self.form))
+        self.forms_used.add(form)
+        source = self.source(form)
+        variants = parameters.shape[1]
+        values = np.empty((variants, len(self._computed)))
+        errors, troubles, checks = np.empty_like(values), np.empty(variants), np.empty(variants)
+        run_kernel(
+            source.text,
+            "kernel",
+            variants if grouping is None else grouping[0].size - 1,
+            parameters,
+            *self._places(self.nodes.astype(self.dtype)),
+            self.dtype.type(self.nodes[1] - self.nodes[0]),
+            ROUNDING * float(np.finfo(self.dtype).eps),
+            *(grouping or ()),
+            *self._tables(source),
+            values,
+            errors,
+            fields,
+            troubles,
+            checks,
+        )
+        return values, errors, troubles, checks
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, fields: np.ndarray) -> None:
         """Compute the regimes of the variants `keep` that can be assembled."""
@@ -352,21 +334,10 @@ class Machine:
 
     def _form(self, parameters: np.ndarray, source: Source) -> tuple[Form, tuple[np.ndarray, np.ndarray] | None]:
         """Which form to use: factorised where each shape serves several variants and loads only enter sums."""
-        variants = parameters.shape[1]
-        if variants < 2 * WORTH_FACTORISING or not self._writer.demand.separable:
-            return "whole", None
-        shapes = parameters[: source.shape_slots]
-        shapes = shapes[(shapes != shapes[:, :1]).any(axis=1)]
-        keys = _shape_keys(shapes)
-        ordered = np.sort(keys)
-        if (1 + np.count_nonzero(ordered[1:] != ordered[:-1])) * WORTH_FACTORISING > variants:
-            return "whole", None
-        _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)
-        if not np.array_equal(shapes, shapes[:, first[inverse]]):
-            return "whole", None
-        members = np.argsort(inverse, kind="stable")
-        starts = np.concatenate(([0], np.cumsum(np.bincount(inverse))))
-        return "factorised", _spread(starts, members, 4 * threads())
+        grouping = None
+        if self._writer.demand.separable:
+            grouping = shared_shapes(parameters[: source.shape_slots], 4 * threads())
+        return ("whole" if grouping is None else "factorised"), grouping
 
     def _tables(self, source: Source) -> list[object]:
         arguments: list[object] = []
@@ -397,7 +368,7 @@ class Machine:
             places, sines = np.empty((doubtful.size, 2), np.int64), np.empty(doubtful.size)
             nodes = self._places(self.nodes.astype(self.dtype))
             # Both forms share the order of slots, and `diagnose` is the same in both.
-            text = self.source("whole").text
+            text = self.source(self.form).text
             run_kernel(text, "diagnose", doubtful.size, parameters, *nodes, doubtful, places, sines)
             failed = sines < least
             blamed, (groups, at) = keep[doubtful[failed]], places[failed].T
@@ -417,7 +388,11 @@ class Machine:
             first &= outcome.status[keep] == Verdict.OK
             outcome.status[keep[first]] = Verdict.JAMS
             outcome.status_group[keep[first]] = self.groups.index(group)
-            outcome.status_at[keep[first]] = self._at(values[first, column].astype(int), parameters[:, first])
+            outcome.status_at[keep[first]] = self._jammed_at(values[first, column], parameters[:, first])
+
+    def _jammed_at(self, places: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+        """Input positions from what `jams__…` says of them."""
+        return self._at(places.astype(int), parameters)
 
     def _undefined(self, undefined: np.ndarray) -> np.ndarray:
         """Variants with an undefined summary that should have a value."""
@@ -428,31 +403,9 @@ class Machine:
         """Input positions of variants at given indices."""
         if isinstance(self.scene.input, CrankInput):
             return self.nodes[places]
-        slots = self.source("whole").slots
+        slots = self.source(self.form).slots
         start, stop = (parameters[slots.index(f"num__input__{key}")] for key in ("start", "stop"))
         return start + (stop - start) * self.nodes[places]
-
-
-def _part(buffer: np.ndarray, variants: int) -> np.ndarray:
-    """The front of a buffer as fields of fewer variants, without gaps: kernels are compiled for such arrays."""
-    fields, _, positions = buffer.shape
-    return buffer.reshape(-1)[: fields * variants * positions].reshape(fields, variants, positions)
-
-
-def _shape_keys(shapes: np.ndarray) -> np.ndarray:
-    """A 64-bit mix of the bits of what varies of each shape: equal for equal shapes, and very likely for no others."""
-    factors = np.random.default_rng(0).integers(2**62, 2**63, shapes.shape[0], dtype=np.uint64) * 2 + 1
-    keys = np.zeros(shapes.shape[1], np.uint64)
-    for row, factor in zip(shapes, factors, strict=True):
-        keys += row.astype(np.float64).view(np.uint64) * factor
-    return keys ^ (keys >> np.uint64(29))
-
-
-def _spread(starts: np.ndarray, members: np.ndarray, pieces: int) -> tuple[np.ndarray, np.ndarray]:
-    """Split large groups so that a sweep of loads on a single shape still uses every core."""
-    longest = max(-(-members.size // pieces), 64)
-    cuts = [np.arange(a, b, longest) for a, b in pairwise(starts)]
-    return np.append(np.concatenate(cuts), members.size), members
 
 
 def _check_positions(positions: int) -> None:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.inertia_quantities import inertia_fields, write_inertia_forces
+from engine.loop_quantities import write_closures
 from engine.mechanism import Mechanism
 from engine.moments import Moments, Term
 from engine.parts import FRAME, CrankInput
@@ -32,6 +33,8 @@ class Model:
     scene : Scene
     varied : frozenset of str
         Paths of numbers that will vary; what is zero and doesn't vary is left out of the model.
+    motion : InputMotion, optional
+        Of the input, for the reactions in the pairs; uniform at `input.speed` unless given.
 
     Attributes
     ----------
@@ -43,16 +46,19 @@ class Model:
         Fields that are a variable of the program.
     angles : dict of str to (str, str)
         Fields that are an angle of a direction (cosine, sine).
+    closures : dict of str to str
+        What the loop of each group misses of being closed.
     reactions : Reactions
     fields : dict of str to Quantity
         Every field one may ask.
     """
 
-    def __init__(self, scene: Scene, varied: frozenset[str] = frozenset()) -> None:
+    def __init__(self, scene: Scene, varied: frozenset[str] = frozenset(), motion: InputMotion | None = None) -> None:
         self.scene, self.varied = scene, varied
         self.structure: Structure = order(scene)
         self.program = Program()
         self.mechanism = Mechanism(scene, self.structure, self.program, varied)
+        self.closures = write_closures(scene, self.mechanism, self.program)
         self.linear: dict[str, LinearRow] = {}
         self._reduce_inertia()
         self.moments = Moments(scene, self.mechanism, self.program, varied)
@@ -64,11 +70,12 @@ class Model:
         self.variables |= inertia_forces.variables
         shaking = shaking_terms(scene, self.mechanism, self.program)
         self.linear |= {name: LinearRow(None, terms) for name, terms in shaking.items()}
-        square = self.program.derived("input.square", lambda n: n["input.speed"] ** 2, "load")
-        self.reactions = Reactions(
-            scene, self.structure, self.mechanism, self.moments, self.program, InputMotion(square)
-        )
+        if motion is None:
+            motion = InputMotion(self.program.derived("input.square", lambda n: n["input.speed"] ** 2, "load"))
+        self.reactions = Reactions(scene, self.structure, self.mechanism, self.moments, self.program, motion)
         self.variables |= self.reactions.variables
+        for pair, _ in self.reactions.in_axes:
+            self.angles[f"{pair}.reaction_direction"] = tuple(self.variables[f"{pair}.reaction_{i}"] for i in "xy")
         fields = (
             *kinematic_fields(scene, self.structure),
             *dynamic_fields(scene, self.actions),

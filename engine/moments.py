@@ -91,12 +91,16 @@ class Grip(NamedTuple):
 
 
 class Applied(NamedTuple):
-    """A force or moment on a link: `coefficient` (a load slot) times `characteristic` (an expression at a position)."""
+    """A force or moment on a link: `coefficient` (a load slot) times `characteristic` (an expression at a position).
+
+    `order` is that of the term it reduces to.
+    """
 
     action: str
     coefficient: str
     characteristic: str
     grip: Grip
+    order: int | str = 0
 
 
 class Moments:
@@ -188,7 +192,8 @@ class Moments:
 
     def _rate(self, name: str, moment: actions.OnLink) -> str:
         self.program.about(f"moment {name}", "velocity")
-        borne = (FRAME, self.mechanism.links[FRAME].origin) if isinstance(moment, actions.TorsionSpring) else None
+        on_frame = isinstance(moment, (actions.TorsionSpring, actions.Brake))
+        borne = (FRAME, self.mechanism.links[FRAME].origin) if on_frame else None
         self._grips[name] = Grip(moment.on, None, (), borne)
         return self.mechanism.links[moment.on].w
 
@@ -196,7 +201,7 @@ class Moments:
 
     def _term(self, name: str, coefficient: str, basis: str, value: str, order: int | str = 0) -> None:
         """Add a reduced moment, and the force or moment behind it by the value of its characteristic."""
-        self.applied.append(Applied(name, coefficient, value, self._grips[name]))
+        self.applied.append(Applied(name, coefficient, value, self._grips[name], order))
         table = next(t for t in ("forces", "moments", "springs", "cylinders") if name in getattr(self.scene, t))
         role = getattr(getattr(self.scene, table)[name], "role", None)
         self.terms.append(Term(name, coefficient, basis, role, order))

@@ -25,6 +25,12 @@ def reaction_fields(scene: Scene) -> list[Quantity]:
     return [*found, *_friction_fields(scene, unit)]
 
 
+def friction_in_pairs(scene: Scene) -> dict[str, str]:
+    """Field of the friction in each pair that has it: a moment or a force on the pair's link."""
+    kinds = {pair.name: "moment" if pair.kind == "revolute" else "force" for pair in pairs(scene)}
+    return {friction.pair: f"{friction.pair}.friction_{kinds[friction.pair]}" for friction in scene.friction.values()}
+
+
 def _friction_fields(scene: Scene, unit: str) -> list[Quantity]:
     """Friction in the pairs that have it, and what it comes to at the input."""
     found, known = [], {pair.name: pair for pair in pairs(scene)}
@@ -98,9 +104,31 @@ def _fields_of(scene: Scene, pair: Pair) -> list[Quantity]:
     return [
         *found,
         Quantity(f"{pair.name}.reaction", force, "N"),
+        Quantity(f"{pair.name}.reaction_direction", f"direction of the {force}, continuous over the range", "rad"),
         Quantity(f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N"),
         Quantity(f"{pair.name}.reaction_across", f"component to the left across link {pair.link} of the {force}", "N"),
     ]
+
+
+def direction_summaries(scene: Scene) -> list[Quantity]:
+    """Where the bearings are loaded, in the axes of both of their links."""
+    found = []
+    for pair in pairs(scene):
+        for link in (pair.link, pair.other) if pair.kind == "revolute" else ():
+            load = f"load on {link} in {pair.place}, in its own axes"
+            found += [
+                Quantity(f"{pair.name}.load_direction_of_{link}", f"direction of the mean {load}", "rad"),
+                Quantity(
+                    f"{pair.name}.load_spread_of_{link}",
+                    f"spread of the {load}: 0 in one direction, 1 all around (1 less mean vector over mean magnitude)",
+                    "1",
+                ),
+                Quantity(f"{pair.name}.unloaded_arc_of_{link}", f"widest arc never pointed to by the {load}", "rad"),
+                Quantity(
+                    f"{pair.name}.unloaded_middle_of_{link}", f"middle of the arc never pointed to by the {load}", "rad"
+                ),
+            ]
+    return found
 
 
 def reaction_summaries() -> list[Quantity]:

@@ -29,16 +29,31 @@ from engine.structure import Structure
 
 
 class InputMotion(NamedTuple):
-    """How the input moves at a position: the square of its speed and its acceleration ("zero": uniform)."""
+    """How the input moves at a position.
+
+    Attributes
+    ----------
+    square, epsilon : str
+        Variables of the square of its speed and of its acceleration ("zero": uniform).
+    speed : str
+        Variable of its speed by magnitude, for loads that depend on it; their coefficients are those at unit speed
+        then. Without it they are those at the speed itself.
+    """
 
     square: str
     epsilon: str = "zero"
+    speed: str = ""
+
+    def power(self, order: str) -> str:
+        """Power of the speed by which a load of some order exceeds its coefficient."""
+        if not self.speed or order == "0":
+            return "one"
+        return {"1": self.speed, "2": self.square}.get(order, f"{self.speed} ** {order}")
 
     def acceleration(self, second: str, first: str) -> str:
         """Acceleration ω² r″ + ε r′ of what has the transfer functions r″ and r′."""
-        terms = [
-            f"{factor} * {r}" for factor, r in zip(self, (second, first), strict=True) if "zero" not in (factor, r)
-        ]
+        parts = ((self.square, second), (self.epsilon, first))
+        terms = [f"{factor} * {r}" for factor, r in parts if "zero" not in (factor, r)]
         return " + ".join(terms) or "zero"
 
 
@@ -61,6 +76,8 @@ class Reactions:
         Of each group with friction.
     lost : dict of str to str
         Work lost in each pair with friction, for each unit of the input's motion.
+    in_axes : dict of (str, str) to (str, str)
+        Of each revolute pair and either of its links, the force on that link in its own axes.
     """
 
     def __init__(
@@ -76,6 +93,7 @@ class Reactions:
         self.motion = motion
         self.variables: dict[str, str] = {}
         self._pairs = {pair.name: pair for pair in pairs(scene)}
+        self.in_axes: dict[tuple[str, str], tuple[str, str]] = {}
         self._rubs = Rubbing(scene, mechanism, program).rubs
         self.settlings: dict[str, Settling] = {}
         self.lost = {friction.pair: "zero" for friction in scene.friction.values()}
@@ -139,10 +157,12 @@ class Reactions:
         """A force or moment of the scene, and its counterpart where something in the machine bears it."""
         p, grip = self.program, applied.grip
         # At its speed a machine runs with its brakes released; regimes apply them.
-        if isinstance(self.scene.moments.get(applied.action), actions.Brake):
+        if isinstance(self.scene.moments.get(applied.action), actions.Brake) and not self.motion.speed:
             return
         p.about(f"loads on {grip.link}", "force")
-        value = p.fresh(f"{applied.coefficient} * ({applied.characteristic})")
+        order = p.number(applied.order) if isinstance(applied.order, str) else str(applied.order)
+        power = self.motion.power(order)
+        value = p.fresh(f"{applied.coefficient} * {'' if power == 'one' else f'{power} * '}({applied.characteristic})")
         if grip.at is None:
             self._register(applied.action, acting_moment=value)
             self._twist(grip.link, value)
@@ -187,6 +207,10 @@ class Reactions:
         }
         self.variables |= {f"{pair.name}.reaction_{part}": variable for part, variable in found.items()}
         self.variables[f"{pair.name}.reaction"] = p.fresh(f"math.sqrt({x} * {x} + {y} * {y})")
+        other = self.mechanism.links[pair.other]
+        self.in_axes[pair.name, pair.link] = found["along"], found["across"]
+        around = f"-{x} * {other.c} - {y} * {other.s}, {x} * {other.s} - {y} * {other.c}"
+        self.in_axes[pair.name, pair.other] = p.fresh_pair(around)
         if not pair.name.endswith(".inner"):
             self._push(pair.other, at, f"-{x}", f"-{y}")
 

@@ -11,7 +11,7 @@ import numpy as np
 from llvmlite import ir
 from numba.extending import intrinsic
 
-from engine.jit import scalar
+from engine.jit import routine, scalar
 
 SEGMENTS = 8
 
@@ -111,6 +111,12 @@ def place_of(row: np.ndarray, value: float) -> float:
 
 
 @scalar
+def place_at(row: np.ndarray, value: float, first: float, h: float) -> float:
+    """First place, of positions from `first` on with spacing h, at which a row takes a value; NaN if it never does."""
+    return first + h * place_of(row, value)
+
+
+@scalar
 def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
     """Least, greatest, mean and root-mean-square value of a row, and how far its extremes may be missed.
 
@@ -144,7 +150,7 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
         total -= 0.5 * (row[0] + row[n - 1])
         squares -= 0.5 * (row[0] * row[0] + row[n - 1] * row[n - 1])
     low, high = least(row), greatest(row)
-    missed = max(missed_about(row, high, 1.0, periodic), missed_about(row, low, -1.0, periodic))
+    missed = missed_beyond(row, low, high, periodic)
     return low, high, total / count, math.sqrt(squares / count), missed, roughness(row, periodic)
 
 
@@ -197,6 +203,70 @@ def missed_about(row: np.ndarray, value: float, sign: float, periodic: bool) -> 
     centre = int(place_of(row, value))
     before = missed_beside(row, centre, -1, sign, periodic)
     return max(before, missed_beside(row, centre, 1, sign, periodic))
+
+
+@scalar
+def missed_within(behind: float, here: float, near: float, far: float, sign: float) -> float:
+    """As `missed_beside`, from the four positions themselves, without a branch."""
+    bend, next_bend = abs(second_difference(behind, here, near)), abs(second_difference(here, near, far))
+    rise = larger(sign * (here - behind), sign * (near + (near - far) - here))
+    return smaller(smaller(0.5 * larger(bend, next_bend), smaller(bend, next_bend)), rise)
+
+
+@scalar
+def reach(a: float, b: float, here: float, c: float, d: float, sign: float) -> float:
+    """How far the curve may go about the middle of five positions if it turns there, times its sign; else −∞."""
+    beyond = sign * here + larger(missed_within(c, here, b, a, sign), missed_within(b, here, c, d, sign))
+    return beyond if sign * (here - b) >= 0.0 and sign * (here - c) >= 0.0 else -math.inf
+
+
+@scalar
+def five(row: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Views of a row such that equal indices are five neighbours: without negative indices loops are vectorised."""
+    n = row.shape[0]
+    return row[: n - 4], row[1 : n - 3], row[2 : n - 2], row[3 : n - 1], row[4:]
+
+
+@routine
+def missed_beyond(row: np.ndarray, low: float, high: float, periodic: bool) -> float:
+    """How far the curve may go beyond the extremes of a finite row between its positions, wherever it turns.
+
+    Beside every position where the row turns, not only its extremes: a narrow valley that isn't the deepest at the
+    positions may be so between them.
+    """
+    worst = max(missed_about(row, high, 1.0, periodic), missed_about(row, low, -1.0, periodic))
+    a, b, here, c, d = five(row)
+    above = below = -math.inf
+    for k in range(a.shape[0]):
+        above = larger(above, reach(a[k], b[k], here[k], c[k], d[k], 1.0))
+        below = larger(below, reach(a[k], b[k], here[k], c[k], d[k], -1.0))
+    return max(worst, max(above - high, below + low))
+
+
+@routine
+def farthest_rival(row: np.ndarray, value: float, sign: float, periodic: bool) -> float:
+    """How far away the curve may take its extreme instead of at a position that has the extreme value, in positions.
+
+    Parameters
+    ----------
+    row : ndarray (positions,)
+    value : float
+        Extreme value of the row.
+    sign : float
+        +1 for a greatest value, −1 for a least.
+    periodic : bool
+        Whether the last position is followed by the first.
+    """
+    if not is_finite(value):
+        return math.nan
+    n, centre, farthest = row.shape[0], place_of(row, value), 0.0
+    a, b, here, c, d = five(row)
+    for k in range(a.shape[0]):
+        away = abs(k + 2 - centre)
+        away = smaller(away, n - away) if periodic else away
+        reaches = reach(a[k], b[k], here[k], c[k], d[k], sign) >= sign * value
+        farthest = larger(farthest, away if reaches else 0.0)
+    return farthest
 
 
 @scalar

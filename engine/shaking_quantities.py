@@ -1,5 +1,8 @@
 """What may be asked of the shaking force and the shaking moment: sums of inertia forces, linear in the masses."""
 
+from collections.abc import Mapping
+from typing import Literal
+
 import numpy as np
 
 from engine.mechanism import Mechanism
@@ -42,7 +45,9 @@ def shaking_summaries(scene: Scene) -> list[Quantity]:
     return [Quantity(f"shaking_force.order_{n}", f"order {n} {what}", "N") for n in orders]
 
 
-def shaking_terms(scene: Scene, mechanism: Mechanism, program: Program) -> Terms:
+def shaking_terms(
+    scene: Scene, mechanism: Mechanism, program: Program, by: Literal["square", "epsilon"] = "square"
+) -> Terms:
     """Write the shaking force and moment into a program.
 
     Parameters
@@ -50,6 +55,9 @@ def shaking_terms(scene: Scene, mechanism: Mechanism, program: Program) -> Terms
     scene : Scene
     mechanism : Mechanism
     program : Program
+    by : {"square", "epsilon"}
+        Those of accelerations ω² r″, at the input's uniform speed; or of r′, which ε multiplies where the speed isn't
+        uniform: the latter are right at unit speed.
 
     Returns
     -------
@@ -61,6 +69,7 @@ def shaking_terms(scene: Scene, mechanism: Mechanism, program: Program) -> Terms
     about = m.points.get(moment_centre(scene)) or m.guides[moment_centre(scene)]
     for name, part in m.masses.items():
         centre, link = m.centre(name), m.links[part.link]
+        rate, turning = ((centre.ax, centre.ay), link.e) if by == "square" else ((centre.vx, centre.vy), link.w)
 
         def push(n: Numbers, name: str = name) -> float | np.ndarray:
             return -m.masses[name].mass(n) * n["input.speed"] ** 2
@@ -68,28 +77,27 @@ def shaking_terms(scene: Scene, mechanism: Mechanism, program: Program) -> Terms
         def twist(n: Numbers, name: str = name) -> float | np.ndarray:
             return -m.masses[name].inertia(n) * n["input.speed"] ** 2
 
-        if (centre.ax, centre.ay) != ("zero", "zero"):
+        if rate != ("zero", "zero"):
             slot = p.derived(f"bodies.{name}.inertia_force", push, "load")
             p.about(f"shaking moment of {name}", "acceleration")
             arm = p.fresh_pair(f"{centre.x} - {about.x}, {centre.y} - {about.y}")
-            force_x.append((slot, centre.ax))
-            force_y.append((slot, centre.ay))
-            moment.append((slot, p.fresh(f"moment_of({arm[0]}, {arm[1]}, {centre.ax}, {centre.ay})")))
-        if part.inertia is not None and link.e is not None:
-            moment.append((p.derived(f"bodies.{name}.inertia_moment", twist, "load"), link.e))
-    moment += _of_shafts(scene, m, p)
+            force_x.append((slot, rate[0]))
+            force_y.append((slot, rate[1]))
+            moment.append((slot, p.fresh(f"moment_of({arm[0]}, {arm[1]}, {rate[0]}, {rate[1]})")))
+        if part.inertia is not None and turning is not None:
+            moment.append((p.derived(f"bodies.{name}.inertia_moment", twist, "load"), turning))
+    rates = {name: m.links[name].e if by == "square" else m.links[name].w for name in scene.shafts}
+    moment += _of_shafts({name: rate for name, rate in rates.items() if rate is not None}, p)
     return {"shaking_force_x": tuple(force_x), "shaking_force_y": tuple(force_y), "shaking_moment": tuple(moment)}
 
 
-def _of_shafts(scene: Scene, mechanism: Mechanism, program: Program) -> list[tuple[str, str]]:
-    """Inertia moments of shafts that don't turn uniformly, each with its own sense of rotation."""
+def _of_shafts(turning: Mapping[str, str], program: Program) -> list[tuple[str, str]]:
+    """Inertia moments of shafts by what they turn with, each with its own sense of rotation."""
     found = []
-    for name in scene.shafts:
-        epsilon = mechanism.links[name].e
-        if epsilon is not None:
+    for name, rate in turning.items():
 
-            def twist(n: Numbers, name: str = name) -> float | np.ndarray:
-                return -n[f"shafts.{name}.inertia"] * n["input.speed"] ** 2
+        def twist(n: Numbers, name: str = name) -> float | np.ndarray:
+            return -n[f"shafts.{name}.inertia"] * n["input.speed"] ** 2
 
-            found.append((program.derived(f"shafts.{name}.inertia_moment", twist, "load"), epsilon))
+        found.append((program.derived(f"shafts.{name}.inertia_moment", twist, "load"), rate))
     return found

@@ -43,6 +43,42 @@ def extreme_between(d0: float, d1: float, v0: float, v1: float, h: float) -> tup
 
 
 @scalar
+def cubic_doubt(
+    v: np.ndarray, start: float, h: float, at: float, rounded: float, periodic: bool
+) -> tuple[float, float]:
+    """How far the cubic of `extreme_between` may be off, from the third differences of the derivative about it.
+
+    Parameters
+    ----------
+    v : ndarray (positions,)
+        Derivative by q at equally spaced positions.
+    start, h : float
+        First position and spacing.
+    at : float
+        Place of the extreme.
+    rounded : float
+        What values may be off by rounding.
+    periodic : bool
+        Whether the last position is followed by the first.
+
+    Returns
+    -------
+    value, place : float
+        (h⁴/384) |d⁗|, and (h³/124.7) |d⁗/d″| with what rounding moves a place where d is flat; NaN where the place is.
+    """
+    n = v.shape[0]
+    if not is_finite(at):
+        return math.nan, math.nan
+    k, third = int((at - start) / h), 0.0
+    for i in range(k - 2, k + 1):
+        if periodic or 0 <= i < n - 3:
+            a, b, c, d = v[i % n], v[(i + 1) % n], v[(i + 2) % n], v[(i + 3) % n]
+            third = max(third, abs(3.0 * (b - c) + (d - a)))
+    bend = abs(v[(k + 1) % n] - v[k % n])
+    return h * third / 384.0, (h * third / 124.7 + rounded) / bend if bend > 0.0 else 0.0
+
+
+@scalar
 def stroke_ends(
     d: np.ndarray, v: np.ndarray, start: float, h: float, periodic: bool
 ) -> tuple[float, float, float, float]:

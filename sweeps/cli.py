@@ -1,4 +1,4 @@
-"""The command line: run, optimise, check, show, plot, animate, export, new, list, flywheel."""
+"""The command line: run, optimise, check, show, plot, orders, animate, export, new, list, flywheel."""
 
 import sys
 import time
@@ -225,9 +225,13 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
     "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); beside the file unless given."
 )
 @click.option("--variant", type=int, help="Machine of one variant of a result file.")
-@click.option("--at", default="", help="Crank angles of the drawing [deg], separated by commas.")
+@click.option(
+    "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm'; with commas."
+)
 @click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
 @click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
+@click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
+@click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")
 @click.option("-x", help="Column along x (results).")
 @click.option("-y", help="Column along y, or shown (results).")
 @click.option("--colour", help="Column shown as colour (results).")
@@ -239,23 +243,62 @@ def plot(
     at: str,
     paths: str,
     plans: bool,
+    hodograph: bool,
+    beside: str | None,
     x: str | None,
     y: str | None,
     colour: str | None,
 ) -> None:
-    """Draw: of a scene the mechanism and its diagrams; of a result file the sweep, or the machine of one variant."""
-    from sweeps import pictures
-    from sweeps.named_machine import is_result, machine_of
-    from sweeps.plans import plan_pictures
+    """Draw: of a scene its machine and diagrams; of a result file the sweep, or the machine of one variant.
 
-    if is_result(file) and variant is None and not plans:
+    Of a mechanism that is a drawing and diagrams over its cycle; of rotors and engines among the machine elements plans
+    of their unbalances and sheets of the orders that shake them, told in a table too.
+    """
+    from sweeps import pictures
+    from sweeps.element_pictures import element_tables
+    from sweeps.named_machine import is_result, machine_of, positions_of
+    from sweeps.plans import plan_pictures
+    from sweeps.scenefile import with_values
+
+    tables = ""
+    if is_result(file) and variant is None and not (plans or hodograph or beside):
         made = pictures.result_pictures(Path(file), out, x, y, colour)
     else:
         scene, values, name = machine_of(file, variant)
-        stem = out or Path(f"{name}.png")
-        made = pictures.machine_pictures(scene, values, stem, _degrees(at), _names(paths))
-        made += plan_pictures(scene, stem, next(iter(_degrees(at)), None), values) if plans else []
+        stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
+        made = pictures.machine_pictures(scene, values, stem, places, _names(paths))
+        made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
+        if hodograph or beside:
+            other = machine_of(beside, None) if beside else None
+            made.append(pictures.hodograph_picture((scene, values, name), other, stem))
+        tables = element_tables(with_values(scene, values))
+    if tables:
+        click.echo(tables)
     click.echo("\n".join(f"Wrote {path}" for path in made))
+
+
+@main.command()
+@click.argument("file", required=False)
+@click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf) to draw them too.")
+@click.option("--variant", type=int, help="Engines of one variant of a result file.")
+@explained
+def orders(file: str | None, out: Path | None, variant: int | None) -> None:
+    """Tell which orders of force, couple and torque remain: of well-known engines, or of those of a scene or result."""
+    from sweeps.named_machine import machine_of
+    from sweeps.order_table import engine_rows, order_picture, order_table, well_known_engines
+    from sweeps.scenefile import with_values
+    from sweeps.textfile import InputError
+
+    rows = well_known_engines()
+    if file is not None:
+        scene, values, _ = machine_of(file, variant)
+        rows = engine_rows(with_values(scene, values))
+        if not rows:
+            raise InputError(file, [(None, "elements", 'none is an engine; add [elements.NAME] with type = "engine"')])
+    click.echo(order_table(rows, markdown=False), nl=False)
+    if out is not None:
+        order_picture(out, rows)
+        click.echo(f"Wrote {out}")
 
 
 @main.command()
@@ -281,14 +324,14 @@ def animate(file: str, out: Path | None, variant: int | None, paths: str, frames
 @click.argument("file")
 @click.option("--to", type=click.Path(path_type=Path), required=True, help="File to write: .csv, .svg, .dxf or .toml.")
 @click.option("--variant", type=int, help="One variant of a result file.")
-@click.option("--at", default="60", show_default=True, help="Crank angle of the drawing [deg].")
+@click.option("--at", default="", help="Crank angle of the drawing [deg], or displacement such as '20 mm'.")
 @click.option("--where", help="Only variants that meet a condition (CSV of a result).")
 @click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (CSV).")
 @explained
 def export(file: str, to: Path, variant: int | None, at: str, where: str | None, history: bool) -> None:
     """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML)."""
     from sweeps import exports
-    from sweeps.named_machine import is_result, machine_of
+    from sweeps.named_machine import is_result, machine_of, positions_of
     from sweeps.textfile import InputError
 
     if history and to.suffix != ".csv":
@@ -307,7 +350,7 @@ def export(file: str, to: Path, variant: int | None, at: str, where: str | None,
             exports.positions_csv(scene, values, to)
         case ".svg" | ".dxf":
             scene, values, machine = machine_of(file, variant)
-            exports.drawing(scene, values, to, _degrees(at)[0])
+            exports.drawing(scene, values, to, next(iter(positions_of(scene, at)), None))
         case ".toml":
             scene, values, machine = machine_of(file, variant)
             exports.scene_toml(scene, values, to)
@@ -357,17 +400,6 @@ def _plots(result: object) -> list[Path]:
 
 def _names(text: str) -> tuple[str, ...]:
     return tuple(n.strip() for n in text.split(",") if n.strip())
-
-
-def _degrees(text: str) -> tuple[float, ...]:
-    import math
-
-    from sweeps.textfile import InputError
-
-    try:
-        return tuple(math.radians(float(part)) for part in text.split(",") if text)
-    except ValueError:
-        raise InputError("--at", [(None, "", f"{text!r}: give angles in degrees, such as 0,60,120")]) from None
 
 
 def _use_threads(jobs: int | None) -> None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Machine
+from engine import AccurateMachine, Machine, Outcome
 from engine.jit import threads
 from engine.kernel_text import Form
 from sweeps.runner import block_size, evaluate_block
@@ -15,20 +15,37 @@ from sweeps.study import Study
 
 # Seconds after which no more variants are tried to see what motion costs.
 LONG_ENOUGH = 3.0
+# Variants that are tried to see what an accuracy takes.
+TRIED = 2048
 
 
 class Cost(NamedTuple):
-    """What a study costs: seconds a variant once compiled, the form of its kernel, memory of its motion [bytes]."""
+    """What a study costs.
+
+    Attributes
+    ----------
+    seconds : float
+        Of a variant, once compiled.
+    form : Form
+        Of its kernel.
+    motion_bytes : float
+        Memory of its motion.
+    tried : Outcome or None
+        Of variants from all over the study, where an accuracy is asked.
+    """
 
     seconds: float
     form: Form
     motion_bytes: float
+    tried: Outcome | None = None
 
 
 def probe(study: Study, machine: Machine) -> Cost:
     """Cost of a study, measured on some of its variants."""
-    if machine.schedule is not None:
+    if machine.schedule is not None and not isinstance(machine, AccurateMachine):
         return _probe_motion(study, machine)
+    if isinstance(machine, AccurateMachine):
+        return _probe_accuracy(study, machine)
     size = min(block_size(study, machine), 4096)
     buffer = machine.new_buffer(size)
     evaluate_block(study, machine, slice(0, size), buffer)
@@ -36,6 +53,15 @@ def probe(study: Study, machine: Machine) -> Cost:
     evaluate_block(study, machine, slice(0, size), buffer)
     seconds = time.perf_counter() - start
     return Cost(seconds / size, _form(machine), 0.0)
+
+
+def _probe_accuracy(study: Study, machine: AccurateMachine) -> Cost:
+    """Cost of variants from all over the study, as many positions as each takes."""
+    chosen = _spread(study, min(TRIED, study.design.size))
+    tried = machine.evaluate(*chosen)
+    start = time.perf_counter()
+    machine.evaluate(*chosen)
+    return Cost((time.perf_counter() - start) / tried.status.size, _form(machine), 0.0, tried)
 
 
 def _probe_motion(study: Study, machine: Machine) -> Cost:

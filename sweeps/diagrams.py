@@ -18,6 +18,9 @@ from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.style import BLUE, GREEN, GREY, VERMILION, house_style, new_figure, save
 
+# Beyond this the ends of an axis overflow.
+LARGEST = 1e300
+
 
 class Cycle(NamedTuple):
     """Rows of one machine, ready to be shown.
@@ -159,7 +162,9 @@ def _sheet_of_cycle(figure: Figure, scene: Scene, values: Mapping[str, float], c
     axes = figure.subplots(2, 3)
     _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced moment of inertia", "I")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dφ")
-    _panel(axes[0, 2], cycle, "reduced_moment", "Moment, mean", "M", float(cycle.rows["reduced_moment"].mean()))
+    with np.errstate(over="ignore"):
+        mean = float(cycle.rows["reduced_moment"].mean())
+    _panel(axes[0, 2], cycle, "reduced_moment", "Moment, mean", "M", mean)
     _panel(axes[1, 0], cycle, "work", "Work, change of energy", "W = ΔE")
     _energy_loop(axes[1, 1], scene, values, cycle)
     speed = cycle.rows.get("speed", np.array([np.nan]))
@@ -169,8 +174,13 @@ def _sheet_of_cycle(figure: Figure, scene: Scene, values: Mapping[str, float], c
         _panel(axes[1, 2], cycle, "speed", f"δ = {np.ptp(speed) / abs(middle):.3g}, mean speed", "ω", middle)
     else:
         why = "the machine stops within the cycle" if "speed" in cycle.rows else "no flywheel is described"
-        axes[1, 2].text(0.5, 0.5, f"ω(φ): {why}", ha="center", va="center", color=GREY, transform=axes[1, 2].transAxes)
-        axes[1, 2].set_axis_off()
+        _say(axes[1, 2], f"ω(φ): {why}")
+
+
+def _say(ax: Axes, why: str) -> None:
+    """A sentence in place of what can't be shown."""
+    ax.text(0.5, 0.5, why, ha="center", va="center", color=GREY, transform=ax.transAxes)
+    ax.set_axis_off()
 
 
 def _sheet_of_range(figure: Figure, cycle: Cycle) -> None:
@@ -184,13 +194,16 @@ def _sheet_of_range(figure: Figure, cycle: Cycle) -> None:
 def _panel(ax: Axes, cycle: Cycle, name: str, title: str, symbol: str, mean: float | None = None) -> None:
     """One quantity over the input's position, with its mean (SI) if that is given."""
     row = cycle.rows[name]
+    if np.isfinite(row).sum() < 2 or np.nanmax(np.abs(row)) > LARGEST:
+        _say(ax, f"{symbol}: infinite or undefined")
+        return
     factor, label = engineer_unit(cycle.units[name], row)
     q, shown = cycle.q, factor * row
     if cycle.closed:
         # The cycle closes: its first position is shown again at its end.
         q, shown = np.append(q, 2 * q[-1] - q[-2]), np.append(shown, shown[:1])
     ax.plot(q, shown, color=BLUE)
-    if mean is not None:
+    if mean is not None and math.isfinite(mean):
         middle = factor * mean if abs(mean) > 1e-12 * np.abs(row).max() else 0.0
         ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
         title += f" {middle:.4g} {label}".replace("-", "\N{MINUS SIGN}")
@@ -214,30 +227,47 @@ def _show_range(ax: Axes, shown: np.ndarray) -> None:
 def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: Cycle) -> None:
     """The loop W(I), with Wittenbauer's tangents and the flywheel they give where δ is asked for."""
     inertia, work = cycle.rows["reduced_inertia"], cycle.rows["work"]
+    with np.errstate(over="ignore", invalid="ignore"):
+        span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
+        ends = np.array([inertia.min() - span_i, inertia.max() + span_i])
+        tangents = _tangents(scene, values, inertia, work)
+        heights = [[height + slope * end for end in ends] for slope, height, _ in tangents]
+    if not np.max(np.abs([span_i, span_w, *np.ravel(heights)])) < LARGEST:
+        _say(ax, "Energy loop: infinite or undefined")
+        return
     (fi, unit_i), (fw, unit_w) = engineer_unit(cycle.units["reduced_inertia"], inertia), engineer_unit("J", work)
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
     ax.plot(fi * inertia[0], fw * work[0], "o", color=BLUE, markersize=3)
     ax.xaxis.set_major_locator(MaxNLocator(4))
     ax.set(title="Energy loop", xlabel=f"I, {unit_i}", ylabel=f"ΔE, {unit_w}")
-    span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
     ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))
     ax.set_ylim(fw * (work.min() - 0.35 * span_w), fw * (work.max() + 0.45 * span_w))
-    if scene.flywheel is None or scene.flywheel.speed_fluctuation is None:
+    if not tangents:
         return
-    delta = values.get("flywheel.speed_fluctuation", scene.flywheel.speed_fluctuation)
-    omega = abs(values.get("input.speed", scene.input.speed))
-    ends = np.array([inertia.min() - span_i, inertia.max() + span_i])
-    heights = []
-    for sign, colour, best in ((1, VERMILION, np.argmax), (-1, GREEN, np.argmin)):
-        slope = 0.5 * (omega * (1 + sign * delta / 2)) ** 2
-        k = best(work - slope * inertia)
-        heights.append(work[k] - slope * inertia[k])
-        word = "max" if sign > 0 else "min"
+    for (_, _, k), at_ends, colour, word in zip(tangents, heights, (VERMILION, GREEN), ("max", "min"), strict=True):
         label = rf"tangent of slope ½ω$_\mathrm{{{word}}}$²"
-        ax.plot(fi * ends, fw * (heights[-1] + slope * ends), color=colour, linewidth=0.9, label=label)
+        ax.plot(fi * ends, fw * np.array(at_ends), color=colour, linewidth=0.9, label=label)
         ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
-    wheel = (heights[0] - heights[1]) / (delta * omega**2)
+    (steep, upper, _), (flat, lower, _) = tangents
+    # δω² is the difference of ω² at the two speeds over 2.
+    wheel = (upper - lower) / (steep - flat)
     factor, unit = engineer_unit("kg m2", np.array([wheel]))
     ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
     # Within the axes it would cover one of the tangents, whatever their slopes.
     ax.figure.legend(loc="outside lower right", ncols=2)
+
+
+def _tangents(
+    scene: Scene, values: Mapping[str, float], inertia: np.ndarray, work: np.ndarray
+) -> list[tuple[float, float, int]]:
+    """Wittenbauer's tangents of the greatest and of the least speed: slope, height at I = 0, node touched."""
+    if scene.flywheel is None or scene.flywheel.speed_fluctuation is None:
+        return []
+    delta = values.get("flywheel.speed_fluctuation", scene.flywheel.speed_fluctuation)
+    omega = np.float64(values.get("input.speed", scene.input.speed))
+    found = []
+    for sign, best in ((1, np.argmax), (-1, np.argmin)):
+        slope = 0.5 * (omega * (1 + sign * delta / 2)) ** 2
+        k = best(work - slope * inertia)
+        found.append((slope, work[k] - slope * inertia[k], k))
+    return found

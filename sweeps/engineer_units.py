@@ -18,6 +18,7 @@ _SCALES: dict[str, tuple[tuple[str, float], ...]] = {
     "kg m2": (("kg·m²", 1.0),),
     "kg m": (("g·mm", 1e-6), ("kg·mm", 1e-3)),
 }
+_POWERS = str.maketrans("23456789", "²³⁴⁵⁶⁷⁸⁹")
 _PLAIN = {
     "m s-1": "m/s",
     "m s-2": "m/s²",
@@ -55,8 +56,11 @@ def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
         Unit as written on an axis ("kN·m"); "1" for plain numbers.
     """
     scale = _SCALES.get(units)
-    if scale is None:
-        return 1.0, _PLAIN.get(units, units)
+    if scale is None and units not in _PLAIN and units.endswith(" m-1"):
+        # How something changes with a length.
+        scale = tuple((f"{name}/mm", size * 1e3) for name, size in _SCALES.get(units.removesuffix(" m-1"), ()))
+    if not scale:
+        return 1.0, _PLAIN.get(units) or _written(units)
     finite = np.abs(np.asarray(values, float)[np.isfinite(values)])
     largest = float(finite.max()) if finite.size else 0.0
     # Metres only from 10 m on: drawings of machines are in millimetres. Angles within a cycle are in degrees.
@@ -64,6 +68,20 @@ def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
     fitting = [step for step in scale if largest >= threshold * step[1]]
     name, size = fitting[-1] if fitting else scale[0]
     return 1.0 / size, name
+
+
+def _written(units: str) -> str:
+    """A unit without a usual name of its own, as a product or with a bar: "W s rad-1" as "W·s/rad"."""
+    above, below = [], []
+    for part in units.split():
+        symbol = part.rstrip("-0123456789")
+        power = int(part[len(symbol) :] or 1)
+        size = "" if abs(power) == 1 else str(abs(power)).translate(_POWERS)
+        (below if power < 0 else above).append(symbol + size)
+    if not below:
+        return "·".join(above) or units
+    bar = "·".join(below)
+    return f"{'·'.join(above) or '1'}/{f'({bar})' if len(below) > 1 else bar}"
 
 
 def quantity_text(value: float, units: str, error: float | None = None) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from engine import Machine, Scene, Verdict
 from engine.motion.history import history
 from engine.quantities import InputUnits
+from sweeps.errors import PictureError
 from sweeps.regimes import failure_text
 from sweeps.results import Result
 from sweeps.scenefile import with_values, write_scene
@@ -48,6 +49,7 @@ def positions_csv(scene: Scene, values: Mapping[str, float], out: Path, position
     """
     available = Machine(scene).available_fields
     names = [n for n in available if "." in n and not n.endswith(".moment")]
+    names = [n for n in names if n.partition(".")[0] not in scene.regimes]
     names += ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
     machine = Machine(scene, fields=names, varied=list(values), positions=positions)
     outcome = machine.evaluate({p: np.array([v]) for p, v in values.items()})
@@ -110,16 +112,27 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path) -> None:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
 
-def drawing(scene: Scene, values: Mapping[str, float], out: Path, phi: float) -> None:
-    """Drawing of the mechanism at one position, SVG or DXF by the file's ending."""
+def drawing(scene: Scene, values: Mapping[str, float], out: Path, position: float | None = None) -> None:
+    """Drawing of the mechanism at one position, SVG or DXF by the file's ending; where it shows it well, if not said.
+
+    Raises
+    ------
+    PictureError
+        The scene has machine elements alone, or can't be drawn so.
+    """
+    from sweeps.drawing.figures import default_position
+    from sweeps.drawing.motion import Motion
+
+    if scene.input is None:
+        raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
     if out.suffix == ".dxf":
         from sweeps.dxf import write_dxf
 
-        write_dxf(out, scene, phi, dict(values))
+        write_dxf(out, scene, default_position(Motion(scene, values)) if position is None else position, dict(values))
         return
     from sweeps.drawing import picture
 
-    picture(scene, out, (phi,), values=values)
+    picture(scene, out, () if position is None else (position,), values=values)
 
 
 def _header(name: str, units: str) -> str:

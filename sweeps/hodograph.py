@@ -40,7 +40,8 @@ def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figu
         left, right = figure.subplots(1, 2)
         _hodographs(left, forces, factor, unit)
         _orders(right, {n: order_sizes(f, scenes[n].input.revolutions) for n, f in forces.items()}, factor, unit)
-        title = next(iter(scenes.values())).title
+        titles = {scene.title for scene in scenes.values()}
+        title = titles.pop() if len(titles) == 1 else ""
         figure.suptitle(f"{title}: shaking force" if title else "Shaking force", fontweight="bold")
     if not isinstance(target, Figure):
         save(figure, target)

@@ -15,6 +15,7 @@ from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.parallel_coordinates import chosen_columns, parallel
 from sweeps.pareto import pareto_front
+from sweeps.sensitivity import RSS, WORST_CASE
 from sweeps.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
 from sweeps.sweep_data import SweepData
 
@@ -33,6 +34,8 @@ REASONS = {
 
 
 VEIL = "#e9ebed"
+# Share of a curve's range from which on a band about it can be seen.
+SEEN = 0.002
 
 
 def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int | None = None) -> None:
@@ -59,9 +62,10 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         few = np.count_nonzero(data.ok) <= 60
         ax.plot(along[order], values[order], color=BLUE, marker="o" if few else None, markersize=2.5)
         error = factor * np.asarray(data.arrays.get(f"{y}_error", np.zeros_like(values)), dtype=float)
-        if data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > 0.002 * np.ptp(values[data.ok]):
+        if data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > SEEN * np.ptp(values[data.ok]):
             low, high = (values - error)[order], (values + error)[order]
             ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error figure")
+        _tolerance_bands(ax, data, along[order], y, order)
         if data.out.any():
             shown = np.where(data.out, values, np.nan)[order]
             look = {"color": PALE, "marker": "o" if few else None, "markersize": 3, "linewidth": 1.8}
@@ -72,6 +76,16 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         ax.set_ylabel(y_label)
     axes[-1].set_xlabel(label)
     _legend_below(figure, axes)
+
+
+def _tolerance_bands(ax: Axes, data: SweepData, along: np.ndarray, y: str, order: np.ndarray) -> None:
+    """How far tolerances of the machine as built may take a summary, at worst and statistically."""
+    values, _, factor = data.shown(y)
+    for ending, alpha, words in ((WORST_CASE, 0.15, "worst case"), (RSS, 0.25, "root of sum of squares")):
+        band = np.where(data.ok, factor * np.asarray(data.arrays.get(f"{y}.{ending}", 0.0), float), np.nan)
+        if data.ok.any() and np.nanmax(np.nan_to_num(band)) > SEEN * np.ptp(values[data.ok]):
+            ends, look = ((values - band)[order], (values + band)[order]), {"color": VERMILION, "linewidth": 0}
+            ax.fill_between(along, *ends, alpha=alpha, label=f"within tolerances, {words}", **look)
 
 
 def _mark_failed(ax: Axes, along: np.ndarray, status: np.ndarray) -> None:

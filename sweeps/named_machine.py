@@ -1,13 +1,15 @@
-"""The machine that a file names: of a scene or a study, or a variant of a result."""
+"""The machine that a file names, of a scene or a study, or a variant of a result; and positions of its input."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
 from engine import Scene
+from engine.parts import CrankInput
+from engine.units import UnitError, in_text
 from sweeps.optimising.optimum import choices, is_front
 from sweeps.results import Result
 from sweeps.study import find_study, read_study
-from sweeps.textfile import is_hdf5
+from sweeps.textfile import InputError, is_hdf5
 
 
 def is_result(file: str) -> bool:
@@ -43,3 +45,31 @@ def machine_of(file: str, variant: int | None) -> tuple[Scene, Mapping[str, floa
         return study.scene, {}, study.name
     values, _ = study.values(variant, variant + 1)
     return study.scene, {p: float(values[p][0]) for p in study.paths}, f"{study.name}_{variant}"
+
+
+def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
+    """Positions of a scene's input from a text with commas.
+
+    Parameters
+    ----------
+    scene : Scene
+    text : str
+        Crank angles, in degrees where no unit is named, or displacements of a sliding input.
+
+    Returns
+    -------
+    tuple of float
+        [rad] or [m].
+
+    Raises
+    ------
+    InputError
+        A part can't be read so.
+    """
+    turns = scene.input is None or isinstance(scene.input, CrankInput)
+    dimension, mend = ("angle", "0,60,120") if turns else ("length", "'0 mm, 20 mm'")
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    try:
+        return tuple(in_text(f"{part} deg" if turns and part[-1].isdigit() else part, dimension) for part in parts)
+    except UnitError as error:
+        raise InputError("--at", [(None, "", f"{error}; give it such as --at {mend}")]) from None

@@ -9,6 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from engine import Scene
+from engine.balancing.engine_element import EngineElement
 from engine.balancing.engine_layout import (
     Engine,
     Layout,
@@ -21,7 +23,7 @@ from engine.balancing.engine_layout import (
     w,
 )
 from engine.balancing.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals
-from engine.balancing.harmonics import piston_harmonics
+from engine.balancing.harmonics import crank_radius, piston_harmonics
 from engine.balancing.hodograph import Hodograph
 from engine.balancing.shaking import ORDERS, shaking
 from engine.balancing.torque_orders import firing_sums
@@ -57,12 +59,18 @@ class EngineRow(NamedTuple):
         An even one is looked for where it is not given.
     master : MasterRod, optional
         Its lengths as multiples of the crank's, the rod being 1/λ of it.
+    ratio : float
+        λ, crank over rod.
+    offset : float
+        Of the gudgeon pins' ways, as a multiple of the crank's length.
     """
 
     name: str
     layout: Layout
     firing_order: tuple[int, ...] | None = None
     master: MasterRod | None = None
+    ratio: float = RATIO
+    offset: float = 0.0
 
 
 class Remaining(NamedTuple):
@@ -108,6 +116,30 @@ def well_known_engines() -> list[EngineRow]:
     return [*rows, EngineRow("radial 9, master rod", radial(9).layout(), master=MasterRod(0, 0.9, 1 / RATIO - 0.9))]
 
 
+def engine_rows(scene: Scene) -> list[EngineRow]:
+    """The engines of a scene; couples are multiples of their spacing, or of the rods' distance on one throw.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+    return [_row(name, e) for name, e in scene.elements.items() if isinstance(e, EngineElement)]
+
+
+def _row(name: str, engine: EngineElement) -> EngineRow:
+    unit = engine.spacing or abs(engine.rod_distance) or 1.0
+    bank, pins = engine.bank_angle or 0.0, engine.pin_offset or 0.0
+    # Without a spacing couples aren't asked for; with one of 1 they are those of the layout.
+    spacing = 1.0 if engine.spacing is None else engine.spacing / unit
+    layout = engine.pattern().layout(bank, pins, spacing, engine.rod_distance / unit)
+    radius = float(crank_radius(engine.stroke, engine.rod, engine.gudgeon_offset or 0.0))
+    index, master = engine.master_index, None
+    if index is not None:
+        master = MasterRod(index, engine.knuckle_radius / radius, engine.link_rod / radius)
+    ratio, offset = radius / engine.rod, (engine.gudgeon_offset or 0.0) / radius
+    return EngineRow(name, layout, engine.firing_order, master, ratio, offset)
+
+
 def remaining_orders(row: EngineRow) -> Remaining:
     """Forces, couples and torque orders of an engine with balanced rotating masses.
 
@@ -115,8 +147,8 @@ def remaining_orders(row: EngineRow) -> Remaining:
     ----------
     row : EngineRow
     """
-    found = shaking(Engine(row.layout, 1.0, 1.0 / RATIO, master=row.master))
-    units = np.abs(piston_harmonics(RATIO, ORDERS))
+    found = shaking(Engine(row.layout, 1.0, 1.0 / row.ratio, offset=row.offset, master=row.master))
+    units = np.abs(piston_harmonics(row.ratio, ORDERS, row.offset * row.ratio))
     forces, couples = (
         Hodograph(ORDERS, _clean(vector.forward / units), _clean(vector.backward / units))
         for vector in (found.forces, found.couples)
@@ -140,16 +172,23 @@ def order_table(rows: Sequence[EngineRow] | None = None, markdown: bool = True) 
     markdown : bool
         Or columns of plain text.
     """
-    cells = [_cells(row) for row in (well_known_engines() if rows is None else rows)]
+    rows = well_known_engines() if rows is None else rows
+    cells = [_cells(row) for row in rows]
     if markdown:
         lines = [_HEADS, ("---",) * len(_HEADS), *cells]
         shown = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     else:
         shown = table([_HEADS, *cells])
-    values = ", ".join(
-        f"A{_small(n)} = {value:.4g}" for n, value in zip(ORDERS, piston_harmonics(RATIO, ORDERS).real, strict=True)
-    )
-    return f"{shown}\n\n{_LEGEND} At λ = {RATIO:g}: {values}.\n"
+    kinds = dict.fromkeys((row.ratio, row.offset) for row in rows)
+    return f"{shown}\n\n{_LEGEND} {' '.join(_harmonics_text(*kind) for kind in kinds)}\n"
+
+
+def _harmonics_text(ratio: float, offset: float) -> str:
+    harmonics = piston_harmonics(ratio, ORDERS, offset * ratio)
+    sizes = np.abs(harmonics) if offset else harmonics.real
+    values = ", ".join(f"A{_small(n)} = {value:.4g}" for n, value in zip(ORDERS, sizes, strict=True))
+    aside = f" and an offset of {offset:.3g} r" if offset else ""
+    return f"At λ = {ratio:.4g}{aside}: {values}."
 
 
 _LEGEND = (

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Scene
+from engine import Scene, Verdict
 from engine.motion.history import history
 from engine.regimes import SteadyRegime
 from sweeps.diagrams import diagrams
 from sweeps.drawing import picture
+from sweeps.element_pictures import element_pictures
 from sweeps.errors import PictureError
+from sweeps.hodograph import hodographs
 from sweeps.maps import plot_result
 from sweeps.motion_diagrams import courses, cycle_diagrams, history_diagrams
 from sweeps.optimising.front_picture import front_picture
@@ -18,8 +20,11 @@ from sweeps.optimising.optimum import is_front
 from sweeps.plans import reaction_pictures
 from sweeps.results import Result
 from sweeps.scenefile import with_values
+from sweeps.sensitivity import RSS, WORST_CASE
 from sweeps.store import columns
 from sweeps.sweep_data import SweepData
+
+Named = tuple[Scene, Mapping[str, float], str]
 
 # Fields larger than this are not read for a picture.
 LARGEST_FIELD = 256e6
@@ -28,7 +33,7 @@ LARGEST_FIELD = 256e6
 def machine_pictures(
     scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
 ) -> list[Path]:
-    """Drawing of a machine and its diagrams, side by side in two files; with regimes its motion in further ones.
+    """Drawing of a machine and its diagrams in two files; its regimes, rotors and engines in further ones.
 
     Parameters
     ----------
@@ -50,14 +55,52 @@ def machine_pictures(
     Raises
     ------
     PictureError
-        The scene has machine elements alone, or its mechanism can't be assembled.
+        The scene has machine elements alone that no picture is made of, or its mechanism can't be assembled.
     """
+    made = element_pictures(with_values(scene, values), path)
     if scene.input is None:
-        raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+        if not made:
+            raise PictureError("the scene has machine elements alone, no rotor and no engine: there is nothing to draw")
+        return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
     picture(scene, path, at, paths, values)
     diagrams(scene, second, values)
-    return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else [])]
+    return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *made]
+
+
+def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
+    """Draw the shaking force of a machine over its cycle, with another one's or with the scene's as it was given.
+
+    Parameters
+    ----------
+    machine : (Scene, mapping of path to float, str)
+        With numbers (SI) to be replaced, and its name.
+    beside : (Scene, mapping of path to float, str), optional
+        Another machine; unless given, and where numbers are replaced, the scene without that.
+    path : Path
+        The name of the picture is this one's with `_hodograph` added.
+
+    Returns
+    -------
+    Path
+        The file made.
+
+    Raises
+    ------
+    PictureError
+        A machine can't be computed or its crank doesn't turn fully.
+    """
+    scene, values, name = machine
+    shown = {}
+    if beside is not None:
+        shown[beside[2]] = with_values(*beside[:2])
+    elif values:
+        shown["scene"] = scene
+    # Of two with the same name the first says that it stands beside.
+    shown = {f"{other} (beside)" if other == name else other: s for other, s in shown.items()}
+    target = path.with_name(f"{path.stem}_hodograph{path.suffix}")
+    hodographs({**shown, name: with_values(scene, values)}, target)
+    return target
 
 
 def motion_pictures(scene: Scene, path: Path) -> list[Path]:
@@ -90,6 +133,8 @@ def result_pictures(
 ) -> list[Path]:
     """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine and the reactions kept.
 
+    Without a goal, the reactions are those of the first variant that works.
+
     Parameters
     ----------
     path : Path
@@ -107,6 +152,8 @@ def result_pictures(
     result = Result(path)
     if result.description.variants == 1:
         values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
+        if result.scene.input is None:
+            return machine_pictures(result.scene, values, picture_file)
         made = machine_pictures(result.scene, values, picture_file)
         return made + reaction_pictures(result.scene, picture_file, result.fields, values)
     best = result.best()
@@ -115,11 +162,25 @@ def result_pictures(
         front_picture(result, sweep_data(result, ()), made[0])
         return made
     plot_result(sweep_data(result, (x, y, colour)), made[0], x, y, colour, best)
-    if best is not None and out is None and x is y is colour is None and result.scene.input is not None:
-        stem = path.with_name(f"{path.stem}_best.png")
-        made += machine_pictures(result.scene, result.variant_values(best), stem)
-        made += reaction_pictures(result.scene, stem, result.fields, result.variant_values(best))
+    if out is None and x is y is colour is None:
+        made += _pictures_of_one(result, best)
     return made
+
+
+def _pictures_of_one(result: Result, best: int | None) -> list[Path]:
+    """The best machine and the reactions kept; without a goal those of the first variant that works."""
+    path = result.path
+    if best is None:
+        first = np.flatnonzero(result.columns["status"] == Verdict.OK)[:1]
+        if first.size == 0 or result.goal is not None or result.scene.input is None:
+            return []
+        stem = path.with_name(f"{path.stem}_{first[0]}.png")
+        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(int(first[0])))
+    stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
+    if result.scene.input is None:
+        return element_pictures(with_values(result.scene, values), stem)
+    made = machine_pictures(result.scene, values, stem)
+    return made + reaction_pictures(result.scene, stem, result.fields, values)
 
 
 def sweep_data(result: Result, asked: Sequence[str | None]) -> SweepData:
@@ -129,7 +190,9 @@ def sweep_data(result: Result, asked: Sequence[str | None]) -> SweepData:
     small = d.variants * d.positions * 8 <= LARGEST_FIELD
     arrays |= columns(result.path, [f for f in result.fields if f in asked and small])
     goal = result.goal
-    summaries = sorted(result.summaries, key=lambda name: goal is None or name != goal.goal)
+    # Tolerances are shown as bands about their summaries.
+    alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
+    summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
     position = columns(result.path, [result.position_name])[result.position_name] if result.fields else None
     return SweepData(
         arrays,

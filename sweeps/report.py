@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import SENTENCES, ElementsAlone, Machine, Outcome, Verdict, made_ready
+from engine import SENTENCES, AccurateMachine, ElementsAlone, Machine, Outcome, Verdict, made_ready
 from engine.actions import Brake
 from engine.demand import describe
 from engine.model import Model
@@ -15,6 +15,7 @@ from engine.quantities import InputUnits
 from engine.rotation import assembly_ranges
 from engine.scene import Scene
 from engine.structure import group_links
+from sweeps import accuracy_words
 from sweeps.cost import probe
 from sweeps.engineer_units import engineer_unit, figure_text, quantity_text
 from sweeps.regimes import MOTION_VERDICTS, by_regime, failure_text, regime_words, telling_summaries
@@ -137,7 +138,7 @@ def check_text(study: Study, out: Path) -> str:
         ("Machine as it is", nominal_text(study)),
         *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
-        ("Asked", "\n".join((*study.summaries, *study.fields))),
+        ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),
         *_cost_sections(study, machine, out),
     ]
@@ -149,9 +150,15 @@ def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:
         return [("Computed once for each variant", ", ".join(machine.elements))]
     computed, left = plan_text(machine)
     return [
-        (f"Computed at each of {machine.nodes.size} positions", computed),
+        (f"Computed at each of {_positions_text(machine)}", computed),
         ("Left out, as nothing asked needs it", left),
     ]
+
+
+def _positions_text(machine: Machine) -> str:
+    if isinstance(machine, AccurateMachine):
+        return f"as many positions as an accuracy of {accuracy_words.share_text(machine.accuracy)} takes"
+    return f"{machine.nodes.size} positions"
 
 
 def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
@@ -167,7 +174,9 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     numbers = 8 * (len(machine.source("whole").slots) + 4 * len(study.summaries))
     memory = layout.block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
     free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
+    reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
+        *reached,
         ("Evaluation", f"{way}; {study.precision}; saved after every {layout.block} variants"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
@@ -243,7 +252,7 @@ def counts_text(result: Result) -> str:
                 shown = f"sweeps plot {result.path} --variant {int(np.argmax(failed))}"
                 lines = [f"the motion of the first of them, as far as it goes: {shown}"]
             rows += [("", "", line) for line in lines]
-    return table(rows)
+    return "\n".join([table(rows), *accuracy_words.of_result(result)])
 
 
 def _drops(missed: Sequence[tuple[str, np.ndarray]], variants: int | None = None) -> list[str]:

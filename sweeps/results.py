@@ -72,6 +72,12 @@ class Result:
         return tuple(c.name for c in self.description.columns if "position" in c.dims)
 
     @property
+    def accuracy(self) -> float | None:
+        """Allowed error of every summary as a share of its magnitude, if one was asked."""
+        text = self.description.attributes.get("accuracy", "")
+        return float(text) if text else None
+
+    @property
     def done(self) -> int:
         """How many variants have been computed or dropped so far."""
         return int((self.columns["status"] != Verdict.NOT_COMPUTED).sum())

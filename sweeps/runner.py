@@ -36,9 +36,10 @@ def block_size(study: Study, machine: Machine) -> int:
 
 def largest_block(study: Study, machine: Machine) -> int:
     """As `block_size`, however many variants there are."""
-    work = machine.nodes.size * (len(machine.source("whole").steps) + 10)
+    work = machine.nodes.size * (len(machine.source("whole").steps) + 10) * (1 + study.sensitivity.evaluations)
     row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
-    numbers = 8 * (2 * len(study.summaries) + 4 * len(study.parameters) + len(machine.source("whole").slots) + 8)
+    asked = len(study.summaries) + len(study.sensitivity.quantities)
+    numbers = 8 * (2 * asked + 4 * len(study.parameters) + len(machine.source("whole").slots) + 8)
     most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
     fitting = min(WORK_PER_BLOCK * 10 / work, BYTES_PER_BLOCK / (row + numbers), most)
     return int(max(2 ** int(np.log2(max(fitting, 1))), 16))
@@ -57,6 +58,7 @@ def layout_of(study: Study, machine: Machine) -> Layout:
         quantity = machine.available_summaries[name]
         columns.append(Column(name, quantity.long_name, quantity.units))
         columns.append(Column(f"{name}_error", f"error figure of: {quantity.long_name}", quantity.units))
+    columns += study.sensitivity.columns
     for name in study.fields:
         quantity: Quantity = machine.available_fields[name]
         columns.append(Column(name, quantity.long_name, quantity.units, ("variant", "position"), machine.dtype.type))
@@ -97,6 +99,7 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "study": study.text,
         "scene": write_scene(study.scene),
         "study_hash": study.digest,
+        "accuracy": "" if study.accuracy is None else repr(study.accuracy),
         "groups": ", ".join(machine.groups),
         "grid": " x ".join(f"{'+'.join(axis.names)}[{axis.size}]" for axis in study.design.axes),
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
@@ -169,7 +172,8 @@ def evaluate_block(study: Study, machine: Machine, variants: slice, buffer: np.n
         outcome = _repeated(machine.evaluate({}), variants.stop - variants.start, drop)
     results = {"status": outcome.status, "status_group": outcome.status_group, "status_at": outcome.status_at}
     errors = {f"{name}_error": error for name, error in outcome.errors.items()}
-    return values | results | outcome.summaries | errors | outcome.fields
+    sensitivity = study.sensitivity.of_variants(values, outcome.status)
+    return values | results | outcome.summaries | errors | sensitivity | outcome.fields
 
 
 def _repeated(outcome: Outcome, count: int, drop: np.ndarray) -> Outcome:

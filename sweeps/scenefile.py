@@ -187,7 +187,10 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
-    """Write the columns of tables with their units."""
+    """Write the columns of tables, and the throws of engines, with their units."""
+    for element in data.get("elements", {}).values():
+        if "throws" in element:
+            element["throws"] = [f"{angle!r} rad" for angle in element["throws"]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

@@ -19,6 +19,7 @@ from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_
 from sweeps.optimising.task import task_of
 from sweeps.sampling import Axis, Design
 from sweeps.scenefile import scene_from
+from sweeps.sensitivity import Asked, Sensitivity, refusals
 from sweeps.studyfile import Best, Optimise, StudyText, ToleranceText
 from sweeps.studyreader import StudyReader, default_summaries
 from sweeps.textfile import InputError, line_of, parse_toml, read_text
@@ -43,12 +44,16 @@ class Study:
         What is asked.
     positions : int
     precision : {"float64", "float32"}
+    accuracy : float or None
+        Allowed error of every summary, as a share of its magnitude.
     name, title, question, text : str
     best : Best or None
     optimise : Optimise or None
         What a search looks for.
     tolerances : dict of str to ToleranceText
         How far numbers of the machine as built may be off, by path.
+    derivatives : tuple of Asked
+        Derivatives of summaries by numbers of the scene or free parameters.
     free_units : dict of str to str
         SI unit of each parameter that is no number of the scene, as CF spells it.
     """
@@ -61,6 +66,7 @@ class Study:
     fields: tuple[str, ...] = ()
     positions: int = 720
     precision: str = "float64"
+    accuracy: float | None = None
     name: str = "study"
     title: str = ""
     question: str = ""
@@ -68,12 +74,24 @@ class Study:
     best: Best | None = None
     optimise: Optimise | None = None
     tolerances: Mapping[str, ToleranceText] = field(default_factory=dict)
+    derivatives: tuple[Asked, ...] = ()
     free_units: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def fixed(self) -> dict[str, float]:
         """Numbers of the scene as it is (SI), by path."""
         return {path: number.value for path, number in scene_numbers(self.scene).items()}
+
+    @cached_property
+    def sensitivity(self) -> Sensitivity:
+        """Derivatives and tolerance bands of the variants.
+
+        Raises
+        ------
+        AskError
+            Something asked doesn't exist or has no derivative.
+        """
+        return Sensitivity(self)
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -99,7 +117,13 @@ class Study:
             An asked summary or field doesn't exist.
         """
         return made_ready(
-            self.scene, self.summaries, self.fields, self.paths, self.positions, np.dtype(self.precision).type
+            self.scene,
+            self.summaries,
+            self.fields,
+            self.paths,
+            self.positions,
+            np.dtype(self.precision).type,
+            self.accuracy,
         )
 
     def values(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
@@ -129,7 +153,8 @@ class Study:
             "axes": [_axis_content(axis) for axis in self.design.axes],
             "derived": {path: e.text for path, e in self.derived.items()},
             "require": [e.text for e in self.require],
-            "asked": [self.summaries, self.fields, self.positions, self.precision],
+            "asked": [self.summaries, self.fields, self.positions, self.precision, self.accuracy],
+            "sensitivity": [self.derivatives, {path: t.model_dump() for path, t in self.tolerances.items()}],
             "engine": sources_digest(),
         }
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
@@ -224,6 +249,7 @@ def _check_where(study: Study, machine: Machine | ElementsAlone, where: str) -> 
         raise ExpressionError(f"{where!r} is a number; a condition such as 'a < b' is needed")
     units = {name: study.unit(name) for name in study.parameters}
     units |= {name: machine.available_summaries[name].units for name in study.summaries}
+    units |= {quantity.name: quantity.units for quantity in study.sensitivity.quantities}
     for name in condition.names:
         if name not in units:
             raise ExpressionError(f"{unknown_name_message(name, units)}; name it under outputs.summaries to have it")
@@ -234,10 +260,12 @@ def _checked(study: Study, path: Path) -> Study:
     """The study, if everything asked of it exists."""
     try:
         machine = study.machine()
+        if found := refusals(study):
+            raise InputError(path.name, [(line_of(study.text, key.split(".")), key, text) for key, text in found])
         if study.best and study.best.where:
             _check_where(study, machine, study.best.where)
     except AskError as error:
-        key = next((k for k in ("positions", "vary") if k in str(error)), "outputs")
+        key = next((k for k in ("accuracy", "positions", "vary") if k in str(error)), "outputs")
         if study.best and str(error).startswith(repr(study.best.goal)):
             key = f"best.{'minimise' if study.best.minimise else 'maximise'}"
         raise InputError(path.name, [(line_of(study.text, key.split(".")), key, str(error))]) from None
@@ -246,6 +274,6 @@ def _checked(study: Study, path: Path) -> Study:
         raise InputError(path.name, problems) from None
     except ExpressionError as error:
         raise InputError(path.name, [(line_of(study.text, ["best", "where"]), "best.where", str(error))]) from None
-    if study.optimise is not None or study.tolerances:
+    if study.optimise is not None:
         task_of(study)
     return study

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from engine.parts import Part
+from engine.parts import Number, Part
 
 
 class Range(Part):
@@ -39,10 +39,14 @@ class Sampling(Part):
 
 
 class Outputs(Part):
-    """What is kept: summaries (numbers per variant) and fields (rows over the crank angle)."""
+    """What is kept: summaries (numbers per variant), fields (rows over the crank angle), derivatives of summaries.
+
+    A derivative is asked for as "excess_work by input.length".
+    """
 
     summaries: list[str] = []
     fields: list[str] = []
+    derivatives: list[str] = []
 
 
 class Best(Part):
@@ -127,7 +131,8 @@ class StudyText(Part):
     (or free parameters, names without a dot) to axes; `variants` names a CSV file whose columns vary together.
     `derive` ties further numbers to those by arithmetic; `require` drops variants that don't meet a condition.
     `optimise` is what `sweeps optimise` searches for, instead of all variants; `tolerances` say how far numbers of
-    the machine as built may be off.
+    the machine as built may be off. `accuracy` is the allowed error of every summary, as a share of its magnitude:
+    each variant then gets as many positions as that takes, and `positions` is how many the fields have.
     """
 
     title: str = ""
@@ -135,6 +140,7 @@ class StudyText(Part):
     source: str = ""
     scene: str | dict[str, Any]
     positions: int = 720
+    accuracy: Annotated[Number, Field(gt=0, lt=1)] | None = None
     precision: Literal["float64", "float32"] = "float64"
     vary: dict[str, AxisText] = {}
     variants: str | None = None

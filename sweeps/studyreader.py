@@ -5,13 +5,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from engine import Machine, Scene, made_ready, scene_numbers
+from engine import AskError, Machine, Scene, made_ready, scene_numbers
+from engine.accuracy import OF_ACCURACY
 from engine.units import DIMENSIONS, UnitError, any_quantity, in_text, recognised
 from sweeps.dimensions import check_yields, dimension_of, dimension_of_unit, unit_of_dimension
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
 from sweeps.regimes import telling_summaries
 from sweeps.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.scenefile import read_csv, scene_from
+from sweeps.sensitivity import RSS, WORST_CASE, Asked
 from sweeps.studyfile import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
 from sweeps.textfile import InputError, line_of, parse_toml, read_text, validate
 
@@ -20,7 +22,7 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
     """What is asked of a machine where nothing is named: all of its cycle and its flywheel, strokes, its regimes."""
     if scene.input is None:
         return tuple(made_ready(scene).available_summaries)
-    left_out = ("first_kind_inertia", "power_balance_residual")
+    left_out = ("first_kind_inertia", "power_balance_residual", "loop_closure_residual")
     machine = Machine(scene)
     names = {n: n.partition(".")[0] for n in machine.available_summaries if n not in left_out}
     telling = (".stroke", "_angle")
@@ -84,14 +86,17 @@ class StudyReader:
         names = design.names if design else ()
         derived = self._derived(names)
         require = tuple(e for i, t in enumerate(self.raw.require) if (e := self._condition(t, i)))
+        derivatives = self._derivatives()
         if self.problems:
             raise InputError(self.path.name, self.problems)
         outputs = self.raw.outputs
         summaries = tuple(dict.fromkeys(outputs.summaries))
         if not summaries and not outputs.fields:
             summaries = default_summaries(self.scene)
-        if self.raw.best and self.raw.best.goal not in summaries:
-            summaries = (*summaries, self.raw.best.goal)
+        if self.raw.best:
+            summaries = tuple(dict.fromkeys([*summaries, *self._asked_for(self.raw.best.goal, derivatives)]))
+        if self.raw.accuracy is not None:
+            summaries = tuple(dict.fromkeys((*summaries, *OF_ACCURACY)))
         free = (name for name in (*names, *derived) if name not in self.numbers)
         return {
             "scene": self.scene,
@@ -100,8 +105,10 @@ class StudyReader:
             "require": require,
             "summaries": summaries,
             "fields": tuple(dict.fromkeys(outputs.fields)),
+            "derivatives": derivatives,
             "positions": self.raw.positions,
             "precision": self.raw.precision,
+            "accuracy": self.raw.accuracy,
             "name": self.path.stem,
             "title": self.raw.title or self.scene.title,
             "question": self.raw.question,
@@ -111,6 +118,22 @@ class StudyReader:
             "tolerances": self.raw.tolerances,
             "free_units": {name: unit_of_dimension(self.dimensions[name]) for name in free},
         }
+
+    def _asked_for(self, goal: str, derivatives: Iterable[Asked]) -> tuple[str, ...]:
+        """Summaries that a goal needs: itself, that of its tolerance band, or none if it is a derivative asked for."""
+        if goal in [asked.name for asked in derivatives]:
+            return ()
+        summary, _, ending = goal.rpartition(".")
+        return (summary if self.raw.tolerances and ending in (WORST_CASE, RSS) else goal,)
+
+    def _derivatives(self) -> tuple[Asked, ...]:
+        found = []
+        for text in dict.fromkeys(self.raw.outputs.derivatives):
+            try:
+                found.append(Asked.read(text))
+            except AskError as error:
+                self._problem(["outputs", "derivatives"], str(error))
+        return tuple(found)
 
     def _problem(self, keys: list[str], message: str, line: int | None = None) -> None:
         line = line or line_of(self.text, keys) or line_of(self.text, _split(keys))

@@ -63,9 +63,12 @@ def _at(motion: Motion, point: str) -> tuple:
     return tuple(part.v + 0 * motion.q for part in motion.points[point])
 
 
-def external(motion: Motion) -> tuple[Balance, Balance]:
-    """Given forces on every link, and of those the ones whose counterpart the frame or another link doesn't bear."""
-    scene, speed = motion.scene, motion.scene.input.speed
+def external(motion: Motion, speed: float | np.ndarray | None = None) -> tuple[Balance, Balance]:
+    """Given forces on every link, and of those the ones whose counterpart the frame or another link doesn't bear.
+
+    `speed` is the input's, its uniform one when not given.
+    """
+    scene, speed = motion.scene, motion.scene.input.speed if speed is None else speed
     inside, outside = (Balance(list(motion.links), motion.q.size) for _ in range(2))
     for body in scene.bodies.values():
         mass, x, y, _ = body_of(body)
@@ -109,7 +112,7 @@ def external(motion: Motion) -> tuple[Balance, Balance]:
     return inside, outside
 
 
-def momentum(motion: Motion, square: float, epsilon: float) -> Balance:
+def momentum(motion: Motion, square: float | np.ndarray, epsilon: float | np.ndarray) -> Balance:
     """Rates of momentum and of moment of momentum about the origin, d²r/dt² = ω² r″ + ε r′."""
     rates = Balance(list(motion.links), motion.q.size)
 
@@ -205,19 +208,22 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     return x
 
 
-def reactions(scene: Scene, q: np.ndarray, omega: float | None = None, epsilon: float = 0.0) -> dict[str, np.ndarray]:
+def reactions(
+    scene: Scene, q: np.ndarray, omega: float | np.ndarray | None = None, epsilon: float | np.ndarray = 0.0
+) -> dict[str, np.ndarray]:
     """All reactions by the engine's names, in frame axes, with the drive and what the machine does to its frame.
 
     Parameters
     ----------
     scene : Scene
     q : ndarray (positions,)
-    omega, epsilon : float
-        Motion of the input for the inertia forces; its uniform speed when not given.
+    omega, epsilon : float or ndarray (positions,)
+        Motion of the input; its uniform speed when not given.
     """
     motion = Motion(scene, q)
     square = REAL(scene.input.speed if omega is None else omega) ** 2
-    (inside, outside), rates, columns = external(motion), momentum(motion, square, epsilon), unknowns(motion)
+    (inside, outside), rates = external(motion, omega), momentum(motion, square, epsilon)
+    columns = unknowns(motion)
     moving = [name for name in motion.links if name != FRAME]
     rows = balances(motion)
     assert len(rows) == len(columns)

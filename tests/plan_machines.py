@@ -5,6 +5,7 @@ from functools import cache
 from drawn_machines import GALLERY, crank, four_bar
 
 from engine import Scene
+from engine.pairs import pairs
 from sweeps.plans import MachineCycle
 from sweeps.scenefile import read_scene
 from sweeps.template import TEMPLATES, templates
@@ -57,9 +58,21 @@ TURNING_YOKE = four_bar(
     bodies={"yoke": {"link": "yoke", "mass": 2.0, "x": 0.05, "y": 0.02, "inertia": 0.004}},
     gravity=9.81,
 )
-MACHINES = {name: read_scene(TEMPLATES / f"{name}.toml") for name in templates()} | GALLERY
+SCENES = {name: read_scene(TEMPLATES / f"{name}.toml") for name in templates()}
+MECHANISMS = [name for name, scene in SCENES.items() if scene.input is not None]
+MACHINES = {name: SCENES[name] for name in MECHANISMS} | GALLERY
 MACHINES |= {"PRP": PRP, "geared to a rocker": GEARED_TO_A_ROCKER, "turning yoke": TURNING_YOKE}
 CLOSED = [name for name, scene in MACHINES.items() if scene.input.type == "crank" and scene.input.start is None]
+
+
+def rubbing(name, length=None):
+    """A machine with friction in all of its pairs, its sliders of a length."""
+    scene, friction = MACHINES[name], {}
+    for i, pair in enumerate(pairs(scene)):
+        own = {"diameter": 0.01 + 0.002 * i} if pair.kind == "revolute" else {}
+        own |= {"length": length} if pair.kind == "prismatic" and length else {}
+        friction[f"f{i}"] = {"pair": pair.name, "coefficient": 0.05 + 0.02 * i, **own}
+    return Scene.model_validate(scene.model_dump(exclude_none=True, exclude_unset=True) | {"friction": friction})
 
 
 @cache

@@ -589,7 +589,7 @@ def test_version__is_told_whether_installed_or_not(folder):
 def test_help__names_the_commands(folder):
     answer = said("--help")
     assert answer.exit_code == 0
-    for command in ("run", "check", "show", "plot", "animate", "export", "new", "list", "flywheel"):
+    for command in ("run", "check", "show", "plot", "orders", "animate", "export", "new", "list", "flywheel"):
         assert f"  {command}" in answer.stdout
         assert said(command, "--help").exit_code == 0
 

@@ -89,3 +89,20 @@ def test_diagrams_without_flywheel__speed_left_out_with_the_reason():
 def test_diagrams_of_a_machine_that_cannot_be_assembled__refused():
     with pytest.raises(PictureError, match="can't be assembled"):
         diagrams(COMPRESSOR, Figure(), {"groups.g.first.length": 0.01})
+
+
+@pytest.mark.parametrize(
+    ("changes", "panels"),
+    [
+        ({"forces.p.force": 1e308, "input.length": 1e3, "groups.g.first.length": 4e3}, {2, 3, 4}),
+        ({"forces.p.force": 1e308}, {2, 3, 4}),
+        ({"bodies.piston.mass": 1e300, "input.speed": 1e200}, {4}),
+        ({"bodies.rod.inertia": 1e308}, {0}),
+    ],
+)
+def test_diagrams_of_what_is_not_finite__say_so_in_place_of_its_panels(changes, panels, tmp_path):
+    punch = {"type": "constant", "on": "B", "force": 1e4, "angle": 3.0, "acts": "against"}
+    scene = slider_crank(forces={"p": punch}, flywheel={"speed_fluctuation": 0.04})
+    figure = diagrams(scene, tmp_path / "a.png", changes)
+    told = {i for i, axes in enumerate(figure.axes) if any("undefined" in text.get_text() for text in axes.texts)}
+    assert told >= panels

@@ -27,7 +27,7 @@ from hypothesis import strategies as st
 from engine import Machine, Scene, Verdict
 from engine.flywheel import fluctuation_with_flywheel, flywheel_sizes
 from engine.jit import set_threads, threads
-from engine.machine import AskError
+from engine.outcome import AskError
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 
-import engine.machine
+import engine.shared_shapes
 from engine import Machine, Scene
 from engine.flywheel import flywheel_sizes, missed_extreme
 from engine.jit import KERNEL_OPTIONS
@@ -162,7 +162,7 @@ def test_every_number_of_variants__gives_what_each_gives_whole(variants, paths, 
     varied = {p: numbers[p].value * random.uniform(0.5, 1.5, variants) for p in paths}
     together, alone = (Machine(SCENE, ASKED, [], varied, 48, np.dtype(dtype).type) for _ in range(2))
     summed = together.evaluate(varied)
-    monkeypatch.setattr(engine.machine, "WORTH_FACTORISING", 1e9)
+    monkeypatch.setattr(engine.shared_shapes, "WORTH_SHARING", 1e9)
     whole = alone.evaluate(varied)
     assert (together.forms_used, alone.forms_used) == ({"factorised"}, {"whole"})
     # 48 positions, six loads: 300 roundings of the largest energy, ½ω²I, against the excess work of the same order.

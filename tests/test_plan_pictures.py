@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from plan_machines import MACHINES, cycle_of
+from plan_machines import MACHINES, MECHANISMS, cycle_of
 
 from engine import Scene
 from engine.pairs import pairs
@@ -35,7 +35,7 @@ from sweeps.plans import (
 from sweeps.plans.free_body import LONGEST
 from sweeps.plans.paper import Paper, round_scale
 from sweeps.style import MM_PER_INCH
-from sweeps.template import TEMPLATES, templates
+from sweeps.template import TEMPLATES
 
 # Bearings
 
@@ -122,7 +122,7 @@ def test_vectors_on_paper__as_long_as_the_scale_says():
     assert arrows_on_paper(ax) == pytest.approx([length for length in expected if length >= 0.4], rel=1e-9)
 
 
-@pytest.mark.parametrize("name", [*templates(), "PRP", "moving guide", "geared five-bar", "turning yoke"])
+@pytest.mark.parametrize("name", [*MECHANISMS, "PRP", "moving guide", "geared five-bar", "turning yoke"])
 def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
     pose = cycle_of(name).at()
     drawn = [(velocity_plan, ()), (acceleration_plan, ())]

@@ -25,6 +25,7 @@ TEMPLATE_NAMES = (
     "watt_six_bar",
     "whitworth",
 )
+ELEMENT_TEMPLATE_NAMES = ("engine", "rotor")
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper")
 ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin")
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
@@ -68,13 +69,13 @@ def close(value, exact, relative=1e-12):
 # Templates
 
 
-def test_templates__are_the_ten_with_a_title_each():
+def test_templates__are_the_ten_mechanisms_and_two_elements_with_a_title_each():
     found = templates()
-    assert tuple(sorted(found)) == TEMPLATE_NAMES
+    assert set(found) == {*TEMPLATE_NAMES, *ELEMENT_TEMPLATE_NAMES}
     assert all(found.values())
 
 
-@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+@pytest.mark.parametrize("name", TEMPLATE_NAMES + ELEMENT_TEMPLATE_NAMES)
 def test_template__says_first_what_to_change(name):
     text = template_text(name)
     opening = text[: text.index("How to read this file")]

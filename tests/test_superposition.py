@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import engine.machine
+import engine.shared_shapes
 from engine import Machine, Verdict
 from sweeps.study import bundled, read_study
 
@@ -33,7 +33,7 @@ def test_flywheel__is_the_same_summed_and_whole(name, fields, monkeypatch):
     varied = loads_of(scene, 24)
     machines = [Machine(scene, ASKED, fields, varied, positions=240) for _ in range(2)]
     summed = machines[0].evaluate(varied)
-    monkeypatch.setattr(engine.machine, "WORTH_FACTORISING", 1e9)
+    monkeypatch.setattr(engine.shared_shapes, "WORTH_SHARING", 1e9)
     whole = machines[1].evaluate(varied)
     assert (machines[0].forms_used, machines[1].forms_used) == ({"factorised"}, {"whole"})
     assert (summed.status == Verdict.OK).all()

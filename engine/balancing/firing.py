@@ -44,19 +44,39 @@ def firing_angles(layout: Layout, order: Sequence[int], cycle: float = FOUR_STRO
     count = layout.banks.shape[-1]
     if sorted(order) != list(range(1, count + 1)):
         raise LayoutError(f"firing order {_order_text(order)}: it must name each of the cylinders 1 to {count} once")
-    centres = layout.banks - layout.throws
-    first = centres[order[0] - 1]
-    angles, now = np.full(count, first), 0.0
-    for before, cylinder in pairwise(order):
-        step = (centres[cylinder - 1] - centres[before - 1]) % TURN
-        now += step if step > _SAME else TURN
-        angles[cylinder - 1] = first + now
-    if now > cycle - _SAME:
+    angles, taken = firing_sequence(layout, order)
+    if taken > cycle - _SAME:
         raise LayoutError(
-            f"firing order {_order_text(order)}: with these throws it takes {math.degrees(now):.6g}° to the last "
+            f"firing order {_order_text(order)}: with these throws it takes {math.degrees(taken):.6g}° to the last "
             f"cylinder, the cycle has {math.degrees(cycle):.6g}°; {_suggestion(layout, cycle)}"
         )
     return angles
+
+
+def firing_sequence(layout: Layout, order: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Crank angles at which cylinders fire one after another, each as soon as its throw lets it.
+
+    Parameters
+    ----------
+    layout : Layout
+    order : sequence of int
+        Numbers of the cylinders from 1 on, each once.
+
+    Returns
+    -------
+    angles : ndarray (..., cylinders)
+        From that of the first one in the order on [rad], by cylinder.
+    taken : ndarray (...)
+        From the first to the last [rad]; to be less than the cycle.
+    """
+    centres = layout.banks - layout.throws
+    now = np.zeros(centres.shape[:-1])
+    angles = np.repeat(centres[..., order[0] - 1, None], centres.shape[-1], axis=-1)
+    for before, cylinder in pairwise(order):
+        step = (centres[..., cylinder - 1] - centres[..., before - 1]) % TURN
+        now = now + np.where(step > _SAME, step, TURN)
+        angles[..., cylinder - 1] += now
+    return angles, now
 
 
 def firing_intervals(angles: np.ndarray, cycle: float = FOUR_STROKE) -> np.ndarray:

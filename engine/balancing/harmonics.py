@@ -77,6 +77,27 @@ def crank_masses(
     return CrankMasses(piston + at_piston, throw + at_crankpin, np.asarray(error))
 
 
+@np.errstate(divide="ignore", invalid="ignore")
+def crank_radius(stroke: ArrayLike, rod: ArrayLike, offset: ArrayLike = 0.0) -> np.ndarray:
+    """Radius of the crank that gives a stroke: half of it, a little less with an offset.
+
+    From s = √((l + r)² − e²) − √((l − r)² − e²): r² = ¼ s² (l² − e² − ¼ s²)/(l² − ¼ s²).
+
+    Parameters
+    ----------
+    stroke, rod, offset : array_like (...)
+        s, l and e [m].
+
+    Returns
+    -------
+    ndarray (...)
+        [m]; NaN where there is none.
+    """
+    half, rod, offset = np.divide(stroke, 2.0), np.asarray(rod, float), np.asarray(offset, float)
+    left = rod**2 - half**2
+    return half * np.sqrt((left - offset**2) / left)
+
+
 def piston_harmonics(ratio: ArrayLike, orders: Sequence[int], offset: ArrayLike = 0.0) -> np.ndarray:
     """Harmonics c_n of the piston's acceleration, −ẍ/(r ω²) = Re Σ c_n exp(i n theta).
 

@@ -19,6 +19,7 @@ from engine.balancing.grades import grade_needed, grade_reached, permissible_unb
 from engine.balancing.hole_pattern import PatternError, best_holes
 from engine.balancing.knife_edges import residual_unbalance
 from engine.balancing.rotor_element import CorrectionPlane, RotorElement
+from engine.balancing.rotor_rounding import Balanced, rotor_sizes
 from engine.balancing.unbalance import Resultant, about, in_two_planes, kind, resultant, unbalance
 from engine.element_laws import Law, Result
 
@@ -35,6 +36,8 @@ _RESULTS = (
         "kind", "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)", "1", exact=True
     ),
     Result("permissible_unbalance", "permissible residual unbalance", "kg m"),
+    Result("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
+    Result("second_permissible", "permissible residual unbalance in the plane of the second bearing", "kg m"),
     Result("quality_before", "balance quality e ω before balancing", "m s-1"),
     Result("quality_after", "balance quality e ω after balancing", "m s-1"),
     Result("quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1"),
@@ -107,22 +110,27 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
     columns : dict of str to ndarray (variants,)
         As named in `rotor_law`; NaN where there is no such rotor or correction.
     sizes : dict of str to ndarray (variants,)
-        Of results that are differences of others: magnitudes whose rounding they carry.
+        As of `rotor_sizes`; none of what is exact.
     """
     n = numbers
-    before = resultant(*unbalances_of(rotor, n), n["centre"])
+    unbalances, places = unbalances_of(rotor, n)
+    before = resultant(unbalances, places, n["centre"])
     made, planes, added = corrections_of(rotor, n, before)
     after = corrected(before, made, planes)
     bearings = n["first_bearing"], n["second_bearing"]
     forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
     weights = static_forces(n["mass"], n["centre"], *bearings)
     permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
-    qualities, sizes = _qualities(rotor, n, (before, after), made, planes, permissible)
-    return added | {
+    shares = np.array(tolerance_shares(n["centre"], *bearings))
+    off = misplaced(rotor, n)
+    qualities, carried = _qualities(n, (before, after), made, planes, permissible, shares, off)
+    columns = added | {
         "unbalance": np.abs(before.unbalance),
         "couple": np.abs(about(before, n["centre"]).moment),
         "kind": kind(before, n["centre"], permissible, permissible * np.abs(bearings[1] - bearings[0])).astype(float),
         "permissible_unbalance": permissible,
+        "first_permissible": shares[0] * permissible,
+        "second_permissible": shares[1] * permissible,
         **qualities,
         **_named(forces[0], "force_before"),
         **_named(forces[1], "force_after"),
@@ -132,38 +140,42 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
         "knife_edge_unbalance": residual_unbalance(
             n["mass"], n.get("rolling_arm", np.full_like(permissible, math.nan))
         ),
-    }, sizes
+    }
+    radii = np.stack([n[f"planes.{name}.radius"] for name in rotor.planes], axis=-1)
+    return columns, rotor_sizes(
+        rotor, n, Balanced(unbalances, places, made, planes, radii, shares, carried, off), columns
+    )
+
+
+def misplaced(rotor: RotorElement, n: Numbers) -> np.ndarray:
+    """By how much of itself each plane's correction may be off (planes, variants)."""
+    at = [f"planes.{name}" for name in rotor.planes]
+    return np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])
 
 
 def _qualities(
-    rotor: RotorElement,
     n: Numbers,
     states: tuple[Resultant, Resultant],
     made: np.ndarray,
     planes: np.ndarray,
     permissible: np.ndarray,
-) -> tuple[Columns, Columns]:
-    """Quality and grade before, after, and with all errors adding up in each bearing's plane; sizes of differences."""
+    shares: np.ndarray,
+    off: np.ndarray,
+) -> tuple[Columns, np.ndarray]:
+    """Quality and grade before, after, and with all errors adding up; what all corrections add in bearings' planes."""
     first, second = n["first_bearing"], n["second_bearing"]
     before, after = (np.abs(in_two_planes(state, first, second)) for state in states)
-    shares = np.array(tolerance_shares(n["centre"], first, second))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         levers = np.stack([planes.T - second, first - planes.T]) / (first - second)
         # What each plane's correction amounts to in the bearings' planes: (bearings, planes, variants).
         felt = np.abs(levers * made.T)
         carried = felt.sum(axis=1)
         room = ((shares * permissible - after) / carried).min(axis=0)
-        room_size = ((shares * permissible + before + carried) / carried).max(axis=0)
-    at = [f"planes.{name}" for name in rotor.planes]
-    off = np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])
     columns = {"error_allowance": room}
     for word, residuals in (("before", before), ("after", after), ("at_worst", after + (felt * off).sum(axis=1))):
         needed = grade_needed(tuple(residuals), tuple(shares), n["mass"], n["speed"])
         columns[f"quality_{word}"], columns[f"grade_{word}"] = needed, grade_reached(needed) / 1000
-    quality_size = grade_needed(tuple(before + carried), tuple(shares), n["mass"], n["speed"])
-    forces = n["speed"] ** 2 * (before + carried)
-    sizes = dict.fromkeys(("quality_after", "quality_at_worst"), quality_size) | {"error_allowance": room_size}
-    return columns, sizes | {"first_force_after": forces[0], "second_force_after": forces[1]}
+    return columns, carried
 
 
 def _rows(
@@ -172,7 +184,9 @@ def _rows(
     """Results and their sizes (results, variants) from numbers (numbers, variants)."""
     columns, sizes = rotor_columns(rotor, dict(zip(keys, arguments, strict=True)))
     rows = np.stack([columns[name] for name in names])
-    return np.where(np.isfinite(rows), rows, math.nan), np.stack([sizes.get(n, np.abs(columns[n])) for n in names])
+    exact = np.zeros(rows.shape[1])
+    carried = np.stack([sizes.get(name, exact) for name in names])
+    return np.where(np.isfinite(rows), rows, math.nan), np.where(np.isnan(carried), 0.0, carried) / 16
 
 
 def _keys(rotor: RotorElement) -> Iterator[str]:

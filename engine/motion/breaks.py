@@ -2,7 +2,7 @@
 
 A Runge–Kutta step across a jump or a bend loses its order; with a node there it doesn't. Each such place is where a
 row of the mechanism (a slide coordinate, a velocity) passes a level, or an angle that the scene names. Rows are
-sampled over the cycle; within the interval where one passes its level, Illinois' rule finds the place.
+sampled over the cycle; within the interval where one passes its level, regula falsi finds the place.
 """
 
 import math
@@ -19,19 +19,35 @@ from engine.scene import Numbers
 
 # Characteristics with more rows than this are taken as smooth but for their steps.
 MOST_BENDS = 24
-SAMPLES_PER_TURN = 120
+SAMPLES_PER_TURN = 60
 ITERATIONS = 20
 # Half the width of a jump in time, of the times of its table.
 INSTANT = 1e-12
 
 
 class Watch(NamedTuple):
-    """A variable of the program that an action watches, and the level [its unit] at which its moment jumps or bends."""
+    """What makes an action's moment jump or bend.
+
+    Attributes
+    ----------
+    action : str
+    variable : str
+        Of the program.
+    level : float or ndarray (variants,)
+        Value of the variable at which it does.
+    jumps : bool
+    along : str
+        Velocity on whose sign it depends whether the action acts at all; "" where it always does.
+    way : float
+        That sign, of the velocity with the crank turning forward.
+    """
 
     action: str
     variable: str
     level: float | np.ndarray
     jumps: bool
+    along: str = ""
+    way: float = 0.0
 
 
 class Breaks(NamedTuple):
@@ -44,6 +60,10 @@ class Breaks(NamedTuple):
     def some(self, chosen: np.ndarray) -> "Breaks":
         """Breaks of some of the variants, by index."""
         return Breaks(np.ascontiguousarray(self.angles[:, chosen]), self.jumps, self.actions)
+
+    def two_sided(self) -> "Breaks":
+        """Breaks with places on both sides of each, as if all were jumps."""
+        return self._replace(jumps=np.ones_like(self.jumps))
 
     def of(self, active: frozenset[str]) -> "Breaks":
         """Breaks of some of the actions."""
@@ -68,6 +88,11 @@ class Landmarks:
         variables |= {v for slide in slides for v in (slide.d, slide.dv)}
         self.variables = sorted(variables)
         self.tabulation = Tabulation(model, {name: name for name in self.variables}) if variables else None
+
+    @property
+    def watches(self) -> bool:
+        """Whether there is anything to watch: tables, cylinders, or actions that follow the way of motion."""
+        return self.tabulation is not None or bool(self._tables())
 
     def _tables(self) -> dict[str, Tabled]:
         scene = self.model.scene
@@ -98,12 +123,14 @@ class Landmarks:
             found += self._valves(name, cylinder, slides[cylinder.piston].d, numbers, ends[cylinder.piston])
         return found
 
-    @staticmethod
-    def _on_stroke(name: str, action: Tabled, d: str, end: Ends) -> list[Watch]:
+    def _on_stroke(self, name: str, action: Tabled, d: str, end: Ends) -> list[Watch]:
+        along, way = self.model.moments.along.get(name, ""), {"along": 1.0, "against": -1.0}.get(action.acts, 0.0)
+        if not way or along in ("one", "zero"):
+            along = ""
         found = []
         for x, jumps in table_breaks(action):
             level = {"guide": x, "low end": end.low + x, "high end": end.high - x}[action.measured_from]
-            found.append(Watch(name, d, level, jumps))
+            found.append(Watch(name, d, level, jumps, along, way))
         return found
 
     @staticmethod
@@ -140,11 +167,13 @@ class Landmarks:
             return {}, fixed
         parameters = self.tabulation.parameters(numbers, count, direction)
         samples = max(8, int(SAMPLES_PER_TURN * self.cycle / (2 * math.pi)))
-        q = np.linspace(0.0, self.cycle, samples + 1)
-        values = self.tabulation(parameters, {}, np.repeat(q[:, None], count, axis=1))
+        q = np.repeat(np.linspace(0.0, self.cycle, samples + 1)[:, None], count, axis=1)
+        values = self.tabulation(parameters, {}, q)
         slides = self.model.mechanism.slides
 
-        def places(variables: list[str], levels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        def places(
+            variables: list[str], levels: np.ndarray, q: np.ndarray, values: np.ndarray
+        ) -> tuple[np.ndarray, np.ndarray]:
             """Angles at which variables pass their levels, and of which of them each is."""
             rows = np.array([self.variables.index(v) for v in variables])
             left, right, which = brackets(values, rows, levels, q)
@@ -153,19 +182,27 @@ class Landmarks:
                 found = self.tabulation(parameters, {}, at)
                 return found[rows[which], np.arange(which.size)] - levels[which]
 
-            return (illinois(excess, left, right) if which.size else left), which
+            return (regula_falsi(excess, left, right) if which.size else left), which
 
         ends: dict[str, Ends] = {}
         if self.sliders:
-            turns, which = places([slides[s].dv for s in self.sliders], np.zeros((len(self.sliders), count)))
+            turns, which = places([slides[s].dv for s in self.sliders], np.zeros((len(self.sliders), count)), q, values)
             reached = self.tabulation(parameters, {}, turns)
+            # Between its dead centres a slider passes a level once at most: none is missed, however near to them.
+            q, values = _merged(q, values, turns, reached)
             for i, name in enumerate(self.sliders):
                 ends[name] = _ends(reached[self.variables.index(slides[name].d), which == i], turns[which == i])
         watches = self._watches(numbers, ends)
         if not watches:
             return ends, fixed
         levels = np.array([np.broadcast_to(w.level, count) for w in watches])
-        found, which = places([w.variable for w in watches], levels)
+        found, which = places([w.variable for w in watches], levels, q, values)
+        if any(w.along for w in watches):
+            rows = self.tabulation(parameters, {}, found)
+            for i, watch in enumerate(watches):
+                if watch.along:
+                    acts = watch.way * direction * rows[self.variables.index(watch.along)] >= 0.0
+                    found[(which == i)[:, None] & ~acts] = np.nan
         jumps = np.array([w.jumps for w in watches])[which]
         actions = np.array([w.action for w in watches])[which]
         return ends, Breaks(
@@ -201,6 +238,56 @@ def instants_of(model: Model, active: frozenset[str]) -> np.ndarray:
     return np.unique(found)
 
 
+@over_variants
+def merge(
+    begin: int,
+    end: int,
+    q: np.ndarray,
+    values: np.ndarray,
+    others: np.ndarray,
+    at_others: np.ndarray,
+    every: np.ndarray,
+    at_every: np.ndarray,
+) -> None:
+    """Put samples of each variant and others, NaN where it has none, into one order.
+
+    Parameters
+    ----------
+    q, others : ndarray (samples or others, variants)
+        Angles, the samples in rising order.
+    values, at_others : ndarray (variables, samples or others, variants)
+    every, at_every : ndarray
+        Receive as many angles as both together, and the values there; what is left over repeats the last one.
+    """
+    samples, more = q.shape[0], others.shape[0]
+    for v in range(begin, end):
+        for j in range(samples + more):
+            every[j, v] = q[min(j, samples - 1), v]
+            at_every[:, j, v] = values[:, min(j, samples - 1), v]
+        count = samples
+        for i in range(more):
+            if math.isnan(others[i, v]):
+                continue
+            j = count
+            while j > 0 and every[j - 1, v] > others[i, v]:
+                every[j, v] = every[j - 1, v]
+                at_every[:, j, v] = at_every[:, j - 1, v]
+                j -= 1
+            every[j, v] = others[i, v]
+            at_every[:, j, v] = at_others[:, i, v]
+            count += 1
+
+
+def _merged(
+    q: np.ndarray, values: np.ndarray, others: np.ndarray, at_others: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Samples and values in order, with others among them; as of `merge`."""
+    samples = q.shape[0] + others.shape[0]
+    every, at_every = np.empty((samples, q.shape[1])), np.empty((values.shape[0], samples, q.shape[1]))
+    merge(q.shape[1], q, values, others, at_others, every, at_every)
+    return every, at_every
+
+
 def _ends(reached: np.ndarray, turns: np.ndarray) -> Ends:
     """Ends of a stroke from the coordinate at its dead centres, (dead centres, variants)."""
     columns = np.arange(reached.shape[1])
@@ -230,7 +317,7 @@ def brackets(
     rows : ndarray (watches,) of int
         Row of each watch.
     levels : ndarray (watches, variants)
-    q : ndarray (samples,)
+    q : ndarray (samples, variants)
 
     Returns
     -------
@@ -272,12 +359,12 @@ def crossings(
                 if (row[j, v] > levels[i, v]) != (row[j + 1, v] > levels[i, v]):
                     k = counts[i, v]
                     if k < left.shape[1]:
-                        left[i, k, v], right[i, k, v] = q[j], q[j + 1]
+                        left[i, k, v], right[i, k, v] = q[j, v], q[j + 1, v]
                     counts[i, v] = k + 1
 
 
-def illinois(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Roots between a and b, where f changes sign, by regula falsi with Illinois' halving.
+def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Roots between a and b, where f changes sign, by regula falsi with Anderson's and Björck's weights.
 
     Parameters
     ----------
@@ -296,7 +383,9 @@ def illinois(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.ndarray
         fc = f(c)
         moving &= np.abs(c - b) > 4e-16 * np.abs(b)
         crossed = (fc > 0.0) != (fb > 0.0)
-        a, fa = np.where(crossed, b, a), np.where(crossed, fb, 0.5 * fa)
+        with np.errstate(all="ignore"):
+            less = 1.0 - fc / fb
+        a, fa = np.where(crossed, b, a), np.where(crossed, fb, np.where(less > 0.0, less, 0.5) * fa)
         b, fb = c, fc
         if not moving.any():
             break

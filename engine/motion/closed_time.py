@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.breaks import illinois
+from engine.motion.breaks import regula_falsi
 from engine.motion.closed_laws import Balance, Motion
 from engine.tables import Table, table_value
 
@@ -113,5 +113,5 @@ def _turns(cubic: np.ndarray, h: np.ndarray) -> list[np.ndarray]:
     for low, high in pairwise(cuts):
         passes = (_value(cubic, low) > 0.0) != (_value(cubic, high) > 0.0)
         ends = np.where(passes, low, h), np.where(passes, high, h)
-        found.append(illinois(lambda t: _value(cubic, t), *ends))
+        found.append(regula_falsi(lambda t: _value(cubic, t), *ends))
     return found

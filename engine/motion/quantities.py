@@ -1,8 +1,14 @@
 """What can be asked of a regime: names, words and units."""
 
+from collections.abc import Iterable
+from typing import NamedTuple
+
 from engine.actions import InductionMotor
-from engine.quantities import Quantity
+from engine.names import Problem
+from engine.quantities import STATISTICS, Quantity
+from engine.reaction_quantities import reaction_fields
 from engine.scene import Scene
+from engine.shaking_quantities import shaking_fields
 
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
 
@@ -40,7 +46,25 @@ FIELDS = {
     "acceleration": ("angular acceleration of the input link in {name}", "rad s-2"),
     "motor_moment": ("moment of the motors in {name}, reduced to the input", "N m"),
     "load_moment": ("moment of everything else in {name}, reduced to the input", "N m"),
+    "input_moment": ("moment that motors and flywheel give the input link in {name}, at its true motion", "N m"),
 }
+AT_UNIFORM_SPEED = " at uniform speed of the input"
+REACTIONS = tuple(f"reaction{part}" for part in ("", "_x", "_y", "_along", "_across", "_moment"))
+
+
+class Asked(NamedTuple):
+    """What is asked of a regime: its name, that of a field (or of a summary), and a statistic of the field or ""."""
+
+    regime: str
+    field: str
+    statistic: str
+
+    @classmethod
+    def of(cls, name: str) -> "Asked":
+        """The parts of a name."""
+        regime, _, rest = name.partition(".")
+        field, _, statistic = rest.rpartition(".")
+        return cls(regime, field, statistic) if field and statistic in STATISTICS else cls(regime, rest, "")
 
 
 def _made(name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
@@ -66,4 +90,47 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
 
 def motion_fields(scene: Scene) -> list[Quantity]:
     """Fields of the steady regimes of a scene."""
-    return [q for name, regime in scene.regimes.items() if regime.type == "steady" for q in _made(name, FIELDS)]
+    found: list[Quantity] = []
+    for name, regime in scene.regimes.items():
+        if regime.type == "steady":
+            found += _made(name, FIELDS)
+            found += [] if scene.friction else _made(name, load_fields(scene))
+    return found
+
+
+def load_fields(scene: Scene) -> dict[str, tuple[str, str]]:
+    """Loads on the pairs and on the frame, at the true motion of a regime: words and unit by their names."""
+    found = {q.name: q for q in reaction_fields(scene) if q.name.rpartition(".")[2] in REACTIONS}
+    found |= {q.name: q for q in shaking_fields(scene)}
+    table = {key: (q.long_name.replace(AT_UNIFORM_SPEED, ""), q.units) for key, q in found.items()}
+    table["input_moment_by_equilibrium"] = ("input moment by equilibrium of the input link, without flywheel", "N m")
+    return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
+
+
+def cycle_statistics(field: Quantity) -> list[Quantity]:
+    """Statistics of a field of a steady regime: means are over time."""
+    over = {"mean": "mean over time of", "rms": "root mean square over time of"}
+    return [
+        Quantity(
+            f"{field.name}.{suffix}",
+            f"{over.get(suffix, words)} the {field.long_name}",
+            "rad" if suffix.endswith("_at") else field.units,
+        )
+        for suffix, words in STATISTICS.items()
+    ]
+
+
+def kept_from(scene: Scene, names: Iterable[str]) -> list[Problem]:
+    """What of the names asks for loads on the pairs in a regime that friction in pairs keeps from being computed."""
+    found: list[Problem] = []
+    loads = load_fields(scene) if scene.friction and scene.regimes else {}
+    for name in names:
+        asked = Asked.of(name)
+        if asked.regime in scene.regimes and asked.field in loads:
+            at_speed = name.partition(".")[2]
+            message = (
+                "loads at the true motion are computed without friction in pairs, and this scene has [friction]; "
+                f"leave it out, or ask {at_speed!r}, which is at uniform speed, friction included"
+            )
+            found.append((name, message))
+    return found

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.breaks import illinois
+from engine.motion.breaks import regula_falsi
 from engine.motion.dynamics import Dynamics, Variants
 from engine.motion.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, NODES, TIME, Course, Limits, Tables
 from engine.motion.grid import JUMP
@@ -295,7 +295,7 @@ class Run:
                 after = form.step(state, _scattered(length, sub, h), facing, goal)
                 return self._overshoot(after, who, facing, goal)[end, sub]
 
-            length = illinois(excess, np.zeros(sub.size), h[sub])
+            length = regula_falsi(excess, np.zeros(sub.size), h[sub])
             sooner = (over[end] > 0.0) & ((length < shortest) | (first < 0))
             shortest, first = np.where(sooner, length, shortest), np.where(sooner, end, first)
         return shortest, first
@@ -418,7 +418,7 @@ class Run:
             above, below = omega - self.above[who], self.below[who] - omega
             return np.where(stop == TIME, time - self.ends.time[who], np.where(stop == ABOVE, above, below))
 
-        return illinois(excess, np.zeros(who.size), step)
+        return regula_falsi(excess, np.zeros(who.size), step)
 
 
 def _scattered(values: np.ndarray, places: np.ndarray, base: np.ndarray) -> np.ndarray:

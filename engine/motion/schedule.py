@@ -14,13 +14,13 @@ from engine.jit import on_all_threads, threads
 from engine.model import Model
 from engine.motion.cases import case_of
 from engine.motion.closed_runs import run_in_closed_form
+from engine.motion.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.dynamics import CHANNELS, Dynamics, Reduction, Variants
-from engine.motion.energy_form import NODES, Tables
-from engine.motion.grid import Grid
-from engine.motion.quantities import FIELDS, WORKS
+from engine.motion.loads import PairLoads
+from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
 from engine.motion.run import Ends, Outcome, Run
 from engine.motion.sizing import flywheel_for, speed_extremes
-from engine.motion.steady import Steady, steady_motion
+from engine.motion.steady import steady_motion
 from engine.motors import motor_ratio
 from engine.regimes import RunRegime
 from engine.scene import Numbers
@@ -37,6 +37,19 @@ ROUNDING = 16 * np.finfo(float).eps
 STEPS_OF_ROUNDING = 32
 # How sure moments are, for closed forms.
 DOUBT = 16 * np.finfo(float).eps
+
+
+def share_of_change(name: str) -> float:
+    """Which share of the change from half the steps an answer may be off by."""
+    last = name.rpartition(".")[2]
+    # Of an extreme that two places share, either may be the one; what else may be missed is a step.
+    if last in ("min_at", "max_at"):
+        return 0.0
+    # Means over time are of no order at all where a steep motor catches up with a jump within a step.
+    if last in ("mean", "rms"):
+        return 2.0
+    # The multiplier is an integral of order two beside a jump, the rest of order four.
+    return 1.0 if last == "multiplier" else SHARE_OF_CHANGE
 
 
 class Standing(NamedTuple):
@@ -57,6 +70,26 @@ class Answers(NamedTuple):
     verdict: np.ndarray
 
 
+class Gone(NamedTuple):
+    """What a number of variants did with one number of steps.
+
+    Attributes
+    ----------
+    values, fields : dict of str to ndarray
+    verdict : ndarray (variants,) of uint8
+    scales : dict of str to ndarray (variants,)
+        Magnitude that each value's rounding is a share of, where not its own.
+    missed : dict of str to ndarray (variants,)
+        How far extremes between nodes may be beyond those at nodes.
+    """
+
+    values: dict[str, np.ndarray]
+    fields: dict[str, np.ndarray]
+    verdict: np.ndarray
+    scales: dict[str, np.ndarray]
+    missed: dict[str, np.ndarray]
+
+
 class Schedule:
     """The regimes of a model's scene.
 
@@ -67,6 +100,11 @@ class Schedule:
         Summaries and fields, "REGIME.quantity".
     steps : int
         Steps a cycle; even.
+
+    Attributes
+    ----------
+    loads : PairLoads or None
+        Loads on the pairs, where any are asked.
     """
 
     def __init__(self, model: Model, asked: set[str], steps: int) -> None:
@@ -74,6 +112,11 @@ class Schedule:
         scene = model.scene
         self.regimes = dict(scene.regimes)
         self.needed = self._needed()
+        known, fields = {q.name for q in motion_fields(scene)}, [Asked.of(name) for name in sorted(asked)]
+        fields = [one for one in fields if f"{one.regime}.{one.field}" in known]
+        self.cycles = {name: [one for one in fields if one.regime == name] for name in self.regimes}
+        loads = {one.field for one in fields} - FIELDS.keys()
+        self.loads = PairLoads(model, loads) if loads else None
         works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(model)
@@ -84,7 +127,7 @@ class Schedule:
 
     def _needed(self) -> list[str]:
         """Regimes that are asked, and those that they begin from."""
-        wanted = {name.rpartition(".")[0] for name in self.asked}
+        wanted = {name.partition(".")[0] for name in self.asked}
         needed, pending = [], False
         for name, regime in reversed(self.regimes.items()):
             if name in wanted or pending:
@@ -111,17 +154,15 @@ class Schedule:
     def _of_chunk(self, numbers: Numbers, count: int) -> Answers:
         variants = self.variants(numbers, count)
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
-        fine, fields, verdict, scales = self._go(driven)
-        coarse, _, other, _ = self._go(driven, half=True)
+        fine, coarse = self._go(driven), self._go(driven, half=True)
         # A verdict that half the steps don't share is one of the method, not of the machine.
-        values = {name: np.where(verdict == Verdict.OK, v, np.nan) for name, v in fine.items()}
+        values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
         for name, value in values.items():
-            change = np.where(other == Verdict.OK, np.abs(value - coarse[name]), np.abs(value))
-            # The multiplier is an integral of order two beside a jump, the rest of order four.
-            share = 1.0 if name.endswith(".multiplier") else SHARE_OF_CHANGE
-            errors[name] = share * change + ROUNDING * np.maximum(np.abs(value), scales.get(name, 0.0))
-        return Answers(values, errors, fields, verdict)
+            change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
+            doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
+            errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
+        return Answers(values, errors, fine.fields, fine.verdict)
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
         """A number of variants, with the flywheel that the scene gives them."""
@@ -131,16 +172,12 @@ class Schedule:
             flywheel = np.broadcast_to(numbers["flywheel.inertia"], (count,)).astype(float)
         return self.reduction.variants(numbers, direction, flywheel)
 
-    def _go(
-        self, driven: dict[frozenset[str], Variants], half: bool = False
-    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray, dict[str, np.ndarray]]:
-        """Values, fields, verdicts, and the magnitude that each value's rounding is a share of, where not its own."""
+    def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> Gone:
+        """Go through the regimes."""
         count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
         zero = np.zeros(count)
         standing = Standing(zero, zero, zero, np.full(count, Verdict.OK, np.uint8))
-        values: dict[str, np.ndarray] = {}
-        fields: dict[str, np.ndarray] = {}
-        scales: dict[str, np.ndarray] = {}
+        gone = Gone({}, {}, standing.verdict, {}, {})
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
@@ -148,19 +185,21 @@ class Schedule:
                 outcome, standing = self.run(name, dynamics, variants, standing, half)
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
-                found = self._of_run(dynamics, outcome, energy)
+                found, scale = self._of_run(dynamics, outcome, energy), {}
             else:
-                found, rows, standing = self._steady(name, dynamics, variants, standing, steps)
-                fields |= rows
+                found, cycle, standing = self._steady(name, dynamics, variants, standing, steps)
                 made, energy = float(steps), found["energy"]
-            asked = {f"{name}.{key}": v for key, v in found.items() if f"{name}.{key}" in self.asked}
-            values |= asked
+                found, scale = found | cycle.values, cycle.scales
+                gone.fields.update({f"{name}.{key}": row for key, row in cycle.fields.items()})
+                gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
+            asked = {key: v for key, v in found.items() if f"{name}.{key}" in self.asked}
+            gone.values.update({f"{name}.{key}": v for key, v in asked.items()})
             # Rounding gathers from step to step.
             stepped = self.cases[name].law is None
             growth = 1.0 + (np.abs(made) / STEPS_OF_ROUNDING if stepped else 0.0)
-            scales |= {key: growth * np.abs(v) for key, v in asked.items()}
-            scales[f"{name}.energy_change"] = growth * energy
-        return values, fields, standing.verdict, scales
+            gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
+            gone.scales[f"{name}.energy_change"] = growth * energy
+        return gone._replace(verdict=standing.verdict)
 
     # Runs
 
@@ -218,14 +257,16 @@ class Schedule:
 
     def _steady(
         self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, steps: int
-    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], Standing]:
-        zero = np.zeros(variants.count)
-        grid = dynamics.grid(variants, zero, dynamics.cycle, steps)
+    ) -> tuple[dict[str, np.ndarray], CycleAnswers, Standing]:
+        zero, asked = np.zeros(variants.count), self.cycles[name]
+        # A force may jump where its moment only bends, for want of motion: at a dead centre.
+        sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
+        grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
         tables = dynamics.tables(variants, grid)
         found, verdict = {}, np.full(variants.count, Verdict.OK, np.uint8)
         if f"{name}.flywheel" in self.asked:
-            asked = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
-            found["flywheel"], verdict = flywheel_for(dynamics, variants, grid, tables, asked)
+            delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
+            found["flywheel"], verdict = flywheel_for(dynamics, variants, grid, tables, delta)
             wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
             tables = tables._replace(inertia=tables.inertia + (wheel - variants.flywheel))
         steady = steady_motion(dynamics, variants, tables)
@@ -238,11 +279,13 @@ class Schedule:
         change = steady.course.energy - steady.energy
         found |= _work_values(dynamics, steady.course.works, steady.course.squares, period, change, steady.energy)
         found |= self._slips(name, variants, dynamics.cycle / period)
-        rows = {}
-        if any(f"{name}.{key}" in self.asked for key in FIELDS):
-            rows = self._fields(name, dynamics, variants, grid, tables, steady)
+        cycle = CycleAnswers({}, {}, {}, {})
+        if asked:
+            off = frozenset(self.regimes[name].off)
+            whole = cycle_of(dynamics, variants, grid, tables, steady, self.loads, off)
+            cycle = answers_of(whole, asked, dynamics.cycle)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
-        return found, rows, Standing(zero, steady.omega[0], zero, verdict.astype(np.uint8))
+        return found, cycle, Standing(zero, steady.omega[0], zero, verdict.astype(np.uint8))
 
     def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
         scene, n, slips = self.model.scene, variants.numbers, {}
@@ -251,28 +294,6 @@ class Schedule:
                 speed = mean_speed * np.abs(motor_ratio(scene, action, n))
                 slips[f"{motor}_slip"] = 1.0 - speed / n[f"moments.{motor}.synchronous_speed"]
         return slips
-
-    @staticmethod
-    def _fields(
-        name: str, dynamics: Dynamics, variants: Variants, grid: Grid, tables: Tables, steady: Steady
-    ) -> dict[str, np.ndarray]:
-        moments = dynamics.moments(variants, tables.at(NODES), steady.omega)
-        rows = dynamics.rows(variants, grid.places[NODES])
-        epsilon = (moments.total - 0.5 * steady.omega**2 * rows.inertia_phi) / tables.inertia[NODES]
-        every = {
-            "speed": steady.omega,
-            "acceleration": epsilon * variants.direction,
-            "motor_moment": moments.motors * variants.direction,
-            "load_moment": moments.loads.sum(axis=0) * variants.direction,
-        }
-        even = np.broadcast_to(np.arange(steady.omega.shape[0])[:, None], steady.omega.shape)
-        even = even if grid.even is None else grid.even
-        found = {f"{name}.{key}": np.take_along_axis(v, even, axis=0)[:-1].T for key, v in every.items()}
-        # Fields are over the crank angle, which falls where the crank turns clockwise.
-        back = variants.direction < 0.0
-        for row in found.values():
-            row[back] = np.roll(row[back, ::-1], 1, axis=1)
-        return found
 
 
 def _work_values(

@@ -13,7 +13,6 @@ import numpy as np
 
 from engine.jit import run_kernel
 from engine.model import LinearRow, Model
-from engine.moments import Law
 from engine.scene import Numbers
 from engine.tables import Table
 
@@ -39,20 +38,27 @@ class Tabulation:
     model : Model
     rows : mapping of str to LinearRow or str
         The rows by name: sums of terms, or variables of the program.
+    given : tuple of str
+        Variables that the program doesn't make: their values are passed for every variant at every angle.
     """
 
-    def __init__(self, model: Model, rows: Mapping[str, LinearRow | str]) -> None:
-        self.model, self.names = model, tuple(rows)
+    def __init__(self, model: Model, rows: Mapping[str, LinearRow | str], given: tuple[str, ...] = ()) -> None:
+        self.model, self.names, self.given = model, tuple(rows), given
         laws = model.moments.laws
         used = {b for row in rows.values() if isinstance(row, LinearRow) for _, b in row.terms}
         self.laws = [law for name, law in laws.items() if name in used]
         asked = {b for b in used if b not in laws} | {row for row in rows.values() if isinstance(row, str)}
-        asked |= {v for law in self.laws for v in law.rows}
-        self.steps = model.program.needed(asked - {"one", "zero"})
+        asked -= {"one", "zero"}
+        names = set().union(*(step.needs for step in model.program.needed(asked)))
+        # What depends on a characteristic that is searched waits for it: all is made after these then.
+        self.searched = [law for law in laws.values() if law.value_row in names]
+        read = {v for law in (*self.laws, *self.searched) for v in law.rows}
+        self.early = model.program.needed(read if self.searched else asked | read)
+        self.steps = model.program.needed(asked | read)
         self._in_loop = [self._at_position(i, row) for i, row in enumerate(rows.values())]
         self._after = [line for i, row in enumerate(rows.values()) for line in self._from_laws(i, row)]
-        read = [w.expression for w in self.laws] + [variable for law in self.laws for variable in law.rows]
-        text = "\n".join((*(s.line for s in self.steps), *self._in_loop, *read, *self._after))
+        laws_read = [law.expression for law in self.laws] + [law.value for law in self.searched]
+        text = "\n".join((*(s.line for s in self.steps), *self._in_loop, *laws_read, *sorted(read), *self._after))
         moments = model.moments
         self.tables = [t for t in moments.tables if f"table__{t}_breaks" in text]
         self.angle_tables = [t for t in moments.angle_tables if f"angle_table__{t}[" in text]
@@ -77,29 +83,44 @@ class Tabulation:
         terms = [f"{c} * {b}[k]" for c, b in what.terms if b in laws]
         return [f"made[{row} * LANES + k] += {' + '.join(terms)}"] if terms else []
 
-    def _law_line(self, law: Law) -> str:
-        return f"{law.row}[k] = {law.expression.replace(law.clock, 'now[k]') if law.clock else law.expression}"
+    def _law_loops(self, load: list[str]) -> list[str]:
+        """A loop for each characteristic: they are searched and branch, and would keep others from vectorising."""
+        made = [(law.row, law.expression, law.clock) for law in self.laws]
+        made += [(law.value_row, law.value, law.clock) for law in self.searched]
+        lines = []
+        for row, expression, clock in made:
+            own = [line for line in load if line.split(" ")[0] in expression]
+            lines += _loop([*own, f"{row}[k] = {expression.replace(clock, 'now[k]') if clock else expression}"])
+        return lines
+
+    def _of_place(self, load: list[str]) -> list[str]:
+        """Lines that make all rows of a group of lanes at one place."""
+        place = [*load, "cos_q, sin_q = direction_of(nodes[k])", "q = nodes[k]"]
+        place += [f"{name} = lane__{name}[k]" for name in self.given]
+        read = sorted({v for law in (*self.laws, *self.searched) for v in law.rows})
+        lines = ["for k in range(LANES):", "    v = min(first + k, end - 1)"]
+        lines += ["    nodes[k], now[k] = places[j, v], clock[j, v]"]
+        lines += [f"    lane__{name}[k] = given[{i}, j, v]" for i, name in enumerate(self.given)]
+        for t in self.angle_tables:
+            fields = ", ".join(f"table__{t}_{f}" for f in _FIELDS)
+            lines += _loop([f"angle_table__{t}[k] = table_value({fields}, nodes[k])"])
+        every = [step.line for step in self.steps] + self._in_loop
+        early = [step.line for step in self.early] + ([] if self.searched else self._in_loop)
+        lines += _loop([*place, *early, *(f"row__{v}[k] = {v}" for v in read)])
+        lines += self._law_loops(load)
+        if self.searched:
+            return lines + _loop([*place, *every, *self._after])
+        return lines + (_loop([*load, *self._after]) if self._after else [])
 
     def _module(self, text: str) -> str:
         """Lanes of variants go side by side, with their numbers in small arrays that the compiler sees to be apart."""
-        kept = sorted({f"row__{v}" for law in self.laws for v in law.rows} | {law.row for law in self.laws})
+        laws = (*self.laws, *self.searched)
+        kept = sorted({f"row__{v}" for law in laws for v in law.rows} | {law.row for law in self.laws})
+        kept += [law.value_row for law in self.searched] + [f"lane__{name}" for name in self.given]
         kept += [f"angle_table__{t}" for t in self.angle_tables]
         tables = [f"table__{t}_{f}" for t in (*self.tables, *self.angle_tables) for f in _FIELDS]
         load = [f"{s} = own[{i} * LANES + k]" for i, s in enumerate((*self.slots, *self.ends))]
-        main = [*load, "cos_q, sin_q = direction_of(nodes[k])", "q = nodes[k]"]
-        main += [s.line for s in self.steps]
-        main += [f"row__{v}[k] = {v}" for v in sorted({v for law in self.laws for v in law.rows})] + self._in_loop
-        of_place = ["for k in range(LANES):", "    v = min(first + k, end - 1)"]
-        of_place += ["    nodes[k], now[k] = places[j, v], clock[j, v]"]
-        for t in self.angle_tables:
-            fields = ", ".join(f"table__{t}_{f}" for f in _FIELDS)
-            of_place += _loop([f"angle_table__{t}[k] = table_value({fields}, nodes[k])"])
-        of_place += _loop(main)
-        # A loop for each characteristic: they are searched and branch, and would keep the others from vectorising.
-        for law in self.laws:
-            of_place += _loop([*(a for a in load if a.split(" ")[0] in law.expression), self._law_line(law)])
-        if self._after:
-            of_place += _loop([*load, *self._after])
+        of_place = self._of_place(load)
         of_place += ["sums[:] = 0.0", f"for r in range({len(self.names)}):", "    if target[r] >= 0:"]
         of_place += ["        for k in range(LANES):"]
         of_place += ["            sums[target[r] * LANES + k] += made[r * LANES + k] * turned[r * LANES + k]"]
@@ -116,7 +137,8 @@ class Tabulation:
         lines += [f"    for r in range({counts[2]}):", "        for k in range(LANES):"]
         lines += ["            turned[r * LANES + k] = way[r, min(first + k, end - 1)]"]
         lines += ["    for j in range(places.shape[0]):", *(f"        {line}" for line in of_place)]
-        arguments = ", ".join(["begin, end, P, places, clock, ends", *tables, "target, way, out"])
+        given = ["given"] if self.given else []
+        arguments = ", ".join(["begin, end, P, places, clock, ends", *tables, *given, "target, way, out"])
         return "\n".join([_HEAD, f"def tabulate({arguments}):", *(f"    {line}" for line in lines), ""])
 
     # Evaluation
@@ -143,6 +165,7 @@ class Tabulation:
         q: np.ndarray,
         clock: np.ndarray | None = None,
         sums: "Sums | None" = None,
+        given: np.ndarray | None = None,
     ) -> np.ndarray:
         """The rows at given crank angles, or sums of them.
 
@@ -156,6 +179,8 @@ class Tabulation:
             Time [s], where a moment depends on it.
         sums : Sums, optional
             What to add up; without it every row by itself.
+        given : ndarray (variables, nodes, variants), optional
+            Values of the variables that are given.
 
         Returns
         -------
@@ -173,7 +198,7 @@ class Tabulation:
         tables = [moments.tables[t] for t in self.tables] + [moments.angle_tables[t] for t in self.angle_tables]
         fields = [value for table in tables for value in table]
         clock = q if clock is None else clock
-        added = (sums.target, sums.way)
+        added = (*([given] if self.given else []), sums.target, sums.way)
         run_kernel(self.text, "tabulate", variants, parameters, q, clock, strokes, *fields, *added, out)
         return out
 
@@ -207,8 +232,10 @@ import math
 import numpy as np
 from numba import njit
 
+from engine.dyad_forces import *
 from engine.dyads import *
 from engine.indicator import *
+from engine.inertia_forces import *
 from engine.jit import KERNEL_OPTIONS
 from engine.links import *
 from engine.loads import *

@@ -31,7 +31,7 @@ os.environ["OMP_WAIT_POLICY"] = "passive"
 import numpy as np
 from machines import BASELINE_PATHS, CASES, Case, all_numbers, sample
 
-import engine.machine
+import engine.shared_shapes
 from engine import Machine, scene_numbers
 from engine.jit import set_threads, threads
 from sweeps.study import bundled, read_study
@@ -246,12 +246,12 @@ def race_factorised(name: str, case: Case, asked: dict[str, list[str]], what: st
     varied = sample(case, case.loads, VARIANTS)
     chosen, whole = (Machine(case.scene, varied=varied, positions=POSITIONS, **asked) for _ in range(2))
     buffer, rows = chosen.new_buffer(VARIANTS), whole.new_buffer(VARIANTS)
-    usual = engine.machine.WORTH_FACTORISING
+    usual = engine.shared_shapes.WORTH_SHARING
 
     def run_whole() -> object:
-        engine.machine.WORTH_FACTORISING = VARIANTS
+        engine.shared_shapes.WORTH_SHARING = VARIANTS
         outcome = whole.evaluate(varied, buffer=rows)
-        engine.machine.WORTH_FACTORISING = usual
+        engine.shared_shapes.WORTH_SHARING = usual
         return outcome
 
     first, second = chosen.evaluate(varied, buffer=buffer), run_whole()

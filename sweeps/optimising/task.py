@@ -16,6 +16,7 @@ from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_
 from sweeps.optimising.variables import Variables
 from sweeps.studyfile import Optimise
 from sweeps.textfile import InputError, line_of
+from sweeps.tolerances import Tolerance, read_tolerances
 
 if TYPE_CHECKING:
     from sweeps.study import Study
@@ -40,19 +41,6 @@ class Objective(NamedTuple):
     def is_column(self) -> bool:
         """Whether it is a column of the result by itself."""
         return self.name == self.expression.tree
-
-
-class Tolerance(NamedTuple):
-    """How far a number of the machine as built may be off: evenly within ± `half_width`, or normally with σ = ±/3."""
-
-    path: str
-    half_width: float
-    distribution: str
-
-    @property
-    def deviation(self) -> float:
-        """Standard deviation."""
-        return self.half_width / (3.0 if self.distribution == "normal" else 3.0**0.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +120,7 @@ class _TaskReader:
         start, tolerances = self._start(variables), self._tolerances()
         if self.problems:
             raise InputError(f"{self.study.name}.toml", self.problems)
-        study = replace(self.study, summaries=tuple(self.fixed_summaries), fields=())
+        study = replace(self.study, summaries=tuple(self.fixed_summaries), fields=(), derivatives=(), tolerances={})
         found = (tuple(objectives), tuple(conditions), method)
         numbers = (self.raw.population, self.raw.generations, self.raw.seed)
         return Task(study, variables, *found, *numbers, start, tolerances)
@@ -256,13 +244,7 @@ class _TaskReader:
             return None
 
     def _tolerances(self) -> tuple[Tolerance, ...]:
-        numbers, found = scene_numbers(self.study.scene), []
-        for path, text in self.study.tolerances.items():
-            keys = ["tolerances", path]
-            if path not in numbers:
-                self._problem(keys, f"is not a number of the scene. {unknown_name_message(path, numbers)}")
-            elif (half_width := self._quantity(path, text.plus_minus, keys)) is not None:
-                if not 0 < half_width < np.inf:
-                    self._problem(keys, f"{text.plus_minus!r}: a tolerance is greater than 0, such as '0.1 mm'")
-                found.append(Tolerance(path, half_width, text.distribution))
-        return tuple(found)
+        found, problems = read_tolerances(self.study.scene, self.study.tolerances)
+        for path, message in problems:
+            self._problem(["tolerances", path], message)
+        return found

@@ -12,7 +12,7 @@ from sweeps.errors import PictureError
 from sweeps.plans.loads import Load, group_loads, loads_on_links
 from sweeps.plans.paper import Paper
 from sweeps.plans.pose import Pose
-from sweeps.style import BLUE, GREEN, ORANGE, VERMILION
+from sweeps.style import BLUE, GREEN, ORANGE, PURPLE, VERMILION
 
 # By the letter of the force: reaction, weight, inertia force, force of the scene.
 COLOURS = {"R": BLUE, "G": GREEN, "U": ORANGE, "F": VERMILION, "M": VERMILION}
@@ -20,7 +20,7 @@ COLOURS = {"R": BLUE, "G": GREEN, "U": ORANGE, "F": VERMILION, "M": VERMILION}
 
 def colour_of(load: Load) -> str:
     """Colour of a force or moment, by what it is."""
-    return COLOURS[load.text[1]]
+    return PURPLE if load.is_friction else COLOURS[load.text[1]]
 
 
 def polygon(pose: Pose, of: str) -> list[Load]:
@@ -88,12 +88,16 @@ def force_plan(pose: Pose, of: str, ax: Axes) -> list[Load]:
 
 
 def force_lines(loads: Sequence[Load]) -> list[str]:
-    """Values of forces and moments, line by line: magnitude and direction."""
+    """Values of forces and moments, line by line: magnitude and direction, and the friction circle they touch."""
     found = []
     for load in loads:
         value = load.moment if load.is_moment else abs(load.force)
         factor, unit = engineer_unit("N m" if load.is_moment else "N", np.array([value]))
         text = f"{load.text} = {factor * value:.4g} {unit}".replace("-", "\N{MINUS SIGN}")
-        turned = "" if load.is_moment else f" ∠ {np.degrees(np.angle(load.force)) % 360:.1f}°"
+        turned = "" if load.is_moment else f" ∠ {round(np.degrees(np.angle(load.force)), 1) % 360:.1f}°"
         found.append(text + turned)
+        if load.rho:
+            factor, unit = engineer_unit("m", np.array([load.rho]))
+            circle = load.text.replace("$R", r"$\rho")
+            found.append(f"{circle} = {factor * load.rho:.4g} {unit}")
     return found

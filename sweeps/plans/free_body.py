@@ -1,4 +1,4 @@
-"""Free-body diagram: one link by itself with every force and moment that acts on it."""
+"""Free-body diagram: one link by itself with every force and moment that acts on it, at its friction circles."""
 
 import cmath
 import math
@@ -20,6 +20,8 @@ from sweeps.plans.pose import Pose
 LONGEST, SHORTEST, APART, ARC = 15.0, 6.0, 1.8, 4.5
 # Least half-width of what is drawn, in radii of a hinge.
 LEAST = 9.0
+# Radius of the least friction circle that is drawn [mm].
+SEEN = 0.2
 # Smaller shares of the greatest are rounding.
 NOTHING = 1e-10
 
@@ -49,6 +51,9 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[Load]:
     paper.figures(figure)
     for name in pose.motion.members(link):
         paper.name(complex(pose.motion.points[name][pose.k]), f"${subscript(name)}$", clear=1.3)
+    for load in loads:
+        if load.rho > SEEN * paper.per_mm:
+            paper.line(load.middle + load.rho * np.exp(2j * np.pi * np.arange(49) / 48), colour_of(load))
     _forces(paper, [load for load in loads if not load.is_moment], middle)
     for i, load in enumerate(load for load in loads if load.is_moment):
         _moment(paper, middle, load, ARC + 2 * i)

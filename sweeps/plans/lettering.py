@@ -23,9 +23,9 @@ def symbol(letter: str, index: str, power: str = "") -> str:
     return f"${letter}{above}_{{{index}}}$"
 
 
-def numbered(letter: str, *numbers: int) -> str:
-    """A letter with numbers of links as index: R12, or R1,12 where one has two digits."""
-    return symbol(letter, ("" if all(n < 10 for n in numbers) else ",").join(map(str, numbers)))
+def numbered(letter: str, *numbers: int, before: str = "", power: str = "") -> str:
+    """A letter with numbers of links as index: R12, or R1,12 where one has two digits; `before` them and above it."""
+    return symbol(letter, before + ("" if all(n < 10 for n in numbers) else ",").join(map(str, numbers)), power)
 
 
 def image_name(name: str) -> str:

@@ -2,14 +2,19 @@
 
 A link is in equilibrium under its loads: the reactions of its pairs, weights, inertia forces (d'Alembert), the forces
 and moments of the scene, what gears pass on, and at the input what drives it.
+
+The reaction of a journal with friction touches its friction circle. A guide with friction presses where the moment on
+its slider puts it, or with both edges where that lies outside the slider; friction acts along it.
 """
 
 from typing import NamedTuple
 
 from engine.actions import Brake, DCMotor, InductionMotor, TorsionSpring
+from engine.friction.guides import edge_forces, tilts
 from engine.inertia import body_mass
-from engine.pairs import bearer_of, holder_of, pairs
+from engine.pairs import Pair, bearer_of, holder_of, pairs
 from engine.parts import FRAME, CrankInput
+from engine.reaction_quantities import friction_in_pairs
 from sweeps.plans.lettering import numbered, subscript, symbol
 from sweeps.plans.pose import Pose
 
@@ -28,7 +33,9 @@ class Load(NamedTuple):
     moment : float
         [N·m], counter-clockwise.
     pair : str
-        Name of the pair whose reaction it is; "" for what isn't one.
+        Name of the pair whose reaction or friction it is; "" for what is neither.
+    middle : complex, optional
+        Middle of the joint [m], of a reaction that touches a friction circle.
     """
 
     text: str
@@ -36,6 +43,17 @@ class Load(NamedTuple):
     at: complex
     moment: float = 0.0
     pair: str = ""
+    middle: complex | None = None
+
+    @property
+    def is_friction(self) -> bool:
+        """Whether it is the friction in a guide."""
+        return bool(self.pair) and self.text[1] == "F"
+
+    @property
+    def rho(self) -> float:
+        """Radius of the friction circle that it touches [m]; 0 for what touches none."""
+        return 0.0 if self.middle is None else abs(self.at - self.middle)
 
     @property
     def is_moment(self) -> bool:
@@ -58,7 +76,7 @@ def loads_on_links(pose: Pose) -> dict[str, list[Load]]:
 
 
 def group_loads(pose: Pose, name: str) -> list[Load]:
-    """What acts on the two links of a group together: all but its inner pair, the reaction of its first pair last.
+    """What acts on the two links of a group together: all but its inner pair, what its first pair does last.
 
     Parameters
     ----------
@@ -68,9 +86,10 @@ def group_loads(pose: Pose, name: str) -> list[Load]:
     """
     group, loads = pose.scene.groups[name], loads_on_links(pose)
     both = [load for part in (group.first, group.second) for load in loads[part.link]]
-    outer = [next((load for load in both if load.pair == f"{name}.{side}"), None) for side in ("second", "first")]
+    both = [load for load in both if not load.is_moment]
+    outer = [load for side in ("second", "first") for load in both if load.pair == f"{name}.{side}"]
     own = {f"{name}.first", f"{name}.inner", f"{name}.second"}
-    return [load for load in both if load.pair not in own and not load.is_moment] + [o for o in outer if o is not None]
+    return [load for load in both if load.pair not in own] + outer
 
 
 class _Collector:
@@ -79,6 +98,7 @@ class _Collector:
     def __init__(self, pose: Pose) -> None:
         self.pose, self.k, self.forces = pose, pose.k, pose.cycle.forces
         self.loads: dict[str, list[Load]] = {link: [] for link in pose.cycle.link_numbers}
+        self.frictions = friction_in_pairs(pose.scene)
 
     def found(self) -> dict[str, list[Load]]:
         for name in self.pose.scene.bodies:
@@ -90,9 +110,9 @@ class _Collector:
         self._drive()
         return {link: loads for link, loads in self.loads.items() if link != FRAME}
 
-    def _add(self, link: str, text: str, force: complex, at: complex, pair: str = "") -> None:
+    def _add(self, link: str, text: str, force: complex, at: complex) -> None:
         if force != 0:
-            self.loads[link].append(Load(text, force, at, 0.0, pair))
+            self.loads[link].append(Load(text, force, at))
 
     def _twist(self, link: str, text: str, moment: float, pair: str = "") -> None:
         if moment != 0:
@@ -133,19 +153,55 @@ class _Collector:
                 if isinstance(moment, TorsionSpring):
                     self._twist(FRAME, symbol("M", subscript(name)), -value)
 
-    def _pair(self, pair: object) -> None:
-        """The reaction of a pair on its link, and the opposite on the other; both at the origin of the first."""
-        n, force, at = self.pose.number, self._force(f"{pair.name}.reaction"), self.pose.origin(pair.link).place
-        if pair.name.endswith(".inner") and pair.kind == "revolute":
+    def _pair(self, pair: Pair) -> None:
+        """The reaction of a pair on its link, and the opposite on the other, with its friction."""
+        friction = float(self.forces[self.frictions[pair.name]][self.k]) if pair.name in self.frictions else 0.0
+        force, at = self._force(f"{pair.name}.reaction"), self.pose.origin(pair.link).place
+        if pair.kind == "prismatic":
+            self._in_guide(pair, force, at)
+            self._both(pair, "F", friction * self.pose.direction(pair.link), at, before=r"\mathrm{f}")
+            return
+        if pair.name.endswith(".inner"):
             group = self.pose.scene.groups[pair.name.removesuffix(".inner")]
             at = complex(self.pose.motion.points[group.inner][self.k])
-        one, two = n(pair.other), n(pair.link)
-        self._add(pair.link, numbered("R", one, two), force, at, pair.name)
-        self._add(pair.other, numbered("R", two, one), -force, at, pair.name)
-        if pair.kind == "prismatic":
-            moment = float(self.forces[f"{pair.name}.reaction_moment"][self.k])
+        if friction and force:
+            self._both(pair, "R", force, at - 1j * force * friction / abs(force) ** 2, at)
+        else:
+            self._both(pair, "R", force, at)
+
+    def _both(
+        self, pair: Pair, letter: str, force: complex, at: complex, middle: complex | None = None, **index: str
+    ) -> None:
+        """A force of a pair on its link and the opposite on the other."""
+        one, two = self.pose.number(pair.other), self.pose.number(pair.link)
+        if force != 0:
+            text, opposite = numbered(letter, one, two, **index), numbered(letter, two, one, **index)
+            self.loads[pair.link].append(Load(text, force, at, 0.0, pair.name, middle))
+            self.loads[pair.other].append(Load(opposite, -force, at, 0.0, pair.name, middle))
+
+    def _in_guide(self, pair: Pair, force: complex, at: complex) -> None:
+        """What presses in a guide: a force with a moment, or where the slider's length is known, where that bears."""
+        moment = float(self.forces[f"{pair.name}.reaction_moment"][self.k])
+        length = self._length(pair)
+        if length is None:
+            self._both(pair, "R", force, at)
+            one, two = self.pose.number(pair.other), self.pose.number(pair.link)
             self._twist(pair.link, numbered("M", one, two), moment, pair.name)
             self._twist(pair.other, numbered("M", two, one), -moment, pair.name)
+            return
+        u = self.pose.direction(pair.link)
+        normal = (force / (1j * u)).real
+        if not tilts(normal, moment, length / 2):
+            self._both(pair, "R", force, at + (moment / normal * u if normal else 0))
+            return
+        edges = edge_forces(normal, moment, length / 2)
+        for prime, edge, side in zip(("\\prime", "\\prime\\prime"), edges, (1, -1), strict=True):
+            self._both(pair, "R", edge * 1j * u, at + side * length / 2 * u, power=prime)
+
+    def _length(self, pair: Pair) -> float | None:
+        """Length of the slider in a guide with friction [m]; None where it isn't given."""
+        name = next((n for n, friction in self.pose.scene.friction.items() if friction.pair == pair.name), None)
+        return None if name is None else self.pose.cycle.numbers.get(f"friction.{name}.length")
 
     def _gears(self) -> None:
         """Moments of gears: they balance each shaft and load what drives it by the ratio."""

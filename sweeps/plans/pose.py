@@ -12,7 +12,7 @@ from engine.inertia import centre_along
 from engine.pairs import pairs
 from engine.parts import FRAME, CrankInput, Yoke
 from engine.quantities import has_cycle
-from engine.reaction_quantities import acting_fields
+from engine.reaction_quantities import acting_fields, friction_in_pairs
 from engine.structure import group_links, order
 from sweeps.drawing import Motion
 from sweeps.drawing.figures import default_position
@@ -82,6 +82,7 @@ class MachineCycle:
         parts = ("inertia_force_x", "inertia_force_y", "inertia_moment")
         fields += [f"{body}.{part}" for body in self.scene.bodies for part in parts]
         fields += [quantity.name for quantity in acting_fields(self.scene)]
+        fields += friction_in_pairs(self.scene).values()
         return self._rows([*fields, "input_moment_by_equilibrium"])
 
     def force(self, name: str) -> np.ndarray:

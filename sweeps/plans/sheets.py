@@ -103,5 +103,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
             "$R_{12}$: force of link 1 on link 2; $G$ weight, $U$ inertia force; ∠ from x, counter-clockwise. "
             "Arrows at links are not to scale.",
         ]
-        write(figure, 4, 8, "\n".join(notes), fontsize=6.5)
+        if pose.scene.friction:
+            notes.insert(0, r"$F_{\mathrm{f}12}$: friction in a guide; $\rho_{12}$: radius of the friction circle")
+        write(figure, 4, 1.6 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
     return figure

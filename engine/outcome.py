@@ -1,0 +1,53 @@
+"""What an evaluation gives back, and the memory of its fields."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+CACHE_LINE = 64
+
+
+class AskError(ValueError):
+    """A field, summary or setting that can't be asked of a machine."""
+
+
+class Outcome(NamedTuple):
+    """Results of a set of variants.
+
+    Attributes
+    ----------
+    status : ndarray (variants,) of uint8
+        `Verdict` codes.
+    status_group : ndarray (variants,) of int16
+        Number of the structural group that is to blame (see `Machine.groups`), −1 where none is.
+    status_at : ndarray (variants,)
+        Input position at which it fails [rad, or m of a sliding input]; NaN where it doesn't.
+    summaries, errors : dict of str to ndarray (variants,)
+        Asked summaries and their error figures, SI.
+    fields : dict of str to ndarray (variants, positions)
+        Asked fields, SI.
+    """
+
+    status: np.ndarray
+    status_group: np.ndarray
+    status_at: np.ndarray
+    summaries: dict[str, np.ndarray]
+    errors: dict[str, np.ndarray]
+    fields: dict[str, np.ndarray]
+
+
+def field_room(shape: tuple[int, int, int], dtype: np.dtype) -> np.ndarray:
+    """Memory for fields (fields, variants, positions), from the begin of a cache line on.
+
+    Vectors that straddle two lines cost time.
+    """
+    room = np.empty(math.prod(shape) + CACHE_LINE // dtype.itemsize, dtype)
+    first = -room.ctypes.data % CACHE_LINE // dtype.itemsize
+    return room[first : first + math.prod(shape)].reshape(shape)
+
+
+def front_of(room: np.ndarray, variants: int) -> np.ndarray:
+    """The front of a room as fields of fewer variants, without gaps: kernels are compiled for such arrays."""
+    fields, _, positions = room.shape
+    return room.reshape(-1)[: fields * variants * positions].reshape(fields, variants, positions)

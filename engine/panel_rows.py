@@ -1,0 +1,229 @@
+"""Sums and extremes of a row over panels, its strokes and its flywheel.
+
+Each function is what that of `engine.rows`, `engine.strokes`, … by the same name is for equally spaced positions, with
+the panels as its first argument.
+
+Integrals are those of the panels' polynomials, and extremes are searched between the positions too. What a number may
+be off by is then its change from the panels of half the degree; the functions that tell of jumps hidden between
+positions have nothing to tell, because panels end at jumps.
+"""
+
+import math
+
+import numpy as np
+
+from engine import flywheel as by_positions
+from engine.jit import routine, scalar
+from engine.losses import first_jammed as by_index
+from engine.panels import (
+    CLEAR,
+    Panels,
+    accumulated,
+    extreme,
+    integral_of,
+    length_of,
+    mean_of,
+    mean_square,
+)
+from engine.rows import greatest, is_finite, least
+
+__all__ = [
+    "cumulative_work",
+    "derivative_residual",
+    "first_jammed",
+    "fluctuation_with_flywheel",
+    "flywheel_sizes",
+    "least_magnitude",
+    "mean_of",
+    "missed_extreme",
+    "order_of",
+    "place_at",
+    "statistics",
+    "stroke_ends",
+    "swing_ends",
+    "work_doubt",
+    "work_over",
+]
+
+
+@scalar
+def greatest_of(panels: Panels, row: np.ndarray) -> float:
+    """Greatest value of a row."""
+    return extreme(panels, row, row, 0.0, 1.0)[0]
+
+
+@scalar
+def least_of(panels: Panels, row: np.ndarray) -> float:
+    """Least value of a row."""
+    return -extreme(panels, row, row, 0.0, -1.0)[0]
+
+
+@routine
+def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
+    """Least, greatest, mean and root-mean-square value of a row; what may be missed, and nothing rough.
+
+    Missed is what the row still changes between a panel's last position and its end.
+    """
+    mean = mean_of(panels, row)
+    square = math.sqrt(max(mean_square(panels, row), 0.0)) if is_finite(mean) else math.nan
+    steepest = 0.0
+    for p in range(panels.halves.shape[0]):
+        first, last = panels.starts[p], panels.starts[p + 1] - 1
+        rise = abs(row[first + 1] - row[first]) / (panels.nodes[first + 1] - panels.nodes[first])
+        fall = abs(row[last] - row[last - 1]) / (panels.nodes[last] - panels.nodes[last - 1])
+        steepest = max(steepest, rise, fall)
+    return least_of(panels, row), greatest_of(panels, row), mean, square, 2.0 * CLEAR * steepest, 0.0
+
+
+@scalar
+def place_at(panels: Panels, row: np.ndarray, value: float, first: float, h: float) -> float:
+    """Where a row takes its greatest or least value."""
+    if math.isnan(value):
+        return math.nan
+    sign = 1.0 if value >= greatest(row) else -1.0
+    return extreme(panels, row, row, 0.0, sign)[1]
+
+
+@scalar
+def least_magnitude(panels: Panels, row: np.ndarray) -> float:
+    """Least |value| of a row of one sign; 0 where the sign changes, NaN if any value is NaN."""
+    low, high = least(row), greatest(row)
+    if not is_finite(low + high):
+        return math.nan
+    if low <= 0.0 <= high:
+        return 0.0
+    return max(least_of(panels, row), 0.0) if low > 0.0 else max(-greatest_of(panels, row), 0.0)
+
+
+@scalar
+def stroke_ends(
+    panels: Panels, d: np.ndarray, v: np.ndarray, start: float, h: float, periodic: bool
+) -> tuple[float, float, float, float]:
+    """Lowest and highest value of a coordinate, and where it takes them."""
+    low, low_at, _ = extreme(panels, d, d, 0.0, -1.0)
+    high, high_at, _ = extreme(panels, d, d, 0.0, 1.0)
+    return -low, high, low_at, high_at
+
+
+@routine
+def swing_ends(
+    panels: Panels, c: np.ndarray, s: np.ndarray, w: np.ndarray, start: float, h: float, periodic: bool
+) -> tuple[float, float, float, float]:
+    """Extreme angles of a rocker [rad], and where it takes them; NaN for a link that turns all the way round."""
+    turned = integral_of(panels, w)
+    if not is_finite(turned) or (periodic and abs(turned) > math.pi):
+        return math.nan, math.nan, math.nan, math.nan
+    angle = np.empty_like(c)
+    angle[0] = math.atan2(s[0], c[0])
+    for k in range(1, c.shape[0]):
+        angle[k] = angle[k - 1] + math.atan2(s[k] * c[k - 1] - c[k] * s[k - 1], c[k] * c[k - 1] + s[k] * s[k - 1])
+    return stroke_ends(panels, angle, w, start, h, periodic)
+
+
+@routine
+def order_of(
+    panels: Panels, x: np.ndarray, y: np.ndarray, order: int, cosines: np.ndarray, sines: np.ndarray
+) -> tuple[float, float]:
+    """Longer half axis of the ellipse that one order of a plane vector draws, and the mean size of its terms."""
+    rows = np.empty((5, x.shape[0]))
+    for k in range(x.shape[0]):
+        c, s = math.cos(order * panels.nodes[k]), math.sin(order * panels.nodes[k])
+        rows[0, k], rows[1, k], rows[2, k], rows[3, k] = x[k] * c, x[k] * s, y[k] * c, y[k] * s
+        rows[4, k] = abs(x[k]) + abs(y[k])
+    xc, xs = mean_of(panels, rows[0]), mean_of(panels, rows[1])
+    yc, ys = mean_of(panels, rows[2]), mean_of(panels, rows[3])
+    forward, backward = math.hypot(xc + ys, yc - xs), math.hypot(xc - ys, yc + xs)
+    return forward + backward, mean_of(panels, rows[4])
+
+
+@scalar
+def first_jammed(panels: Panels, margin: np.ndarray, least_margin: float) -> float:
+    """Where a group's friction jams first; NaN if it never does."""
+    k = by_index(margin, least_margin)
+    return math.nan if math.isnan(k) else panels.nodes[int(k)]
+
+
+# Work over the cycle, and the flywheel
+
+
+@scalar
+def cumulative_work(panels: Panels, moment: np.ndarray, mean: float, h: float, work: np.ndarray) -> None:
+    """Work of the moments and of the driver's −mean from the first position, into `work` [J]."""
+    accumulated(panels, moment, mean, work)
+
+
+@scalar
+def work_over(panels: Panels, moment: np.ndarray, h: float, periodic: bool) -> tuple[float, float]:
+    """Work of a moment over the range of the input, by magnitude [J]; its doubt is nothing."""
+    return abs(integral_of(panels, moment)), 0.0
+
+
+@scalar
+def work_doubt(panels: Panels, moment: np.ndarray, h: float) -> float:
+    """No jump hides within a panel."""
+    return 0.0
+
+
+@scalar
+def missed_extreme(panels: Panels, inertia: np.ndarray, work: np.ndarray, slope: float) -> float:
+    """Extremes are searched between the positions too."""
+    return 0.0
+
+
+@scalar
+def derivative_residual(panels: Panels, row: np.ndarray, derivative: np.ndarray, h: float) -> float:
+    """How far a row is from the integral of its derivative, relative to the range times the greatest derivative."""
+    reached = np.empty_like(row)
+    accumulated(panels, derivative, 0.0, reached)
+    worst = largest = 0.0
+    for k in range(row.shape[0]):
+        worst = max(worst, abs(row[k] - row[0] - reached[k]))
+        largest = max(largest, abs(derivative[k]))
+    return worst / (largest * length_of(panels)) if largest > 0.0 else worst
+
+
+@routine
+def flywheel_sizes(
+    panels: Panels, inertia: np.ndarray, work: np.ndarray, omega: float, delta: float, first_kind: float
+) -> tuple[float, float, float, float]:
+    """Excess work [J] and the flywheel's inertia by three methods [kg·m²]; as of `engine.flywheel.flywheel_sizes`."""
+    slow, middle, fast = by_positions.energy_slopes(omega, delta)
+    varying, denominator = inertia - inertia[0], delta * omega * omega
+    excess = extreme(panels, work, varying, 0.0, 1.0)[0] + extreme(panels, work, varying, 0.0, -1.0)[0]
+    merzalov = extreme(panels, work, varying, middle, 1.0)[0] + extreme(panels, work, varying, middle, -1.0)[0]
+    wittenbauer = extreme(panels, work, varying, fast, 1.0)[0] + extreme(panels, work, varying, slow, -1.0)[0]
+    return (
+        excess,
+        excess / denominator,
+        merzalov / denominator - first_kind,
+        wittenbauer / denominator - inertia[0],
+    )
+
+
+@routine
+def fluctuation_with_flywheel(
+    panels: Panels, inertia: np.ndarray, work: np.ndarray, flywheel: float, omega: float
+) -> tuple[float, float]:
+    """Initial energy [J] and coefficient of speed fluctuation of the steady cycle with a given flywheel.
+
+    Wittenbauer's tangents turned round: for the δ sought the flywheel they ask for is the one there is. From δ of the
+    positions on, Newton's rule; as δ grows, a tangent's slope ½ω_m²(1 ± δ/2)² does, and the work above it falls by
+    the inertia at the place where it touches.
+    """
+    _, delta = by_positions.fluctuation_with_flywheel(inertia, work, flywheel, omega)
+    varying, heavy, square = inertia - inertia[0], inertia[0] + flywheel, omega * omega
+    above = 0.0
+    for _ in range(8):
+        slow, _, fast = by_positions.energy_slopes(omega, delta)
+        above, _, at_fast = extreme(panels, work, varying, fast, 1.0)
+        below, _, at_slow = extreme(panels, work, varying, slow, -1.0)
+        excess = above + below - heavy * square * delta
+        steepness = 0.5 * square * (at_fast * (1.0 + 0.5 * delta) + at_slow * (1.0 - 0.5 * delta)) + heavy * square
+        step = excess / steepness
+        delta += step
+        if not abs(step) > 1e-15 * abs(delta):
+            break
+    if not 0.0 <= delta < 2.0:
+        return math.nan, math.nan
+    _, _, fast = by_positions.energy_slopes(omega, delta)
+    return fast * heavy - above, delta
