@@ -44,9 +44,8 @@ _CALL = re.compile(r"\b([A-Za-z_]\w*)\(")
 _BY_POSITION = frozenset(
     (
         *("abs", "acos", "asin", "atan2", "fill", "greater", "greatest_disagreement", "hypot", "least"),
-        *("less_friction", "magnitudes", "max", "mechanical_efficiency", "min", "peak_of", "quick_return_ratio", "range"),
-        *("speed_row", "sqrt"),
-        *("transmission_angle", "unbalanced_share", "unwrap_angle"),
+        *("less_friction", "magnitudes", "max", "mechanical_efficiency", "min", "peak_of", "quick_return_ratio"),
+        *("range", "speed_row", "sqrt", "transmission_angle", "unbalanced_share", "unwrap_angle"),
     )
 )
 
