@@ -1,68 +1,26 @@
 """The command line: run, optimise, check, show, plot, orders, animate, export, new, list, flywheel."""
 
-import sys
 import time
-from collections.abc import Callable
-from functools import reduce, wraps
 from pathlib import Path
 
 import click
 
-INTERRUPTED = 130
-WRONG_INPUT = 2
-
-
-def fail(message: str) -> None:
-    """Say what is wrong on standard error and stop."""
-    click.echo(f"Error: {message}", err=True)
-    sys.exit(WRONG_INPUT)
-
-
-def explained(command: Callable) -> Callable:
-    """Turn what a user can cause into a message."""
-
-    @wraps(command)
-    def guarded(*args: object, **kwargs: object) -> None:
-        from engine import AskError, SceneError
-        from engine.tables import TableError
-        from engine.units import UnitError
-        from sweeps.errors import PictureError
-        from sweeps.store import StoreError
-        from sweeps.textfile import InputError
-
-        try:
-            command(*args, **kwargs)
-        except (InputError, StoreError, AskError, SceneError, TableError, UnitError, PictureError) as error:
-            fail(str(error))
-
-    return guarded
-
-
-def run_options(out: str) -> Callable:
-    """Options of what makes a result file."""
-    options = (
-        click.option("--out", type=click.Path(path_type=Path), help=f"Result file; {out} unless given."),
-        click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it."),
-        click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
-        click.option("--no-plots", is_flag=True, help="Make no pictures."),
-        click.option("--quiet", is_flag=True, help="No progress on standard error."),
-    )
-    return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
-
-
-def _tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
-    if asked:
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            click.echo(f"sweeps, version {version('machine-sweeps')}")
-        except PackageNotFoundError:
-            click.echo("sweeps, not installed")
-        context.exit()
+from sweeps.commands import (
+    explained,
+    make_folder,
+    names_in,
+    plots_of,
+    run_options,
+    stop,
+    tell_files,
+    tell_version,
+    use_threads,
+    write,
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version, help="Version.")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=tell_version, help="Version.")
 def main() -> None:
     """Planar machines evaluated over many design variants: kinematics, reduced inertia and moments, flywheels.
 
@@ -97,7 +55,7 @@ def new(template: str, out: Path | None) -> None:
     out = out or Path(f"{template}.toml")
     if out.exists():
         raise InputError(str(out), [(None, "", "exists already; name another file with --out")])
-    _write(out, text)
+    write(out, text)
     click.echo(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
 
 
@@ -116,20 +74,20 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
     started = time.perf_counter()
     found = read_study(find_study(study))
     out = out or Path("results") / f"{found.name}.h5"
-    _make_folder(out)
-    _use_threads(jobs)
+    make_folder(out)
+    use_threads(jobs)
     bar = Progress(found.design.size, quiet)
     try:
         run_study(found, out, restart, bar.update)
     except KeyboardInterrupt:
-        _stop(bar, kept_text(out, bar.total))
+        stop(bar, kept_text(out, bar.total))
     bar.close()
     result = Result(out)
     plural = "" if found.design.size == 1 else "s"
     click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
     click.echo(counts_text(result))
     click.echo(answer_text(result))
-    _tell_files([out, *([] if no_plots else _plots(result))], started)
+    tell_files([out, *([] if no_plots else plots_of(result))], started)
 
 
 @main.command()
@@ -149,19 +107,19 @@ def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_p
     started = time.perf_counter()
     found = read_study(find_study(study))
     out = out or Path("results") / f"{found.name}_optimised.h5"
-    _make_folder(out)
-    _use_threads(jobs)
+    make_folder(out)
+    use_threads(jobs)
     bar = Progress(task_of(found).generations, quiet, "generations")
     try:
         optimise_study(found, out, restart, bar.update)
     except KeyboardInterrupt:
-        _stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
+        stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
     bar.close()
     result = Result(out)
     click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
     click.echo(counts_text(result))
     click.echo(optimum_text(result))
-    _tell_files([out, *([] if no_plots else _plots(result))], started)
+    tell_files([out, *([] if no_plots else plots_of(result))], started)
 
 
 @main.command()
@@ -266,7 +224,7 @@ def plot(
     else:
         scene, values, name = machine_of(file, variant)
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
-        made = pictures.machine_pictures(scene, values, stem, places, _names(paths))
+        made = pictures.machine_pictures(scene, values, stem, places, names_in(paths))
         made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
         if hodograph or beside:
             other = machine_of(beside, None) if beside else None
@@ -315,8 +273,8 @@ def animate(file: str, out: Path | None, variant: int | None, paths: str, frames
 
     scene, values, name = machine_of(file, variant)
     out = out or Path(f"{name}.gif")
-    _make_folder(out)
-    make(scene, out, frames=frames, paths=_names(paths), values=values)
+    make_folder(out)
+    make(scene, out, frames=frames, paths=names_in(paths), values=values)
     click.echo(f"Wrote {out}")
 
 
@@ -336,7 +294,7 @@ def export(file: str, to: Path, variant: int | None, at: str, where: str | None,
 
     if history and to.suffix != ".csv":
         raise InputError(str(to), [(None, "--history", f"writes .csv, not {to.suffix!r}; name a .csv file")])
-    _make_folder(to)
+    make_folder(to)
     machine = ""
     match to.suffix:
         case ".csv" if history:
@@ -370,59 +328,3 @@ def flywheel(table: Path, speed: str, fluctuation: str, interpolation: str) -> N
     from sweeps.flywheel_table import flywheel_text
 
     click.echo(flywheel_text(table, speed, fluctuation, interpolation))
-
-
-# Help for the commands
-
-
-def _stop(bar: object, kept: str) -> None:
-    """Say what an interrupted run leaves behind, and stop."""
-    bar.close()
-    click.echo(f"\nInterrupted: {kept}; the same command goes on from there.", err=True)
-    sys.exit(INTERRUPTED)
-
-
-def _tell_files(made: list[Path], started: float) -> None:
-    click.echo(f"Files ({time.perf_counter() - started:.1f} s):")
-    click.echo("\n".join(f"  {path}" for path in made))
-
-
-def _plots(result: object) -> list[Path]:
-    from sweeps import pictures
-    from sweeps.errors import PictureError
-
-    try:
-        return pictures.result_pictures(result.path)
-    except PictureError as error:
-        click.echo(f"No picture: {error}", err=True)
-        return []
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(n.strip() for n in text.split(",") if n.strip())
-
-
-def _use_threads(jobs: int | None) -> None:
-    if jobs is not None:
-        from engine.jit import set_threads
-
-        set_threads(jobs)
-
-
-def _make_folder(path: Path) -> None:
-    from sweeps.textfile import InputError
-
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(str(path.parent), [(None, "", f"can't be made: {error.strerror}")]) from None
-
-
-def _write(path: Path, text: str) -> None:
-    from sweeps.textfile import InputError
-
-    _make_folder(path)
-    try:
-        path.write_text(text, encoding="utf8")
-    except OSError as error:
-        raise InputError(str(path), [(None, "", f"can't be written: {error.strerror}")]) from None
