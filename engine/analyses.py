@@ -180,9 +180,9 @@ class Analyses:
             if not self.panels:
                 doubt = f"cubic_doubt(row__{rate}, first, h, {at}, {size}, {self.periodic})"
                 self._step(f"{off}, {aside}", doubt)
-            ends.append(difference(f"{end}__{variable}$", "" if self.panels else off).error)
+            ends.append(difference(f"{end}__{variable}$", size if self.panels else f"{off} + {size}").error)
             places.append(difference(f"{at}$", "" if self.panels else aside).error)
-        add(kind, f"high__{variable}$ - low__{variable}$", " + ".join((*ends, size)))
+        add(kind, f"high__{variable}$ - low__{variable}$", " + ".join(ends))
         add(f"{kind}_low", f"low__{variable}$", ends[0])
         add(f"{kind}_high", f"high__{variable}$", ends[1])
         add(f"{kind}_low_at", f"low_at__{variable}$", places[0])

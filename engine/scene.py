@@ -8,7 +8,8 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from engine.actions import CylinderAction, ForceAction, MomentAction, Spring
+from engine.actions import ForceAction, MomentAction, Spring
+from engine.cylinders import CylinderAction
 from engine.elements import MachineElement
 from engine.pair_friction import PairFriction
 from engine.parts import (

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.actions import Compressor, Cylinder, Tabled, TwoStroke
+from engine.actions import Tabled
+from engine.cylinders import Compressor, Cylinder, TwoStroke
 from engine.jit import over_variants
 from engine.model import Model
 from engine.motion.tabulation import Ends, Tabulation
