@@ -45,35 +45,33 @@ class Pump(Cylinder):
     role: Role = "useful"
 
 
-class FourStroke(Cylinder):
-    """A four-stroke engine: expansion from `peak`, exhaust, intake, polytropic compression.
+class Engine(Cylinder):
+    """The cylinder of an engine: polytropic expansion from `peak`, and compression from `intake`."""
+
+    clearance: Annotated[Number, Field(gt=0)]
+    intake: Annotated[Pressure, Field(gt=0)]
+    exhaust: Annotated[Pressure, Field(gt=0)]
+    peak: Annotated[Pressure, Field(gt=0)]
+    n_compression: Annotated[Number, Field(gt=0)] = 1.32
+    n_expansion: Annotated[Number, Field(gt=0)] = 1.28
+    role: Role = "driving"
+
+
+class FourStroke(Engine):
+    """A four-stroke engine: expansion, exhaust, intake, compression.
 
     The power stroke begins at the head-end dead centre that follows φ = `firing_angle` (needs 2 revolutions a cycle).
     """
 
     type: Literal["four_stroke"]
-    clearance: Annotated[Number, Field(gt=0)]
-    intake: Annotated[Pressure, Field(gt=0)]
-    exhaust: Annotated[Pressure, Field(gt=0)]
-    peak: Annotated[Pressure, Field(gt=0)]
-    n_compression: Annotated[Number, Field(gt=0)] = 1.32
-    n_expansion: Annotated[Number, Field(gt=0)] = 1.28
     firing_angle: Angle = 0.0
-    role: Role = "driving"
 
 
-class TwoStroke(Cylinder):
-    """A two-stroke engine: expansion from `peak` until the ports open after the fraction `port` of the stroke."""
+class TwoStroke(Engine):
+    """A two-stroke engine: expansion until the ports open after the fraction `port` of the stroke."""
 
     type: Literal["two_stroke"]
-    clearance: Annotated[Number, Field(gt=0)]
-    intake: Annotated[Pressure, Field(gt=0)]
-    exhaust: Annotated[Pressure, Field(gt=0)]
-    peak: Annotated[Pressure, Field(gt=0)]
-    n_compression: Annotated[Number, Field(gt=0)] = 1.32
-    n_expansion: Annotated[Number, Field(gt=0)] = 1.28
     port: Annotated[Number, Field(gt=0, le=1)]
-    role: Role = "driving"
 
 
 CylinderAction = Annotated[Compressor | Pump | FourStroke | TwoStroke, Field(discriminator="type")]

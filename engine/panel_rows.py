@@ -23,7 +23,6 @@ from engine.panels import (
     integral_of,
     length_of,
     mean_of,
-    mean_square,
 )
 from engine.rows import greatest, is_finite, least
 
@@ -65,7 +64,7 @@ def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, 
     Missed is what the row still changes between a panel's last position and its end.
     """
     mean = mean_of(panels, row)
-    square = math.sqrt(max(mean_square(panels, row), 0.0)) if is_finite(mean) else math.nan
+    square = math.sqrt(max(mean_of(panels, row * row), 0.0)) if is_finite(mean) else math.nan
     steepest = 0.0
     for p in range(panels.halves.shape[0]):
         first, last = panels.starts[p], panels.starts[p + 1] - 1

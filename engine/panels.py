@@ -220,20 +220,6 @@ def mean_of(panels: Panels, row: np.ndarray) -> float:
     return integral_of(panels, row) / length_of(panels)
 
 
-@scalar
-def mean_square(panels: Panels, row: np.ndarray) -> float:
-    """Mean square of a row over the range of the input."""
-    total = 0.0
-    for p in range(panels.halves.shape[0]):
-        start = panels.starts[p]
-        degree = panels.starts[p + 1] - start - 1
-        part = 0.0
-        for i in range(degree + 1):
-            part += WEIGHTS[degree >> 3, i] * row[start + i] * row[start + i]
-        total += panels.halves[p] * part
-    return total / length_of(panels)
-
-
 @routine
 def accumulated(panels: Panels, row: np.ndarray, mean: float, work: np.ndarray) -> float:
     """Integral of row − mean from the first position to each, into `work`; returns that over the whole range."""

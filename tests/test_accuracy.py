@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from motion_scenes import ask, slider_crank, steady
 
 import sweeps
 from engine import AccurateMachine, AskError, Machine, Scene, Verdict
 from engine.accuracy import FEW, POSITIONS, in_panels
 from sweeps.study import read_study
-from tests.motion_scenes import ask, slider_crank, steady
 
 TEMPLATES = Path(sweeps.__file__).parent / "templates"
 OF_ACCURACY = ["positions_used", "accuracy_reached"]
