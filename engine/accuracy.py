@@ -19,7 +19,6 @@ from engine.demand import WORD
 from engine.machine import Machine
 from engine.outcome import AskError, Outcome
 from engine.panel_machine import USED, PanelMachine
-from engine.parts import CrankInput
 from engine.quantities import STATISTICS, Quantity
 from engine.scene import Scene
 from engine.verdicts import Verdict
@@ -51,22 +50,22 @@ _BY_POSITION = frozenset(
 
 
 def excess(outcome: Outcome, accuracy: float) -> np.ndarray:
-    """How many times the allowed error the worst error figure of each variant is, (variants,).
+    """How many times the allowed error each error figure is, (summaries, variants).
 
     Statistics of a field are measured by its peak: its mean or its least magnitude may be zero. The place of an extreme
     doesn't count: beside a flat one it is hardly known, and nothing depends on it. A number that is undefined, or a
     variant that fails, has no error.
     """
-    worst = np.zeros(outcome.status.size)
-    for name, error in outcome.errors.items():
+    shares = np.zeros((len(outcome.errors), outcome.status.size))
+    for shares_of, (name, error) in zip(shares, outcome.errors.items(), strict=True):
         value = outcome.summaries[name]
         if name.endswith("_at"):
             continue
         size = 1.0 if name.endswith(RELATIVE_ALREADY) else np.abs(outcome.summaries.get(peak_of(name), value))
         with np.errstate(all="ignore"):
             share = np.where(error == 0.0, 0.0, error / (accuracy * size))
-        worst = np.fmax(worst, np.where(np.isfinite(value), share, 0.0))
-    return worst
+        shares_of[:] = np.where(np.isfinite(value), share, 0.0)
+    return shares
 
 
 def peak_of(name: str) -> str:
@@ -76,8 +75,9 @@ def peak_of(name: str) -> str:
 
 
 def in_panels(scene: Scene, names: Iterable[str]) -> list[str]:
-    """Which of some summaries can be computed in panels: those of a crank at uniform speed."""
-    if not isinstance(scene.input, CrankInput) or not (machine := PanelMachine(scene, names)).possible:
+    """Which of some summaries can be computed in panels: those at uniform speed of the input."""
+    machine = PanelMachine(scene, names)
+    if not machine.possible:
         return []
     known = {*panel_rows.__all__, *_BY_POSITION}
     found = []
@@ -138,13 +138,18 @@ class Ladder:
         Parameters
         ----------
         rung : int
-        share, before : ndarray (variants,)
-            Worst error figure by the allowed error, on this rung and on the last one; infinite before the first.
+        share, before : ndarray (summaries, variants)
+            Error figures by the allowed errors, on this rung and on the last one; infinite before the first.
         """
         order, number = self.rungs[rung]
         last = self._even if rung < self._even else len(self.rungs)
+        unfinished = share > 1.0
+        if last == len(self.rungs):
+            # What more positions no longer help doesn't keep the others from going on.
+            unfinished &= share < GAIN * before
+        worst = np.where(unfinished, share, 0.0).max(axis=0, initial=0.0)
         with np.errstate(all="ignore"):
-            wanted = number * share ** (1.0 / order) * (1.0 - 1e-9)
+            wanted = number * worst ** (1.0 / order) * (1.0 - 1e-9)
         numbers = np.array([n for _, n in self.rungs[rung + 1 : last]])
         following = rung + 1 + np.searchsorted(numbers, wanted)
         if last < len(self.rungs):
@@ -152,8 +157,7 @@ class Ladder:
             following = np.where(rung == 0, following, last)
         else:
             following = np.where(numbers.size, np.minimum(following, last - 1), -1)
-            following[~(share < GAIN * before)] = -1
-        return np.where(share > 1.0, following, -1)
+        return np.where(worst > 1.0, following, -1)
 
 
 class AccurateMachine:
@@ -220,7 +224,7 @@ class AccurateMachine:
         used, reached = np.full(count, np.nan), np.ones(count)
         for ladder in self._ladders:
             outcome, machine, share = self._climb(ladder, varied, drop, used)
-            reached[~(share <= 1.0)] = 0.0
+            reached[~(share <= 1.0).all(axis=0)] = 0.0
             parts.append((outcome, machine))
         whole = self._together(parts)
         failed = whole.status != Verdict.OK
@@ -239,22 +243,24 @@ class AccurateMachine:
         outcome : Outcome
         machine : Machine
             Of the lowest rung.
-        share : ndarray (variants,)
-            Worst error figure, by the allowed error.
+        share : ndarray (summaries, variants)
+            Error figures by the allowed errors.
         """
         lowest = ladder.machine(0)
         whole = lowest.evaluate(varied, drop)
         share, waiting = excess(whole, self.accuracy), {}
-        _note(used, np.arange(share.size), whole, lowest)
-        _add(waiting, ladder.after(0, share, np.full(share.size, np.inf)), np.arange(share.size))
+        everyone = np.arange(whole.status.size)
+        _note(used, everyone, whole, lowest)
+        _add(waiting, ladder.after(0, share, np.full(share.shape, np.inf)), everyone)
         while waiting:
             rung = min(waiting)
             who = np.sort(waiting.pop(rung))
             part = ladder.machine(rung).evaluate({p: np.asarray(v)[who] for p, v in varied.items()})
             _put(whole, who, part)
             _note(used, who, part, ladder.machine(rung))
-            before, share[who] = share[who], excess(part, self.accuracy)
-            _add(waiting, ladder.after(rung, share[who], before), who)
+            part.summaries.pop(USED.name, None), part.errors.pop(USED.name, None)
+            before, share[:, who] = share[:, who], excess(part, self.accuracy)
+            _add(waiting, ladder.after(rung, share[:, who], before), who)
         return whole, lowest, share
 
     def _together(self, parts: list[tuple[Outcome, Machine]]) -> Outcome:

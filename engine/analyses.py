@@ -16,6 +16,9 @@ from engine.quantities import STATISTICS, InputUnits, Quantity, has_cycle, machi
 from engine.reaction_quantities import direction_summaries, friction_summaries, reaction_summaries
 from engine.shaking_quantities import ORDERS, shaking_summaries
 
+# Places of dead centres in panels are found to this [rad].
+DEAD_CENTRE = "2e-11"
+
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 
 
@@ -123,7 +126,8 @@ class Analyses:
             self._step(f"{value}_at$", f"place_at({row}$, {value}$, first, h$)")
             place, away = f"{value}_at$", f"{value}_away"
             if self.panels:
-                self.results[f"{field.name}.{suffix}"] = difference(place)
+                self._step(away, f"place_doubt({row}, {value})")
+                self.results[f"{field.name}.{suffix}"] = difference(place, away)
                 continue
             sign = "one" if value == high else "-one"
             self._step(away, f"farthest_rival({row}, {value}, {sign}, {self.periodic})")
@@ -181,7 +185,7 @@ class Analyses:
                 doubt = f"cubic_doubt(row__{rate}, first, h, {at}, {size}, {self.periodic})"
                 self._step(f"{off}, {aside}", doubt)
             ends.append(difference(f"{end}__{variable}$", size if self.panels else f"{off} + {size}").error)
-            places.append(difference(f"{at}$", "" if self.panels else aside).error)
+            places.append(difference(f"{at}$", DEAD_CENTRE if self.panels else aside).error)
         add(kind, f"high__{variable}$ - low__{variable}$", " + ".join(ends))
         add(f"{kind}_low", f"low__{variable}$", ends[0])
         add(f"{kind}_high", f"high__{variable}$", ends[1])

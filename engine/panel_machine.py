@@ -10,17 +10,19 @@ from engine.kernels import KernelWriter, Source
 from engine.machine import ROUNDING, Machine
 from engine.motion.breaks import Landmarks
 from engine.panels import CLEAR, cut, most_edges
+from engine.parts import CrankInput
 from engine.quantities import Quantity
 from engine.scene import Numbers, Scene
 
 USED = Quantity("positions_used", "positions per cycle that the accuracy took", "1")
 ENDS = ("low", "high", "low_at", "high_at")
-# Longest panel of the fewest positions, and the share of it up to which a panel is of the lower degree.
-LONGEST, SHORT = math.pi / 2, 0.25
+# Longest panel of the fewest positions [rad, or a fraction of the range of a sliding input], and the share of it up to
+# which a panel is of the lower degree.
+LONGEST, LONGEST_SLIDE, SHORT = math.pi / 2, 0.25, 0.25
 
 
 class PanelMachine(Machine):
-    """A machine with a crank, evaluated in panels (see `engine.panels`); it has summaries only.
+    """A machine evaluated in panels (see `engine.panels`); it has summaries only.
 
     Parameters
     ----------
@@ -28,13 +30,13 @@ class PanelMachine(Machine):
     summaries : iterable of str
     varied : iterable of str
     cuts : int
-        A quarter of a turn is cut into so many panels where no load sets in within it.
+        A quarter of a turn, or of the range of a sliding input, is cut into so many panels where no load sets in.
     """
 
     form = "panels"
 
     def __init__(self, scene: Scene, summaries: Iterable[str], varied: Iterable[str] = (), cuts: int = 1) -> None:
-        self.longest = LONGEST / cuts
+        self.longest = (LONGEST if isinstance(scene.input, CrankInput) else LONGEST_SLIDE) / cuts
         super().__init__(scene, summaries, (), varied)
 
     @property
@@ -44,15 +46,18 @@ class PanelMachine(Machine):
 
     @property
     def possible(self) -> bool:
-        """Whether panels suit the machine: its crank turns fully, or between angles with no load setting in."""
+        """Whether panels suit the machine: its crank turns fully, or no load sets in over the range of its input."""
         drive = self.scene.input
-        return self.has_cycle or (not self._landmarks.watches and drive.start < drive.stop)
+        rising = not isinstance(drive, CrankInput) or self.has_cycle or drive.start < drive.stop
+        return rising and (self.has_cycle or not self._landmarks.watches)
 
     @property
     def _range(self) -> tuple[float, float]:
+        """Crank angles of the first and the last position [rad], or 0 and 1 of a sliding input."""
         if self.has_cycle:
             return 0.0, self._landmarks.cycle
-        return self.scene.input.start, self.scene.input.stop
+        drive = self.scene.input
+        return (drive.start, drive.stop) if isinstance(drive, CrankInput) else (0.0, 1.0)
 
     def _make_writer(self) -> KernelWriter:
         self._landmarks = Landmarks(self.model)

@@ -19,12 +19,19 @@ from engine.panels import (
     CLEAR,
     Panels,
     accumulated,
+    combined_at,
     extreme,
+    integral_misfit,
     integral_of,
     length_of,
     mean_of,
+    misfit,
+    panel_at,
+    root_near,
 )
 from engine.rows import greatest, is_finite, least
+
+EPS = float(np.finfo(np.float64).eps)
 
 __all__ = [
     "cumulative_work",
@@ -37,6 +44,7 @@ __all__ = [
     "missed_extreme",
     "order_of",
     "place_at",
+    "place_doubt",
     "statistics",
     "stroke_ends",
     "swing_ends",
@@ -58,20 +66,45 @@ def least_of(panels: Panels, row: np.ndarray) -> float:
 
 
 @routine
-def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
-    """Least, greatest, mean and root-mean-square value of a row; what may be missed, and nothing rough.
+def signed_extreme(panels: Panels, row: np.ndarray, sign: float) -> tuple[float, float]:
+    """Greatest (sign +1) or least (−1) value of a row, and how far polynomials of full and half the degree are apart.
 
-    Missed is what the row still changes between a panel's last position and its end.
+    Of what comes near to zero without becoming negative, as the magnitude of a force does, the square is followed: it
+    is smooth where the magnitude has a corner.
+    """
+    low, high = least(row), greatest(row)
+    if not is_finite(low + high):
+        return math.nan, math.nan
+    if not 0.0 <= low < 0.3 * high:
+        value, at, _ = extreme(panels, row, row, 0.0, sign)
+        return sign * value, misfit(panels, row, at)
+    squares = row * row
+    value, at, _ = extreme(panels, squares, squares, 0.0, sign)
+    apart = misfit(panels, squares, at)
+    value = max(sign * value, 0.0)
+    return math.sqrt(value), math.sqrt(value + apart) - math.sqrt(max(value - apart, 0.0))
+
+
+@routine
+def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
+    """Least, greatest, mean and root-mean-square value of a row, what may be missed, and how rough it is.
+
+    Missed is what the row still changes between a panel's last position and its end, and by how much the polynomials
+    of the full and of half the degree are apart at the extremes. Rough is by how much their integrals are apart, in the
+    measure of `engine.rows.roughness`: of a jump, spread over the mean of all positions.
     """
     mean = mean_of(panels, row)
     square = math.sqrt(max(mean_of(panels, row * row), 0.0)) if is_finite(mean) else math.nan
     steepest = 0.0
     for p in range(panels.halves.shape[0]):
         first, last = panels.starts[p], panels.starts[p + 1] - 1
-        rise = abs(row[first + 1] - row[first]) / (panels.nodes[first + 1] - panels.nodes[first])
-        fall = abs(row[last] - row[last - 1]) / (panels.nodes[last] - panels.nodes[last - 1])
+        rise = abs((row[first + 1] - row[first]) / (panels.nodes[first + 1] - panels.nodes[first]))
+        fall = abs((row[last] - row[last - 1]) / (panels.nodes[last] - panels.nodes[last - 1]))
         steepest = max(steepest, rise, fall)
-    return least_of(panels, row), greatest_of(panels, row), mean, square, 2.0 * CLEAR * steepest, 0.0
+    rough = 2.0 * integral_misfit(panels, row) / length_of(panels) * row.shape[0]
+    low, below = signed_extreme(panels, row, -1.0)
+    high, above = signed_extreme(panels, row, 1.0)
+    return low, high, mean, square, max(below, above, 2.0 * CLEAR * steepest), rough
 
 
 @scalar
@@ -81,6 +114,30 @@ def place_at(panels: Panels, row: np.ndarray, value: float, first: float, h: flo
         return math.nan
     sign = 1.0 if value >= greatest(row) else -1.0
     return extreme(panels, row, row, 0.0, sign)[1]
+
+
+@routine
+def place_doubt(panels: Panels, row: np.ndarray, value: float) -> float:
+    """How far the place of a row's greatest or least value may be from where `place_at` finds it.
+
+    Around it the row changes by no more than its rounding, as a parabola would; and every other position that comes as
+    near to the value as the panels' polynomials are sure of may be meant.
+    """
+    if math.isnan(value):
+        return math.nan
+    sign = 1.0 if value >= greatest(row) else -1.0
+    _, at, _ = extreme(panels, row, row, 0.0, sign)
+    unsure = misfit(panels, row, at) + 16.0 * EPS * max(abs(greatest(row)), abs(least(row)))
+    panel, x = panel_at(panels, at)
+    start = panels.starts[panel]
+    degree = panels.starts[panel + 1] - start - 1
+    aside = combined_at(row, row, 0.0, start, degree, x - 0.01 if x > 0.0 else x + 0.01)
+    drop = sign * (value - aside)
+    doubt = 0.01 * abs(panels.halves[panel]) * (math.sqrt(unsure / drop) if drop > unsure else 1.0)
+    for k in range(row.shape[0]):
+        if sign * (value - row[k]) <= unsure:
+            doubt = max(doubt, abs(panels.nodes[k] - at))
+    return doubt
 
 
 @scalar
@@ -101,7 +158,10 @@ def stroke_ends(
     """Lowest and highest value of a coordinate, and where it takes them."""
     low, low_at, _ = extreme(panels, d, d, 0.0, -1.0)
     high, high_at, _ = extreme(panels, d, d, 0.0, 1.0)
-    return -low, high, low_at, high_at
+    if not is_finite(high):
+        return math.nan, math.nan, math.nan, math.nan
+    # The place where the velocity is zero is known better than the one where the coordinate hardly changes.
+    return -low, high, root_near(panels, v, low_at), root_near(panels, v, high_at)
 
 
 @routine
@@ -153,20 +213,22 @@ def cumulative_work(panels: Panels, moment: np.ndarray, mean: float, h: float, w
 
 @scalar
 def work_over(panels: Panels, moment: np.ndarray, h: float, periodic: bool) -> tuple[float, float]:
-    """Work of a moment over the range of the input, by magnitude [J]; its doubt is nothing."""
-    return abs(integral_of(panels, moment)), 0.0
+    """Work of a moment over the range of the input, by magnitude [J], and its doubt."""
+    return abs(integral_of(panels, moment)), integral_misfit(panels, moment)
 
 
 @scalar
 def work_doubt(panels: Panels, moment: np.ndarray, h: float) -> float:
-    """No jump hides within a panel."""
-    return 0.0
+    """How much the work of a moment may be off within panels, and by rounding [J]."""
+    return integral_misfit(panels, moment) + 16.0 * EPS * integral_of(panels, np.abs(moment))
 
 
-@scalar
+@routine
 def missed_extreme(panels: Panels, inertia: np.ndarray, work: np.ndarray, slope: float) -> float:
-    """Extremes are searched between the positions too."""
-    return 0.0
+    """How far extremes of W − slope·I may be off within panels, and by rounding [J]."""
+    energy = work - slope * (inertia - inertia[0])
+    apart = max(signed_extreme(panels, energy, 1.0)[1], signed_extreme(panels, energy, -1.0)[1])
+    return apart + 16.0 * EPS * (max(greatest(work), -least(work)) + slope * greatest(inertia))
 
 
 @scalar

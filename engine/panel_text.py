@@ -8,10 +8,11 @@ from engine import panel_rows
 from engine.demand import HALF
 from engine.kernel_text import KernelText, Lines
 from engine.model import Model
+from engine.parts import CrankInput
 
 # Calls that go over the positions: with panels, these come first.
 _OVER_PANELS = re.compile(rf"(?<![\w.])({'|'.join((*panel_rows.__all__, 'halve'))})\(")
-_ANGLE_TABLE = re.compile(r"\bangle_table__(\w+?)\[k\]")
+_ANGLE_TABLE = re.compile(r"\bangle_table__(\w+)\b")
 # Of the range of the input, by number of positions: the spacing of as many equal steps, and the first position.
 _SPACING = ["h = length_of(panels) / n", "first = zero", "h_half = h + h"]
 
@@ -51,12 +52,13 @@ class PanelText(KernelText):
             f"def kernel({', '.join(arguments)}):",
             "    most = (edges.shape[1] - 1) * (LONG + 1)",
             f"    scratch = np.empty(({len(scratch) + len(tables) + 3}, most), dtype)",
+            "    in_units = np.empty(most, dtype)",
             f"    halves = np.empty(({len(half) + 1}, most), dtype)",
             "    starts, starts_half = np.empty((2, edges.shape[1]), np.int64)",
             "    lengths = np.empty(edges.shape[1], dtype)",
             "    for v in range(begin, end):",
-            *(f"        {line}" for line in self._laid(scratch, half, tables)),
-            *(f"        {line}" for line in [*self._numbers(True), *self._numbers(False), *_SPACING]),
+            *(f"        {line}" for line in [*self._numbers(True), *self._numbers(False)]),
+            *(f"        {line}" for line in [*self._laid(scratch, half, tables), *_SPACING]),
             *(f"        {end} = strokes[{i}, v]" for i, end in enumerate(self.ends)),
         ]
         every = [*mathematics.positions, *mathematics.shape, *mathematics.variant]
@@ -74,7 +76,8 @@ class PanelText(KernelText):
         lines = [
             f"pieces, n = lay_positions(edges[v], short, outer, starts, lengths, {', '.join(places)})",
             *(f"{row} = scratch[{i}, :n]" for i, row in enumerate(rows)),
-            "panels = Panels(starts[: pieces + 1], lengths[:pieces], nodes)",
+            *self._in_units,
+            "panels = Panels(starts[: pieces + 1], lengths[:pieces], places)",
             "n_half = lay_half(panels, starts_half, halves[0])",
             f"panels{HALF} = Panels(starts_half[: pieces + 1], lengths[:pieces], halves[0, :n_half])",
             *(f"{row} = halves[{i}, :n_half]" for i, row in enumerate(half, 1)),
@@ -83,6 +86,17 @@ class PanelText(KernelText):
             fields = ", ".join(f"table__{t}_{field}" for field in ("breaks", "coefficients", "start", "period"))
             lines += ["for k in range(n):", f"    angle_table__{t}[k] = table_value({fields}, nodes[k])"]
         return lines
+
+    @property
+    def _in_units(self) -> list[str]:
+        """Places in the input's unit: those of a sliding input are fractions of its range."""
+        if isinstance(self.model.scene.input, CrankInput):
+            return ["places = nodes"]
+        return [
+            "length, places = num__input__stop - num__input__start, in_units[:n]",
+            "for k in range(n): places[k] = num__input__start + length * nodes[k]",
+            "for k in range(pieces): lengths[k] *= length",
+        ]
 
     def angle_tables(self, text: str) -> tuple[str, ...]:
         """None is a row of its own: every table is searched."""

@@ -206,6 +206,22 @@ def integral_of(panels: Panels, row: np.ndarray) -> float:
 
 
 @scalar
+def integral_misfit(panels: Panels, row: np.ndarray) -> float:
+    """How far integrals of polynomials of full and of half the degree are apart, panel by panel, added up."""
+    total = 0.0
+    for p in range(panels.halves.shape[0]):
+        start = panels.starts[p]
+        degree = panels.starts[p + 1] - start - 1
+        fine = coarse = 0.0
+        for i in range(degree + 1):
+            fine += WEIGHTS[degree >> 3, i] * row[start + i]
+        for i in range(degree // 2 + 1):
+            coarse += WEIGHTS[degree >> 4, i] * row[start + 2 * i]
+        total += abs(panels.halves[p] * (fine - coarse))
+    return total
+
+
+@scalar
 def length_of(panels: Panels) -> float:
     """Length of the range of the input."""
     total = 0.0
@@ -300,6 +316,62 @@ def peak_near(
         if step < FOUND:
             break
     return best, at
+
+
+@scalar
+def coarse_at(row: np.ndarray, start: int, degree: int, x: float) -> float:
+    """The polynomial of half the degree at a place x of −1 … 1 in the panel from position `start` on."""
+    above = below = 0.0
+    sign = 1.0
+    for i in range(0, degree + 1, 2):
+        apart = x - PLACES[degree >> 3, i]
+        if apart == 0.0:
+            return row[start + i]
+        share = sign / apart if 0 < i < degree else 0.5 * sign / apart
+        above += share * row[start + i]
+        below += share
+        sign = -sign
+    return above / below
+
+
+@scalar
+def panel_at(panels: Panels, at: float) -> tuple[int, float]:
+    """Panel of a place of the input, and the place in its −1 … 1."""
+    panel = 0
+    while panel + 1 < panels.halves.shape[0] and (at - panels.nodes[panels.starts[panel + 1]]) * panels.halves[0] > 0.0:
+        panel += 1
+    middle = 0.5 * (panels.nodes[panels.starts[panel]] + panels.nodes[panels.starts[panel + 1] - 1])
+    return panel, min(max((at - middle) / panels.halves[panel], -1.0), 1.0)
+
+
+@scalar
+def misfit(panels: Panels, row: np.ndarray, at: float) -> float:
+    """How far a panel's polynomial and that of half its degree are apart at a place of the input."""
+    panel, x = panel_at(panels, at)
+    start = panels.starts[panel]
+    degree = panels.starts[panel + 1] - start - 1
+    return abs(combined_at(row, row, 0.0, start, degree, x) - coarse_at(row, start, degree, x))
+
+
+@scalar
+def root_near(panels: Panels, row: np.ndarray, at: float) -> float:
+    """Place near another one where a row's polynomial is zero, by the secant rule; the same place if it leads away."""
+    panel, x = panel_at(panels, at)
+    start = panels.starts[panel]
+    degree = panels.starts[panel + 1] - start - 1
+    before, here = x - 1e-4 if x > 0.0 else x + 1e-4, x
+    value_before = combined_at(row, row, 0.0, start, degree, before)
+    for _ in range(4):
+        value = combined_at(row, row, 0.0, start, degree, here)
+        if value == value_before:
+            break
+        step = value * (here - before) / (value - value_before)
+        before, value_before, here = here, value, here - step
+        if not abs(here - x) < 1e-2:
+            return at
+        if abs(step) < 1e-15:
+            break
+    return at + panels.halves[panel] * (here - x)
 
 
 @routine

@@ -12,7 +12,7 @@ from motion_scenes import ask, slider_crank, steady
 import sweeps
 from engine import AccurateMachine, AskError, Machine, Scene, Verdict
 from engine.accuracy import FEW, POSITIONS, in_panels
-from sweeps.study import read_study
+from sweeps.study import find_study, read_study
 
 TEMPLATES = Path(sweeps.__file__).parent / "templates"
 OF_ACCURACY = ["positions_used", "accuracy_reached"]
@@ -203,3 +203,15 @@ def test_few_positions__are_kept_where_they_do():
 def test_nonsense__is_refused(accuracy):
     with pytest.raises(AskError, match="accuracy"):
         AccurateMachine(Scene.model_validate(slider_crank({})), ["ram.stroke"], accuracy=accuracy)
+
+
+def test_sliding_input__lies_in_panels_too():
+    study = read_study(find_study("toggle_press"))
+    names = [n for n in study.summaries if n not in ("friction_passes", "jamming_margin")]
+    found = AccurateMachine(study.scene, [*names, *OF_ACCURACY], accuracy=1e-7).evaluate({})
+    even = Machine(study.scene, names, positions=5760).evaluate({})
+    assert found.summaries["accuracy_reached"][0] == 1.0
+    assert found.summaries["positions_used"][0] not in POSITIONS
+    for name in names:
+        error = found.errors[name][0] + even.errors[name][0]
+        assert abs(found.summaries[name][0] - even.summaries[name][0]) <= error, name

@@ -132,7 +132,8 @@ def test_statistics__of_a_sawtooth():
     low, high, mean, rms, missed, rough = statistics(panels, row, True)
     assert abs(high - 3.0) <= missed <= 1e-9
     assert abs(low + 7.0) <= missed
-    assert rough == 0.0
+    # Straight lines are integrated exactly, but for rounding.
+    assert rough < 1e-12
     assert mean == pytest.approx((TURN**2 / 2 - 10 * (TURN - 3.0)) / TURN, rel=1e-11)
     square = (27 / 3 + ((TURN - 10) ** 3 + 343) / 3) / TURN
     assert rms == pytest.approx(math.sqrt(square), rel=1e-11)

@@ -16,6 +16,7 @@ from engine.cylinders import Compressor, Cylinder, TwoStroke
 from engine.jit import over_variants
 from engine.model import Model
 from engine.motion.tabulation import Ends, Tabulation
+from engine.parts import CrankInput
 from engine.scene import Numbers
 
 # Characteristics with more rows than this are taken as smooth but for their steps.
@@ -82,7 +83,8 @@ class Landmarks:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self.cycle = 2 * math.pi * model.scene.input.revolutions
+        drive = model.scene.input
+        self.cycle = 2 * math.pi * drive.revolutions if isinstance(drive, CrankInput) else math.nan
         self.sliders = sorted({s for a in self._tables().values() if (s := a.slider)} | self._pistons())
         variables = {watch.variable for watch in self._watches(None, self._no_ends())}
         slides = [model.mechanism.slides[name] for name in self.sliders]

@@ -94,7 +94,7 @@ def rows_of(name: str) -> list[Row]:
         used = outcome.summaries["positions_used"]
         choices = []
         for reaches in (
-            lambda o, a: excess(o, a)[o.status == Verdict.OK].max(initial=0.0) <= 1.0,
+            lambda o, a: excess(o, a)[:, o.status == Verdict.OK].max(initial=0.0) <= 1.0,
             lambda o, a: true_error(o, truth) <= a,
         ):
             enough = [n for n in POSITIONS if reaches(uniform[n][0], accuracy)]
