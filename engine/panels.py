@@ -71,6 +71,8 @@ def cut(begin: int, end: int, breaks: np.ndarray, first: float, last: float, lon
 
     Parameters
     ----------
+    begin, end : int
+        Variants to cut, `end` not among them.
     breaks : ndarray (variants, places)
         In rising order; NaN where a variant has none.
     first, last : float

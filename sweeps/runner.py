@@ -99,7 +99,7 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "study": study.text,
         "scene": write_scene(study.scene),
         "study_hash": study.digest,
-        "accuracy": "" if study.accuracy is None else repr(study.accuracy),
+        **({} if study.accuracy is None else {"accuracy": repr(study.accuracy)}),
         "groups": ", ".join(machine.groups),
         "grid": " x ".join(f"{'+'.join(axis.names)}[{axis.size}]" for axis in study.design.axes),
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),

@@ -256,6 +256,8 @@ def merge(
 
     Parameters
     ----------
+    begin, end : int
+        Variants to work on, `end` not among them.
     q, others : ndarray (samples or others, variants)
         Angles, the samples in rising order.
     values, at_others : ndarray (variables, samples or others, variants)
