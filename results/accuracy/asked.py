@@ -30,7 +30,8 @@ STUDIES = (
 )
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-6)
 POSITIONS = (24, 48, 96, 192, 384, 768, 1536, 3072, 6144, 12_288, 24_576)
-VARIANTS, RUNS = 1024, 3
+# Variants whose errors are looked at, and of a run whose time is taken; of many positions as many as this allows.
+VARIANTS, TIMED, PLACES_TIMED, RUNS = 1024, 8192, 6_000_000, 3
 
 
 class Row(NamedTuple):
@@ -73,21 +74,27 @@ def true_error(found: Outcome, truth: Outcome) -> float:
 def rows_of(name: str) -> list[Row]:
     """A study's rows."""
     study = read_study(find_study(name))
-    count = min(study.design.size, VARIANTS)
-    values, drop = study.values(0, count)
-    varied = {path: values[path] for path in study.paths}
+
+    def evaluated(machine: Machine | AccurateMachine, most: int) -> tuple[Outcome, float]:
+        count = min(study.design.size, max(most, VARIANTS))
+        values, drop = study.values(0, count)
+        varied = {path: values[path] for path in study.paths}
+        outcome, cost = timed(lambda: machine.evaluate(varied, drop), count)
+        parts = ({n: v[:VARIANTS] for n, v in numbers.items()} for numbers in outcome[3:])
+        return Outcome(*(a[:VARIANTS] for a in outcome[:3]), *parts), cost
+
     # The number of friction's passes is no quantity of the machine.
     names = [n for n in in_panels(study.scene, study.summaries) if n != "friction_passes"]
 
     def accurate(accuracy: float) -> tuple[Outcome, float]:
         machine = AccurateMachine(study.scene, [*names, *OF_ACCURACY], (), study.paths, accuracy)
-        return timed(lambda: machine.evaluate(varied, drop), count)
+        return evaluated(machine, TIMED)
 
     truth = accurate(1e-11)[0]
     uniform = {}
     for positions in POSITIONS:
         machine = Machine(study.scene, names, (), study.paths, positions)
-        uniform[positions] = timed(lambda m=machine: m.evaluate(varied, drop), count)
+        uniform[positions] = evaluated(machine, min(TIMED, PLACES_TIMED // positions))
     found = []
     for accuracy in ACCURACIES:
         outcome, cost = accurate(accuracy)
