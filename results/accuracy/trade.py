@@ -74,6 +74,8 @@ def errors_table(groups: Groups) -> list[str]:
     for (name, loads), by in groups.items():
         cells = [
             " ".join(f"{v:.0e}" for v in (np.median(by[s]), _worst_but_one_percent(by[s]), by[s].max()))
+            if s in by
+            else "–"
             for s in settings
         ]
         lines.append(f"| {name} | {loads} | " + " | ".join(cells) + " |")
@@ -130,13 +132,14 @@ def described() -> list[str]:
     return lines
 
 
-def write(found: Found, cost: dict[Setting, float], count: int) -> None:
-    """Write trade.md and trade.png."""
+def write(found: Found, cost: dict[Setting, float], count: int, timed: str = "ten kinds") -> None:
+    """Write trade.md and trade.png; `timed` says of how many kinds the costs are."""
     groups = grouped(found)
     fast, strict, apart = knobs.floating_point()
     parts = {
         "machines": count * len(found),
         "each": count,
+        "timed": timed,
         "described": "\n".join(described()),
         "choices": "\n".join(choices(groups, cost)),
         "costs": "\n".join(cost_table(cost)),
@@ -174,7 +177,7 @@ positions in float64. "accuracy" is the key of a study that gives every variant 
 
 ## Costs
 
-Time per variant relative to 720 positions in float64, all summaries of a machine asked at once; median of ten kinds.
+Time per variant relative to 720 positions in float64, all summaries of a machine asked at once; median of {timed}.
 
 {costs}
 
