@@ -16,8 +16,8 @@ from engine.quantities import STATISTICS, InputUnits, Quantity, has_cycle, machi
 from engine.reaction_quantities import direction_summaries, friction_summaries, reaction_summaries
 from engine.shaking_quantities import ORDERS, shaking_summaries
 
-# Places of dead centres in panels are found to this [rad].
-DEAD_CENTRE = "2e-11"
+# Places of dead centres in panels are found to this [rad]: a load that turns round there keeps positions clear of them.
+DEAD_CENTRE = "2e-10"
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 

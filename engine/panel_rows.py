@@ -85,6 +85,18 @@ def signed_extreme(panels: Panels, row: np.ndarray, sign: float) -> tuple[float,
     return math.sqrt(value), math.sqrt(value + apart) - math.sqrt(max(value - apart, 0.0))
 
 
+@scalar
+def unseen(panels: Panels, row: np.ndarray) -> float:
+    """How much a row changes between the last position of a panel and its end, at most."""
+    steepest = 0.0
+    for p in range(panels.halves.shape[0]):
+        first, last = panels.starts[p], panels.starts[p + 1] - 1
+        rise = (row[first + 1] - row[first]) / (panels.nodes[first + 1] - panels.nodes[first])
+        fall = (row[last] - row[last - 1]) / (panels.nodes[last] - panels.nodes[last - 1])
+        steepest = max(steepest, abs(rise), abs(fall))
+    return 2.0 * CLEAR * steepest
+
+
 @routine
 def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
     """Least, greatest, mean and root-mean-square value of a row, what may be missed, and how rough it is.
@@ -95,16 +107,10 @@ def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, 
     """
     mean = mean_of(panels, row)
     square = math.sqrt(max(mean_of(panels, row * row), 0.0)) if is_finite(mean) else math.nan
-    steepest = 0.0
-    for p in range(panels.halves.shape[0]):
-        first, last = panels.starts[p], panels.starts[p + 1] - 1
-        rise = abs((row[first + 1] - row[first]) / (panels.nodes[first + 1] - panels.nodes[first]))
-        fall = abs((row[last] - row[last - 1]) / (panels.nodes[last] - panels.nodes[last - 1]))
-        steepest = max(steepest, rise, fall)
     rough = 2.0 * integral_misfit(panels, row) / length_of(panels) * row.shape[0]
     low, below = signed_extreme(panels, row, -1.0)
     high, above = signed_extreme(panels, row, 1.0)
-    return low, high, mean, square, max(below, above, 2.0 * CLEAR * steepest), rough
+    return low, high, mean, square, max(below, above, unseen(panels, row)), rough
 
 
 @scalar
@@ -220,7 +226,9 @@ def work_over(panels: Panels, moment: np.ndarray, h: float, periodic: bool) -> t
 @scalar
 def work_doubt(panels: Panels, moment: np.ndarray, h: float) -> float:
     """How much the work of a moment may be off within panels, and by rounding [J]."""
-    return integral_misfit(panels, moment) + 16.0 * EPS * integral_of(panels, np.abs(moment))
+    rounding = 16.0 * EPS * integral_of(panels, np.abs(moment))
+    # The ends of panels, where positions keep clear of a jump, weigh 1/63 of a panel at most.
+    return integral_misfit(panels, moment) + rounding + length_of(panels) / 63.0 * unseen(panels, moment)
 
 
 @routine
