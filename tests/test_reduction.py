@@ -153,13 +153,12 @@ def test_sliding_input__reduced_mass_and_force():
 
 # The same numbers another way
 
+# Loads of each sort that may vary, few enough for a compiler.
 LOADED = {"bodies": bodies(), **actions()}
-SUMMARIES = ("required_drive_moment", "excess_work", "reduced_inertia.max", "mean_useful_moment", "ram.stroke")
-ROWS = (
-    "reduced_inertia_phi",
-    "input_moment",
-    "work",
-)
+LOADED["forces"] = {name: LOADED["forces"][name] for name in ("cut",)}
+LOADED["moments"] = {name: LOADED["moments"][name] for name in ("brake",)}
+SUMMARIES = ("required_drive_moment", "excess_work", "ram.stroke")
+ROWS = ("input_moment", "work")
 
 
 @pytest.fixture(scope="module")
