@@ -114,11 +114,17 @@ def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, 
 
 
 @scalar
+def side_of(row: np.ndarray, value: float) -> float:
+    """+1 for a row's greatest value, −1 for its least."""
+    return 1.0 if value - least(row) > greatest(row) - value else -1.0
+
+
+@scalar
 def place_at(panels: Panels, row: np.ndarray, value: float, first: float, h: float) -> float:
     """Where a row takes its greatest or least value."""
     if math.isnan(value):
         return math.nan
-    sign = 1.0 if value >= greatest(row) else -1.0
+    sign = side_of(row, value)
     return extreme(panels, row, row, 0.0, sign)[1]
 
 
@@ -131,7 +137,7 @@ def place_doubt(panels: Panels, row: np.ndarray, value: float) -> float:
     """
     if math.isnan(value):
         return math.nan
-    sign = 1.0 if value >= greatest(row) else -1.0
+    sign = side_of(row, value)
     _, at, _ = extreme(panels, row, row, 0.0, sign)
     unsure = misfit(panels, row, at) + 16.0 * EPS * max(abs(greatest(row)), abs(least(row)))
     panel, x = panel_at(panels, at)
