@@ -9,7 +9,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine.flywheel import energy_slopes
-from engine.panel_rows import fluctuation_with_flywheel, flywheel_sizes, statistics, stroke_ends
+from engine.panel_rows import (
+    fluctuation_with_flywheel,
+    flywheel_sizes,
+    place_at,
+    place_doubt,
+    signed_extreme,
+    statistics,
+    stroke_ends,
+)
 from engine.panels import (
     CLEAR,
     LONG,
@@ -143,14 +151,42 @@ def test_stroke__of_a_slider_crank_whose_dead_centres_lie_between_positions():
     panels = panels_of()
     q = panels.nodes + 0.123
     d = 0.05 * np.cos(q) + np.sqrt(0.2**2 - (0.05 * np.sin(q)) ** 2)
-    low, high, low_at, high_at = stroke_ends(panels, d, np.zeros_like(d), 0.0, 0.0, True)
+    v = -0.05 * np.sin(q) - 0.05**2 * np.sin(q) * np.cos(q) / np.sqrt(0.2**2 - (0.05 * np.sin(q)) ** 2)
+    low, high, low_at, high_at = stroke_ends(panels, d, v, 0.0, 0.0, True)
     # sqrt(1 − (r/l)² sin²) is analytic with its singularity at Im q = asinh(√(16 − 1)) ≈ 2: the panel's polynomial
     # converges like (2/(π/4)·2)^−16, about 1e-11 of the oblique term.
     assert high == pytest.approx(0.25, abs=1e-13)
     assert low == pytest.approx(0.15, abs=1e-13)
-    # A place is known to the root of the rounding of its value.
-    assert low_at == pytest.approx(math.pi - 0.123, abs=1e-6)
-    assert high_at == pytest.approx(TURN - 0.123, abs=1e-6)
+    # The places are zeros of the velocity, whose polynomial is as good, over its slope of some 0.05.
+    assert low_at == pytest.approx(math.pi - 0.123, abs=1e-10)
+    assert high_at == pytest.approx(TURN - 0.123, abs=1e-10)
+
+
+@few
+@given(st.floats(0, 6), st.floats(1e-4, 2))
+def test_magnitude_near_zero__is_followed_by_its_square(begins, least):
+    # |F|² = (cos² + least² sin²) is smooth, |F| all but has a corner where the force nearly vanishes.
+    panels = panels_of()
+    q = panels.nodes + begins
+    row = np.sqrt(np.cos(q) ** 2 + (least * np.sin(q)) ** 2)
+    low, apart = signed_extreme(panels, row, -1.0)
+    high, _ = signed_extreme(panels, row, 1.0)
+    assert abs(low - min(1.0, least)) <= apart + 1e-12
+    assert high == pytest.approx(max(1.0, least), abs=1e-6)
+    if least < 0.29:
+        # cos 2q on a quarter turn is followed to a few 1e-12; the root of it near a zero to that over twice the value.
+        assert abs(low - least) <= 1e-11 / least
+
+
+@few
+@given(st.floats(0.3, 6), st.sampled_from([1.0, -1.0]))
+def test_place_of_an_extreme__lies_within_its_doubt(begins, sign):
+    panels = panels_of()
+    row = sign * np.exp(np.cos(panels.nodes - begins))
+    value = sign * extreme(panels, row, row, 0.0, sign)[0]
+    doubt = place_doubt(panels, row, value)
+    # Half the degree follows exp cos to some 1e-5, and its place is as unsure as the root of that.
+    assert abs(place_at(panels, row, value, 0.0, 0.0) - begins) <= doubt <= 1e-2
 
 
 def test_flywheel__by_three_methods_of_a_closed_form():
