@@ -35,7 +35,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z
 
 
 class Dimension(str):
-    """Marks a number of a scene with its dimension, a key of `engine.units.DIMENSIONS`."""
+    """Marks a number of a scene with its dimension, a key of `engine.dimensions.DIMENSIONS`."""
 
 
 def quantity(dimension: str) -> type:

@@ -4,9 +4,6 @@ A text is one number and one unit. Both are read by a strict grammar of our own,
 evaluated and never guessed at; Pint, loaded only with the definitions below, checks the dimension and
 supplies the factor. Pint's default registry is not used: it reads "7 Nm" as 7000 m/kg, "1,5 mm" as 15 mm
 and "60 1/min" as 1 rad/s without a word.
-
-The plane angle counts as a dimension of its own, so "N m" and "N m/rad" are different units, and 1/s is
-not a speed of rotation.
 """
 
 from __future__ import annotations
@@ -19,74 +16,19 @@ import re
 from collections import deque
 from collections.abc import Mapping
 from decimal import Context, Decimal, localcontext
-from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
+
+from engine.dimensions import DIMENSIONS, common_units, in_words, with_example
 
 if TYPE_CHECKING:
     import pint
 
-__all__ = [
-    "DIMENSIONS",
-    "Dimension",
-    "UnitError",
-    "any_quantity",
-    "base_powers",
-    "common_units",
-    "in_text",
-    "recognised",
-    "to_si",
-]
+__all__ = ["UnitError", "any_quantity", "base_powers", "in_text", "recognised", "to_si"]
 
 
 class UnitError(ValueError):
     """A quantity that cannot be read, or whose unit does not fit; the message says how to mend it."""
 
-
-class Dimension(NamedTuple):
-    """How one dimension is written.
-
-    Attributes
-    ----------
-    unit : str
-        SI unit as UDUNITS and the CF conventions spell it, such as ``"rad s-1"``.
-    example : str
-        A text that `to_si` accepts for this dimension, such as ``"1450 rpm"``.
-    """
-
-    unit: str
-    example: str
-
-
-DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
-    {
-        "number": Dimension("1", "0.3"),
-        "length": Dimension("m", "80 mm"),
-        "area": Dimension("m2", "12 cm2"),
-        "volume": Dimension("m3", "450 cm3"),
-        "angle": Dimension("rad", "30 deg"),
-        "time": Dimension("s", "20 ms"),
-        "mass": Dimension("kg", "1.2 kg"),
-        "inertia": Dimension("kg m2", "0.5 kg m2"),
-        "density": Dimension("kg m-3", "7850 kg/m3"),
-        "area_density": Dimension("kg m-2", "15.7 kg/m2"),
-        "linear_density": Dimension("kg m-1", "2.5 kg/m"),
-        "speed": Dimension("m s-1", "2.5 m/s"),
-        "acceleration": Dimension("m s-2", "9.81 m/s2"),
-        "angular_speed": Dimension("rad s-1", "1450 rpm"),
-        "angular_acceleration": Dimension("rad s-2", "20 rad/s2"),
-        "force": Dimension("N", "12 kN"),
-        "moment": Dimension("N m", "7 N m"),
-        "pressure": Dimension("Pa", "6 bar"),
-        "power": Dimension("W", "1.5 kW"),
-        "energy": Dimension("J", "2 kJ"),
-        "stiffness": Dimension("N m-1", "8 N/mm"),
-        "torsional_stiffness": Dimension("N m rad-1", "500 N m/rad"),
-        "damping": Dimension("N s m-1", "40 N s/m"),
-        "torsional_damping": Dimension("N m s rad-1", "0.2 N m s/rad"),
-        "quadratic_drag": Dimension("N s2 m-2", "0.8 N s2/m2"),
-        "torsional_quadratic_drag": Dimension("N m s2 rad-2", "0.003 N m s2/rad2"),
-    }
-)
 
 _TWO_PI = "6.283185307179586476925286766559005768394"
 
@@ -188,7 +130,7 @@ def to_si(value: str | float | int, dimension: str) -> float:
     if isinstance(value, str):
         return _read_text(value, dimension)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise UnitError(f"expected {_wanted(dimension)}, got a value of type {type(value).__name__}")
+        raise UnitError(f"expected {with_example(dimension)}, got a value of type {type(value).__name__}")
     return _in_range(value, "the number", dimension)
 
 
@@ -222,13 +164,14 @@ def in_text(value: str | float | int, dimension: str) -> float:
 
 def _read_text(text: str, dimension: str) -> float:
     if len(text) > _LONGEST:
-        raise UnitError(f"expected {_wanted(dimension)}, got a text of {len(text)} characters: {text[:20] + '...'!r}")
+        begin = text[:20] + "..."
+        raise UnitError(f"expected {with_example(dimension)}, got a text of {len(text)} characters: {begin!r}")
     stripped = text.strip().replace("\N{MINUS SIGN}", "-")
     with localcontext(Context(prec=_DIGITS)):
         try:
             return _in_range(_evaluate(stripped, dimension), f"{text!r}", dimension)
         except ArithmeticError:
-            raise UnitError(f"{text!r} is not a finite {_words(dimension)}") from None
+            raise UnitError(f"{text!r} is not a finite {in_words(dimension)}") from None
 
 
 def _evaluate(text: str, dimension: str) -> Decimal:
@@ -236,7 +179,7 @@ def _evaluate(text: str, dimension: str) -> Decimal:
         return Decimal(fraction[1]) / Decimal(fraction[2])
     quantity = _QUANTITY.fullmatch(text)
     if quantity is None:
-        raise UnitError(f"expected {_wanted(dimension)}, got {text!r}, which does not begin with a number")
+        raise UnitError(f"expected {with_example(dimension)}, got {text!r}, which does not begin with a number")
     number, unit = Decimal(quantity[1]), quantity[2]
     if unit.startswith(","):
         raise UnitError(f"{text!r}: use a decimal point, not a comma, as in '1.5'")
@@ -255,7 +198,7 @@ def _in_range(value: numbers.Real | Decimal, shown: str, dimension: str) -> floa
     except OverflowError:
         number = math.inf
     if not math.isfinite(number) or (number == 0 and value != 0):
-        raise UnitError(f"{shown} is not a finite {_words(dimension)} within the range of float64")
+        raise UnitError(f"{shown} is not a finite {in_words(dimension)} within the range of float64")
     return number
 
 
@@ -271,8 +214,8 @@ def _factor(unit: str, dimension: str) -> Decimal:
         return factor
     if "[angle]" in wanted and kind == {base: power for base, power in wanted.items() if base != "[angle]"}:
         units = " or ".join(common_units(dimension))
-        raise UnitError(f"{unit!r} is ambiguous for {_words(dimension, article=True)}: write {units}")
-    raise UnitError(f"expected {_wanted(dimension)}, got {unit!r}")
+        raise UnitError(f"{unit!r} is ambiguous for {in_words(dimension, article=True)}: write {units}")
+    raise UnitError(f"expected {with_example(dimension)}, got {unit!r}")
 
 
 def _factor_and_kind(powers: Mapping[str, int]) -> tuple[Decimal, dict[str, int]]:
@@ -339,7 +282,7 @@ def _read_factor(tokens: deque[str], unit: str, dimension: str) -> dict[str, int
         raise _unreadable(unit, dimension)
     name, power = factor.groups()
     if name not in _NAMES:
-        raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {_wanted(dimension)})")
+        raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {with_example(dimension)})")
     return {name: int(power or 1)}
 
 
@@ -352,29 +295,13 @@ def _did_you_mean(name: str) -> str:
 
 
 def _unreadable(unit: str, dimension: str) -> UnitError:
-    return UnitError(f"cannot read the unit {unit!r}; expected {_wanted(dimension)}")
+    return UnitError(f"cannot read the unit {unit!r}; expected {with_example(dimension)}")
 
 
 def _no_unit(number: str, dimension: str) -> UnitError:
     common, *si = common_units(dimension)
     other = f', or "{number} {si[0]}" if the SI unit is meant' if si else ""
     return UnitError(f'{number} has no unit: write "{number} {common}"{other}')
-
-
-def common_units(dimension: str) -> tuple[str, ...]:
-    """Units as a text may have them: the one of the dimension's example, and the SI unit if that is another.
-
-    Parameters
-    ----------
-    dimension : str
-        A key of `DIMENSIONS`, "number" apart.
-
-    Returns
-    -------
-    tuple of str
-        For instance ("mm", "m").
-    """
-    return tuple(dict.fromkeys([DIMENSIONS[dimension].example.partition(" ")[2], _plain(dimension)]))
 
 
 def base_powers(unit: str) -> dict[str, int]:
@@ -397,20 +324,6 @@ def base_powers(unit: str) -> dict[str, int]:
     """
     powers = {} if unit == "1" else _read_unit(unit, "number")
     return {base: int(power) for base, power in _factor_and_kind(powers)[1].items()}
-
-
-def _plain(dimension: str) -> str:
-    """Spell the SI unit with a slash: "N s2 m-2" as "N s2/m2"."""
-    return re.sub(r" ([a-z]+)-(?:1\b)?", r"/\1", DIMENSIONS[dimension].unit)
-
-
-def _words(dimension: str, *, article: bool = False) -> str:
-    words = dimension.replace("_", " ")
-    return f"{'an' if words[0] in 'aeio' else 'a'} {words}" if article else words
-
-
-def _wanted(dimension: str) -> str:
-    return f"{_words(dimension, article=True)} such as '{DIMENSIONS[dimension].example}'"
 
 
 def recognised(value: float | str) -> tuple[float, str]:

@@ -11,7 +11,8 @@ from fractions import Fraction
 
 from pint.util import UnitsContainer
 
-from engine.units import DIMENSIONS, base_powers, common_units, recognised
+from engine.dimensions import DIMENSIONS, common_units
+from engine.units import base_powers, recognised
 from sweeps.expressions import Expression, ExpressionError, Operation, Quantity, Tree, pointed_out
 
 _ANGLE = "[angle]"

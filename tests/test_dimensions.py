@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.units import DIMENSIONS, any_quantity
+from engine.dimensions import DIMENSIONS
+from engine.units import any_quantity
 from sweeps.dimensions import (
     check_condition,
     check_yields,

@@ -18,7 +18,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from engine.units import DIMENSIONS, UnitError, in_text, to_si
+from engine.dimensions import DIMENSIONS
+from engine.units import UnitError, in_text, to_si
 
 with mpmath.workdps(60):
     PI = Fraction(mpmath.nstr(+mpmath.pi, 55))

@@ -1,0 +1,89 @@
+"""The dimensions of a machine's numbers: the SI unit of each, and how texts have it.
+
+The plane angle counts as a dimension of its own, so "N m" and "N m/rad" are different units, and 1/s is
+not a speed of rotation.
+"""
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+
+class Dimension(NamedTuple):
+    """How one dimension is written.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit as UDUNITS and the CF conventions spell it, such as ``"rad s-1"``.
+    example : str
+        A text that `to_si` accepts for this dimension, such as ``"1450 rpm"``.
+    """
+
+    unit: str
+    example: str
+
+
+DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
+    {
+        "number": Dimension("1", "0.3"),
+        "length": Dimension("m", "80 mm"),
+        "area": Dimension("m2", "12 cm2"),
+        "volume": Dimension("m3", "450 cm3"),
+        "angle": Dimension("rad", "30 deg"),
+        "time": Dimension("s", "20 ms"),
+        "mass": Dimension("kg", "1.2 kg"),
+        "inertia": Dimension("kg m2", "0.5 kg m2"),
+        "density": Dimension("kg m-3", "7850 kg/m3"),
+        "area_density": Dimension("kg m-2", "15.7 kg/m2"),
+        "linear_density": Dimension("kg m-1", "2.5 kg/m"),
+        "speed": Dimension("m s-1", "2.5 m/s"),
+        "acceleration": Dimension("m s-2", "9.81 m/s2"),
+        "angular_speed": Dimension("rad s-1", "1450 rpm"),
+        "angular_acceleration": Dimension("rad s-2", "20 rad/s2"),
+        "force": Dimension("N", "12 kN"),
+        "moment": Dimension("N m", "7 N m"),
+        "pressure": Dimension("Pa", "6 bar"),
+        "power": Dimension("W", "1.5 kW"),
+        "energy": Dimension("J", "2 kJ"),
+        "stiffness": Dimension("N m-1", "8 N/mm"),
+        "torsional_stiffness": Dimension("N m rad-1", "500 N m/rad"),
+        "damping": Dimension("N s m-1", "40 N s/m"),
+        "torsional_damping": Dimension("N m s rad-1", "0.2 N m s/rad"),
+        "quadratic_drag": Dimension("N s2 m-2", "0.8 N s2/m2"),
+        "torsional_quadratic_drag": Dimension("N m s2 rad-2", "0.003 N m s2/rad2"),
+    }
+)
+
+
+def common_units(dimension: str) -> tuple[str, ...]:
+    """Units as a text may have them: the one of the dimension's example, and the SI unit if that is another.
+
+    Parameters
+    ----------
+    dimension : str
+        A key of `DIMENSIONS`, "number" apart.
+
+    Returns
+    -------
+    tuple of str
+        For instance ("mm", "m").
+    """
+    return tuple(dict.fromkeys([DIMENSIONS[dimension].example.partition(" ")[2], _plain(dimension)]))
+
+
+def _plain(dimension: str) -> str:
+    """Spell the SI unit with a slash: "N s2 m-2" as "N s2/m2"."""
+    return re.sub(r" ([a-z]+)-(?:1\b)?", r"/\1", DIMENSIONS[dimension].unit)
+
+
+def in_words(dimension: str, *, article: bool = False) -> str:
+    """A dimension as messages have it: "angular speed", with its article "an angular speed"."""
+    words = dimension.replace("_", " ")
+    return f"{'an' if words[0] in 'aeio' else 'a'} {words}" if article else words
+
+
+def with_example(dimension: str) -> str:
+    """A dimension and how a text has it: "a length such as '80 mm'"."""
+    return f"{in_words(dimension, article=True)} such as '{DIMENSIONS[dimension].example}'"
