@@ -26,7 +26,7 @@ from engine.drives import induction_motor
 from engine.induction_run_up import induction_motor_over_slip, induction_motor_to_slip
 from engine.jit import over_variants, scalar
 from engine.motion.cases import Law
-from engine.motion.run import Ends
+from engine.motion.run_progress import Ends
 
 CONSTANT, LINEAR, SQUARE = int(Law.CONSTANT), int(Law.LINEAR), int(Law.SQUARE)
 ROUNDS = 60

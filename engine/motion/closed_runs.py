@@ -10,7 +10,8 @@ from engine.motion.cases import Law
 from engine.motion.closed_laws import Balance, Motion, speed_motion
 from engine.motion.closed_time import Push, strongest, timed_motion
 from engine.motion.dynamics import Dynamics, Variants
-from engine.motion.run import Ends, Outcome, Run
+from engine.motion.run import run_to_end
+from engine.motion.run_progress import Ends, Outcome, Progress
 from engine.motion.time_form import State
 from engine.verdicts import Verdict
 
@@ -34,7 +35,7 @@ def run_in_closed_form(
     law : Law
         Of all variants.
     dynamics, variants, start, omega, clock, ends, steps, half
-        As of `Run`.
+        As of `Progress`.
     doubt : float
         Every moment is increased by this share of its magnitude: what changes shows how sure an answer is.
     """
@@ -52,8 +53,8 @@ def run_in_closed_form(
     left = np.flatnonzero(~found)
     if left.size:
         own = ends._replace(**{k: getattr(ends, k)[left] for k in ("turned", "time", "speed", "most_turned")})
-        run = Run(dynamics, variants.some(left), start[left], omega[left], clock[left], own, steps, half)
-        _take(outcome, left, run())
+        runs = Progress(dynamics, variants.some(left), start[left], omega[left], clock[left], own, steps, half)
+        _take(outcome, left, run_to_end(runs))
     return outcome
 
 

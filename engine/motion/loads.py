@@ -10,10 +10,10 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from engine.input_motion import InputMotion
 from engine.model import Model
 from engine.motion.dynamics import Variants
 from engine.motion.tabulation import Tabulation
-from engine.reactions import InputMotion
 from engine.shaking_quantities import shaking_terms
 
 # Names of a scene hold no two underscores in a row.

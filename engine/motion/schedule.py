@@ -18,7 +18,8 @@ from engine.motion.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.dynamics import CHANNELS, Dynamics, Reduction, Variants
 from engine.motion.loads import PairLoads
 from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
-from engine.motion.run import Ends, Outcome, Run
+from engine.motion.run import run_to_end
+from engine.motion.run_progress import Ends, Outcome, Progress
 from engine.motion.sizing import flywheel_for, speed_extremes
 from engine.motion.steady import steady_motion
 from engine.motors import motor_ratio
@@ -233,7 +234,7 @@ class Schedule:
         ends = ends._replace(**{k: getattr(ends, k)[ready] for k in ("turned", "time", "speed", "most_turned")})
         begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
         if law is None or record:
-            outcome = Run(dynamics, part, *begin, ends, self.steps, half, record)()
+            outcome = run_to_end(Progress(dynamics, part, *begin, ends, self.steps, half, record))
         else:
             doubt = DOUBT if half else 0.0
             outcome = run_in_closed_form(law, dynamics, part, *begin, ends, self.steps, half, doubt)
