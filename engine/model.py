@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.inertia_quantities import inertia_fields, write_inertia_forces
+from engine.input_motion import InputMotion
 from engine.loop_quantities import write_closures
 from engine.mechanism import Mechanism
 from engine.moments import Moments, Term
@@ -12,7 +13,7 @@ from engine.parts import FRAME, CrankInput
 from engine.program import Program
 from engine.quantities import dynamic_fields, kinematic_fields, rates_in_time
 from engine.reaction_quantities import acting_fields, reaction_fields
-from engine.reactions import InputMotion, Reactions
+from engine.reactions import Reactions
 from engine.scene import Numbers, Scene, scene_numbers
 from engine.shaking_quantities import shaking_fields, shaking_terms
 from engine.structure import Structure, order

@@ -26,10 +26,11 @@ from scipy.linalg import lstsq
 from test_reactions import asked, loaded
 
 from engine import Machine, Scene, dyad_forces, dyads, inertia_forces, links, loads
+from engine.input_motion import InputMotion
 from engine.model import Model
 from engine.pairs import pairs
 from engine.parts import FRAME, CrankInput, Hinged, Sliding, Yoke
-from engine.reactions import InputMotion, Reactions
+from engine.reactions import Reactions
 
 ROUNDINGS = 200
 

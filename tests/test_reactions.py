@@ -15,9 +15,10 @@ from press import actions, bodies, press
 
 from engine import Machine, Scene, dyad_forces, dyads, inertia_forces, links
 from engine.demand import describe
+from engine.input_motion import InputMotion
 from engine.model import Model
 from engine.pairs import pairs
-from engine.reactions import InputMotion, Reactions
+from engine.reactions import Reactions
 
 CHECKS = ("input_moment_disagreement", "equilibrium_residual")
 
