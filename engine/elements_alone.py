@@ -5,14 +5,15 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.accuracy import AccurateMachine
+from engine.asking import given_numbers
 from engine.element_columns import ElementColumns, element_summaries
 from engine.kernel_text import Form
 from engine.kernels import Source
 from engine.machine import Machine
 from engine.names import did_you_mean
-from engine.outcome import AskError, Outcome
+from engine.outcome import AskError, Outcome, blank
 from engine.quantities import Quantity
-from engine.scene import Numbers, Scene, scene_numbers, within_limits
+from engine.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
 
@@ -142,17 +143,8 @@ class ElementsAlone:
         AskError
             The paths are not those the elements were made ready for.
         """
-        if set(varied) != set(self.varied):
-            raise AskError(f"varied must hold exactly {list(self.varied)}, got {sorted(varied)}")
-        arrays = {path: np.atleast_1d(np.asarray(v, dtype=np.float64)) for path, v in varied.items()}
-        variants = next((a.shape[0] for a in arrays.values()), 1)
-        status = np.zeros(variants, np.uint8)
-        for path, values in arrays.items():
-            status[~within_limits(self._limits[path], values)] = Verdict.OUTSIDE_LIMITS
-        if drop is not None:
-            status[drop] = Verdict.DROPPED
-        keep = np.flatnonzero(status == Verdict.OK)
-        summaries = {name: np.full(variants, np.nan) for name in self.asked_summaries}
-        errors = {name: np.full(variants, np.nan) for name in self.asked_summaries}
-        self._columns.fill(status, summaries, errors, keep, Numbers(self._limits, arrays).of_variants(keep))
-        return Outcome(status, np.full(variants, -1, np.int16), np.full(variants, np.nan), summaries, errors, {})
+        arrays, status = given_numbers(self._limits, self.varied, varied, drop)
+        keep, outcome = np.flatnonzero(status == Verdict.OK), blank(status, self.asked_summaries, {})
+        numbers = Numbers(self._limits, arrays).of_variants(keep)
+        self._columns.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        return outcome

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.analyses import Analyses
+from engine.asking import check_names, check_positions, given_numbers
 from engine.demand import Demand
 from engine.element_columns import ElementColumns, element_summaries
 from engine.jit import run_kernel, threads
@@ -14,11 +15,10 @@ from engine.kernels import KernelWriter, Source
 from engine.model import Model
 from engine.motion.quantities import cycle_statistics, kept_from, motion_fields, motion_summaries
 from engine.motion.schedule import Schedule
-from engine.names import nearest
-from engine.outcome import AskError, Outcome, field_room, front_of
+from engine.outcome import AskError, Outcome, blank, field_room, front_of
 from engine.parts import CrankInput
 from engine.quantities import STATISTICS, Quantity, has_cycle
-from engine.scene import Numbers, Scene, scene_numbers, within_limits
+from engine.scene import Numbers, Scene, scene_numbers
 from engine.shared_shapes import shared_shapes
 from engine.tables import table_value
 from engine.verdicts import Verdict
@@ -83,18 +83,18 @@ class Machine:
         # Fields of the kernel first, so that they lie together in memory.
         self.asked_summaries = list(summaries)
         self.asked_fields = sorted(fields, key=lambda name: name in self._motion_fields)
-        _check_positions(positions)
+        check_positions(positions)
         self._limits = scene_numbers(scene)
-        _check_names(self.varied, self._limits, "number of the scene")
+        check_names(self.varied, self._limits, "number of the scene")
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
         self.model = Model(scene, frozenset(self.varied))
         for name, message in kept_from(scene, (*self.asked_summaries, *self.asked_fields)):
             raise AskError(f"{name}: {message}")
-        _check_names(self.asked_fields, self.available_fields, "field")
+        check_names(self.asked_fields, self.available_fields, "field")
         self.analyses = Analyses(self.model, self.form == "panels")
         self._add_statistics()
-        _check_names(self.asked_summaries, self.available_summaries, "summary")
+        check_names(self.asked_summaries, self.available_summaries, "summary")
         self._wheel = [name for name in self.asked_summaries if name in self.wheel_quantities]
         self._elements = ElementColumns(scene, self.asked_summaries)
         apart = {*self._wheel, *self._elements.names, *self._motion_quantities}
@@ -220,18 +220,11 @@ class Machine:
         AskError
             The paths are not those the machine was made for.
         """
-        if set(varied) != set(self.varied):
-            raise AskError(f"varied must hold exactly {list(self.varied)}, got {sorted(varied)}")
-        arrays = {path: np.atleast_1d(np.asarray(v, dtype=np.float64)) for path, v in varied.items()}
-        variants = next((a.shape[0] for a in arrays.values()), 1)
-        status = np.zeros(variants, np.uint8)
-        for path, values in arrays.items():
-            status[~within_limits(self._limits[path], values)] = Verdict.OUTSIDE_LIMITS
-        if drop is not None:
-            status[drop] = Verdict.DROPPED
+        arrays, status = given_numbers(self._limits, self.varied, varied, drop)
+        variants = status.size
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
-        outcome = self._blank(status, room)
+        outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
             chosen = {path: values[keep] for path, values in arrays.items()} if keep.size < variants else arrays
             packed = room if keep.size == variants else self.new_buffer(keep.size)
@@ -244,16 +237,6 @@ class Machine:
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for the asked fields of a number of variants; worth reusing from block to block."""
         return field_room((len(self.asked_fields), variants, self.nodes.size), self.dtype)
-
-    def _blank(self, status: np.ndarray, room: np.ndarray) -> Outcome:
-        variants = status.shape[0]
-
-        def numbers() -> dict[str, np.ndarray]:
-            return {name: np.full(variants, np.nan) for name in self.asked_summaries}
-
-        fields = dict(zip(self.asked_fields, room, strict=True))
-        at = np.full(variants, np.nan)
-        return Outcome(status, np.full(variants, -1, np.int16), at, numbers(), numbers(), fields)
 
     def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, fields: np.ndarray) -> None:
         """Evaluate the variants `keep`, their fields packed into `fields`, and write their summaries and verdicts."""
@@ -406,17 +389,3 @@ class Machine:
         slots = self.source(self.form).slots
         start, stop = (parameters[slots.index(f"num__input__{key}")] for key in ("start", "stop"))
         return start + (stop - start) * self.nodes[places]
-
-
-def _check_positions(positions: int) -> None:
-    if isinstance(positions, bool) or not isinstance(positions, (int, np.integer)) or positions < 8 or positions % 2:
-        raise AskError(f"positions = {positions!r}: an even number of at least 8 is needed, such as 360 or 720")
-
-
-def _check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
-    known = list(known)
-    for name in names:
-        if name not in known:
-            near = nearest(name, known, 3)
-            hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
-            raise AskError(f"{name!r} is not a {kind} of this scene{hint}")

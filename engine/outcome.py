@@ -1,6 +1,7 @@
 """What an evaluation gives back, and the memory of its fields."""
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,13 @@ class Outcome(NamedTuple):
     summaries: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
     fields: dict[str, np.ndarray]
+
+
+def blank(status: np.ndarray, summaries: Iterable[str], fields: dict[str, np.ndarray]) -> Outcome:
+    """Outcome of variants of which nothing is known but their status: NaN for every summary, no group to blame."""
+    names, variants = list(summaries), status.shape[0]
+    values, errors = ({name: np.full(variants, np.nan) for name in names} for _ in range(2))
+    return Outcome(status, np.full(variants, -1, np.int16), np.full(variants, np.nan), values, errors, fields)
 
 
 def field_room(shape: tuple[int, int, int], dtype: np.dtype) -> np.ndarray:
