@@ -2,48 +2,13 @@
 
 from pathlib import Path
 
+from press_texts import PRESS_WITH_FLYWHEEL
+
 from sweeps.optimising.runner import optimise_study
 from sweeps.results import Result
 from sweeps.study import Study, read_study
 
-# In line, so that the stroke is twice the crank: a closed form to hold searches to.
-SCENE = """\
-title = "Crank press"
-
-[points]
-O = {x = "0 mm", y = "0 mm"}
-
-[guides]
-way = {angle = "-90 deg"}
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "60 rpm"
-
-[groups.slide]
-type = "RRP"
-inner = "B"
-first = {link = "rod", joint = "A", length = "200 mm"}
-second = {link = "ram", guide = "way"}
-
-[bodies.ram]
-link = "ram"
-mass = "100 kg"
-
-[forces.punch]
-type = "constant"
-on = "B"
-angle = "90 deg"
-force = "10 kN"
-acts = "against"
-
-[flywheel]
-speed_fluctuation = "1/10"
-"""
-
+SCENE = PRESS_WITH_FLYWHEEL.replace("100 kN", "10 kN")
 CRANK, ROD = "input.length", "groups.slide.first.length"
 RANGES = """
 [vary]

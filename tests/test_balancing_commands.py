@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from commands import refused
 from drawn_machines import sliding_input
 from matplotlib.figure import Figure
 
@@ -30,12 +31,6 @@ def folder(tmp_path, monkeypatch):
 def said(*words):
     outcome = CliRunner().invoke(main, list(words))
     assert outcome.exit_code == 0, outcome.output
-    return outcome.output
-
-
-def refused(*words):
-    outcome = CliRunner().invoke(main, list(words))
-    assert outcome.exit_code == 2, outcome.output
     return outcome.output
 
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_command_line import SCENE, refused, said
+from commands import refused, said
+from press_texts import PRESS
 
 from engine import Machine, Scene, Verdict
 from engine.model import Model
@@ -18,7 +19,7 @@ from sweeps.scenefile import read_scene
 from sweeps.study import read_study
 
 MOTION = (
-    SCENE.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
+    PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
     + """
 [flywheel]
 inertia = "30 kg m2"
@@ -269,7 +270,7 @@ def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(fold
 
 
 def test_export_history_of_what_has_none__is_refused(folder):
-    Path("press.toml").write_text(SCENE)
+    Path("press.toml").write_text(PRESS)
     assert "regimes: the scene has none" in refused("export", "press.toml", "--history", "--to", "h.csv")
     assert "writes .csv, not '.svg'" in refused("export", "press.toml", "--history", "--to", "h.svg")
 

@@ -4,15 +4,14 @@ import ast
 import sys
 from pathlib import Path
 
-import click.testing
 import numpy as np
 import pytest
+from commands import said
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 
 from engine import Verdict
-from sweeps import cli
 from sweeps.errors import PictureError
 from sweeps.expressions import parse
 from sweeps.optimising.front_picture import front_picture
@@ -247,10 +246,6 @@ def test_missing_library__is_named_and_nothing_is_left_behind(tmp_path, monkeypa
 def folder(tmp_path, monkeypatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def said(*arguments: str) -> click.testing.Result:
-    return click.testing.CliRunner().invoke(cli.main, arguments, catch_exceptions=False)
 
 
 ASKED = f'minimise = "{NEAREST}"\nsubject_to = "ram.stroke <= \'90 mm\'"\npopulation = 10\ngenerations = 8'

@@ -7,77 +7,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
+from slips import cases, changed
 
 from sweeps.scenefile import read_scene
 from sweeps.textfile import InputError
-
-GOOD = """\
-title = "Crank press with a rocker"
-
-[points]
-O = {x = "0 mm", y = "0 mm"}
-D = {x = "260 mm", y = "20 mm"}
-
-[points.tip]
-link = "rocker"
-x = "180 mm"
-y = "0 mm"
-
-[guides.way]
-angle = "-90 deg"
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "60 rpm"
-
-[groups.bars]
-type = "RRR"
-inner = "B"
-first = {link = "rod", joint = "A", length = "220 mm"}
-second = {link = "rocker", joint = "D", length = "150 mm"}
-
-[groups.press]
-type = "RRP"
-inner = "C"
-first = {link = "pitman", joint = "A", length = "200 mm"}
-second = {link = "ram", guide = "way"}
-
-[bodies.ram]
-link = "ram"
-mass = "100 kg"
-
-[bodies.bar]
-link = "rod"
-density = "7850 kg/m3"
-shape = {type = "rod", length = "220 mm", area = "6 cm2"}
-
-[forces.punch]
-type = "table"
-on = "C"
-angle = "90 deg"
-slider = "ram"
-measured_from = "high end"
-over_stroke = ["0 mm", "1 mm", "8 mm"]
-force = ["0 kN", "100 kN", "60 kN"]
-interpolation = "linear"
-outside = "zero"
-acts = "against"
-
-[moments.friction]
-type = "against_motion"
-on = "rocker"
-moment = "2 N m"
-
-[springs.back]
-between = ["D", "tip"]
-stiffness = "5 N/mm"
-
-[flywheel]
-speed_fluctuation = "1/10"
-"""
 
 GROUND = """\
 [points]
@@ -176,31 +110,6 @@ exhaust = "1.1 bar"
 peak = "50 bar"
 """
 
-FROM_CSV = GOOD.replace(
-    'over_stroke = ["0 mm", "1 mm", "8 mm"]\nforce = ["0 kN", "100 kN", "60 kN"]', 'file = "punch.csv"'
-)
-
-PUNCH = "over_stroke [mm],force [kN]\n0,0\n1,100\n8,60\n"
-
-
-def refused(folder: Path, text: str | bytes, name: str = "press.toml") -> InputError:
-    """The error of a scene; any other exception fails the test, and so does none."""
-    path = folder / name
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    with pytest.raises(InputError) as caught:
-        read_scene(path)
-    return caught.value
-
-
-def changed(text: str, old: str, new: str) -> str:
-    assert text.count(old) >= 1, old
-    return text.replace(old, new, 1)
-
-
-def line_with(text: str, marker: str) -> int:
-    """Number of the last line that holds a marker."""
-    return max(i for i, line in enumerate(text.splitlines(), 1) if marker in line)
-
 
 def check(error: InputError, text: str, marker: str, key: str, words: Iterable[str]) -> None:
     """Some problem stands at the line of `marker` and has the key; together they say all the words."""
@@ -213,13 +122,6 @@ def check(error: InputError, text: str, marker: str, key: str, words: Iterable[s
         assert word in str(error), str(error)
     assert "pydantic" not in str(error)
     assert "Traceback" not in str(error)
-
-
-def cases(table: str) -> dict[str, list[str]]:
-    """Cells of a table by its first column; \\n stands for a line break, a line that begins with a bar goes on."""
-    lines = table.strip().replace("\n    | ", " | ").splitlines()
-    cells = ([cell.replace("\\n", "\n") for cell in line.split(" | ")] for line in lines)
-    return {name: rest for name, *rest in cells}
 
 
 def test_good_texts__are_read(tmp_path):
@@ -345,108 +247,6 @@ def test_impossible_structure__is_refused_in_the_mechanics_words(case, tmp_path)
     name, old, new, marker, key, *words = STRUCTURES[case]
     text = changed(globals()[name], old, new)
     check(refused(tmp_path, text), text, marker, key, words)
-
-
-# Name | text of the file | words of the message.
-TABLES = cases(r"""
-no unit in brackets | over_stroke mm,force [kN]\n0,0\n1,1\n | line 1 | over_stroke mm | 'force [kN]'
-semicolons | over_stroke [mm];force [kN]\n0;0\n1;1\n | line 1 | over_stroke [mm];force [kN]
-unknown column | stroke [mm],force [kN]\n0,0\n1,1\n | unknown key | did you mean 'over_stroke'?
-unknown unit | over_stroke [mm],force [kM]\n0,0\n1,1\n | unknown unit 'kM' | a force such as '12 kN'
-column without unit | over_stroke [mm],force\n0,0\n1,1\n | has no unit | "1 kN"
-word for a number | over_stroke [mm],force [kN]\n0,0\n1,much\n | line 3 | 'much' is not a number
-decimal comma | over_stroke [mm],force [kN]\n0,0\n1,"1,5"\n | line 3 | '1,5' | decimal point
-cell too many | over_stroke [mm],force [kN]\n0,0\n1,1,5\n | line 3 | 3 cells, the header 2
-after a comment | # measured\nover_stroke [mm],force [kN]\n\n0,0\n# here\n1,much\n | line 6 | 'much'
-column twice | over_stroke [mm],force [kN],force [kN]\n0,0,0\n1,1,1\n | force
-no rows | over_stroke [mm],force [kN]\n | at least one row
-nothing |  | header line
-not sorted | over_stroke [mm],force [kN]\n0,0\n8,1\n1,1\n | row 3 | sort
-not finite | over_stroke [mm],force [kN]\n0,0\ninf,1\n | a length | inf
-""")
-
-
-@pytest.mark.parametrize("case", TABLES)
-def test_bad_csv_table__is_refused_and_named(case, tmp_path):
-    content, *words = TABLES[case]
-    check_table(tmp_path, content.encode(), words)
-
-
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        (None, ("punch.csv", "can't be read", "No such file")),
-        (b"", ("header line",)),
-        (bytes(range(256)), ("punch.csv", "not UTF-8")),
-        (b"over_stroke [mm],force [kN]\n0,0\n\x001,1\n", ("line 3", "is not a number")),
-        (b"over_stroke [mm],force [kN]\n0,0\n1," + b"1" * 200_000, ("punch.csv",)),
-    ],
-)
-def test_csv_file_that_is_none__is_refused_and_named(content, words, tmp_path):
-    check_table(tmp_path, content, words)
-
-
-def check_table(folder: Path, content: bytes | None, words: Iterable[str]) -> None:
-    if content is not None:
-        (folder / "punch.csv").write_bytes(content)
-    error = refused(folder, FROM_CSV)
-    table, key = line_with(FROM_CSV, "[forces.punch]"), line_with(FROM_CSV, "file =")
-    assert {line for line, _, _ in error.problems} <= {table, key}
-    assert all(path.startswith("forces.punch") for _, path, _ in error.problems)
-    for word in words:
-        assert word in str(error), str(error)
-
-
-@pytest.mark.parametrize("name", ['"."', '"\\u0000"', '"' + "x" * 5000 + '"', "3", "[1]", "{}"])
-def test_odd_name_of_a_csv_file__is_refused_with_its_line(name, tmp_path):
-    text = changed(FROM_CSV, '"punch.csv"', name)
-    error = refused(tmp_path, text)
-    assert error.problems[0][:2] == (line_with(text, "file ="), "forces.punch.file")
-
-
-def test_csv_and_columns_in_the_text__are_refused_together(tmp_path):
-    (tmp_path / "punch.csv").write_text(PUNCH)
-    text = changed(FROM_CSV, 'file = "punch.csv"', 'file = "punch.csv"\nforce = ["7 kN", "7 kN", "7 kN"]')
-    assert "force" in str(refused(tmp_path, text))
-
-
-@pytest.mark.parametrize("text", ["", "\n\n# nothing but a remark\n", 'title = "x"\n'])
-def test_empty_text__says_that_the_input_is_missing(text, tmp_path):
-    assert refused(tmp_path, text).problems == ((None, "input", "is missing"),)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        bytes(range(256)),
-        b"\x89HDF\r\n\x1a\n" + bytes(64),
-        GOOD.encode("utf-16"),
-        "a = " + "[" * 20_000,
-        "a = " + "[" * 500 + "]" * 500,
-        "a = " + "9" * 5000,
-        "import os\nos.remove('press.toml')\n",
-        "<html><body>scene</body></html>",
-        "\x00",
-    ],
-)
-def test_text_that_is_no_toml__is_refused(text, tmp_path):
-    error = refused(tmp_path, text)
-    assert "press.toml" in str(error)
-    assert (tmp_path / "press.toml").exists()
-
-
-@pytest.mark.parametrize("name", ["", "nowhere.toml", "folder/press.toml"])
-def test_file_that_cannot_be_read__is_named(name, tmp_path):
-    with pytest.raises(InputError, match="can't be read") as caught:
-        read_scene(tmp_path / name)
-    assert str(tmp_path) in str(caught.value)
-
-
-@pytest.mark.parametrize("mark", ["\ufeff", ""])
-def test_windows_text__is_read(mark, tmp_path):
-    (tmp_path / "press.toml").write_bytes((mark + FROM_CSV).replace("\n", "\r\n").encode())
-    (tmp_path / "punch.csv").write_bytes((mark + PUNCH).replace("\n", "\r\n").encode())
-    assert read_scene(tmp_path / "press.toml").forces["punch"].force == [0.0, 100e3, 60e3]
 
 
 def test_several_problems__are_told_at_once(tmp_path):

@@ -1,0 +1,34 @@
+"""Fixtures of several files."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from commands import STUDY, said
+from press_texts import PRESS, PRESS_WITH_FLYWHEEL
+
+from engine.jit import set_threads
+
+
+@pytest.fixture
+def press_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder with a press and its study, to give commands in."""
+    monkeypatch.chdir(tmp_path)
+    Path("press.toml").write_text(PRESS)
+    Path("study.toml").write_text(STUDY)
+    yield tmp_path
+    set_threads(0)
+
+
+@pytest.fixture
+def press_result(press_folder: Path) -> str:
+    """The result of the study, done."""
+    assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    return "r.h5"
+
+
+@pytest.fixture
+def study_folder(tmp_path: Path) -> Path:
+    """A folder with the scene that studies are written for."""
+    (tmp_path / "press.toml").write_text(PRESS_WITH_FLYWHEEL)
+    return tmp_path
