@@ -1,124 +1,22 @@
-"""Running studies into files: what the file holds, kills and resuming, failing variants, threads, blocks, memory."""
+"""Running studies into files: what the file holds, failing variants, threads and blocks."""
 
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import xarray
+from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, contents, run, study_of, text_of
 
 from engine import Verdict
 from engine.jit import set_threads
 from sweeps import runner
 from sweeps.results import Result
 from sweeps.runner import run_study
-from sweeps.store import StoreError, describe
-from sweeps.study import Study, read_study
-
-ROOT = Path(__file__).parents[1]
-
-# A four-bar with a press beside it: the slider-crank's group comes second, and is the one to blame for most.
-SCENE = """\
-title = "Press with a rocker"
-
-[points]
-O = {x = "0 mm", y = "0 mm"}
-D = {x = "260 mm", y = "0 mm"}
-
-[guides]
-way = {angle = "0 deg"}
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "60 rpm"
-
-[groups.bars]
-type = "RRR"
-inner = "C"
-first = {link = "coupler", joint = "A", length = "250 mm"}
-second = {link = "rocker", joint = "D", length = "150 mm"}
-
-[groups.press]
-type = "RRP"
-inner = "B"
-first = {link = "rod", joint = "A", length = "200 mm"}
-second = {link = "ram", guide = "way"}
-
-[bodies.ram]
-link = "ram"
-mass = "100 kg"
-
-[bodies.rocker]
-link = "rocker"
-mass = "4 kg"
-x = "70 mm"
-
-[forces.punch]
-type = "constant"
-on = "B"
-angle = "180 deg"
-force = "100 kN"
-acts = "against"
-
-[flywheel]
-speed_fluctuation = "1/10"
-"""
-
-# The same paths and the same questions in all studies of a kind: one kernel serves them all.
-HEAD = 'title = "Which crank?"\nquestion = "How short?"\nscene = "scene.toml"\n'
-ASKED = """
-[outputs]
-summaries = ["ram.stroke", "rocker.swing", "excess_work"]
-"""
-BEST = '\n[best]\nminimise = "excess_work"\nwhere = "ram.stroke > \'80 mm\'"\n'
-FIELDS = ASKED + 'fields = ["ram.slide", "reduced_moment"]\n' + BEST
-STROKE = '\n[outputs]\nsummaries = ["ram.stroke"]\n'
-LISTS = """
-[vary]
-"input.length" = {values = LENGTHS}
-"bodies.ram.mass" = {values = MASSES}
-"""
-
-
-def text_of(lengths: list[str], masses: list[str], asked: str = ASKED + BEST, head: str = "positions = 48\n") -> str:
-    vary = LISTS.replace("LENGTHS", str(lengths)).replace("MASSES", str(masses))
-    return HEAD + head + vary + asked
-
-
-def study_of(folder: Path, text: str, name: str = "study") -> Study:
-    (folder / "scene.toml").write_text(SCENE)
-    (folder / f"{name}.toml").write_text(text)
-    return read_study(folder / f"{name}.toml")
-
-
-def run(folder: Path, text: str, name: str = "study") -> Path:
-    return run_study(study_of(folder, text, name), folder / f"{name}.h5")
-
-
-def contents(path: Path) -> dict[str, tuple[str, bytes]]:
-    """Every dataset of a file, bit by bit."""
-    found = {}
-
-    def visit(name: str, item: object) -> None:
-        if isinstance(item, h5py.Dataset):
-            found[name] = (f"{item.dtype} {item.shape}", item[()].tobytes())
-
-    with h5py.File(path, "r") as file:
-        file.visititems(visit)
-    return found
-
+from sweeps.store import describe
+from sweeps.study import read_study
 
 # What the file holds
-
-GOOD = text_of(["40 mm", "50 mm"], ["50 kg", "100 kg"], FIELDS)
 
 # Name: (type, dimensions, units, meaning), as other tools see them.
 SCHEMA = {
@@ -319,10 +217,6 @@ def test_all_variants_impossible__is_a_finished_file_of_nan(tmp_path):
 
 # What results don't depend on
 
-DISTINCT = text_of(["40 mm"], ["1 kg"], FIELDS).replace(
-    "values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 200'
-)
-
 
 def test_results__do_not_depend_on_threads(tmp_path):
     found = []
@@ -358,188 +252,3 @@ def test_block__is_bounded_and_does_not_depend_on_this_machine_s_settings(tmp_pa
     assert len(sizes) == 1
     row = 8 * 48 * 2
     assert 16 <= sizes.pop() * row <= runner.BYTES_PER_BLOCK
-
-
-# Going on
-
-
-def counted(text: str, folder: Path, **options: bool) -> list[tuple[int, int]]:
-    calls: list[tuple[int, int]] = []
-    run_study(study_of(folder, text), folder / "study.h5", progress=lambda *call: calls.append(call), **options)
-    return calls
-
-
-class Stop(Exception):
-    """Stands for whatever ends a run."""
-
-
-def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
-    whole = contents(run(tmp_path, DISTINCT, "whole"))
-    monkeypatch.setattr(runner, "block_size", lambda study, machine: 40)
-
-    def stop(done: int, before: int) -> None:
-        if done == 80:
-            raise Stop
-
-    with pytest.raises(Stop):
-        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
-    assert not (tmp_path / "study.h5").exists()
-    assert describe(tmp_path / "study.part.h5").blocks_done == 2
-    assert counted(DISTINCT, tmp_path) == [(120, 80), (160, 80), (200, 80)]
-    assert not (tmp_path / "study.part.h5").exists()
-    again = contents(tmp_path / "study.h5")
-    assert {k: v for k, v in again.items() if "block_done" not in k} == {
-        k: v for k, v in whole.items() if "block_done" not in k
-    }
-
-
-def test_finished_run__is_left_alone(tmp_path):
-    path = run(tmp_path, GOOD)
-    before = path.read_bytes()
-    assert counted(GOOD, tmp_path) == []
-    assert path.read_bytes() == before
-    assert counted(GOOD.replace("Which", "What"), tmp_path) == []
-
-
-def test_restart__computes_everything_again(tmp_path):
-    path = run(tmp_path, GOOD)
-    before = contents(path)
-    assert counted(GOOD, tmp_path, restart=True) == [(4, 0)]
-    assert contents(path) == before
-
-
-def test_changed_study__is_refused_and_the_difference_shown(tmp_path):
-    path = run(tmp_path, GOOD)
-    before = path.read_bytes()
-    changed = GOOD.replace("'50 mm'", "'55 mm'")
-    with pytest.raises(StoreError, match="of another study") as caught:
-        counted(changed, tmp_path)
-    for word in ("study hash", "-\"input.length\" = {values = ['40 mm', '50 mm']}", "'55 mm'", "--restart", "--out"):
-        assert word in str(caught.value)
-    assert path.read_bytes() == before
-    assert counted(changed, tmp_path, restart=True) == [(4, 0)]
-    assert Result(path).columns["input.length"].tolist() == [0.04, 0.04, 0.055, 0.055]
-
-
-# Real processes
-
-# Blocks of some ten milliseconds, so that kills fall at all moments.
-LONG = text_of(["40 mm"], ["1 kg"], head="positions = 100000\n").replace(
-    "values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 1600'
-)
-
-
-def start(folder: Path, *options: str) -> subprocess.Popen:
-    command = [
-        sys.executable,
-        "-m",
-        "sweeps",
-        "run",
-        "long.toml",
-        "--out",
-        "long.h5",
-        "--no-plots",
-        "--quiet",
-        *options,
-    ]
-    return subprocess.Popen(
-        command,
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def blocks_done(folder: Path) -> int:
-    part = folder / "long.part.h5"
-    return describe(part).blocks_done if part.exists() else 0
-
-
-def wait_for_blocks(process: subprocess.Popen, folder: Path, count: int) -> None:
-    while process.poll() is None and blocks_done(folder) < count:
-        time.sleep(0.003)
-
-
-@pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory) -> dict:
-    folder = tmp_path_factory.mktemp("uninterrupted")
-    return contents(run(folder, LONG, "long"))
-
-
-def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
-    rng = np.random.default_rng(3)
-    done, kills = 0, 0
-    for _ in range(3):
-        process = start(tmp_path)
-        wait_for_blocks(process, tmp_path, done + int(rng.integers(1, 4)))
-        time.sleep(rng.uniform(0, 0.03))
-        process.kill()
-        process.communicate()
-        if (tmp_path / "long.h5").exists():
-            break
-        kills += 1
-        assert blocks_done(tmp_path) >= done
-        done = blocks_done(tmp_path)
-    assert kills >= 2
-    process = start(tmp_path, "--jobs", "1")
-    output, errors = process.communicate()
-    assert process.returncode == 0, errors
-    assert "1600 variants" in output
-    assert contents(tmp_path / "long.h5") == uninterrupted
-    assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
-
-
-def test_interrupt_from_the_keyboard__keeps_the_blocks_and_says_how_to_go_on(uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
-    process = start(tmp_path)
-    wait_for_blocks(process, tmp_path, 2)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate()
-    assert process.returncode == 130
-    assert "Interrupted" in errors
-    assert "the same command goes on" in errors
-    assert "Traceback" not in errors
-    assert blocks_done(tmp_path) >= 2
-    calls: list[tuple[int, int]] = []
-    run_study(read_study(tmp_path / "long.toml"), tmp_path / "long.h5", progress=lambda *call: calls.append(call))
-    assert calls[0][1] > 0
-    assert contents(tmp_path / "long.h5") == uninterrupted
-
-
-MEASURED = """
-import resource
-from pathlib import Path
-
-def peak():
-    # Linux hands the parent's own peak on to a child's ru_maxrss; VmHWM is the child's alone.
-    status = Path("/proc/self/status")
-    if status.exists():
-        line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
-        return int(line.split()[1]) * 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-
-from sweeps.runner import run_study
-from sweeps.study import read_study
-run_study(read_study(Path("big.toml")), Path("big.h5"))
-print(peak())
-"""
-
-
-def test_many_variants__need_memory_for_a_block_only(tmp_path):
-    text = text_of(["40 mm"], ["1 kg"], head="positions = 720\n")
-    text = text.replace("values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 200000')
-    study_of(tmp_path, text, "big")
-    child = subprocess.run(
-        [sys.executable, "-c", MEASURED],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-    )
-    assert child.returncode == 0, child.stderr
-    # All rows of reduced moments alone would take 200 000 × 720 × 8 bytes = 1.15 GB.
-    assert int(child.stdout) < 1e9
-    assert (Result(tmp_path / "big.h5").columns["status"] == 0).all()
