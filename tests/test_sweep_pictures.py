@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 
 from engine import Verdict
 from sweeps.diagrams import diagrams
@@ -140,8 +141,12 @@ def conditioned(shape, out, failed=(), parameters=("a", "b")):
     return data._replace(condition="mass < '2 kg' and b > '3 mm'", candidates=candidates)
 
 
+def texts_of(legend):
+    return [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in legend.get_texts()]
+
+
 def labels_of(figure):
-    return [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in figure.legends[0].get_texts()]
+    return texts_of(figure.legends[0])
 
 
 MISSING = "doesn't meet: mass < '2 kg' and b > '3 mm'"
@@ -204,16 +209,19 @@ def test_field_band__of_what_meets_the_condition_within_that_of_all():
     of_all, of_chosen = (band.get_paths()[0].vertices[:, 1].max() for band in axes.collections)
     assert of_all == pytest.approx(data.arrays["moment"][:11].max())
     assert of_chosen == pytest.approx(data.arrays["moment"][6:11].max())
-    texts = [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in axes.get_legend().get_texts()]
-    assert texts == ["all 11 variants", "5 variants with mass < '2 kg' and b > '3 mm'", "median"]
+    assert texts_of(axes.get_legend()) == ["all 11 variants", "5 variants with mass < '2 kg' and b > '3 mm'", "median"]
 
 
 @pytest.mark.parametrize("asked", [{}, {"y": "moment"}, {"x": "mass", "y": "cost", "colour": "a"}])
 @pytest.mark.parametrize("shape", [(6,), (6, 5), (3, 4, 5)])
 def test_picture_where_no_variant_meets_the_condition__is_drawn_all_the_same(shape, asked, tmp_path):
     data = conditioned(shape, range(math.prod(shape)), parameters=("a", "b", "c")[: len(shape)])
-    plot_result(data, tmp_path / "a.svg", **asked)
+    figure = plot_result(data, tmp_path / "a.svg", **asked)
     ElementTree.parse(tmp_path / "a.svg")
+    # Fields have a band of all variants, and none of those that meet the condition.
+    told = f"all {math.prod(shape)} variants" if asked == {"y": "moment"} else MISSING
+    (texts,) = [texts_of(legend) for legend in figure.findobj(Legend)]
+    assert texts[-1] == told
 
 
 def test_long_condition__is_cut_in_a_legend():
