@@ -10,32 +10,23 @@ from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
+from machines import slider_crank
 
 POSITIONS, ROUNDINGS = 24, 4
 EPS = {np.float64: 2.0**-52, np.float32: 2.0**-23}
-SLIDER_CRANK = {
-    "gravity": 9.81,
-    "points": {"O": {"x": 0.0, "y": 0.0}},
-    "guides": {"way": {}},
-    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 10.0},
-    "groups": {
-        "g": {
-            "type": "RRP",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": 0.2},
-            "second": {"link": "ram", "guide": "way"},
-        }
-    },
-    "bodies": {
+SLIDER_CRANK = slider_crank(
+    speed=10.0,
+    gravity=9.81,
+    bodies={
         "eccentric": {"link": "crank", "mass": 2.0, "x": 0.01, "inertia": 0.02},
         "ram": {"link": "ram", "mass": 3.0},
     },
-    "forces": {
+    forces={
         "push": {"type": "constant", "on": "B", "angle": 0.0, "force": -400.0},
         "oil": {"type": "linear_drag", "on": "B", "angle": 0.0, "coefficient": 30.0},
     },
-    "flywheel": {"speed_fluctuation": 0.05, "wheel": {"type": "disc", "material": "steel"}},
-}
+    flywheel={"speed_fluctuation": 0.05, "wheel": {"type": "disc", "material": "steel"}},
+)
 # Short names of the numbers that go to extremes: usual value, powers of length, mass and speed that they scale with.
 NUMBERS = {
     "r": ("input.length", 0.05, (1, 0, 0)),

@@ -152,6 +152,23 @@ def frame(x: float, y: float) -> dict:
     return {"x": x, "y": y}
 
 
+def slider_crank(length: float = 0.05, rod: float = 0.2, speed: float | str = 5.0, **parts: dict) -> dict:
+    """In line, its ram on the frame; parts by their names replace these."""
+    return {
+        "points": {"O": frame(0.0, 0.0)},
+        "guides": {"way": {}},
+        "input": crank(length=length, speed=speed),
+        "groups": {
+            "g": {
+                "type": "RRP",
+                "inner": "B",
+                "first": {"link": "rod", "joint": "A", "length": rod},
+                "second": {"link": "ram", "guide": "way"},
+            }
+        },
+    } | parts
+
+
 def four_bar(mode: int = 1, **points: dict) -> dict:
     """Crank and rocker; O and D are off the origin."""
     return {

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from machines import crank, slider_crank
 
 from engine import Machine, Scene
 
@@ -46,23 +47,9 @@ def indicated(kind):
 
 
 def engine(cylinders, **more):
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "guides": {"way": {}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 100.0, "revolutions": 2},
-            "groups": {
-                "g": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": 0.2},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-            "cylinders": cylinders,
-        }
-        | more
-    )
+    scene = slider_crank(cylinders=cylinders)
+    scene["input"] = crank(length=0.05, speed=100.0, revolutions=2)
+    return Scene.model_validate(scene | more)
 
 
 ALL = {

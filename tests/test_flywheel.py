@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from machines import slider_crank
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -201,27 +202,13 @@ def test_merzalov__tends_to_the_exact_flywheel(seed):
 
 
 def press(flywheel, force):
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "guides": {"way": {}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 100.0},
-            "groups": {
-                "g": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": 0.2},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-            "bodies": {
-                "wheel": {"link": "crank", "mass": 5, "inertia": 0.02},
-                "ram": {"link": "ram", "mass": 1.5},
-            },
-            "forces": {"F": {"on": "B", "angle": 0.0} | force},
-            "flywheel": flywheel,
-        }
+    scene = slider_crank(
+        speed=100.0,
+        bodies={"wheel": {"link": "crank", "mass": 5, "inertia": 0.02}, "ram": {"link": "ram", "mass": 1.5}},
+        forces={"F": {"on": "B", "angle": 0.0} | force},
+        flywheel=flywheel,
     )
+    return Scene.model_validate(scene)
 
 
 DRAG = {"type": "linear_drag", "coefficient": 30.0}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import slider_crank
 from numba import njit
 
 import engine.shared_shapes
@@ -122,27 +123,18 @@ def test_rows_of_lanes__begin_with_a_line_of_the_cache():
 
 
 SCENE = Scene.model_validate(
-    {
-        "gravity": 9.81,
-        "points": {"O": {"x": 0, "y": 0}},
-        "guides": {"way": {"angle": 0.1}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 12.0},
-        "groups": {
-            "g": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "A", "length": 0.2},
-                "second": {"link": "ram", "guide": "way"},
-            }
-        },
-        "bodies": {
+    slider_crank(
+        speed=12.0,
+        guides={"way": {"angle": 0.1}},
+        gravity=9.81,
+        bodies={
             "crank": {"link": "crank", "mass": 2.0, "x": 0.02, "inertia": 0.01},
             "rod": {"link": "rod", "mass": 1.0, "x": 0.08, "y": 0.01, "inertia": 0.004},
             "ram": {"link": "ram", "mass": 3.0},
         },
-        "forces": {"push": {"on": "B", "type": "constant", "angle": 0.3, "force": -400.0}},
-        "flywheel": {"speed_fluctuation": 0.02},
-    }
+        forces={"push": {"on": "B", "type": "constant", "angle": 0.3, "force": -400.0}},
+        flywheel={"speed_fluctuation": 0.02},
+    )
 )
 ASKED = ["excess_work", "flywheel_excess_work", "flywheel_merzalov", "flywheel_wittenbauer", "required_drive_moment"]
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from machines import slider_crank
 from pydantic import ValidationError
 
 from engine import Machine, Scene
@@ -13,21 +14,11 @@ INDUCTION = {"type": "induction_motor", "synchronous_speed": "1500 rpm", "power"
 
 def scene(motor, speed="60 rpm"):
     return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "guides": {"way": {}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": speed},
-            "groups": {
-                "g": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": 0.2},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-            "shafts": {"rotor": {"geared_to": "crank", "ratio": 24}},
-            "moments": {"motor": {"on": "rotor", **motor}},
-        }
+        slider_crank(
+            speed=speed,
+            shafts={"rotor": {"geared_to": "crank", "ratio": 24}},
+            moments={"motor": {"on": "rotor", **motor}},
+        )
     )
 
 

@@ -1,0 +1,43 @@
+"""Machine elements of all simple kinds, and how they are asked by themselves."""
+
+import numpy as np
+
+from engine import ElementsAlone, Scene, Verdict
+
+# Budynas & Nisbett, Shigley's, example 8-1: 26.18 and 9.77 N·m, efficiency 0.311.
+JACK = {
+    "type": "screw",
+    "load": 6400.0,
+    "mean_diameter": 0.030,
+    "pitch": 0.004,
+    "starts": 2,
+    "thread": "square",
+    "friction": 0.08,
+    "collar_diameter": 0.040,
+    "collar_friction": 0.08,
+}
+BELT = {"type": "belt", "diameter": 0.2, "wrap": 3.0, "friction": 0.3, "tension": 900.0}
+WEDGE = {"type": "wedge", "load": 5e3, "angle": 0.14, "friction": 0.15}
+INCLINE = {"type": "incline", "load": 1e3, "angle": 0.35, "friction": 0.3}
+JOURNAL = {"type": "journal", "load": 2e3, "diameter": 0.05, "friction": 0.1}
+GUIDE = {"type": "guide", "length": 0.2, "friction": 0.1, "load": 100.0, "resistance": 500.0, "overhang": 0.15}
+ROLLER = {"type": "roller", "load": 1e4, "diameter": 0.6, "rolling_arm": 5e-4, "friction": 0.2}
+EVERY = {"jack": JACK, "drive": BELT, "key": WEDGE, "ramp": INCLINE, "pin": JOURNAL, "way": GUIDE, "wheel": ROLLER}
+
+
+def scene(**elements):
+    return Scene.model_validate({"elements": elements})
+
+
+def asked(elements, *names, **varied):
+    """Summaries of elements, by their names without the element's where there is but one; paths with __ for dots."""
+    paths = {f"elements.{key.replace('__', '.')}": np.atleast_1d(value) for key, value in varied.items()}
+    outcome = ElementsAlone(scene(**elements), names, varied=paths).evaluate(paths)
+    return [outcome.summaries[name] for name in names], outcome
+
+
+def one(element, *names, **changes):
+    """Summaries of a single element with some of its numbers changed."""
+    values, outcome = asked({"it": {**element, **changes}}, *(f"it.{name}" for name in names))
+    assert outcome.status[0] == Verdict.OK
+    return [float(value[0]) for value in values]
