@@ -9,10 +9,10 @@ import math
 import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, sliding_input
+from loaded_machines import asked, loaded
 from machines import chain, crank, frame, on, places, prp, rpp, rrp
 from rubbing import with_friction
 from scipy.optimize import brentq
-from test_reactions import asked, loaded
 
 from engine import Machine, Scene, SceneError, Verdict
 from engine.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, stribeck

@@ -20,10 +20,10 @@ import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, sliding_input
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from loaded_machines import asked, loaded
 from machines import chain, crank, frame, rrp, rrr
 from oracle import EPS, Jet, Pose
 from scipy.linalg import lstsq
-from test_reactions import asked, loaded
 
 from engine import Machine, Scene, dyad_forces, dyads, inertia_forces, links, loads
 from engine.input_motion import InputMotion

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from loaded_machines import loaded
 from machines import chain, crank, frame
 from press import actions, bodies, press
 from scipy.special import ellipe
-from test_reactions import loaded
 
 from engine import Machine, Scene, Verdict
 from engine.load_directions import LEAST_LOAD, unloaded_arc

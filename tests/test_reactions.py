@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, sliding_input
+from loaded_machines import asked, loaded
 from machines import chain, compare, crank, evaluated, frame, places, rrp, variants_of
 from newton_euler import external, momentum, reactions
 from oracle import EPS, Motion
@@ -23,13 +24,6 @@ from engine.reactions import Reactions
 CHECKS = ("input_moment_disagreement", "equilibrium_residual")
 
 
-def asked(scene: Scene) -> list[str]:
-    """Fields that the equations of Newton and Euler give, under the engine's names."""
-    parts = {"revolute": ("reaction_x", "reaction_y"), "prismatic": ("reaction", "reaction_moment")}
-    found = [f"{pair.name}.{part}" for pair in pairs(scene) for part in parts[pair.kind]]
-    return [*found, "frame.reaction_x", "frame.reaction_y", "frame.reaction_moment", "input_moment_by_equilibrium"]
-
-
 def rows_of(scene: Scene, q: np.ndarray) -> dict[str, np.ndarray]:
     rows = reactions(scene, q)
     return rows | {f"input_moment_by_{way}": rows["input_moment"] for way in ("equilibrium", "power")}
@@ -40,25 +34,6 @@ def check(scene: dict, positions: int = 16, some: slice = slice(None)) -> None:
     machine, outcome = evaluated(scene, fields, {}, positions=positions)
     found = {field: outcome.fields[field][0, some] for field in fields}
     compare(found, scene, lambda of: rows_of(of, places(machine, of)[some]))
-
-
-def loaded(scene: dict, seed: int) -> dict:
-    """A scene with a body and a force on every link, and moments on some."""
-    rng = np.random.default_rng(seed)
-    links = Machine(Scene.model_validate(scene)).model.structure.links
-    numbers = {"mass": (0.1, 3.0), "x": (-0.3, 0.3), "y": (-0.3, 0.3), "inertia": (0.01, 0.3)}
-    scene = {**scene, "points": {**scene["points"]}, "gravity": 9.81, "bodies": {}, "forces": {}}
-    for link in links:
-        scene["bodies"][f"body_{link}"] = {"link": link, **{k: rng.uniform(*ends) for k, ends in numbers.items()}}
-        scene["points"][f"on_{link}"] = {"link": link, "x": rng.uniform(-0.5, 0.5), "y": rng.uniform(-0.5, 0.5)}
-        scene["forces"][f"force_{link}"] = {
-            "type": "constant",
-            "on": f"on_{link}",
-            "angle": rng.uniform(-3, 3),
-            "force": rng.uniform(-50, 50),
-        }
-    scene["moments"] = {"twist": {"type": "constant", "on": "crank", "moment": -3.0}} if "crank" in links else {}
-    return scene
 
 
 # Against Newton and Euler
