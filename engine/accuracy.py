@@ -28,8 +28,9 @@ POSITIONS = (48, 96, 192, 384, 768, 1536, 3072, 6144, 12_288)
 CUTS = (1, 2, 4, 8, 16, 32)
 # More equally spaced positions than these cost more than panels.
 FEW = 384
-# Orders of the error in the distance of positions: of extremes between equally spaced ones, and less than of panels.
-EVEN_ORDER, PANEL_ORDER = 2.0, 8.0
+# Orders of the error in the distance of positions: of equally spaced ones with bends and jumps, the most that is
+# expected of them, and less than that of panels.
+ROUGH_ORDER, EVEN_ORDER, PANEL_ORDER = 2.0, 6.0, 8.0
 # More positions that don't bring the error figure below this share of what it was won't do at the next time.
 GAIN = 0.7
 # What compares two numbers with one of them, and is zero where they agree.
@@ -43,8 +44,9 @@ _CALL = re.compile(r"\b([A-Za-z_]\w*)\(")
 _BY_POSITION = frozenset(
     (
         *("abs", "acos", "asin", "atan2", "fill", "greater", "greatest_disagreement", "hypot", "least"),
-        *("less_friction", "magnitudes", "max", "mechanical_efficiency", "min", "peak_of", "quick_return_ratio"),
-        *("range", "speed_row", "sqrt", "transmission_angle", "unbalanced_share", "unwrap_angle"),
+        *("least_magnitude", "less_friction", "magnitudes", "max", "mechanical_efficiency", "min", "peak_of"),
+        *("quick_return_ratio", "range", "speed_row", "sqrt", "transmission_angle", "unbalanced_share"),
+        "unwrap_angle",
     )
 )
 
@@ -118,7 +120,8 @@ class Ladder:
     def __init__(self, scene: Scene, summaries: list[str], varied: tuple[str, ...], panels: bool) -> None:
         self.scene, self.summaries, self.varied = scene, summaries, varied
         few = [n for n in POSITIONS if n <= FEW] if panels else POSITIONS
-        self.rungs = [(EVEN_ORDER, n) for n in few] + [(PANEL_ORDER, n) for n in (CUTS if panels else ())]
+        self.rungs = [(EVEN_ORDER if panels else ROUGH_ORDER, n) for n in few]
+        self.rungs += [(PANEL_ORDER, n) for n in (CUTS if panels else ())]
         self._even = len(few)
         self._made: dict[int, Machine] = {}
 
@@ -147,17 +150,18 @@ class Ladder:
         if last == len(self.rungs):
             # What more positions no longer help doesn't keep the others from going on.
             unfinished &= share < GAIN * before
-        worst = np.where(unfinished, share, 0.0).max(axis=0, initial=0.0)
         with np.errstate(all="ignore"):
-            wanted = number * worst ** (1.0 / order) * (1.0 - 1e-9)
+            if rung == 1 and last < len(self.rungs):
+                order = np.clip(np.log2(before / share), 0.5, EVEN_ORDER)
+            wanted = np.where(unfinished, number * share ** (1.0 / order) * (1.0 - 1e-9), 0.0).max(axis=0, initial=0.0)
         numbers = np.array([n for _, n in self.rungs[rung + 1 : last]])
         following = rung + 1 + np.searchsorted(numbers, wanted)
         if last < len(self.rungs):
-            # Equally spaced positions are tried once more, if they are likely to do.
-            following = np.where(rung == 0, following, last)
+            # Twice as many positions show what more would do; once more are tried, if they are likely to do.
+            following = {0: np.where(following < last, 1, last), 1: following}.get(rung, last)
         else:
             following = np.where(numbers.size, np.minimum(following, last - 1), -1)
-        return np.where(worst > 1.0, following, -1)
+        return np.where(unfinished.any(axis=0), following, -1)
 
 
 class AccurateMachine:

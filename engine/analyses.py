@@ -19,6 +19,12 @@ from engine.shaking_quantities import ORDERS, shaking_summaries
 # Places of dead centres in panels are found to this [rad]: a load that turns round there keeps positions clear of them.
 DEAD_CENTRE = "2e-10"
 
+# What `statistics` tells of a row.
+STATISTICS_OF_ROW = (
+    *("low", "high", "mean", "rms", "below", "above", "rough"),
+    *("mean_of_half", "rms_of_half"),
+)
+
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 
 
@@ -103,36 +109,51 @@ class Analyses:
         row = row_of(self.model, field.name)
         if f"{field.name}.min" in self.summaries:
             return
-        low, high, mean, rms, missed, rough = (f"{row}_{w}" for w in ("low", "high", "mean", "rms", "missed", "rough"))
-        self._step(f"{low}$, {high}$, {mean}$, {rms}$, {missed}$, {rough}$", f"statistics({row}$, {self.periodic})")
+        low, high, mean, rms, below, above = self._statistics(row)
         q = InputUnits.of(self.model.scene).q
         self.summaries.update({s.name: s for s in statistics_of(field, q)})
+        lower, upper = self._extreme_doubt(low, below), self._extreme_doubt(high, above)
         peak = f"max(abs({low}$), abs({high}$))"
-        for suffix, value in (
-            ("min", f"{low}$"),
-            ("max", f"{high}$"),
-            ("range", f"{high}$ - {low}$"),
-            ("peak", peak),
+        size = f"rounding * {peak.replace('$', '')}"
+        for suffix, value, error in (
+            ("min", f"{low}$", f"{lower} + {size}"),
+            ("max", f"{high}$", f"{upper} + {size}"),
+            ("range", f"{high}$ - {low}$", f"{lower} + {upper} + {size}"),
+            ("peak", peak, f"max({lower}, {upper})"),
         ):
-            change = difference(value).error
-            self.results[f"{field.name}.{suffix}"] = Result(value, f"max({change}, {missed}$)")
+            self.results[f"{field.name}.{suffix}"] = Result(value, error)
         # A jump moves the mean by up to half of it a step, two of one sign by more than the root of their squares; the
         # mean square moves by up to twice the peak times as much.
-        jumps = f"0.75 * {rough} / n"
-        self.results[f"{field.name}.mean"] = difference(f"{mean}$", f"{jumps} + rounding * {rms}")
+        jumps = f"0.75 * {row}_rough / n"
+        self.results[f"{field.name}.mean"] = self._mean(row, mean, jumps, f" + rounding * {rms}")
         steeper = f"({peak} / {rms} if {rms} > zero else one)".replace("$", "")
-        self.results[f"{field.name}.rms"] = difference(f"{rms}$", f"{jumps} * {steeper}")
-        for suffix, value in (("min_at", low), ("max_at", high)):
-            self._step(f"{value}_at$", f"place_at({row}$, {value}$, first, h$)")
-            place, away = f"{value}_at$", f"{value}_away"
-            if self.panels:
-                self._step(away, f"place_doubt({row}, {value})")
-                self.results[f"{field.name}.{suffix}"] = difference(place, away)
-                continue
-            sign = "one" if value == high else "-one"
-            self._step(away, f"farthest_rival({row}, {value}, {sign}, {self.periodic})")
-            self.results[f"{field.name}.{suffix}"] = Result(place, f"h * (one + {away})")
+        self.results[f"{field.name}.rms"] = self._mean(row, rms, f"{jumps} * {steeper}")
+        for suffix, value, sign in (("min_at", low, "-one"), ("max_at", high, "one")):
+            place, aside = f"{value}_at$", f"{value}_aside"
+            self._step(f"{place}, {aside}$", f"place_of_extreme({row}$, {sign}, first, h$, {self.periodic})")
+            self.results[f"{field.name}.{suffix}"] = difference(place, aside) if self.panels else Result(place, aside)
         assert len(STATISTICS) == 8
+
+    def _statistics(self, row: str) -> list[str]:
+        """Make the statistics of a row; names of its extremes, its means and what its extremes may be off by."""
+        parts = [f"{row}_{part}" for part in STATISTICS_OF_ROW]
+        self._step(", ".join(f"{part}$" for part in parts), f"statistics({row}$, {self.periodic})")
+        return parts[:6]
+
+    def _extreme_doubt(self, value: str, off: str) -> str:
+        """What an extreme may be off by."""
+        if self.panels:
+            return f"max(abs({value} - {value}_half), {off})"
+        return f"doubt_of_extreme({value}, {value}_half, {off}, {off}_half)"
+
+    def _mean(self, row: str, mean: str, jumps: str, more: str = "") -> Result:
+        """Result of a row's mean or root-mean-square value."""
+        if self.panels:
+            return difference(f"{mean}$", f"{jumps}{more}")
+        rough, quarter = f"{row}_rough", f"{mean}_of_half_half"
+        return Result(
+            f"{mean}$", f"doubt_of_mean({mean}, {mean}_half, {quarter}, {rough}, {rough}_half, {jumps}){more}"
+        )
 
     def _angles(self) -> None:
         for field, (c, s) in self.model.angles.items():
@@ -155,16 +176,17 @@ class Analyses:
     def _loops(self) -> None:
         """How the groups transmit forces and magnify errors, and whether their loops close."""
         self.summaries |= {q.name: q for q in loop_summaries(self.model.scene)}
-        least = {group: f"least__{sine}$" for group, sine in self.model.mechanism.sines.items()}
         for group, sine in self.model.mechanism.sines.items():
-            self._step(least[group], f"least_magnitude(row__{sine}$)")
-            lower = f"transmission_angle(max(least__{sine} - missed__{sine}, zero))"
-            angle = f"transmission_angle({least[group]})"
-            self.results[f"{group}.transmission_angle"] = difference(angle, f"{angle.replace('$', '')} - {lower}")
-            parts = ", ".join(f"{part}__{sine}$" for part in ("low", "high", "mean", "rms", "missed", "rough"))
-            self._step(parts, f"statistics(row__{sine}$, {self.periodic})")
+            low, high, _, _, below, above = self._statistics(f"row__{sine}")
+            least, missed = f"least__{sine}", f"missed__{sine}"
+            self._step(f"{least}$", f"least_magnitude({low}$, {high}$)")
+            self._step(f"{missed}$", f"{above}$ if {high}$ < zero else {below}$")
+            off = f"off__{sine}"
+            self._step(off, self._extreme_doubt(least, missed))
+            angle, lower = f"transmission_angle({least}$)", f"transmission_angle(max({least} - {off}, zero))"
+            self.results[f"{group}.transmission_angle"] = Result(angle, f"{angle.replace('$', '')} - {lower}")
         for name, (value, missed) in magnifications(self.model.mechanism.sines).items():
-            self.results[name] = difference(value, missed)
+            self.results[name] = Result(value, missed)
         worst = ""
         for variable in self.model.closures.values():
             peak = f"peak_of(row__{variable})"
@@ -240,9 +262,8 @@ class Analyses:
         """Mean direction and spread of the load on a link in a bearing, and the widest arc without any."""
         whole = self.model.variables[f"{pair}.reaction"]
         for variable in (*force, whole):
-            parts = ", ".join(f"{part}__{variable}$" for part in ("low", "high", "mean", "rms", "missed", "rough"))
-            self._step(parts, f"statistics(row__{variable}$, {self.periodic})")
-        (x, y, mean), (jx, jy, j) = ([f"{p}__{v}" for v in (*force, whole)] for p in ("mean", "rough"))
+            self._statistics(f"row__{variable}")
+        (x, y, mean), (jx, jy, j) = ([f"row__{v}_{p}" for v in (*force, whole)] for p in ("mean", "rough"))
         off = f"math.hypot({x} - {x}_half, {y} - {y}_half) + 0.5 * math.hypot({jx}, {jy}) / n + rounding * {mean}"
         direction, spread = f"math.atan2({y}$, {x}$)", f"1.0 - math.hypot({x}$, {y}$) / {mean}$"
         self.results[f"{pair}.load_direction_of_{link}"] = Result(direction, f"direction_doubt({off}, {x}, {y})", True)

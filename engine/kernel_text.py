@@ -161,6 +161,7 @@ class KernelText:
             "from engine.losses import *",
             "from engine.reduction import *",
             "from engine.rows import *",
+            "from engine.extremes import *",
             "from engine.shaking import *",
             "from engine.stroke_work import work_over_stroke",
             "from engine.strokes import *",

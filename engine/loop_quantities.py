@@ -38,18 +38,18 @@ def loop_summaries(scene: Scene) -> list[Quantity]:
 
 
 def magnifications(sines: dict[str, str]) -> dict[str, tuple[str, str]]:
-    """Expressions of the magnifications, and of what they miss as sin γ goes on falling between two positions.
+    """Expressions of the magnifications, and of what they miss where sin γ is still less.
 
     Parameters
     ----------
     sines : dict of str to str
-        Variable of sin γ by group; `least__` and `missed__` before it stand for its least magnitude over the cycle and
-        for how far that may be missed.
+        Variable of sin γ by group; `least__` and `off__` before it stand for its least magnitude over the cycle and
+        for what that may be off by.
     """
-    found = {
-        f"{group}.{MAGNIFICATION}": (f"1.0 / least__{sine}$", f"missed__{sine} / (least__{sine} * least__{sine})")
-        for group, sine in sines.items()
-    }
+    found = {}
+    for group, sine in sines.items():
+        least, off = f"least__{sine}", f"off__{sine}"
+        found[f"{group}.{MAGNIFICATION}"] = (f"1.0 / {least}$", f"{off} / ({least} * max({least} - {off}, zero))")
     values, missed = (", ".join(part[i] for part in found.values()) for i in (0, 1))
     if len(found) > 1:
         values, missed = f"max({values})", f"max({missed})"

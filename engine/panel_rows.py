@@ -39,30 +39,16 @@ __all__ = [
     "first_jammed",
     "fluctuation_with_flywheel",
     "flywheel_sizes",
-    "least_magnitude",
     "mean_of",
     "missed_extreme",
     "order_of",
-    "place_at",
-    "place_doubt",
+    "place_of_extreme",
     "statistics",
     "stroke_ends",
     "swing_ends",
     "work_doubt",
     "work_over",
 ]
-
-
-@scalar
-def greatest_of(panels: Panels, row: np.ndarray) -> float:
-    """Greatest value of a row."""
-    return extreme(panels, row, row, 0.0, 1.0)[0]
-
-
-@scalar
-def least_of(panels: Panels, row: np.ndarray) -> float:
-    """Least value of a row."""
-    return -extreme(panels, row, row, 0.0, -1.0)[0]
 
 
 @routine
@@ -98,69 +84,48 @@ def unseen(panels: Panels, row: np.ndarray) -> float:
 
 
 @routine
-def statistics(panels: Panels, row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
-    """Least, greatest, mean and root-mean-square value of a row, what may be missed, and how rough it is.
+def statistics(
+    panels: Panels, row: np.ndarray, periodic: bool
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """Least, greatest, mean and root-mean-square value of a row, and what they may be off by.
 
-    Missed is what the row still changes between a panel's last position and its end, and by how much the polynomials
-    of the full and of half the degree are apart at the extremes. Rough is by how much their integrals are apart, in the
-    measure of `engine.rows.roughness`: of a jump, spread over the mean of all positions.
+    Extremes by what the row still changes between a panel's last position and its end, and by how much the polynomials
+    of the full and of half the degree are apart there. Rough is by how much their integrals are apart, in the measure
+    of `engine.rows.roughness`: of a jump, spread over the mean of all positions. Half of the positions have panels of
+    their own: there are no means of theirs besides.
     """
     mean = mean_of(panels, row)
     square = math.sqrt(max(mean_of(panels, row * row), 0.0)) if is_finite(mean) else math.nan
     rough = 2.0 * integral_misfit(panels, row) / length_of(panels) * row.shape[0]
     low, below = signed_extreme(panels, row, -1.0)
     high, above = signed_extreme(panels, row, 1.0)
-    return low, high, mean, square, max(below, above, unseen(panels, row)), rough
-
-
-@scalar
-def side_of(row: np.ndarray, value: float) -> float:
-    """+1 for a row's greatest value, −1 for its least."""
-    return 1.0 if value - least(row) > greatest(row) - value else -1.0
-
-
-@scalar
-def place_at(panels: Panels, row: np.ndarray, value: float, first: float, h: float) -> float:
-    """Where a row takes its greatest or least value."""
-    if math.isnan(value):
-        return math.nan
-    sign = side_of(row, value)
-    return extreme(panels, row, row, 0.0, sign)[1]
+    hidden = unseen(panels, row)
+    return low, high, mean, square, max(below, hidden), max(above, hidden), rough, mean, square
 
 
 @routine
-def place_doubt(panels: Panels, row: np.ndarray, value: float) -> float:
-    """How far the place of a row's greatest or least value may be from where `place_at` finds it.
+def place_of_extreme(
+    panels: Panels, row: np.ndarray, sign: float, first: float, h: float, periodic: bool
+) -> tuple[float, float]:
+    """Where a row is greatest (sign +1) or least (−1), and its doubt.
 
-    Around it the row changes by no more than its rounding, as a parabola would; and every other position that comes as
-    near to the value as the panels' polynomials are sure of may be meant.
+    Around its extreme the row changes by no more than its rounding, as a parabola would; and every other position that
+    comes as near to the value as the panels' polynomials are sure of may be meant.
     """
-    if math.isnan(value):
-        return math.nan
-    sign = side_of(row, value)
-    _, at, _ = extreme(panels, row, row, 0.0, sign)
+    if not is_finite(least(row) + greatest(row)):
+        return math.nan, math.nan
+    value, at, _ = extreme(panels, row, row, 0.0, sign)
     unsure = misfit(panels, row, at) + 16.0 * EPS * max(abs(greatest(row)), abs(least(row)))
     panel, x = panel_at(panels, at)
     start = panels.starts[panel]
     degree = panels.starts[panel + 1] - start - 1
     aside = combined_at(row, row, 0.0, start, degree, x - 0.01 if x > 0.0 else x + 0.01)
-    drop = sign * (value - aside)
+    drop = value - sign * aside
     doubt = 0.01 * abs(panels.halves[panel]) * (math.sqrt(unsure / drop) if drop > unsure else 1.0)
     for k in range(row.shape[0]):
-        if sign * (value - row[k]) <= unsure:
+        if value - sign * row[k] <= unsure:
             doubt = max(doubt, abs(panels.nodes[k] - at))
-    return doubt
-
-
-@scalar
-def least_magnitude(panels: Panels, row: np.ndarray) -> float:
-    """Least |value| of a row of one sign; 0 where the sign changes, NaN if any value is NaN."""
-    low, high = least(row), greatest(row)
-    if not is_finite(low + high):
-        return math.nan
-    if low <= 0.0 <= high:
-        return 0.0
-    return max(least_of(panels, row), 0.0) if low > 0.0 else max(-greatest_of(panels, row), 0.0)
+    return at, doubt
 
 
 @scalar

@@ -11,7 +11,7 @@ import numpy as np
 from llvmlite import ir
 from numba.extending import intrinsic
 
-from engine.jit import routine, scalar
+from engine.jit import scalar
 
 SEGMENTS = 8
 
@@ -104,169 +104,16 @@ def mean_of(row: np.ndarray) -> float:
 @scalar
 def place_of(row: np.ndarray, value: float) -> float:
     """First position index at which a row takes a value; NaN if it never does."""
-    for k in range(row.shape[0]):
-        if row[k] == value:
-            return float(k)
-    return math.nan
-
-
-@scalar
-def place_at(row: np.ndarray, value: float, first: float, h: float) -> float:
-    """First place, of positions from `first` on with spacing h, at which a row takes a value; NaN if it never does."""
-    return first + h * place_of(row, value)
-
-
-@scalar
-def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float]:
-    """Least, greatest, mean and root-mean-square value of a row, and how far its extremes may be missed.
-
-    Parameters
-    ----------
-    row : ndarray (positions,)
-    periodic : bool
-        Whether the last position is followed by the first.
-
-    Returns
-    -------
-    low, high, mean, rms : float
-        At the positions themselves, means by the trapezoid rule; NaN if any value is NaN or infinite.
-    missed : float
-        How far the curve may go beyond its extreme positions between them.
-    rough : float
-        Jumps of the row, see `roughness`.
-    """
-    n = row.shape[0]
-    total = squares = 0.0
+    n = first = row.shape[0]
     for k in range(n):
-        # Squares of small float32 numbers would be zero in float32.
-        value = float(row[k])
-        total += value
-        squares += value * value
-    if not is_finite(squares):
-        return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
-    count = n
-    if not periodic:
-        count = n - 1
-        total -= 0.5 * (row[0] + row[n - 1])
-        squares -= 0.5 * (row[0] * row[0] + row[n - 1] * row[n - 1])
-    low, high = least(row), greatest(row)
-    missed = missed_beyond(row, low, high, periodic)
-    return low, high, total / count, math.sqrt(squares / count), missed, roughness(row, periodic)
+        first = min(first, k if row[k] == value else n)
+    return float(first) if first < n else math.nan
 
 
 @scalar
 def second_difference(before: float, here: float, after: float) -> float:
     """Second difference of three neighbours."""
     return before - here + (after - here)
-
-
-@scalar
-def missed_beside(row: np.ndarray, centre: int, side: int, sign: float, periodic: bool) -> float:
-    """How far the curve may go beyond an extreme at a position, before it comes to the next one on a side.
-
-    Where a kink hides between the two, no farther than the second difference at either, nor than half of the greater;
-    the same holds, four times over, for a parabola. Where a jump does, the second differences are the jump itself, but
-    either branch goes on from its last two positions, and stays within a step's rise of them.
-
-    Parameters
-    ----------
-    row : ndarray (positions,)
-    centre : int
-        Position of the extreme.
-    side : int
-        +1 towards the next position, −1 towards the one before.
-    sign : float
-        +1 for a greatest value, −1 for a least.
-    periodic : bool
-        Whether the last position is followed by the first.
-    """
-    n = row.shape[0]
-    if not (periodic or 0 <= centre + side < n):
-        return 0.0
-    here, near = row[centre], row[(centre + side) % n]
-    greater, lesser, rise = 0.0, math.inf, 0.0
-    if periodic or 0 <= centre - side < n:
-        behind = row[(centre - side) % n]
-        bend = abs(second_difference(behind, here, near))
-        greater, lesser, rise = bend, bend, sign * (here - behind)
-    if periodic or 0 <= centre + 2 * side < n:
-        far = row[(centre + 2 * side) % n]
-        bend = abs(second_difference(here, near, far))
-        greater, lesser = max(greater, bend), min(lesser, bend)
-        rise = max(rise, sign * (near + (near - far) - here))
-    return max(min(0.5 * greater, lesser, rise), 0.0)
-
-
-@scalar
-def missed_about(row: np.ndarray, value: float, sign: float, periodic: bool) -> float:
-    """How far the curve may go beyond an extreme value of a row between its positions; as of `missed_beside`."""
-    centre = int(place_of(row, value))
-    before = missed_beside(row, centre, -1, sign, periodic)
-    return max(before, missed_beside(row, centre, 1, sign, periodic))
-
-
-@scalar
-def missed_within(behind: float, here: float, near: float, far: float, sign: float) -> float:
-    """As `missed_beside`, from the four positions themselves, without a branch."""
-    bend, next_bend = abs(second_difference(behind, here, near)), abs(second_difference(here, near, far))
-    rise = larger(sign * (here - behind), sign * (near + (near - far) - here))
-    return smaller(smaller(0.5 * larger(bend, next_bend), smaller(bend, next_bend)), rise)
-
-
-@scalar
-def reach(a: float, b: float, here: float, c: float, d: float, sign: float) -> float:
-    """How far the curve may go about the middle of five positions if it turns there, times its sign; else −∞."""
-    beyond = sign * here + larger(missed_within(c, here, b, a, sign), missed_within(b, here, c, d, sign))
-    return beyond if sign * (here - b) >= 0.0 and sign * (here - c) >= 0.0 else -math.inf
-
-
-@scalar
-def five(row: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Views of a row such that equal indices are five neighbours: without negative indices loops are vectorised."""
-    n = row.shape[0]
-    return row[: n - 4], row[1 : n - 3], row[2 : n - 2], row[3 : n - 1], row[4:]
-
-
-@routine
-def missed_beyond(row: np.ndarray, low: float, high: float, periodic: bool) -> float:
-    """How far the curve may go beyond the extremes of a finite row between its positions, wherever it turns.
-
-    Beside every position where the row turns, not only its extremes: a narrow valley that isn't the deepest at the
-    positions may be so between them.
-    """
-    worst = max(missed_about(row, high, 1.0, periodic), missed_about(row, low, -1.0, periodic))
-    a, b, here, c, d = five(row)
-    above = below = -math.inf
-    for k in range(a.shape[0]):
-        above = larger(above, reach(a[k], b[k], here[k], c[k], d[k], 1.0))
-        below = larger(below, reach(a[k], b[k], here[k], c[k], d[k], -1.0))
-    return max(worst, max(above - high, below + low))
-
-
-@routine
-def farthest_rival(row: np.ndarray, value: float, sign: float, periodic: bool) -> float:
-    """How far away the curve may take its extreme instead of at a position that has the extreme value, in positions.
-
-    Parameters
-    ----------
-    row : ndarray (positions,)
-    value : float
-        Extreme value of the row.
-    sign : float
-        +1 for a greatest value, −1 for a least.
-    periodic : bool
-        Whether the last position is followed by the first.
-    """
-    if not is_finite(value):
-        return math.nan
-    n, centre, farthest = row.shape[0], place_of(row, value), 0.0
-    a, b, here, c, d = five(row)
-    for k in range(a.shape[0]):
-        away = abs(k + 2 - centre)
-        away = smaller(away, n - away) if periodic else away
-        reaches = reach(a[k], b[k], here[k], c[k], d[k], sign) >= sign * value
-        farthest = larger(farthest, away if reaches else 0.0)
-    return farthest
 
 
 @scalar
@@ -299,15 +146,6 @@ def roughness(row: np.ndarray, periodic: bool) -> float:
             d = sixth_difference(row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5], row[k + 6])
             total += d * d
     return math.sqrt(total / 252.0)
-
-
-@scalar
-def least_magnitude(row: np.ndarray) -> float:
-    """Least |value| of a row of one sign; 0 where the sign changes, NaN if any value is NaN."""
-    if not is_finite(mean_of(row)):
-        return math.nan
-    low, high = least(row), greatest(row)
-    return 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
 
 
 @scalar
