@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from engine.jit import scalar
+from engine.jit import routine, scalar
 from engine.rows import accumulate, greatest, is_finite, larger, least, mean_of, roughness, second_difference, smaller
 
 
@@ -46,6 +46,23 @@ def cumulative_work(moment: np.ndarray, mean: float, h: float, work: np.ndarray)
     for k in range(1, moment.shape[0]):
         work[k] = half_step * ((moment[k - 1] - mean) + (moment[k] - mean))
     accumulate(work)
+
+
+# Of each of many rows: compiled once, not once more for every row.
+
+
+@routine
+def mean_and_work(moment: np.ndarray, h: float, work: np.ndarray) -> float:
+    """Mean of a moment over the cycle; the work about it, as of `cumulative_work`, into `work`."""
+    mean = mean_of(moment)
+    cumulative_work(moment, mean, h, work)
+    return mean
+
+
+@routine
+def jumps_of(moment: np.ndarray) -> float:
+    """Roughness of a moment over the cycle."""
+    return roughness(moment, True)
 
 
 @scalar

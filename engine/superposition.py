@@ -132,21 +132,21 @@ def _needed(nodes: list[Node], lines: str) -> tuple[Node, ...]:
 
 def _of_shape(basis: str, targets: set[str]) -> list[str]:
     """Mean, work and jumps of one basis, at the resolutions that are asked."""
-    lines = [f"rough__{basis} = roughness({basis}, True)"] if targets & {"doubt", "mean_doubt"} else []
+    lines = [f"rough__{basis} = jumps_of({basis})"] if targets & {"doubt", "mean_doubt"} else []
     for mark in ("", HALF):
         if f"mean_moment{mark}" not in targets:
             continue
         if mark:
             lines.append(f"halve({basis}, {basis}{mark})")
-        lines.append(f"mean__{basis}{mark} = mean_of({basis}{mark})")
-        if f"row__work{mark}" in targets:
-            lines.append(f"cumulative_work({basis}{mark}, mean__{basis}{mark}, h{mark}, wrk__{basis}{mark})")
+        row, work = f"{basis}{mark}", f"wrk__{basis}{mark}"
+        with_work = f"row__work{mark}" in targets
+        lines.append(f"mean__{row} = " + (f"mean_and_work({row}, h{mark}, {work})" if with_work else f"mean_of({row})"))
     return lines
 
 
 def _known(law: str, targets: set[str]) -> list[str]:
     """The same of a law whose work is known exactly."""
-    action, lines = law.removeprefix("law__"), [f"rough__{law} = roughness({law}, True)"] if "doubt" in targets else []
+    action, lines = law.removeprefix("law__"), [f"rough__{law} = jumps_of({law})"] if "doubt" in targets else []
     for mark in ("", HALF):
         if f"mean_moment{mark}" not in targets:
             continue
