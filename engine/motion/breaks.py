@@ -252,35 +252,35 @@ def merge(
     every: np.ndarray,
     at_every: np.ndarray,
 ) -> None:
-    """Put samples of each variant and others, NaN where it has none, into one order.
+    """Put samples of each variant and others into one order; variants innermost, as they lie in memory.
 
     Parameters
     ----------
     begin, end : int
         Variants to work on, `end` not among them.
     q, others : ndarray (samples or others, variants)
-        Angles, the samples in rising order.
+        Angles in rising order; of the others, NaN comes last, where a variant has none.
     values, at_others : ndarray (variables, samples or others, variants)
     every, at_every : ndarray
         Receive as many angles as both together, and the values there; what is left over repeats the last one.
     """
     samples, more = q.shape[0], others.shape[0]
-    for v in range(begin, end):
-        for j in range(samples + more):
-            every[j, v] = q[min(j, samples - 1), v]
-            at_every[:, j, v] = values[:, min(j, samples - 1), v]
-        count = samples
-        for i in range(more):
-            if math.isnan(others[i, v]):
-                continue
-            j = count
-            while j > 0 and every[j - 1, v] > others[i, v]:
-                every[j, v] = every[j - 1, v]
-                at_every[:, j, v] = at_every[:, j - 1, v]
-                j -= 1
-            every[j, v] = others[i, v]
-            at_every[:, j, v] = at_others[:, i, v]
-            count += 1
+    taken, from_others = np.zeros(end - begin, np.int64), np.empty(end - begin, np.bool_)
+    for j in range(samples + more):
+        for v in range(begin, end):
+            k = taken[v - begin]
+            last = min(j - k, samples - 1)
+            # NaN is before nothing.
+            one_more = k < more and (others[k, v] < q[last, v] or (j - k >= samples and others[k, v] >= q[last, v]))
+            every[j, v] = others[k, v] if one_more else q[last, v]
+            from_others[v - begin] = one_more
+        for r in range(values.shape[0]):
+            for v in range(begin, end):
+                k = taken[v - begin]
+                last = min(j - k, samples - 1)
+                at_every[r, j, v] = at_others[r, k, v] if from_others[v - begin] else values[r, last, v]
+        for i in range(end - begin):
+            taken[i] += from_others[i]
 
 
 def _merged(
@@ -289,6 +289,8 @@ def _merged(
     """Samples and values in order, with others among them; as of `merge`."""
     samples = q.shape[0] + others.shape[0]
     every, at_every = np.empty((samples, q.shape[1])), np.empty((values.shape[0], samples, q.shape[1]))
+    order = np.argsort(others, axis=0)
+    others, at_others = np.take_along_axis(others, order, 0), np.take_along_axis(at_others, order[None], 1)
     merge(q.shape[1], q, values, others, at_others, every, at_every)
     return every, at_every
 
