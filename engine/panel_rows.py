@@ -15,23 +15,23 @@ import numpy as np
 from engine import flywheel as by_positions
 from engine.jit import routine, scalar
 from engine.losses import first_jammed as by_index
+from engine.panel_curves import combined_at, extreme, misfit, panel_at, root_near
 from engine.panels import (
     CLEAR,
+    WEIGHTS,
     Panels,
     accumulated,
-    combined_at,
-    extreme,
     integral_misfit,
     integral_of,
+    integrals,
     length_of,
     mean_of,
-    misfit,
-    panel_at,
-    root_near,
 )
 from engine.rows import greatest, is_finite, least
 
 EPS = float(np.finfo(np.float64).eps)
+# Newton's rule ends when a step was this share: the next would be about its square.
+ENOUGH = 1e-9
 
 __all__ = [
     "cumulative_work",
@@ -61,13 +61,14 @@ def signed_extreme(panels: Panels, row: np.ndarray, sign: float) -> tuple[float,
     low, high = least(row), greatest(row)
     if not is_finite(low + high):
         return math.nan, math.nan
-    if not 0.0 <= low < 0.3 * high:
-        value, at, _ = extreme(panels, row, row, 0.0, sign)
-        return sign * value, misfit(panels, row, at)
-    squares = row * row
-    value, at, _ = extreme(panels, squares, squares, 0.0, sign)
-    apart = misfit(panels, squares, at)
-    value = max(sign * value, 0.0)
+    followed = 0.0 <= low < 0.3 * high
+    squares = row * row if followed else row
+    value, at = extreme(panels, squares, squares, 0.0, sign)
+    apart, value = misfit(panels, squares, squares, 0.0, at), sign * value
+    if not followed:
+        return value, apart
+    # Squares round by their greatest, and roots of small ones magnify that.
+    value, apart = max(value, 0.0), apart + 8.0 * EPS * high * high
     return math.sqrt(value), math.sqrt(value + apart) - math.sqrt(max(value - apart, 0.0))
 
 
@@ -94,9 +95,11 @@ def statistics(
     of `engine.rows.roughness`: of a jump, spread over the mean of all positions. Half of the positions have panels of
     their own: there are no means of theirs besides.
     """
-    mean = mean_of(panels, row)
-    square = math.sqrt(max(mean_of(panels, row * row), 0.0)) if is_finite(mean) else math.nan
-    rough = 2.0 * integral_misfit(panels, row) / length_of(panels) * row.shape[0]
+    length = length_of(panels)
+    integral, of_square, apart = integrals(panels, row)
+    mean = integral / length
+    square = math.sqrt(max(of_square / length, 0.0)) if is_finite(mean) else math.nan
+    rough = 2.0 * apart / length * row.shape[0]
     low, below = signed_extreme(panels, row, -1.0)
     high, above = signed_extreme(panels, row, 1.0)
     hidden = unseen(panels, row)
@@ -114,27 +117,25 @@ def place_of_extreme(
     """
     if not is_finite(least(row) + greatest(row)):
         return math.nan, math.nan
-    value, at, _ = extreme(panels, row, row, 0.0, sign)
-    unsure = misfit(panels, row, at) + 16.0 * EPS * max(abs(greatest(row)), abs(least(row)))
+    value, at = extreme(panels, row, row, 0.0, sign)
+    unsure = misfit(panels, row, row, 0.0, at) + 16.0 * EPS * max(abs(greatest(row)), abs(least(row)))
     panel, x = panel_at(panels, at)
-    start = panels.starts[panel]
-    degree = panels.starts[panel + 1] - start - 1
-    aside = combined_at(row, row, 0.0, start, degree, x - 0.01 if x > 0.0 else x + 0.01)
-    drop = value - sign * aside
-    doubt = 0.01 * abs(panels.halves[panel]) * (math.sqrt(unsure / drop) if drop > unsure else 1.0)
+    half = panels.halves[panel]
+    drop = value - sign * combined_at(panels, row, row, 0.0, at + half * (-0.01 if x > 0.0 else 0.01))
+    doubt = 0.01 * abs(half) * (math.sqrt(unsure / drop) if drop > unsure else 1.0)
     for k in range(row.shape[0]):
         if value - sign * row[k] <= unsure:
             doubt = max(doubt, abs(panels.nodes[k] - at))
     return at, doubt
 
 
-@scalar
+@routine
 def stroke_ends(
     panels: Panels, d: np.ndarray, v: np.ndarray, start: float, h: float, periodic: bool
 ) -> tuple[float, float, float, float]:
     """Lowest and highest value of a coordinate, and where it takes them."""
-    low, low_at, _ = extreme(panels, d, d, 0.0, -1.0)
-    high, high_at, _ = extreme(panels, d, d, 0.0, 1.0)
+    low, low_at = extreme(panels, d, d, 0.0, -1.0)
+    high, high_at = extreme(panels, d, d, 0.0, 1.0)
     if not is_finite(high):
         return math.nan, math.nan, math.nan, math.nan
     # The place where the velocity is zero is known better than the one where the coordinate hardly changes.
@@ -156,23 +157,41 @@ def swing_ends(
     return stroke_ends(panels, angle, w, start, h, periodic)
 
 
+@scalar
+def turned(cosine: float, sine: float, times: int) -> tuple[float, float]:
+    """Cosine and sine of a whole multiple of an angle, from those of the angle."""
+    c, s = cosine, sine
+    for _ in range(times - 1):
+        c, s = c * cosine - s * sine, s * cosine + c * sine
+    return c, s
+
+
 @routine
 def order_of(
     panels: Panels, x: np.ndarray, y: np.ndarray, order: int, cosines: np.ndarray, sines: np.ndarray
 ) -> tuple[float, float]:
-    """Longer half axis of the ellipse that one order of a plane vector draws, and the mean size of its terms."""
-    rows = np.empty((5, x.shape[0]))
-    for k in range(x.shape[0]):
-        c, s = math.cos(order * panels.nodes[k]), math.sin(order * panels.nodes[k])
-        rows[0, k], rows[1, k], rows[2, k], rows[3, k] = x[k] * c, x[k] * s, y[k] * c, y[k] * s
-        rows[4, k] = abs(x[k]) + abs(y[k])
-    xc, xs = mean_of(panels, rows[0]), mean_of(panels, rows[1])
-    yc, ys = mean_of(panels, rows[2]), mean_of(panels, rows[3])
+    """Longer half axis of the ellipse that one order of a plane vector draws, and the mean size of its terms.
+
+    Cosines and sines are those of the panels' nodes, or of panels of which these have half the degree.
+    """
+    starts, halves = panels.starts, panels.halves
+    whole = cosines.shape[0] == x.shape[0]
+    xc = xs = yc = ys = terms = 0.0
+    for p in range(halves.shape[0]):
+        start, degree = starts[p], starts[p + 1] - starts[p] - 1
+        for i in range(degree + 1):
+            k, share = start + i, halves[p] * WEIGHTS[degree >> 3, i]
+            # A panel of twice the degree has a position less than twice as many.
+            place = k if whole else 2 * k - p
+            c, s = turned(cosines[place], sines[place], order)
+            xc, xs, yc, ys = xc + share * x[k] * c, xs + share * x[k] * s, yc + share * y[k] * c, ys + share * y[k] * s
+            terms += share * (abs(x[k]) + abs(y[k]))
     forward, backward = math.hypot(xc + ys, yc - xs), math.hypot(xc - ys, yc + xs)
-    return forward + backward, mean_of(panels, rows[4])
+    length = length_of(panels)
+    return (forward + backward) / length, terms / length
 
 
-@scalar
+@routine
 def first_jammed(panels: Panels, margin: np.ndarray, least_margin: float) -> float:
     """Where a group's friction jams first; NaN if it never does."""
     k = by_index(margin, least_margin)
@@ -188,29 +207,34 @@ def cumulative_work(panels: Panels, moment: np.ndarray, mean: float, h: float, w
     accumulated(panels, moment, mean, work)
 
 
-@scalar
+@routine
 def work_over(panels: Panels, moment: np.ndarray, h: float, periodic: bool) -> tuple[float, float]:
     """Work of a moment over the range of the input, by magnitude [J], and its doubt."""
     return abs(integral_of(panels, moment)), integral_misfit(panels, moment)
 
 
-@scalar
+@routine
 def work_doubt(panels: Panels, moment: np.ndarray, h: float) -> float:
     """How much the work of a moment may be off within panels, and by rounding [J]."""
-    rounding = 16.0 * EPS * integral_of(panels, np.abs(moment))
+    _, of_square, apart = integrals(panels, moment)
+    length = length_of(panels)
+    # A mean magnitude is no greater than the root of the mean square.
+    rounding = 16.0 * EPS * math.sqrt(max(of_square, 0.0) * length)
     # The ends of panels, where positions keep clear of a jump, weigh 1/63 of a panel at most.
-    return integral_misfit(panels, moment) + rounding + length_of(panels) / 63.0 * unseen(panels, moment)
+    return apart + rounding + length / 63.0 * unseen(panels, moment)
 
 
 @routine
 def missed_extreme(panels: Panels, inertia: np.ndarray, work: np.ndarray, slope: float) -> float:
     """How far extremes of W − slope·I may be off within panels, and by rounding [J]."""
-    energy = work - slope * (inertia - inertia[0])
-    apart = max(signed_extreme(panels, energy, 1.0)[1], signed_extreme(panels, energy, -1.0)[1])
+    apart, varying = 0.0, inertia - inertia[0]
+    for sign in (1.0, -1.0):
+        _, at = extreme(panels, work, varying, slope, sign)
+        apart = max(apart, misfit(panels, work, varying, slope, at))
     return apart + 16.0 * EPS * (max(greatest(work), -least(work)) + slope * greatest(inertia))
 
 
-@scalar
+@routine
 def derivative_residual(panels: Panels, row: np.ndarray, derivative: np.ndarray, h: float) -> float:
     """How far a row is from the integral of its derivative, relative to the range times the greatest derivative."""
     reached = np.empty_like(row)
@@ -255,13 +279,15 @@ def fluctuation_with_flywheel(
     above = 0.0
     for _ in range(8):
         slow, _, fast = by_positions.energy_slopes(omega, delta)
-        above, _, at_fast = extreme(panels, work, varying, fast, 1.0)
-        below, _, at_slow = extreme(panels, work, varying, slow, -1.0)
+        above, fast_at = extreme(panels, work, varying, fast, 1.0)
+        below, slow_at = extreme(panels, work, varying, slow, -1.0)
+        at_fast = combined_at(panels, varying, varying, 0.0, fast_at)
+        at_slow = combined_at(panels, varying, varying, 0.0, slow_at)
         excess = above + below - heavy * square * delta
         steepness = 0.5 * square * (at_fast * (1.0 + 0.5 * delta) + at_slow * (1.0 - 0.5 * delta)) + heavy * square
         step = excess / steepness
         delta += step
-        if not abs(step) > 1e-15 * abs(delta):
+        if not abs(step) > ENOUGH * abs(delta):
             break
     if not 0.0 <= delta < 2.0:
         return math.nan, math.nan

@@ -2,14 +2,15 @@
 
 Within a panel every row is smooth, and a polynomial through its positions follows it closely: sums over the positions
 with the right weights are then integrals, however loads jump between one panel and the next. The positions of a panel
-of degree d are x_i = −cos(πi/d) on [−1, 1]; every second of them makes the panel of half the degree. What a row is
-between its positions is told by its polynomial in the barycentric form.
+of degree d are x_i = −cos(πi/d) on [−1, 1]; every second of them makes the panel of half the degree. What a
+row is between its positions is told by `engine.panel_curves`.
 
 Sources: C. W. Clenshaw and A. R. Curtis, A method for numerical integration on an automatic computer (1960);
-L. N. Trefethen, Approximation Theory and Approximation Practice, ch. 5 and 19.
+L. N. Trefethen, Approximation Theory and Approximation Practice, ch. 19.
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +24,6 @@ LONG, SHORT = 16, 8
 CLEAR = 1e-10
 # Ends that are closer than this are one.
 SAME = 4.0 * CLEAR
-# A place between positions counts as found when the last step towards it was this share of the panel.
-FOUND = 1e-7
 
 
 def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -171,7 +170,7 @@ def lay_positions(
     return panel, made
 
 
-@scalar
+@routine
 def lay_half(panels: Panels, starts: np.ndarray, nodes: np.ndarray) -> int:
     """Starts and positions of the panels of half the degree; returns how many positions they have."""
     starts[0] = made = 0
@@ -183,7 +182,7 @@ def lay_half(panels: Panels, starts: np.ndarray, nodes: np.ndarray) -> int:
     return made
 
 
-@scalar
+@routine
 def halve(panels: Panels, row: np.ndarray, half: np.ndarray) -> None:
     """Copy a row at every second position of each panel into `half`."""
     made = 0
@@ -193,37 +192,69 @@ def halve(panels: Panels, row: np.ndarray, half: np.ndarray) -> None:
             made += 1
 
 
+def _summing(degree: int) -> Callable:
+    """Sums over one panel; loops whose length is known are vectorised however short they are."""
+    positions = degree + 1
+    fine, coarse = WEIGHTS[degree >> 3, :positions].copy(), np.zeros(positions)
+    coarse[::2] = WEIGHTS[degree >> 4, : degree // 2 + 1]
+
+    @scalar
+    def sums(row: np.ndarray, start: int) -> tuple[float, float, float]:
+        whole = square = half = 0.0
+        for i in range(positions):
+            value = row[start + i]
+            whole += fine[i] * value
+            square += fine[i] * value * value
+            half += coarse[i] * value
+        return whole, square, half
+
+    return sums
+
+
+_sums_long, _sums_short, _sums_shortest = (_summing(degree) for degree in DEGREES[::-1])
+
+
+@routine
+def integrals(panels: Panels, row: np.ndarray) -> tuple[float, float, float]:
+    """Integrals over the range of the input, and how well they are known.
+
+    Returns
+    -------
+    integral, of_square : float
+        Of the row and of its square.
+    misfit : float
+        How far integrals of polynomials of full and of half the degree are apart, panel by panel, added up.
+    """
+    integral = of_square = apart = 0.0
+    # Taken out of the tuple once: each time counts references.
+    starts, halves = panels.starts, panels.halves
+    for p in range(halves.shape[0]):
+        start, positions = starts[p], starts[p + 1] - starts[p]
+        if positions > LONG:
+            whole, square, half = _sums_long(row, start)
+        elif positions > SHORT:
+            whole, square, half = _sums_short(row, start)
+        else:
+            whole, square, half = _sums_shortest(row, start)
+        integral += halves[p] * whole
+        of_square += halves[p] * square
+        apart += abs(halves[p] * (whole - half))
+    return integral, of_square, apart
+
+
 @scalar
 def integral_of(panels: Panels, row: np.ndarray) -> float:
     """Integral of a row over the range of the input."""
-    total = 0.0
-    for p in range(panels.halves.shape[0]):
-        start = panels.starts[p]
-        degree = panels.starts[p + 1] - start - 1
-        part = 0.0
-        for i in range(degree + 1):
-            part += WEIGHTS[degree >> 3, i] * row[start + i]
-        total += panels.halves[p] * part
-    return total
+    return integrals(panels, row)[0]
 
 
 @scalar
 def integral_misfit(panels: Panels, row: np.ndarray) -> float:
     """How far integrals of polynomials of full and of half the degree are apart, panel by panel, added up."""
-    total = 0.0
-    for p in range(panels.halves.shape[0]):
-        start = panels.starts[p]
-        degree = panels.starts[p + 1] - start - 1
-        fine = coarse = 0.0
-        for i in range(degree + 1):
-            fine += WEIGHTS[degree >> 3, i] * row[start + i]
-        for i in range(degree // 2 + 1):
-            coarse += WEIGHTS[degree >> 4, i] * row[start + 2 * i]
-        total += abs(panels.halves[p] * (fine - coarse))
-    return total
+    return integrals(panels, row)[2]
 
 
-@scalar
+@routine
 def length_of(panels: Panels) -> float:
     """Length of the range of the input."""
     total = 0.0
@@ -232,10 +263,31 @@ def length_of(panels: Panels) -> float:
     return total + total
 
 
-@scalar
+@routine
 def mean_of(panels: Panels, row: np.ndarray) -> float:
     """Mean of a row over the range of the input."""
     return integral_of(panels, row) / length_of(panels)
+
+
+def _accumulating(degree: int) -> Callable:
+    """Running integral over one panel; loops whose length is known are vectorised however short they are."""
+    positions = degree + 1
+    # Of every position's share in the integrals to each: side by side those that one row's value goes into.
+    shares = np.ascontiguousarray(RUNNING[degree >> 3, :positions, :positions].T)
+
+    @scalar
+    def accumulate(row: np.ndarray, mean: float, half: float, reached: float, work: np.ndarray) -> None:
+        work[0] = reached
+        for i in range(1, positions):
+            part = 0.0
+            for j in range(positions):
+                part += shares[j, i] * (row[j] - mean)
+            work[i] = reached + half * part
+
+    return accumulate
+
+
+_long, _short, _shortest = (_accumulating(degree) for degree in DEGREES[::-1])
 
 
 @routine
@@ -243,185 +295,12 @@ def accumulated(panels: Panels, row: np.ndarray, mean: float, work: np.ndarray) 
     """Integral of row − mean from the first position to each, into `work`; returns that over the whole range."""
     reached = 0.0
     for p in range(panels.halves.shape[0]):
-        start = panels.starts[p]
-        degree = panels.starts[p + 1] - start - 1
-        for i in range(degree + 1):
-            part = 0.0
-            for j in range(degree + 1):
-                part += RUNNING[degree >> 3, i, j] * (row[start + j] - mean)
-            work[start + i] = reached + panels.halves[p] * part
-        reached = work[start + degree]
-    return reached
-
-
-# Between the positions
-
-
-@scalar
-def combined_at(a: np.ndarray, b: np.ndarray, slope: float, start: int, degree: int, x: float) -> float:
-    """The polynomial of a − slope·b at a place x of −1 … 1 in the panel from position `start` on."""
-    above = below = 0.0
-    sign = 1.0
-    for i in range(degree + 1):
-        apart = x - PLACES[degree >> 3, i]
-        value = a[start + i] - slope * b[start + i]
-        if apart == 0.0:
-            return value
-        share = sign / apart if 0 < i < degree else 0.5 * sign / apart
-        above += share * value
-        below += share
-        sign = -sign
-    return above / below
-
-
-@scalar
-def vertex(xa: float, xb: float, xc: float, fa: float, fb: float, fc: float) -> float:
-    """Place of the extreme of the parabola through three points; NaN of a straight line."""
-    left, right = (xb - xa) * (fb - fc), (xb - xc) * (fb - fa)
-    return xb - 0.5 * ((xb - xa) * left - (xb - xc) * right) / (left - right)
-
-
-@scalar
-def peak_near(
-    a: np.ndarray, b: np.ndarray, slope: float, sign: float, start: int, degree: int, centre: int
-) -> tuple[float, float]:
-    """Greatest value of sign·(a − slope·b) near a position inside a panel, and its place in −1 … 1.
-
-    Parabolas through the last three points, as long as they lead upwards.
-    """
-    row = degree >> 3
-    xa, xb, xc = PLACES[row, centre - 1], PLACES[row, centre], PLACES[row, centre + 1]
-    fa = sign * (a[start + centre - 1] - slope * b[start + centre - 1])
-    fb = sign * (a[start + centre] - slope * b[start + centre])
-    fc = sign * (a[start + centre + 1] - slope * b[start + centre + 1])
-    best, at = fb, xb
-    if fa > best:
-        best, at = fa, xa
-    if fc > best:
-        best, at = fc, xc
-    low, high = xa, xc
-    for _ in range(6):
-        x = vertex(xa, xb, xc, fa, fb, fc)
-        if not low < x < high or x in (xa, xb, xc):
-            break
-        value = sign * combined_at(a, b, slope, start, degree, x)
-        step = abs(x - at)
-        if value >= best:
-            best, at = value, x
-        # The new point takes the place of the least of the three.
-        if fa <= fb and fa <= fc:
-            xa, fa = x, value
-        elif fb <= fc:
-            xb, fb = x, value
+        start, end, half = panels.starts[p], panels.starts[p + 1], panels.halves[p]
+        if end - start > LONG:
+            _long(row[start:end], mean, half, reached, work[start:end])
+        elif end - start > SHORT:
+            _short(row[start:end], mean, half, reached, work[start:end])
         else:
-            xc, fc = x, value
-        if step < FOUND:
-            break
-    return best, at
-
-
-@scalar
-def coarse_at(row: np.ndarray, start: int, degree: int, x: float) -> float:
-    """The polynomial of half the degree at a place x of −1 … 1 in the panel from position `start` on."""
-    above = below = 0.0
-    sign = 1.0
-    for i in range(0, degree + 1, 2):
-        apart = x - PLACES[degree >> 3, i]
-        if apart == 0.0:
-            return row[start + i]
-        share = sign / apart if 0 < i < degree else 0.5 * sign / apart
-        above += share * row[start + i]
-        below += share
-        sign = -sign
-    return above / below
-
-
-@scalar
-def panel_at(panels: Panels, at: float) -> tuple[int, float]:
-    """Panel of a place of the input, and the place in its −1 … 1."""
-    panel = 0
-    while panel + 1 < panels.halves.shape[0] and (at - panels.nodes[panels.starts[panel + 1]]) * panels.halves[0] > 0.0:
-        panel += 1
-    middle = 0.5 * (panels.nodes[panels.starts[panel]] + panels.nodes[panels.starts[panel + 1] - 1])
-    return panel, min(max((at - middle) / panels.halves[panel], -1.0), 1.0)
-
-
-@scalar
-def misfit(panels: Panels, row: np.ndarray, at: float) -> float:
-    """How far a panel's polynomial and that of half its degree are apart at a place of the input."""
-    panel, x = panel_at(panels, at)
-    start = panels.starts[panel]
-    degree = panels.starts[panel + 1] - start - 1
-    return abs(combined_at(row, row, 0.0, start, degree, x) - coarse_at(row, start, degree, x))
-
-
-@scalar
-def root_near(panels: Panels, row: np.ndarray, at: float) -> float:
-    """Place near another one where a row's polynomial is zero, by the secant rule; the same place if it leads away."""
-    panel, x = panel_at(panels, at)
-    start = panels.starts[panel]
-    degree = panels.starts[panel + 1] - start - 1
-    before, here = x - 1e-4 if x > 0.0 else x + 1e-4, x
-    value_before = combined_at(row, row, 0.0, start, degree, before)
-    for _ in range(4):
-        value = combined_at(row, row, 0.0, start, degree, here)
-        if value == value_before:
-            break
-        step = value * (here - before) / (value - value_before)
-        before, value_before, here = here, value, here - step
-        if not abs(here - x) < 1e-2:
-            return at
-        if abs(step) < 1e-15:
-            break
-    return at + panels.halves[panel] * (here - x)
-
-
-@routine
-def extreme(panels: Panels, a: np.ndarray, b: np.ndarray, slope: float, sign: float) -> tuple[float, float, float]:
-    """Greatest value of sign·(a − slope·b) over the range, between the positions too.
-
-    Parameters
-    ----------
-    panels : Panels
-    a, b : ndarray (positions,)
-    slope : float
-    sign : float
-        +1 for the greatest a − slope·b, −1 for minus the least.
-
-    Returns
-    -------
-    value : float
-        NaN if any position is.
-    at : float
-        Where, as the nodes of the panels.
-    b_there : float
-        b at this place.
-    """
-    best, spoiled = -math.inf, 0.0
-    for k in range(panels.nodes.shape[0]):
-        value = sign * (a[k] - slope * b[k])
-        spoiled += 0.0 * value
-        best = max(best, value)
-    if spoiled != 0.0:
-        return math.nan, math.nan, math.nan
-    most, place, panel = -math.inf, 0.0, 0
-    for p in range(panels.halves.shape[0]):
-        start = panels.starts[p]
-        degree = panels.starts[p + 1] - start - 1
-        for i in range(1, degree):
-            before = sign * (a[start + i - 1] - slope * b[start + i - 1])
-            here = sign * (a[start + i] - slope * b[start + i])
-            after = sign * (a[start + i + 1] - slope * b[start + i + 1])
-            # The ends of a panel belong to the position beside them.
-            top = (here >= before or i == 1) and (here >= after or i == degree - 1)
-            reach = abs(before - here) + abs(after - here)
-            if top and max(before, here, after) + reach >= best:
-                value, x = peak_near(a, b, slope, sign, start, degree, i)
-                if value > most:
-                    most, place, panel = value, x, p
-                    best = max(best, value)
-    start = panels.starts[panel]
-    degree = panels.starts[panel + 1] - start - 1
-    middle = 0.5 * (panels.nodes[start] + panels.nodes[start + degree])
-    there = combined_at(b, b, 0.0, start, degree, place)
-    return most, middle + panels.halves[panel] * place, there
+            _shortest(row[start:end], mean, half, reached, work[start:end])
+        reached = work[end - 1]
+    return reached

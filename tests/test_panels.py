@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine.flywheel import energy_slopes
+from engine.panel_curves import extreme
 from engine.panel_rows import (
     fluctuation_with_flywheel,
     flywheel_sizes,
@@ -25,7 +26,6 @@ from engine.panels import (
     accumulated,
     cosine_near_zero,
     cut,
-    extreme,
     halve,
     integral_of,
     lay_half,
@@ -103,7 +103,7 @@ def test_extreme__of_a_trigonometric_polynomial_lies_between_positions(numbers, 
     pairs = [(numbers[2 * k], numbers[2 * k + 1]) for k in range(4)]
     panels = panels_of()
     row = curve(panels.nodes)
-    value, at, _ = extreme(panels, row, row, 0.0, sign)
+    value, at = extreme(panels, row, row, 0.0, sign)
     dense = sign * curve(np.linspace(0, TURN, 20_001))
     # The polynomial of degree 16 on a quarter turn follows cos 4q to some 4·(4·π/4)^17/(2^16·17!) = 5e-11, the others
     # far better; a dense sample misses at most (h²/8)·max|f''|, where |f''| ≤ 2·(1 + 4 + 9 + 16).
