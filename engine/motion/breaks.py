@@ -23,6 +23,8 @@ from engine.scene import Numbers
 MOST_BENDS = 24
 SAMPLES_PER_TURN = 60
 ITERATIONS = 20
+# A last step of this share of the bracket: the error it leaves is smaller by the share that is left of the other end.
+LAST_STEP = 4e-14
 # Half the width of a jump in time, of the times of its table.
 INSTANT = 1e-12
 
@@ -381,14 +383,14 @@ def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.nda
         NaN stays.
     """
     fa, fb = f(a), f(b)
-    moving = np.isfinite(fa + fb)
+    moving, small = np.isfinite(fa + fb), LAST_STEP * np.abs(b - a)
     for _ in range(ITERATIONS):
         with np.errstate(all="ignore"):
             c = b - fb * (b - a) / (fb - fa)
         # A root that is found stays as it is, however long the others take.
         c = np.where(moving & np.isfinite(c), c, b)
         fc = f(c)
-        moving &= np.abs(c - b) > 4e-16 * np.abs(b)
+        moving &= np.abs(c - b) > small
         crossed = (fc > 0.0) != (fb > 0.0)
         with np.errstate(all="ignore"):
             less = 1.0 - fc / fb
