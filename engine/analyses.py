@@ -22,7 +22,7 @@ DEAD_CENTRE = "2e-10"
 # What `statistics` tells of a row.
 STATISTICS_OF_ROW = (
     *("low", "high", "mean", "rms", "below", "above", "rough"),
-    *("mean_of_half", "rms_of_half"),
+    *("mean_of_few", "rms_of_few"),
 )
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
@@ -150,7 +150,7 @@ class Analyses:
         """Result of a row's mean or root-mean-square value."""
         if self.panels:
             return difference(f"{mean}$", f"{jumps}{more}")
-        rough, quarter = f"{row}_rough", f"{mean}_of_half_half"
+        rough, quarter = f"{row}_rough", f"{mean}_of_few_half"
         return Result(
             f"{mean}$", f"doubt_of_mean({mean}, {mean}_half, {quarter}, {rough}, {rough}_half, {jumps}){more}"
         )

@@ -244,7 +244,7 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
         What the extremes may be off by.
     rough : float
         Jumps of the row, see `roughness`.
-    mean_of_half, rms_of_half : float
+    mean_of_few, rms_of_few : float
         The means over every second position.
     """
     mean, rms = means(row, 1, periodic)
@@ -253,8 +253,8 @@ def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, fl
         return nan, nan, nan, nan, nan, nan, nan, nan, nan
     low, _, below, _ = extreme_of(row, -1.0, periodic)
     high, _, above, _ = extreme_of(row, 1.0, periodic)
-    mean_of_half, rms_of_half = means(row, 2, periodic)
-    return low, high, mean, rms, below, above, roughness(row, periodic), mean_of_half, rms_of_half
+    mean_of_few, rms_of_few = means(row, 2, periodic)
+    return low, high, mean, rms, below, above, roughness(row, periodic), mean_of_few, rms_of_few
 
 
 @scalar

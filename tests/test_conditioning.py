@@ -17,7 +17,7 @@ from engine.loop_closure import direction_gap, distance, guide_gap, link_gap, un
 from engine.model import Model
 
 EPS = np.finfo(float).eps
-POSITIONS = 24
+POSITIONS = 720
 CHAIN = Scene.model_validate(chain(0, 5, False))
 
 # Of each dyad of the chain: numbers of its own, and fields that they displace.
@@ -72,8 +72,17 @@ def test_magnification__displacement_of_the_joint_by_an_error_of_a_length(group,
         # The crossing of slot and guide follows the pin's displacement across the slot, whatever its direction.
         by_number = np.hypot(*by_number)[None]
     # Truncation is of the order of (STEP/sin γ)⁴, γ no less than 1/2; rounding EPS/STEP, angles and slides of order 1.
+    # A quartic through the highest five of 720 misses harmonics m by some (m h)⁵/1000, 1e-8 of the tenth.
     for row in by_number:
-        assert row.max() == pytest.approx(magnified[f"{group}.error_magnification"], rel=1e-9)
+        assert top_between(row) == pytest.approx(magnified[f"{group}.error_magnification"], rel=1e-8)
+
+
+def top_between(row: np.ndarray) -> float:
+    """Greatest value of the quartic through the highest position and two on either side."""
+    places = np.arange(-2, 3)
+    quartic = np.polynomial.Polynomial.fit(places, np.roll(row, 2 - row.argmax())[:5], 4)
+    tops = quartic.deriv().roots()
+    return quartic(tops[np.argmin(abs(tops))].real)
 
 
 def test_magnification_of_the_machine__that_of_its_worst_group(magnified):
