@@ -82,8 +82,13 @@ def scalar(function: Callable) -> Callable:
 
 
 def routine(function: Callable) -> Callable:
-    """Compile a function too large to be inlined wherever it is called; otherwise as of `scalar`."""
-    compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), no_cfunc_wrapper=True)(function)
+    """Compile a function too large to be inlined wherever it is called; otherwise as of `scalar`.
+
+    Said explicitly: what isn't said is taken over from the function that calls this one first.
+    """
+    compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), forceinline=False, no_cfunc_wrapper=True)(
+        function
+    )
     _keep_compiled(compiled)
     return compiled
 
