@@ -272,24 +272,28 @@ def panel_at(panels: Panels, at: float) -> tuple[int, float]:
 
 @scalar
 def value_in(panels: Panels, a: np.ndarray, b: np.ndarray, slope: float, panel: int, x: float) -> float:
-    """Combination a − slope·b at a place x of −1 … 1 in a panel."""
+    """Combination a − slope·b at a place x of −1 … 1 in a panel; NaN or infinite on a position."""
     start, end = panels.starts[panel], panels.starts[panel + 1]
     if end - start > LONG:
-        return _value_long(a[start:end], b[start:end], slope, x)
-    if end - start > SHORT:
-        return _value_short(a[start:end], b[start:end], slope, x)
-    return _value_shortest(a[start:end], b[start:end], slope, x)
+        value = _value_long(a[start:end], b[start:end], slope, x)
+    elif end - start > SHORT:
+        value = _value_short(a[start:end], b[start:end], slope, x)
+    else:
+        value = _value_shortest(a[start:end], b[start:end], slope, x)
+    return value
 
 
 @scalar
 def misfit_in(panels: Panels, a: np.ndarray, b: np.ndarray, slope: float, panel: int, x: float) -> float:
-    """How far a − slope·b is from the polynomial of half the degree at a place x of −1 … 1 in a panel."""
+    """How far it is there from the polynomial of half the degree; NaN or infinite on a position."""
     start, end = panels.starts[panel], panels.starts[panel + 1]
     if end - start > LONG:
-        return _misfit_long(a[start:end], b[start:end], slope, x)
-    if end - start > SHORT:
-        return _misfit_short(a[start:end], b[start:end], slope, x)
-    return _misfit_shortest(a[start:end], b[start:end], slope, x)
+        apart = _misfit_long(a[start:end], b[start:end], slope, x)
+    elif end - start > SHORT:
+        apart = _misfit_short(a[start:end], b[start:end], slope, x)
+    else:
+        apart = _misfit_shortest(a[start:end], b[start:end], slope, x)
+    return apart
 
 
 @scalar
@@ -298,12 +302,32 @@ def beside(x: float) -> float:
     return x - BESIDE if x > 0.0 else x + BESIDE
 
 
+# Of what is seldom needed, one copy.
+
+
+@routine
+def value_apart(panels: Panels, a: np.ndarray, b: np.ndarray, slope: float, panel: int, x: float) -> float:
+    """As of `value_in`; beside a position that x is on."""
+    value = value_in(panels, a, b, slope, panel, x)
+    if not is_finite(value):
+        value = value_in(panels, a, b, slope, panel, beside(x))
+    return value
+
+
+@routine
+def misfit_beside(panels: Panels, a: np.ndarray, b: np.ndarray, slope: float, panel: int, x: float) -> float:
+    """As of `misfit_in`, beside a position that x is on."""
+    return misfit_in(panels, a, b, slope, panel, beside(x))
+
+
 @routine
 def combined_at(panels: Panels, a: np.ndarray, b: np.ndarray, slope: float, at: float) -> float:
     """Combination a − slope·b at a place of the input."""
     panel, x = panel_at(panels, at)
     value = value_in(panels, a, b, slope, panel, x)
-    return value if is_finite(value) else value_in(panels, a, b, slope, panel, beside(x))
+    if not is_finite(value):
+        value = value_apart(panels, a, b, slope, panel, x)
+    return value
 
 
 @routine
@@ -311,7 +335,9 @@ def misfit(panels: Panels, a: np.ndarray, b: np.ndarray, slope: float, at: float
     """How far the polynomials of a − slope·b of full and of half the degree are apart at a place of the input."""
     panel, x = panel_at(panels, at)
     apart = misfit_in(panels, a, b, slope, panel, x)
-    return apart if is_finite(apart) else misfit_in(panels, a, b, slope, panel, beside(x))
+    if not is_finite(apart):
+        apart = misfit_beside(panels, a, b, slope, panel, x)
+    return apart
 
 
 @routine
@@ -319,11 +345,9 @@ def root_near(panels: Panels, row: np.ndarray, at: float) -> float:
     """Place near another one where a row's polynomial is zero, by the secant rule; the same place if it leads away."""
     panel, x = panel_at(panels, at)
     before, here = x - 1e-4 if x > 0.0 else x + 1e-4, x
-    value_before = value_in(panels, row, row, 0.0, panel, before)
+    value_before = value_apart(panels, row, row, 0.0, panel, before)
     for _ in range(4):
-        value = value_in(panels, row, row, 0.0, panel, here)
-        if not is_finite(value):
-            value = value_in(panels, row, row, 0.0, panel, beside(here))
+        value = value_apart(panels, row, row, 0.0, panel, here)
         if value == value_before:
             break
         step = value * (here - before) / (value - value_before)

@@ -8,7 +8,7 @@ from motion_scenes import CUT, RADIUS, ROD, slider_crank
 
 from engine import Scene
 from engine.model import Model
-from engine.motion.breaks import Landmarks
+from engine.motion.breaks import Landmarks, _merged
 
 TURN = 2 * math.pi
 # Regula falsi goes down to rounding: of a slide of 0.25 m whose slope is 0.02 m and more a radian, and of q itself.
@@ -121,3 +121,17 @@ def test_stroke_too_short_for_a_table__has_no_such_break():
     _, breaks = landmarks(scene)
     place = angle_at(ROD + RADIUS - 0.01)
     check(of(breaks, "cut"), [(0.0, False), (math.pi, False), (TURN - place, True)])
+
+
+def test_places_among_samples__are_in_order_with_their_values():
+    random = np.random.default_rng(1)
+    q = np.sort(random.uniform(0, TURN, (7, 40)), axis=0)
+    others = random.uniform(-1, TURN + 1, (3, 40))
+    others[random.random(others.shape) < 0.3] = np.nan
+    every, values = _merged(q, np.array([np.sin(q), q**2]), others, np.array([np.sin(others), others**2]))
+    for v in range(q.shape[1]):
+        expected = np.sort([*q[:, v], *others[np.isfinite(others[:, v]), v]])
+        # What is left over repeats the last sample, as values where a variant has no place.
+        assert (every[: expected.size, v] == expected).all()
+        assert (every[expected.size :, v] == q[-1, v]).all()
+    assert (values == np.array([np.sin(every), every**2])).all()

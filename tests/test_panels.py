@@ -113,6 +113,18 @@ def test_extreme__of_a_trigonometric_polynomial_lies_between_positions(numbers, 
     assert sign * curve(at) == pytest.approx(value, abs=near)
 
 
+def test_extreme__beside_the_end_of_a_panel_beyond_which_a_jump_is_higher():
+    # At 2 the row falls by 6e-6 from a rising line to a parabola, which rises by 16e-6 more before the next position.
+    panels = panels_of([2.0])
+    row = np.where(panels.nodes < 2.0, panels.nodes - 2.0 - 1e-5, -((panels.nodes - 2.004) ** 2))
+    first = panels.nodes[panels.nodes > 2.0][:2]
+    assert 0.5 * first.sum() > 2.004
+    value, at = extreme(panels, row, row, 0.0, 1.0)
+    # Rounding of a row of some 18, and the root of it over the bend of 2 for its place.
+    assert value == pytest.approx(0.0, abs=100 * EPS * 18)
+    assert at == pytest.approx(2.004, abs=math.sqrt(100 * EPS * 18))
+
+
 def test_half__is_every_second_position_of_each_panel():
     panels = panels_of([1.0, 1.1])
     starts, nodes = np.empty(panels.starts.size, np.int64), np.empty(panels.nodes.size)
