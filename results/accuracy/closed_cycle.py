@@ -5,7 +5,7 @@ on every panel has decayed to rounding; values at the nodes come from closed for
 integrals and the flywheel's equations are then exact operations on polynomials.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -159,6 +159,25 @@ def refined(function: Callable, low: np.ndarray, high: np.ndarray) -> np.ndarray
     return place
 
 
+def stroke_ends(motion: Callable, sliders: Iterable[str], grid: np.ndarray) -> tuple[Ends, dict]:
+    """Ends of all strokes, and the angles at which sliders are there; `motion` is that at some angles."""
+    ends, places = {}, {}
+    for name in sliders:
+
+        def rate(angles: np.ndarray, name: str = name) -> Series:
+            return motion(angles).slides[name].by_angle()
+
+        v = rate(grid)[0]
+        k = np.flatnonzero((v[:-1] > 0) != (v[1:] > 0))
+        at = refined(rate, grid[k], grid[k + 1])
+        d = motion(at).slides[name][0]
+        ends[name] = d.min(), d.max()
+        # A ram behind a rocker comes to its dead centre twice, equally far.
+        near = EQUAL * (d.max() - d.min())
+        places[name] = at[d <= d.min() + near], at[d >= d.max() - near]
+    return ends, places
+
+
 class Field(NamedTuple):
     """A field, or where it is the magnitude of a vector, the square of it, which is smooth where it vanishes."""
 
@@ -202,7 +221,7 @@ class Cycle:
     def __init__(self, scene: Scene, varied: dict[str, float]) -> None:
         self.scene, self.numbers = scene, numbers_of(scene, varied, EXTENDED)
         grid = np.longdouble(0.1234567) + TURN * np.arange(GRID + 1) / GRID
-        self.ends, self.ends_at = self._stroke_ends(grid)
+        self.ends, self.ends_at = stroke_ends(self.motion, self.motion(grid[:1]).slides, grid)
         self.breaks = self._breaks(grid)
         count, before = FIRST_PANELS, np.inf
         while True:
@@ -215,23 +234,6 @@ class Cycle:
     def motion(self, angles: np.ndarray) -> Motion:
         """Motion at some angles."""
         return Motion(self.scene, self.numbers, angles, 2, EXTENDED)
-
-    def _stroke_ends(self, grid: np.ndarray) -> tuple[Ends, Ends]:
-        ends, places = {}, {}
-        for name in self.motion(grid[:1]).slides:
-
-            def rate(angles: np.ndarray, name: str = name) -> Series:
-                return self.motion(angles).slides[name].by_angle()
-
-            v = rate(grid)[0]
-            k = np.flatnonzero((v[:-1] > 0) != (v[1:] > 0))
-            at = refined(rate, grid[k], grid[k + 1])
-            d = self.motion(at).slides[name][0]
-            ends[name] = d.min(), d.max()
-            # A ram behind a rocker comes to its dead centre twice, equally far.
-            near = EQUAL * (d.max() - d.min())
-            places[name] = at[d <= d.min() + near], at[d >= d.max() - near]
-        return ends, places
 
     def _loads(self, angles: np.ndarray) -> Loads:
         motion = self.motion(angles)
@@ -250,8 +252,8 @@ class Cycle:
         # A switch of two loads at once is one.
         return breaks[np.concatenate(([True], np.diff(breaks) > 1e-13))]
 
-    def _resolve(self, count: int) -> float:
-        """Cut the pieces into panels; returns what the series leave over at their last degrees."""
+    def _cut(self, count: int) -> Dynamics:
+        """Cut the pieces into panels; returns the dynamics at their nodes."""
         ends = np.append(self.breaks, self.breaks[0] + TURN)
         begins, lengths, middles = [], [], []
         for a, b in pairwise(ends):
@@ -262,7 +264,11 @@ class Cycle:
         self.panels = Panels(*(np.concatenate(parts) for parts in (begins, lengths, middles)))
         nodes = self.panels.nodes
         where = Where(self.motion(nodes.ravel()), self.motion(np.repeat(self.panels.middle, NODES)))
-        self.dynamics = Dynamics(self.scene, self.numbers, where, self.ends)
+        return Dynamics(self.scene, self.numbers, where, self.ends)
+
+    def _resolve(self, count: int) -> float:
+        """Fields on so many panels; returns what the series leave over at their last degrees."""
+        self.dynamics = self._cut(count)
         self.fields = fields_of(self.dynamics)
         self.curves = {name: self.curve(field.series) for name, field in self.fields.items()}
         return max(curve.tail for curve in self.curves.values())
