@@ -1,10 +1,12 @@
-"""Groups of summaries that behave alike, and of machines whose loads do."""
+"""Groups of summaries that behave alike, and of machines whose loads do; errors to choose from."""
 
 LOADS = {
     "smooth": ("slider-crank", "crank-rocker"),
     "kinks": ("compressor", "turning moment", "Watt six-bar"),
     "jumps": ("press", "rubbed crank-rocker", "toggle press", "crank shaper", "Scotch yoke"),
 }
+# Errors that may be good enough.
+TARGETS = {"1 %": 1e-2, "0.1 %": 1e-3, "1e-6": 1e-6, "1e-9": 1e-9}
 KINEMATIC = ("velocity", "acceleration", ".x")
 
 
