@@ -259,24 +259,6 @@ def fluctuation_with_flywheel(
 
 
 @scalar
-def speed_with_flywheel(
-    inertia: np.ndarray, work: np.ndarray, flywheel: float, omega: float
-) -> tuple[float, float, float]:
-    """Initial energy, least and greatest speed of the steady cycle; parameters as of `fluctuation_with_flywheel`.
-
-    Returns
-    -------
-    energy : float
-        Kinetic energy at the first position [J].
-    slowest, fastest : float
-        [rad/s]; NaN where the machine would stop within the cycle.
-    """
-    energy, fluctuation = fluctuation_with_flywheel(inertia, work, flywheel, omega)
-    half, mean = 0.5 * fluctuation, abs(omega)
-    return energy, mean * (1.0 - half), mean * (1.0 + half)
-
-
-@scalar
 def speed_row(inertia: np.ndarray, work: np.ndarray, flywheel: float, energy: float, speed: np.ndarray) -> None:
     """ω(φ) = √(2 (E_0 + W)/(I + I_F)) into `speed` [rad/s]."""
     for k in range(work.shape[0]):
