@@ -19,12 +19,6 @@ from engine.shaking_quantities import ORDERS, shaking_summaries
 # Places of dead centres in panels are found to this [rad]: a load that turns round there keeps positions clear of them.
 DEAD_CENTRE = "2e-10"
 
-# What `statistics` tells of a row.
-STATISTICS_OF_ROW = (
-    *("low", "high", "mean", "rms", "below", "above", "rough"),
-    *("mean_of_few", "rms_of_few"),
-)
-
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 
 
@@ -109,7 +103,8 @@ class Analyses:
         row = row_of(self.model, field.name)
         if f"{field.name}.min" in self.summaries:
             return
-        low, high, mean, rms, below, above = self._statistics(row)
+        low, high, below, above = self._extremes(row)
+        mean, rms, rough = self._means(row)
         q = InputUnits.of(self.model.scene).q
         self.summaries.update({s.name: s for s in statistics_of(field, q)})
         lower, upper = self._extreme_doubt(low, below), self._extreme_doubt(high, above)
@@ -124,9 +119,9 @@ class Analyses:
             self.results[f"{field.name}.{suffix}"] = Result(value, error)
         # A jump moves the mean by up to half of it a step, two of one sign by more than the root of their squares; the
         # mean square moves by up to twice the peak times as much.
-        jumps = f"0.75 * {row}_rough / n"
+        jumps = f"0.75 * {rough} / n"
         self.results[f"{field.name}.mean"] = self._mean(row, mean, jumps, f" + rounding * {rms}")
-        steeper = f"({peak} / {rms} if {rms} > zero else one)".replace("$", "")
+        steeper = f"(peak_of({row}) / {rms} if {rms} > zero else one)"
         self.results[f"{field.name}.rms"] = self._mean(row, rms, f"{jumps} * {steeper}")
         for suffix, value, sign in (("min_at", low, "-one"), ("max_at", high, "one")):
             place, aside = f"{value}_at$", f"{value}_aside"
@@ -134,11 +129,20 @@ class Analyses:
             self.results[f"{field.name}.{suffix}"] = difference(place, aside) if self.panels else Result(place, aside)
         assert len(STATISTICS) == 8
 
-    def _statistics(self, row: str) -> list[str]:
-        """Make the statistics of a row; names of its extremes, its means and what its extremes may be off by."""
-        parts = [f"{row}_{part}" for part in STATISTICS_OF_ROW]
-        self._step(", ".join(f"{part}$" for part in parts), f"statistics({row}$, {self.periodic})")
-        return parts[:6]
+    def _extremes(self, row: str) -> list[str]:
+        """Make the extremes of a row; names of its least and its greatest value and of what they may be off by."""
+        low, high, below, above = (f"{part}__{row}" for part in ("low", "high", "below", "above"))
+        self._step(f"{low}$, {below}$", f"extreme_of({row}$, -one, {self.periodic})")
+        self._step(f"{high}$, {above}$", f"extreme_of({row}$, one, {self.periodic})")
+        return [low, high, below, above]
+
+    def _means(self, row: str) -> list[str]:
+        """Make the means of a row; names of its mean, its root-mean-square value and its jumps."""
+        mean, rms, rough = (f"{part}__{row}" for part in ("mean", "rms", "rough"))
+        self._step(f"{mean}$, {rms}$", f"means({row}$, 1, {self.periodic})")
+        self._step(f"{mean}_of_few$, {rms}_of_few$", f"means({row}$, 2, {self.periodic})")
+        self._step(f"{rough}$", f"roughness({row}$, {self.periodic})")
+        return [mean, rms, rough]
 
     def _extreme_doubt(self, value: str, off: str) -> str:
         """What an extreme may be off by."""
@@ -150,7 +154,7 @@ class Analyses:
         """Result of a row's mean or root-mean-square value."""
         if self.panels:
             return difference(f"{mean}$", f"{jumps}{more}")
-        rough, quarter = f"{row}_rough", f"{mean}_of_few_half"
+        rough, quarter = f"rough__{row}", f"{mean}_of_few_half"
         return Result(
             f"{mean}$", f"doubt_of_mean({mean}, {mean}_half, {quarter}, {rough}, {rough}_half, {jumps}){more}"
         )
@@ -177,7 +181,7 @@ class Analyses:
         """How the groups transmit forces and magnify errors, and whether their loops close."""
         self.summaries |= {q.name: q for q in loop_summaries(self.model.scene)}
         for group, sine in self.model.mechanism.sines.items():
-            low, high, _, _, below, above = self._statistics(f"row__{sine}")
+            low, high, below, above = self._extremes(f"row__{sine}")
             least, missed = f"least__{sine}", f"missed__{sine}"
             self._step(f"{least}$", f"least_magnitude({low}$, {high}$)")
             self._step(f"{missed}$", f"{above}$ if {high}$ < zero else {below}$")
@@ -262,8 +266,8 @@ class Analyses:
         """Mean direction and spread of the load on a link in a bearing, and the widest arc without any."""
         whole = self.model.variables[f"{pair}.reaction"]
         for variable in (*force, whole):
-            self._statistics(f"row__{variable}")
-        (x, y, mean), (jx, jy, j) = ([f"row__{v}_{p}" for v in (*force, whole)] for p in ("mean", "rough"))
+            self._means(f"row__{variable}")
+        (x, y, mean), (jx, jy, j) = ([f"{p}__row__{v}" for v in (*force, whole)] for p in ("mean", "rough"))
         off = f"math.hypot({x} - {x}_half, {y} - {y}_half) + 0.5 * math.hypot({jx}, {jy}) / n + rounding * {mean}"
         direction, spread = f"math.atan2({y}$, {x}$)", f"1.0 - math.hypot({x}$, {y}$) / {mean}$"
         self.results[f"{pair}.load_direction_of_{link}"] = Result(direction, f"direction_doubt({off}, {x}, {y})", True)

@@ -9,6 +9,9 @@ from engine.outcome import AskError
 from engine.scene import SceneNumber, within_limits
 from engine.verdicts import Verdict
 
+# A 360th of a degree; kernels keep rows at a fixed distance.
+MOST_POSITIONS = 131_072
+
 
 def check_positions(positions: int) -> None:
     """Check a number of positions.
@@ -16,8 +19,10 @@ def check_positions(positions: int) -> None:
     Raises
     ------
     AskError
-        It is odd, less than 8, or no whole number.
+        It is odd, less than 8, too great, or no whole number.
     """
+    if isinstance(positions, (int, np.integer)) and positions > MOST_POSITIONS:
+        raise AskError(f"positions = {positions}: at most {MOST_POSITIONS} are allowed; try accuracy in their place")
     if isinstance(positions, bool) or not isinstance(positions, (int, np.integer)) or positions < 8 or positions % 2:
         raise AskError(f"positions = {positions!r}: an even number of at least 8 is needed, such as 360 or 720")
 

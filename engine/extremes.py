@@ -1,4 +1,4 @@
-"""Extremes of a row, one quantity of one variant over all positions, and what its statistics may be off by.
+"""Extremes of a row, one quantity of one variant over all positions, and what they and its means may be off by.
 
 Where a row is smooth about an extreme, the extreme is the top of the polynomial through five neighbours, and two more
 neighbours tell how far that may be off. Where it bends or jumps, the extreme is the one at the positions, and what may
@@ -16,11 +16,9 @@ from engine.rows import (
     larger,
     least,
     place_of,
-    roughness,
     second_difference,
     sixth_difference,
     smaller,
-    total_of,
 )
 
 # A row is smooth where its fourth and sixth differences together are no more than this share of its second, and those
@@ -160,11 +158,21 @@ def reach(a: float, b: float, here: float, c: float, d: float, sign: float) -> f
 
 
 @scalar
+def highest_turn(row: np.ndarray, sign: float) -> float:
+    """Bound of `highest_reach` by less work: nothing is missed beyond a whole second difference."""
+    n, highest = row.shape[0], -math.inf
+    before, here, after = row[: n - 2], row[1 : n - 1], row[2:]
+    for k in range(before.shape[0]):
+        top = sign * here[k] + abs(second_difference(before[k], here[k], after[k]))
+        turns = sign * (here[k] - before[k]) >= 0.0 and sign * (here[k] - after[k]) >= 0.0
+        highest = larger(highest, top if turns else -math.inf)
+    return highest
+
+
+@scalar
 def highest_reach(row: np.ndarray, sign: float) -> float:
     """How far the curve may go, times its sign, wherever a row turns but at its first and last two positions."""
     n, highest = row.shape[0], -math.inf
-    if n < 5:
-        return highest
     # Views such that equal indices are five neighbours: without negative indices loops are vectorised.
     a, b, here, c, d = row[: n - 4], row[1 : n - 3], row[2 : n - 2], row[3 : n - 1], row[4:]
     for k in range(a.shape[0]):
@@ -172,9 +180,27 @@ def highest_reach(row: np.ndarray, sign: float) -> float:
     return highest
 
 
+@scalar
+def is_rivalled(row: np.ndarray, centre: int, sign: float, periodic: bool, level: float) -> bool:
+    """Whether the curve may come to a level, times its sign, anywhere but about one position."""
+    n = row.shape[0]
+    if n < 7:
+        return True
+    if periodic:
+        for k in range(-2, 2):
+            away = abs(k % n - centre)
+            there = reach(row[k - 2], row[k - 1], row[k], row[k + 1], row[k + 2], sign)
+            if min(away, n - away) > 1 and there >= level:
+                return True
+    before, after = row[: max(centre + 1, 5)], row[min(centre, n - 5) :]
+    if larger(highest_turn(before[1:-1], sign), highest_turn(after[1:-1], sign)) < level:
+        return False
+    return larger(highest_reach(before, sign), highest_reach(after, sign)) >= level
+
+
 @routine
-def extreme_of(row: np.ndarray, sign: float, periodic: bool) -> tuple[float, float, float, float]:
-    """Greatest or least value of a finite row, between its positions too, and where it is.
+def extreme_and_place(row: np.ndarray, sign: float, periodic: bool) -> tuple[float, float, float, float]:
+    """Greatest or least value of a row, between its positions too, and where it is.
 
     A narrow valley that isn't the deepest at the positions may be so between them: every other position where the
     row turns is looked at if the curve may come as far there.
@@ -190,21 +216,23 @@ def extreme_of(row: np.ndarray, sign: float, periodic: bool) -> tuple[float, flo
     Returns
     -------
     value, place : float
-        The extreme, and where it is, in positions.
+        The extreme, and where it is, in positions; NaN if any value is NaN or infinite.
     off, aside : float
         What they may be off by.
     """
-    centre = int(place_of(row, greatest(row) if sign > 0.0 else least(row)))
+    value = greatest(row) if sign > 0.0 else least(row)
+    if not is_finite(value):
+        return math.nan, math.nan, math.nan, math.nan
+    centre = int(place_of(row, value))
     top, place, off, aside = top_about(row, centre, sign, periodic)
-    elsewhere = larger(highest_reach(row[: centre + 1], sign), highest_reach(row[centre:], sign))
-    if elsewhere < top - off and not (periodic and (centre < 3 or centre > row.shape[0] - 4)):
-        return sign * top, place, off, aside
-    return among_rivals(row, centre, sign, periodic)
+    if is_rivalled(row, centre, sign, periodic, top - off):
+        return among_rivals(row, centre, sign, periodic)
+    return sign * top, place, off, aside
 
 
 @routine
 def among_rivals(row: np.ndarray, centre: int, sign: float, periodic: bool) -> tuple[float, float, float, float]:
-    """`extreme_of` a row by a look at every position where it turns; `centre` is that of its extreme value."""
+    """`extreme_and_place` by a look at every position where a row turns; `centre` is that of its extreme value."""
     n = row.shape[0]
     top, place, off, aside = top_about(row, centre, sign, periodic)
     end = top + off
@@ -226,40 +254,32 @@ def among_rivals(row: np.ndarray, centre: int, sign: float, periodic: bool) -> t
     return sign * top, place, end - top, aside
 
 
-@routine
-def statistics(row: np.ndarray, periodic: bool) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """Least, greatest, mean and root-mean-square value of a row, and what they may be off by.
+@scalar
+def extreme_of(row: np.ndarray, sign: float, periodic: bool) -> tuple[float, float]:
+    """Greatest (sign +1) or least (−1) value of a row, between its positions too, and what it may be off by."""
+    value, _, off, _ = extreme_and_place(row, sign, periodic)
+    return value, off
 
-    Parameters
-    ----------
-    row : ndarray (positions,)
-    periodic : bool
-        Whether the last position is followed by the first.
 
-    Returns
-    -------
-    low, high, mean, rms : float
-        Means by the trapezoid rule; NaN if any value is NaN or infinite.
-    below, above : float
-        What the extremes may be off by.
-    rough : float
-        Jumps of the row, see `roughness`.
-    mean_of_few, rms_of_few : float
-        The means over every second position.
-    """
-    mean, rms = means(row, 1, periodic)
-    if not is_finite(rms):
-        nan = math.nan
-        return nan, nan, nan, nan, nan, nan, nan, nan, nan
-    low, _, below, _ = extreme_of(row, -1.0, periodic)
-    high, _, above, _ = extreme_of(row, 1.0, periodic)
-    mean_of_few, rms_of_few = means(row, 2, periodic)
-    return low, high, mean, rms, below, above, roughness(row, periodic), mean_of_few, rms_of_few
+@scalar
+def place_of_extreme(row: np.ndarray, sign: float, first: float, h: float, periodic: bool) -> tuple[float, float]:
+    """Where a row is greatest (sign +1) or least (−1), of positions from `first` on with spacing h, and its doubt."""
+    _, place, _, aside = extreme_and_place(row, sign, periodic)
+    place = place + row.shape[0] if place < 0.0 else place
+    return first + h * place, h * aside
 
 
 @scalar
 def means(row: np.ndarray, step: int, periodic: bool) -> tuple[float, float]:
-    """Mean and root-mean-square value of every position of a row, or of every `step`-th, by the trapezoid rule."""
+    """Mean and root-mean-square value of every `step`-th position of a row, by the trapezoid rule; NaN if not finite.
+
+    Parameters
+    ----------
+    row : ndarray (positions,)
+    step : int
+    periodic : bool
+        Whether the last position is followed by the first.
+    """
     n = row.shape[0]
     total = squares = 0.0
     for k in range(0, n, step):
@@ -267,6 +287,8 @@ def means(row: np.ndarray, step: int, periodic: bool) -> tuple[float, float]:
         value = float(row[k])
         total += value
         squares += value * value
+    if not is_finite(squares):
+        return math.nan, math.nan
     count = (n + step - 1) // step
     if not periodic:
         last = row[(count - 1) * step]
@@ -274,16 +296,6 @@ def means(row: np.ndarray, step: int, periodic: bool) -> tuple[float, float]:
         total -= 0.5 * (row[0] + last)
         squares -= 0.5 * (row[0] * row[0] + last * last)
     return total / count, math.sqrt(squares / count)
-
-
-@scalar
-def place_of_extreme(row: np.ndarray, sign: float, first: float, h: float, periodic: bool) -> tuple[float, float]:
-    """Where a row is greatest (sign +1) or least (−1), of positions from `first` on with spacing h, and its doubt."""
-    if not is_finite(total_of(row)):
-        return math.nan, math.nan
-    _, place, _, aside = extreme_of(row, sign, periodic)
-    place = place + row.shape[0] if place < 0.0 else place
-    return first + h * place, h * aside
 
 
 @scalar

@@ -5,11 +5,17 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from engine.asking import MOST_POSITIONS
 from engine.model import Model
 from engine.parts import CrankInput
 from engine.superposition import SideBySide
 
 Form = Literal["whole", "factorised", "panels"]
+
+# Rows that the loop over positions fills, and the numbers between the first ones of two of them. As a constant it tells
+# compilers that rows don't overlap, where they would else need more tests than they make; of what is never reached no
+# memory is used. An odd number of cache lines keeps rows apart in caches.
+ONE_LOOP, STRIDE = ("row__", "bas__"), MOST_POSITIONS + 72
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
@@ -89,11 +95,11 @@ class KernelText:
         scratch = [r for r, home in self.rows.items() if home == "scratch"]
         half = [r for r, home in self.rows.items() if home == "half"]
         lines = [f"def kernel({arguments}):", "    n = nodes.shape[0]"]
-        lines += [f"    scratch = np.empty(({max(len(scratch), 1)}, n), dtype)"]
-        lines += [f"    {r} = scratch[{i}]" for i, r in enumerate(scratch)]
-        if half:
-            lines += [f"    halves = np.empty(({len(half)}, (n + 1) // 2), dtype)"]
-            lines += [f"    {r} = halves[{i}]" for i, r in enumerate(half)]
+        together = [r for r in scratch if r.startswith(ONE_LOOP)]
+        lines += [f"    scratch = np.empty({len(together)} * {STRIDE}, dtype)"]
+        lines += [f"    {r} = scratch[{i} * {STRIDE} : {i} * {STRIDE} + n]" for i, r in enumerate(together)]
+        lines += [f"    {r} = np.empty(n, dtype)" for r in scratch if r not in together]
+        lines += [f"    {r} = np.empty((n + 1) // 2, dtype)" for r in half]
         if mathematics.together:
             loads = mathematics.together.loads
             lines += [f"    kept = room_for_lanes({len(loads)})"]

@@ -36,14 +36,16 @@ ENOUGH = 1e-9
 __all__ = [
     "cumulative_work",
     "derivative_residual",
+    "extreme_of",
     "first_jammed",
     "fluctuation_with_flywheel",
     "flywheel_sizes",
     "mean_of",
+    "means",
     "missed_extreme",
     "order_of",
     "place_of_extreme",
-    "statistics",
+    "roughness",
     "stroke_ends",
     "swing_ends",
     "work_doubt",
@@ -85,25 +87,32 @@ def unseen(panels: Panels, row: np.ndarray) -> float:
 
 
 @routine
-def statistics(
-    panels: Panels, row: np.ndarray, periodic: bool
-) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """Least, greatest, mean and root-mean-square value of a row, and what they may be off by.
+def extreme_of(panels: Panels, row: np.ndarray, sign: float, periodic: bool) -> tuple[float, float]:
+    """Greatest (sign +1) or least (−1) value of a row, and what it may be off by.
 
-    Extremes by what the row still changes between a panel's last position and its end, and by how much the polynomials
-    of the full and of half the degree are apart there. Rough is by how much their integrals are apart, in the measure
-    of `engine.rows.roughness`: of a jump, spread over the mean of all positions. Half of the positions have panels of
-    their own: there are no means of theirs besides.
+    That is what the row still changes between a panel's last position and its end, and by how much the polynomials of
+    the full and of half the degree are apart at the extreme.
     """
+    value, apart = signed_extreme(panels, row, sign)
+    return value, max(apart, unseen(panels, row))
+
+
+@routine
+def means(panels: Panels, row: np.ndarray, step: int, periodic: bool) -> tuple[float, float]:
+    """Mean and root-mean-square value of a row; every `step`-th position would have panels of its own."""
     length = length_of(panels)
-    integral, of_square, apart = integrals(panels, row)
+    integral, of_square, _ = integrals(panels, row)
     mean = integral / length
-    square = math.sqrt(max(of_square / length, 0.0)) if is_finite(mean) else math.nan
-    rough = 2.0 * apart / length * row.shape[0]
-    low, below = signed_extreme(panels, row, -1.0)
-    high, above = signed_extreme(panels, row, 1.0)
-    hidden = unseen(panels, row)
-    return low, high, mean, square, max(below, hidden), max(above, hidden), rough, mean, square
+    return mean, math.sqrt(max(of_square / length, 0.0)) if is_finite(mean) else math.nan
+
+
+@routine
+def roughness(panels: Panels, row: np.ndarray, periodic: bool) -> float:
+    """By how much the integrals of the polynomials of full and half the degree are apart.
+
+    In the measure of `engine.rows.roughness`: of a jump, spread over the mean of all positions.
+    """
+    return 2.0 * integrals(panels, row)[2] / length_of(panels) * row.shape[0]
 
 
 @routine

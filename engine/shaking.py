@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from engine.jit import scalar
+from engine.jit import routine, scalar
 
 
 @scalar
@@ -30,7 +30,7 @@ def magnitudes(x: np.ndarray, y: np.ndarray, size: np.ndarray) -> None:
         size[k] = math.sqrt(x[k] * x[k] + y[k] * y[k])
 
 
-@scalar
+@routine
 def order_of(x: np.ndarray, y: np.ndarray, order: int, cosines: np.ndarray, sines: np.ndarray) -> tuple[float, float]:
     """Longer half axis of the ellipse that one order of a plane vector draws.
 

@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 from engine.flywheel import energy_slopes
 from engine.panel_curves import extreme
 from engine.panel_rows import (
+    extreme_of,
     fluctuation_with_flywheel,
     flywheel_sizes,
+    means,
     place_of_extreme,
+    roughness,
     signed_extreme,
-    statistics,
     stroke_ends,
 )
 from engine.panels import (
@@ -148,11 +150,12 @@ def test_series__to_two_units_in_the_last_place(x):
 def test_statistics__of_a_sawtooth():
     panels = panels_of([3.0])
     row = np.where(panels.nodes < 3.0, panels.nodes, panels.nodes - 10.0)
-    low, high, mean, rms, below, above, rough, _, _ = statistics(panels, row, True)
+    (low, below), (high, above) = (extreme_of(panels, row, sign, True) for sign in (-1.0, 1.0))
+    mean, rms = means(panels, row, 1, True)
     assert abs(high - 3.0) <= above <= 1e-9
     assert abs(low + 7.0) <= below <= 1e-9
     # Straight lines are integrated exactly, but for rounding.
-    assert rough < 1e-12
+    assert roughness(panels, row, True) < 1e-12
     assert mean == pytest.approx((TURN**2 / 2 - 10 * (TURN - 3.0)) / TURN, rel=1e-11)
     square = (27 / 3 + ((TURN - 10) ** 3 + 343) / 3) / TURN
     assert rms == pytest.approx(math.sqrt(square), rel=1e-11)

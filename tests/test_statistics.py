@@ -13,12 +13,12 @@ from scipy.optimize import minimize_scalar
 from engine.extremes import (
     doubt_of_extreme,
     doubt_of_mean,
+    extreme_and_place,
     extreme_of,
     least_magnitude,
     means,
     place_of_extreme,
     smooth_top,
-    statistics,
 )
 from engine.rows import mean_of, roughness
 
@@ -60,7 +60,7 @@ def top_of(curve):
 @few
 @given(rows)
 def test_means_of_a_cycle__are_those_of_numpy(row):
-    _, _, mean, rms, *_ = statistics(row, True)
+    mean, rms = means(row, 1, True)
     rounding = row.size * EPS
     assert mean == pytest.approx(row.mean(), abs=rounding * np.abs(row).max())
     assert mean_of(row) == pytest.approx(row.mean(), abs=rounding * np.abs(row).max())
@@ -70,7 +70,7 @@ def test_means_of_a_cycle__are_those_of_numpy(row):
 @few
 @given(rows)
 def test_means_of_a_range__are_those_of_the_trapezoid_rule(row):
-    _, _, mean, rms, *_ = statistics(row, False)
+    mean, rms = means(row, 1, False)
     n = row.size - 1
     rounding = row.size * EPS
     assert mean == pytest.approx(np.trapezoid(row) / n, abs=2 * rounding * np.abs(row).max())
@@ -88,22 +88,23 @@ def test_means_of_every_second_position__are_those_of_a_row_of_them(periodic):
 @given(rows, st.data(), bad, st.booleans())
 def test_undefined_position__leaves_no_statistics(row, data, value, periodic):
     row[data.draw(st.integers(0, row.size - 1))] = value
-    assert np.isnan(statistics(row, periodic)).all()
-    assert np.isnan(statistics(row.astype(np.float32), periodic)).all()
-    assert np.isnan(place_of_extreme(row, 1.0, 0.0, 1.0, periodic)).all()
+    for values in (row, row.astype(np.float32)):
+        assert np.isnan(means(values, 1, periodic)).all()
+        assert np.isnan(extreme_of(values, 1.0, periodic)).all()
+        assert np.isnan(place_of_extreme(values, -1.0, 0.0, 1.0, periodic)).all()
     assert not math.isfinite(mean_of(row))
 
 
 def test_mean_over_a_cycle__is_spectrally_exact():
     # The trapezoid rule over a period integrates every harmonic below n exactly; ∫exp(cos φ) dφ/2π = I0(1).
-    assert statistics(np.exp(np.cos(angles(24))), True)[2] == pytest.approx(float(mpmath.besseli(0, 1)), rel=4 * EPS)
+    assert means(np.exp(np.cos(angles(24))), 1, True)[0] == pytest.approx(float(mpmath.besseli(0, 1)), rel=4 * EPS)
 
 
 def mean_and_doubt(curve, n):
     """Mean of a curve over n positions, and its doubt."""
     row = curve(angles(n))
-    _, _, mean, _, _, _, rough, _, _ = statistics(row, True)
-    _, _, half, _, _, _, rough_half, quarter, _ = statistics(row[::2].copy(), True)
+    mean, half, quarter = (means(row, step, True)[0] for step in (1, 2, 4))
+    rough, rough_half = roughness(row, True), roughness(row[::2].copy(), True)
     return mean, doubt_of_mean(mean, half, quarter, rough, rough_half, 0.75 * rough / n)
 
 
@@ -164,14 +165,14 @@ def test_extreme__of_harmonics_is_within_its_doubt_and_far_nearer_than_the_highe
         curve = wave(seed)
         true, at = top_of(curve)
         row = curve(angles(n))
-        value, place, off, aside = extreme_of(row, 1.0, True)
+        value, place, off, aside = extreme_and_place(row, 1.0, True)
         errors.append(abs(value - true))
         doubts.append(off + 8 * EPS)
         aways.append(abs((place * TURN / n - at + math.pi) % TURN - math.pi))
         # The minimum of a curve is found by its value to the root of its rounding.
         asides.append(aside * TURN / n + 1e-7)
         misses.append(true - row.max())
-        assert extreme_of(-row, -1.0, True) == (-value, place, off, aside)
+        assert extreme_and_place(-row, -1.0, True) == (-value, place, off, aside)
     # Where the fifth difference happens to vanish, the sixth isn't enough; of two peaks nearly as high, the higher one
     # may lie between positions of few.
     assert np.mean(np.array(errors) <= doubts) >= within
@@ -211,7 +212,7 @@ def test_extreme__of_two_peaks_at_different_distances_from_positions_is_that_of_
     row = bump(first) + 1.001 * bump(second)
     assert row.argmax() == 20
     # What one bump adds at the other: their distance is 3.24 rad.
-    value, place, off, _ = extreme_of(row, 1.0, True)
+    value, place, off, _ = extreme_and_place(row, 1.0, True)
     assert place == pytest.approx(70.5, abs=1e-2)
     assert abs(value - 1.001) <= off + 4e-4
 
@@ -225,7 +226,7 @@ def test_doubt__bounds_a_kink_between_two_positions(top, slope, place):
     k = np.arange(21.0)
     row = top - slope * abs(k - 10 - place)
     # Hidden is slope · min(p, 1 − p); the second differences beside it are 2 slope · p and 2 slope · (1 − p).
-    _, high, _, _, _, above, *_ = statistics(row, False)
+    high, above = extreme_of(row, 1.0, False)
     assert high == row.max()
     assert top - high <= above * (1 + 1e-9) + 1e-14
 
@@ -238,7 +239,7 @@ def test_doubt__bounds_a_valley_that_is_not_the_deepest_at_the_positions(slope, 
     phi, h = angles(n), TURN / n
     first, second = phi[20], phi[70] + place * h
     row = np.minimum(slope * abs(phi - first), slope * abs(phi - second) - deeper * slope * h)
-    low, _, _, _, below, *_ = statistics(row, True)
+    low, below = extreme_of(row, -1.0, True)
     assert low - below <= -deeper * slope * h + 1e-12 * slope
 
 
@@ -262,22 +263,23 @@ def test_doubt__beside_a_jump_is_a_step_of_the_branch_not_the_jump(slope, jump, 
     top = max(slope * place, slope * -20.0)
     # Of two tops nearly as high the doubt knows the one that shows at the positions.
     assume(not 0.0 < 20 * slope - jump < slope * place)
-    above = statistics(row, False)[5]
+    _, above = extreme_of(row, 1.0, False)
     assert above >= (top - row.max()) - 1e-12
     assert above <= abs(slope) * (1 + 1e-12) + 1e-12
 
 
 def test_doubt__is_nothing_in_a_straight_row():
-    assert max(statistics(np.linspace(0, 1, 9), False)[4:6]) < 1e-15
-    assert min(statistics(np.linspace(0, 1, 9), True)[4:6]) > 0.0
-    assert statistics(np.ones(9), True)[4:6] == (0.0, 0.0)
+    for sign in (1.0, -1.0):
+        assert extreme_of(np.linspace(0, 1, 9), sign, False)[1] < 1e-15
+        assert extreme_of(np.linspace(0, 1, 9), sign, True)[1] > 0.0
+        assert extreme_of(np.ones(9), sign, True) == (1.0, 0.0)
 
 
 @pytest.mark.parametrize("periodic", [True, False])
 @pytest.mark.parametrize("n", range(2, 9))
 def test_few_positions__have_their_own_extremes_or_better(n, periodic):
     row = np.cos(1.7 * np.arange(float(n)))
-    low, high, _, _, below, above, *_ = statistics(row, periodic)
+    (low, below), (high, above) = (extreme_of(row, sign, periodic) for sign in (-1.0, 1.0))
     assert low <= row.min() + 1e-15
     assert high >= row.max() - 1e-15
     assert min(below, above) >= 0.0
