@@ -9,8 +9,8 @@ from engine.outcome import AskError
 from engine.scene import SceneNumber, within_limits
 from engine.verdicts import Verdict
 
-# A 360th of a degree; kernels keep rows at a fixed distance.
-MOST_POSITIONS = 131_072
+# Kernels keep rows at a fixed distance.
+MOST_POSITIONS = 1_048_576
 
 
 def check_positions(positions: int) -> None:

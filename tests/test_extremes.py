@@ -25,6 +25,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import Machine, Scene, Verdict
+from engine.asking import MOST_POSITIONS
 from engine.flywheel import fluctuation_with_flywheel, flywheel_sizes
 from engine.jit import set_threads, threads
 from engine.outcome import AskError
@@ -237,6 +238,8 @@ def test_positions__from_eight_to_a_million():
     for positions in (0, 1, 7, 9, 8.0):
         with pytest.raises(AskError, match="even number"):
             Machine(scene, positions=positions)
+    with pytest.raises(AskError, match="at most 1048576 are allowed"):
+        Machine(scene, positions=MOST_POSITIONS + 2)
 
 
 @pytest.mark.parametrize("shapes", [1, 60])
