@@ -136,6 +136,9 @@ def top_about(row: np.ndarray, k: int, sign: float, periodic: bool) -> tuple[flo
         a, b, c = sign * row[k - 3], sign * row[k - 2], sign * row[k - 1]
         e, f, g = sign * row[k + 1 - n], sign * row[k + 2 - n], sign * row[k + 3 - n]
         smooth, rise, t, off, aside = smooth_top(a, b, c, here, e, f, g)
+        if smooth and here <= 0.0 < here + rise:
+            # What no position has beyond zero, such as a magnitude, isn't taken there by a polynomial.
+            return 0.0, k + t, off + here + rise, aside
         if smooth:
             return here + rise, k + t, off, aside
     missed = max(missed_beside(row, k, -1, sign, periodic), missed_beside(row, k, 1, sign, periodic))

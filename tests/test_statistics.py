@@ -285,6 +285,16 @@ def test_few_positions__have_their_own_extremes_or_better(n, periodic):
     assert min(below, above) >= 0.0
 
 
+@few
+@given(st.floats(0.0, 1.0), st.floats(0.0, 0.3), st.sampled_from([1.0, -1.0]))
+def test_magnitude__is_never_negative(place, left, sign):
+    # |(cos φ, left · sin φ)| all but has a corner where it is least; polynomials through its sides meet below zero.
+    phi = angles(48) + place * TURN / 48
+    least, off = extreme_of(sign * np.hypot(np.cos(phi), left * np.sin(phi)), -sign, True)
+    assert sign * least >= 0.0
+    assert abs(sign * least - left) <= off + 1e-15
+
+
 def test_doubt_of_an_extreme__is_its_change_where_half_the_positions_were_wrong_about_theirs():
     assert doubt_of_extreme(1.0, 1.1, 0.01, 0.2) == 0.01
     assert doubt_of_extreme(1.0, 1.1, 0.01, 0.02) == pytest.approx(0.1, rel=1e-14)
