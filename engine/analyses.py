@@ -125,7 +125,7 @@ class Analyses:
         self.results[f"{field.name}.rms"] = self._mean(row, rms, f"{jumps} * {steeper}")
         for suffix, value, sign in (("min_at", low, "-one"), ("max_at", high, "one")):
             place, aside = f"{value}_at$", f"{value}_aside"
-            self._step(f"{place}, {aside}$", f"place_of_extreme({row}$, {sign}, first, h$, {self.periodic})")
+            self._step(f"{place}, {aside}$", f"place_of_extreme({row}$, {sign}, first, h$, {self.periodic}, rounding)")
             self.results[f"{field.name}.{suffix}"] = difference(place, aside) if self.panels else Result(place, aside)
         assert len(STATISTICS) == 8
 
@@ -186,7 +186,7 @@ class Analyses:
             self._step(f"{least}$", f"least_magnitude({low}$, {high}$)")
             self._step(f"{missed}$", f"{above}$ if {high}$ < zero else {below}$")
             off = f"off__{sine}"
-            self._step(off, self._extreme_doubt(least, missed))
+            self._step(off, f"rounding + {self._extreme_doubt(least, missed)}")
             angle, lower = f"transmission_angle({least}$)", f"transmission_angle(max({least} - {off}, zero))"
             self.results[f"{group}.transmission_angle"] = Result(angle, f"{angle.replace('$', '')} - {lower}")
         for name, (value, missed) in magnifications(self.model.mechanism.sines).items():

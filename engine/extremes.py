@@ -30,12 +30,13 @@ MARGIN = 4.0
 
 @scalar
 def smooth_top(
-    a: float, b: float, c: float, d: float, e: float, f: float, g: float
+    a: float, b: float, c: float, d: float, e: float, f: float, g: float, noise: float
 ) -> tuple[bool, float, float, float, float]:
     """Top of the polynomial through the middle five of seven neighbours, the middle one of which is the highest.
 
     Stirling's formula in central differences: f(t) = d + t μδ + t²/2 δ² + t (t² − 1)/6 μδ³ + t² (t² − 1)/24 δ⁴; the
-    next two terms, t (t² − 1)(t² − 4)/120 μδ⁵ and t² (t² − 1)(t² − 4)/720 δ⁶, tell its error.
+    next two terms, t (t² − 1)(t² − 4)/120 μδ⁵ and t² (t² − 1)(t² − 4)/720 δ⁶, tell its error. What the neighbours
+    themselves are off by, `noise`, moves the top aside.
 
     Returns
     -------
@@ -65,7 +66,7 @@ def smooth_top(
     square = t * t
     odd, even = t * (square - 1.0) / 6.0, square * (square - 1.0) / 24.0
     rise = t * d1 + 0.5 * square * d2 + odd * d3 + even * d4
-    aside = left * (abs(d5) / 30.0 + abs(t * d6) / 90.0) / bend
+    aside = (left * (abs(d5) / 30.0 + abs(t * d6) / 90.0) + noise) / bend
     off = left * abs(square - 4.0) * (abs(odd * d5) / 20.0 + abs(even * d6) / 30.0) + 0.5 * bend * aside * aside
     return smooth, rise, t, off, aside
 
@@ -108,7 +109,7 @@ def missed_beside(row: np.ndarray, centre: int, side: int, sign: float, periodic
 
 
 @routine
-def top_about(row: np.ndarray, k: int, sign: float, periodic: bool) -> tuple[float, float, float, float]:
+def top_about(row: np.ndarray, k: int, sign: float, periodic: bool, noise: float) -> tuple[float, float, float, float]:
     """Extreme of the curve about a position that none of its neighbours exceeds.
 
     Parameters
@@ -120,6 +121,8 @@ def top_about(row: np.ndarray, k: int, sign: float, periodic: bool) -> tuple[flo
         +1 for a greatest value, −1 for a least.
     periodic : bool
         Whether the last position is followed by the first.
+    noise : float
+        What values of the row may be off by.
 
     Returns
     -------
@@ -135,7 +138,7 @@ def top_about(row: np.ndarray, k: int, sign: float, periodic: bool) -> tuple[flo
     if n >= 7 and (periodic or 3 <= k < n - 3):
         a, b, c = sign * row[k - 3], sign * row[k - 2], sign * row[k - 1]
         e, f, g = sign * row[k + 1 - n], sign * row[k + 2 - n], sign * row[k + 3 - n]
-        smooth, rise, t, off, aside = smooth_top(a, b, c, here, e, f, g)
+        smooth, rise, t, off, aside = smooth_top(a, b, c, here, e, f, g, noise)
         if smooth and here <= 0.0 < here + rise:
             # What no position has beyond zero, such as a magnitude, isn't taken there by a polynomial.
             return 0.0, k + t, off + here + rise, aside
@@ -202,7 +205,7 @@ def is_rivalled(row: np.ndarray, centre: int, sign: float, periodic: bool, level
 
 
 @routine
-def extreme_and_place(row: np.ndarray, sign: float, periodic: bool) -> tuple[float, float, float, float]:
+def extreme_and_place(row: np.ndarray, sign: float, periodic: bool, noise: float) -> tuple[float, float, float, float]:
     """Greatest or least value of a row, between its positions too, and where it is.
 
     A narrow valley that isn't the deepest at the positions may be so between them: every other position where the
@@ -215,6 +218,8 @@ def extreme_and_place(row: np.ndarray, sign: float, periodic: bool) -> tuple[flo
         +1 for the greatest value, −1 for the least.
     periodic : bool
         Whether the last position is followed by the first.
+    noise : float
+        What values of the row may be off by.
 
     Returns
     -------
@@ -227,17 +232,19 @@ def extreme_and_place(row: np.ndarray, sign: float, periodic: bool) -> tuple[flo
     if not is_finite(value):
         return math.nan, math.nan, math.nan, math.nan
     centre = int(place_of(row, value))
-    top, place, off, aside = top_about(row, centre, sign, periodic)
+    top, place, off, aside = top_about(row, centre, sign, periodic, noise)
     if is_rivalled(row, centre, sign, periodic, top - off):
-        return among_rivals(row, centre, sign, periodic)
+        return among_rivals(row, centre, sign, periodic, noise)
     return sign * top, place, off, aside
 
 
 @routine
-def among_rivals(row: np.ndarray, centre: int, sign: float, periodic: bool) -> tuple[float, float, float, float]:
+def among_rivals(
+    row: np.ndarray, centre: int, sign: float, periodic: bool, noise: float
+) -> tuple[float, float, float, float]:
     """`extreme_and_place` by a look at every position where a row turns; `centre` is that of its extreme value."""
     n = row.shape[0]
-    top, place, off, aside = top_about(row, centre, sign, periodic)
+    top, place, off, aside = top_about(row, centre, sign, periodic, noise)
     end = top + off
     for k in range(0 if periodic else 1, n if periodic else n - 1):
         away = abs(k - centre)
@@ -245,7 +252,7 @@ def among_rivals(row: np.ndarray, centre: int, sign: float, periodic: bool) -> t
         turns = here >= sign * row[k - 1] and here >= sign * row[k + 1 - n]
         if not turns or min(away, n - away if periodic else n) < 2:
             continue
-        other, other_place, other_off, other_aside = top_about(row, k, sign, periodic)
+        other, other_place, other_off, other_aside = top_about(row, k, sign, periodic, noise)
         if other + other_off < top - off:
             continue
         apart = abs(other_place - place)
@@ -260,14 +267,27 @@ def among_rivals(row: np.ndarray, centre: int, sign: float, periodic: bool) -> t
 @scalar
 def extreme_of(row: np.ndarray, sign: float, periodic: bool) -> tuple[float, float]:
     """Greatest (sign +1) or least (−1) value of a row, between its positions too, and what it may be off by."""
-    value, _, off, _ = extreme_and_place(row, sign, periodic)
+    value, _, off, _ = extreme_and_place(row, sign, periodic, 0.0)
     return value, off
 
 
 @scalar
-def place_of_extreme(row: np.ndarray, sign: float, first: float, h: float, periodic: bool) -> tuple[float, float]:
-    """Where a row is greatest (sign +1) or least (−1), of positions from `first` on with spacing h, and its doubt."""
-    _, place, _, aside = extreme_and_place(row, sign, periodic)
+def place_of_extreme(
+    row: np.ndarray, sign: float, first: float, h: float, periodic: bool, rounding: float
+) -> tuple[float, float]:
+    """Where a row is greatest (sign +1) or least (−1), of positions from `first` on with spacing h, and its doubt.
+
+    Parameters
+    ----------
+    row : ndarray (positions,)
+    sign, first, h : float
+    periodic : bool
+        Whether the last position is followed by the first.
+    rounding : float
+        What values may be off by, as a share of the greatest magnitude.
+    """
+    noise = rounding * max(abs(greatest(row)), abs(least(row)))
+    _, place, _, aside = extreme_and_place(row, sign, periodic, noise)
     place = place + row.shape[0] if place < 0.0 else place
     return first + h * place, h * aside
 
@@ -309,9 +329,12 @@ def least_magnitude(low: float, high: float) -> float:
 
 @scalar
 def doubt_of_extreme(value: float, of_half: float, off: float, off_of_half: float) -> float:
-    """What a value may be off by, if that of half the positions was so by its own measure; else by how much it was."""
+    """What an extreme may be off by, if that of half the positions was so by its own measure; else by how much it was.
+
+    A curve bent in its third derivative still changes eight times less than that of half the positions did.
+    """
     change = abs(value - of_half)
-    return off if change <= off + off_of_half else max(off, change)
+    return max(off, 0.125 * change) if change <= off + off_of_half else max(off, change)
 
 
 @scalar
@@ -330,13 +353,13 @@ def doubt_of_mean(
         The mean over all positions, every second one and every fourth.
     rough, rough_half : float
         Roughness over all positions and over every second one: equal for jumps; of a smooth row, half as many sixth
-        differences are each up to 64 times as large, so that squares add up to some 1000 to 2048 times as much.
+        differences are each up to 64 times as large, and their squares add up to 2048 times as much.
     jumps : float
         What jumps as great as the roughness may hide.
     """
     change, before = abs(value - of_half), abs(of_half - of_quarter)
-    jumping = rough * rough - rough_half * rough_half / 1000.0
-    if jumping > 0.1 * rough * rough:
-        return change + jumps * math.sqrt(jumping) / rough
+    if rough * rough > rough_half * rough_half / 1500.0:
+        return change + jumps
     fall = change / before if before > change else 1.0
-    return change * min(1.0, 4.0 * fall * min(1.0, 64.0 * fall))
+    # A jump of a part of what is smooth may still hide.
+    return change * min(1.0, 4.0 * fall * min(1.0, 64.0 * fall)) + 0.25 * jumps

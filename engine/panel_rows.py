@@ -70,7 +70,7 @@ def signed_extreme(panels: Panels, row: np.ndarray, sign: float) -> tuple[float,
     if not followed:
         return value, apart
     # Squares round by their greatest, and roots of small ones magnify that.
-    value, apart = max(value, 0.0), apart + 8.0 * EPS * high * high
+    value, apart = max(value, 0.0), apart + 32.0 * EPS * high * high
     return math.sqrt(value), math.sqrt(value + apart) - math.sqrt(max(value - apart, 0.0))
 
 
@@ -117,7 +117,7 @@ def roughness(panels: Panels, row: np.ndarray, periodic: bool) -> float:
 
 @routine
 def place_of_extreme(
-    panels: Panels, row: np.ndarray, sign: float, first: float, h: float, periodic: bool
+    panels: Panels, row: np.ndarray, sign: float, first: float, h: float, periodic: bool, rounding: float
 ) -> tuple[float, float]:
     """Where a row is greatest (sign +1) or least (−1), and its doubt.
 
@@ -127,7 +127,7 @@ def place_of_extreme(
     if not is_finite(least(row) + greatest(row)):
         return math.nan, math.nan
     value, at = extreme(panels, row, row, 0.0, sign)
-    unsure = misfit(panels, row, row, 0.0, at) + 16.0 * EPS * max(abs(greatest(row)), abs(least(row)))
+    unsure = misfit(panels, row, row, 0.0, at) + rounding * max(abs(greatest(row)), abs(least(row)))
     panel, x = panel_at(panels, at)
     half = panels.halves[panel]
     drop = value - sign * combined_at(panels, row, row, 0.0, at + half * (-0.01 if x > 0.0 else 0.01))

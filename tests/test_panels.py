@@ -197,7 +197,7 @@ def test_magnitude_near_zero__is_followed_by_its_square(begins, least):
 def test_place_of_an_extreme__lies_within_its_doubt(begins, sign):
     panels = panels_of()
     row = sign * np.exp(np.cos(panels.nodes - begins))
-    place, doubt = place_of_extreme(panels, row, sign, 0.0, 0.0, True)
+    place, doubt = place_of_extreme(panels, row, sign, 0.0, 0.0, True, 16.0 * EPS)
     # Half the degree follows exp cos to some 1e-5, and its place is as unsure as the root of that.
     assert abs(place - begins) <= doubt <= 1e-2
 

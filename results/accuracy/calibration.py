@@ -109,9 +109,11 @@ TEXT = """# Error figures against true errors
 {machines} random machines of {kinds} structures (see `trade.md`). Every cell: the share of true errors that are no
 greater than their error figure, and in brackets the median of figure over true error.
 
-What is smooth and periodic converges faster than any power of the step, but a figure can tell no more than that of
-half the positions: there figures are far too large. Extremes at positions are off by up to an eighth of a second
-difference, which figures take four to eight times, because a bend or jump may hide there.
+Where a row is smooth about an extreme, the figure is four times what the next two differences add to the polynomial
+that the extreme is taken from; where it bends or jumps, the extreme is that of the positions, and what may hide beside
+it counts whole. Means of what is smooth and periodic converge faster than any power of the step: once they have
+settled, both error and figure are rounding, the figure with a margin. So it is with panels, which are far nearer than
+asked.
 
 ![figures against errors](calibration.png)
 """
