@@ -12,10 +12,14 @@ from engine.superposition import SideBySide
 
 Form = Literal["whole", "factorised", "panels"]
 
-# Rows that the loop over positions fills, and the numbers between the first ones of two of them. As a constant it tells
-# compilers that rows don't overlap, where they would else need more tests than they make; of what is never reached no
-# memory is used. An odd number of cache lines keeps rows apart in caches.
-ONE_LOOP, STRIDE = ("row__", "bas__"), MOST_POSITIONS + 72
+# Rows that the loop over positions fills lie at a fixed distance. As a constant it tells compilers that they don't
+# overlap, where they would else need more tests than they make.
+ONE_LOOP = ("row__", "bas__")
+# Kernels for few positions, for many, and for the most that are allowed: memory for few is at hand, that for many is
+# asked of the system every time.
+ROOMS = (1024, 16_384, MOST_POSITIONS)
+# One more for a range with its end; an odd number of cache lines keeps rows apart in caches.
+ASIDE = 8
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 1e-3}
@@ -61,8 +65,10 @@ class KernelText:
         slots: list[str],
         fixed: frozenset[str],
         rows: dict[str, str],
+        most: int,
     ) -> None:
         self.model, self.form, self.dtype = model, form, np.dtype(dtype)
+        self.stride = next(room for room in ROOMS if most <= room) + ASIDE
         self.slots, self.rows = slots, rows
         # What the variants of a shape have in common is read once for all of them.
         self.shared = {s for s in slots if model.program.slots[s].role == "shape" or s in fixed}
@@ -96,8 +102,9 @@ class KernelText:
         half = [r for r, home in self.rows.items() if home == "half"]
         lines = [f"def kernel({arguments}):", "    n = nodes.shape[0]"]
         together = [r for r in scratch if r.startswith(ONE_LOOP)]
-        lines += [f"    scratch = np.empty({len(together)} * {STRIDE}, dtype)"]
-        lines += [f"    {r} = scratch[{i} * {STRIDE} : {i} * {STRIDE} + n]" for i, r in enumerate(together)]
+        lines += [f"    scratch = np.empty({len(together) * self.stride}, dtype)"]
+        begins = [(r, i * self.stride) for i, r in enumerate(together)]
+        lines += [f"    {r} = scratch[{begin} : {begin} + n]" for r, begin in begins]
         lines += [f"    {r} = np.empty(n, dtype)" for r in scratch if r not in together]
         lines += [f"    {r} = np.empty((n + 1) // 2, dtype)" for r in half]
         if mathematics.together:

@@ -66,8 +66,8 @@ class KernelWriter:
         self.of_variant = self.demand.of_variant()
         self._fixed = _fixed_loads(model)
 
-    def source(self, form: Form, dtype: np.dtype) -> Source:
-        """The kernel's source in one of its forms."""
+    def source(self, form: Form, dtype: np.dtype, most: int) -> Source:
+        """The kernel's source in one of its forms, for rows of at most so many positions."""
         positions = self._position_loop(form)
         outputs, shape, variant = self._outputs(form, _TROUBLED in positions and bool(self._watched)), [], []
         shape_lines, together, nodes = (), None, self.demand.nodes
@@ -86,7 +86,7 @@ class KernelWriter:
         if form == "panels":
             writer = PanelText(self.model, slots, homes, self.ends)
         else:
-            writer = KernelText(self.model, form, dtype, slots, self._fixed, homes)
+            writer = KernelText(self.model, form, dtype, slots, self._fixed, homes, most)
         return Source(
             writer.module(lines, diagnosis),
             tuple(slots),

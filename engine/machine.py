@@ -193,7 +193,7 @@ class Machine:
     def source(self, form: Form) -> Source:
         """Generated source of the kernel, to be read, in its "whole" or "factorised" form."""
         if form not in self._sources:
-            self._sources[form] = self._writer.source(form, self.dtype)
+            self._sources[form] = self._writer.source(form, self.dtype, self.positions)
         return self._sources[form]
 
     # Evaluation

@@ -37,7 +37,7 @@ class PanelText(KernelText):
     """
 
     def __init__(self, model: Model, slots: list[str], rows: dict[str, str], ends: tuple[str, ...]) -> None:
-        super().__init__(model, "panels", np.dtype(np.float64), slots, frozenset(), rows)
+        super().__init__(model, "panels", np.dtype(np.float64), slots, frozenset(), rows, most=0)
         self.ends = ends
 
     def module(self, mathematics: Lines, diagnosis: list[str]) -> str:
