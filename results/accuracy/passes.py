@@ -108,11 +108,10 @@ def _error(found: np.ndarray, true: np.ndarray) -> float:
 
 
 class Times(NamedTuple):
-    """Times of a variant without friction in pairs, with it, of a pass [µs]; least and most passes."""
+    """Times of a variant without friction in pairs and with it [µs]; least and most passes."""
 
     without: float
     rubbed: float
-    one: float
     least: int
     most: int
 
@@ -160,21 +159,14 @@ def _agreement(kind: Kind, varied: Varied, losses: np.ndarray) -> float:
 
 
 def timed(kind: Kind, varied: Varied) -> Times:
-    """Times of a kind of machine.
-
-    Machines are sorted by their passes, those of the slowest position: a line through the times has the time of one.
-    """
+    """Times of a kind of machine."""
     set_threads(1)
     bare = Machine(kind.scene, _asked(kind), (), [path for path in varied if not path.startswith("friction.")])
     machine = _machine(kind, varied)
     without = microseconds(bare, {path: np.resize(varied[path], VARIANTS) for path in bare.varied})
     took = machine.evaluate(varied).summaries["friction_passes"]
-    counts, often = np.unique(took, return_counts=True)
-    sets = [np.resize(np.flatnonzero(took == n), VARIANTS) for n in counts]
-    times = [microseconds(machine, {path: values[some] for path, values in varied.items()}) for some in sets]
-    one = float(np.polyfit(counts, times, 1, w=np.sqrt(often))[0])
-    with_friction = float(np.average(times, weights=often))
-    return Times(without, with_friction, one, int(counts.min()), int(counts.max()))
+    with_friction = microseconds(machine, {path: np.resize(values, VARIANTS) for path, values in varied.items()})
+    return Times(without, with_friction, int(took.min()), int(took.max()))
 
 
 def _classes(found: Found) -> dict[str, np.ndarray]:
@@ -218,7 +210,7 @@ def errors(found: Found) -> list[str]:
 def cost(found: Found) -> str:
     """What passes cost, as a sentence."""
     return "; ".join(
-        f"{name}: {t.without:.1f} µs a variant without friction, {t.rubbed:.1f} with it, {t.one:.1f} of them each of "
-        f"{t.least} to {t.most} passes"
+        f"{name}: {t.without:.1f} µs a variant without friction, {t.rubbed:.1f} with it, in {t.least} to {t.most} "
+        "passes"
         for name, t in found.times.items()
     )

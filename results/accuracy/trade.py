@@ -251,8 +251,8 @@ Errors after so many of the engine's passes: median, 99 % and worst.
 
 {passes_cost}.
 
-Passes end where no force changes by more than 1e-10. One less saves a tenth of the time or little more and costs half
-of the digits: there is nothing to gain. By hand, three of the textbooks' passes are enough for 1 % where the
+Passes end where no force changes by more than 1e-10. One less costs half of the digits: there is nothing to gain.
+By hand, three of the textbooks' passes are enough for 1 % where the
 determinant is above 0.9; where it is below 0.5, not even forty.
 
 ## Replacement masses
