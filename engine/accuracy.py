@@ -144,7 +144,7 @@ class Ladder:
         share, before : ndarray (summaries, variants)
             Error figures by the allowed errors, on this rung and on the last one; infinite before the first.
         """
-        order, number = self.rungs[rung]
+        order = self.rungs[rung][0]
         last = self._even if rung < self._even else len(self.rungs)
         unfinished = share > 1.0
         if last == len(self.rungs):
@@ -153,15 +153,22 @@ class Ladder:
         with np.errstate(all="ignore"):
             if rung == 1 and last < len(self.rungs):
                 order = np.clip(np.log2(before / share), 0.5, EVEN_ORDER)
-            wanted = np.where(unfinished, number * share ** (1.0 / order) * (1.0 - 1e-9), 0.0).max(axis=0, initial=0.0)
-        numbers = np.array([n for _, n in self.rungs[rung + 1 : last]])
-        following = rung + 1 + np.searchsorted(numbers, wanted)
+            following, safely = (self._enough(rung, last, unfinished, share, o) for o in (order, ROUGH_ORDER))
         if last < len(self.rungs):
-            # Twice as many positions show what more would do; once more are tried, if they are likely to do.
-            following = {0: np.where(following < last, 1, last), 1: following}.get(rung, last)
+            # Few more that do anyway; else twice as many show what more would do, and once more are tried if likely to.
+            twice = np.where(following < last, 1, last)
+            following = {0: np.where(safely < last, safely, twice), 1: following}.get(rung, last)
         else:
-            following = np.where(numbers.size, np.minimum(following, last - 1), -1)
+            following = np.minimum(following, last - 1) if rung + 1 < last else -1
         return np.where(unfinished.any(axis=0), following, -1)
+
+    def _enough(
+        self, rung: int, last: int, unfinished: np.ndarray, share: np.ndarray, order: float | np.ndarray
+    ) -> np.ndarray:
+        """First rung before the last that does if errors fall by an order; the last one if none."""
+        needed = np.where(unfinished, share ** (1.0 / order) * (1.0 - 1e-9), 0.0).max(axis=0, initial=0.0)
+        numbers = np.array([n for _, n in self.rungs[rung + 1 : last]])
+        return rung + 1 + np.searchsorted(numbers, self.rungs[rung][1] * needed)
 
 
 class AccurateMachine:
