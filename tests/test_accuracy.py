@@ -11,7 +11,7 @@ from motion_scenes import ask, slider_crank, steady
 
 import sweeps
 from engine import AccurateMachine, AskError, Machine, Scene, Verdict
-from engine.accuracy import FEW, POSITIONS, in_panels
+from engine.accuracy import FEW, POSITIONS, Ladder, in_panels
 from sweeps.study import find_study, read_study
 
 TEMPLATES = Path(sweeps.__file__).parent / "templates"
@@ -106,6 +106,21 @@ def test_positions__as_many_as_it_takes():
             assert found.errors[name][0] <= accuracy * found.summaries[name][0]
     assert used[0] == POSITIONS[0]
     assert used[0] < max(used) < 720
+
+
+@pytest.mark.parametrize(
+    ("rung", "share", "before", "following"),
+    [
+        # Finished; 48 √2 and 48 √30 positions do if errors fall by the square; 48 · 1000^(1/6) may; 48 · 10 won't.
+        *((0, 0.5, math.inf, -1), (0, 2.0, math.inf, 1), (0, 30.0, math.inf, 3), (0, 1e3, math.inf, 1)),
+        (0, 1e6, math.inf, 4),
+        # What fell by 64 does with 96 · 1.5^(1/6), what fell by 2 not with 96 · 8; no third try.
+        *((1, 1.5, 96.0, 2), (1, 8.0, 16.0, 4), (2, 1.5, 96.0, 4)),
+    ],
+)
+def test_rung__that_is_enough_or_the_panels(rung, share, before, following):
+    ladder = Ladder(Scene.model_validate(slider_crank({})), [], (), True)
+    assert ladder.after(rung, np.array([[share]]), np.array([[before]])) == following
 
 
 def test_variants__each_as_many_as_it_takes_whoever_comes_with_it():
