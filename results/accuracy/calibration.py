@@ -111,9 +111,9 @@ greater than their error figure, and in brackets the median of figure over true 
 
 Where a row is smooth about an extreme, the figure is four times what the next two differences add to the polynomial
 that the extreme is taken from, and no less than an eighth of its change from half the positions; where it bends or
-jumps, the extreme is that of the positions, and what may hide beside it counts whole. Means of what is smooth and periodic converge faster than any power of the step: once they have
-settled, both error and figure are rounding, the figure with a margin. So it is with panels, which are far nearer than
-asked.
+jumps, the extreme is that of the positions, and what may hide beside it counts whole. Means of what is smooth and
+periodic converge faster than any power of the step: once they have settled, both error and figure are rounding, the
+figure with a margin. So it is with panels, which are far nearer than asked.
 
 ![figures against errors](calibration.png)
 """
