@@ -3,7 +3,7 @@
 import numpy as np
 
 from engine import Outcome, Verdict
-from engine.accuracy import REACHED, USED
+from engine.panels.accuracy import REACHED, USED
 from sweeps.results import Result
 from sweeps.study import Study
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from engine import Scene
-from engine.quantities import has_cycle
+from engine.machine.quantities.quantities import has_cycle
 from sweeps.drawing import FILLS, Motion, bounds, figures, names_of_points, paint, prepare
 from sweeps.errors import PictureError
 from sweeps.style import VERMILION, house_style

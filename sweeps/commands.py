@@ -24,8 +24,8 @@ def explained(command: Callable) -> Callable:
     @wraps(command)
     def guarded(*args: object, **kwargs: object) -> None:
         from engine import AskError, SceneError
-        from engine.tables import TableError
-        from engine.units import UnitError
+        from engine.laws.tables import TableError
+        from engine.scene.units import UnitError
         from sweeps.errors import PictureError
         from sweeps.store import StoreError
         from sweeps.textfile import InputError
@@ -95,7 +95,7 @@ def names_in(text: str) -> tuple[str, ...]:
 def use_threads(jobs: int | None) -> None:
     """Let kernels use so many threads; all cores unless given."""
     if jobs is not None:
-        from engine.jit import set_threads
+        from engine.compiling.jit import set_threads
 
         set_threads(jobs)
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import AccurateMachine, Machine, Outcome
-from engine.jit import threads
-from engine.kernel_text import Form
+from engine.compiling.jit import threads
+from engine.equal_positions.text.kernel_text import Form
 from sweeps.runner import block_size, evaluate_block
 from sweeps.study import Study
 

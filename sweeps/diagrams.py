@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from engine import SENTENCES, Machine, Scene, Verdict
-from engine.parts import FRAME, CrankInput
-from engine.quantities import has_cycle
-from engine.structure import sliders
+from engine.machine.quantities.quantities import has_cycle
+from engine.scene.parts import FRAME, CrankInput
+from engine.scene.structure import sliders
 from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.style import BLUE, GREEN, GREY, VERMILION, house_style, new_figure, save

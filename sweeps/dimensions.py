@@ -11,8 +11,8 @@ from fractions import Fraction
 
 from pint.util import UnitsContainer
 
-from engine.dimensions import DIMENSIONS, common_units
-from engine.units import base_powers, recognised
+from engine.scene.dimensions import DIMENSIONS, common_units
+from engine.scene.units import base_powers, recognised
 from sweeps.expressions import Expression, ExpressionError, Operation, Quantity, Tree, pointed_out
 
 _ANGLE = "[angle]"

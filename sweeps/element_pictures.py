@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from engine import Scene
-from engine.balancing.engine_element import EngineElement
-from engine.balancing.rotor_element import RotorElement
+from engine.balancing.engines.engine_element import EngineElement
+from engine.balancing.rotors.rotor_element import RotorElement
 from sweeps.engine_sheet import engine_sheet, engine_table
 from sweeps.unbalance_plan import unbalance_plan
 

@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from engine.balancing.engine_columns import EPS, ROUNDED, engine_numbers, engine_torque, made_engine
-from engine.balancing.engine_element import EngineElement
-from engine.balancing.firing import FOUR_STROKE, firing_angles
-from engine.balancing.hodograph import Hodograph
-from engine.balancing.shafts import counterweights, remaining
-from engine.balancing.shaking import shaking
+from engine.balancing.engines.engine_columns import EPS, ROUNDED, engine_numbers, engine_torque, made_engine
+from engine.balancing.engines.engine_element import EngineElement
+from engine.balancing.engines.firing import FOUR_STROKE, firing_angles
+from engine.balancing.engines.hodograph import Hodograph
+from engine.balancing.engines.shafts import counterweights, remaining
+from engine.balancing.engines.shaking import shaking
 from sweeps.engineer_units import engineer_unit
 from sweeps.report import table
 from sweeps.style import BLUE, GREY, PALE, VERMILION, house_style, new_figure, save

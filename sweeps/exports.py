@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from engine import Machine, Scene, Verdict
+from engine.machine.quantities.quantities import InputUnits
 from engine.motion.history import history
-from engine.quantities import InputUnits
 from sweeps.errors import PictureError
 from sweeps.regimes import failure_text
 from sweeps.results import Result

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from engine.turning_moment import TurningMoment, from_table
-from engine.units import in_text
+from engine.flywheels.turning_moment import TurningMoment, from_table
+from engine.scene.units import in_text
 from sweeps.engineer_units import quantity_text
 from sweeps.report import table
 from sweeps.scenefile import read_csv

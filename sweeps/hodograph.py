@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from engine import SENTENCES, Machine, Scene, Verdict
-from engine.quantities import has_cycle
+from engine.machine.quantities.quantities import has_cycle
 from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.style import PALETTE, house_style, new_figure, save

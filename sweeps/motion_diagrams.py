@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from engine import Machine, Scene, Verdict
 from engine.motion.history import History
-from engine.regimes import SteadyRegime
+from engine.scene.regimes import SteadyRegime
 from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.regimes import failure_text

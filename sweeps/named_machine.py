@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from engine import Scene
-from engine.parts import CrankInput
-from engine.units import UnitError, in_text
+from engine.scene.parts import CrankInput
+from engine.scene.units import UnitError, in_text
 from sweeps.optimising.optimum import choices, is_front
 from sweeps.results import Result
 from sweeps.study import find_study, read_study

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import Scene
-from engine.balancing.engine_element import EngineElement
-from engine.balancing.engine_layout import (
+from engine.balancing.engines.engine_element import EngineElement
+from engine.balancing.engines.engine_layout import (
     Engine,
     Layout,
     MasterRod,
@@ -22,11 +22,11 @@ from engine.balancing.engine_layout import (
     v,
     w,
 )
-from engine.balancing.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals
-from engine.balancing.harmonics import crank_radius, piston_harmonics
-from engine.balancing.hodograph import Hodograph
-from engine.balancing.shaking import ORDERS, shaking
-from engine.balancing.torque_orders import firing_sums
+from engine.balancing.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals
+from engine.balancing.engines.harmonics import crank_radius, piston_harmonics
+from engine.balancing.engines.hodograph import Hodograph
+from engine.balancing.engines.shaking import ORDERS, shaking
+from engine.balancing.engines.torque_orders import firing_sums
 from sweeps.report import table
 from sweeps.style import BLUE, GREY, ORANGE, house_style, new_figure, save
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from engine import Scene, Verdict
 from engine.motion.history import history
-from engine.regimes import SteadyRegime
+from engine.scene.regimes import SteadyRegime
 from sweeps.diagrams import diagrams
 from sweeps.drawing import picture
 from sweeps.element_pictures import element_pictures

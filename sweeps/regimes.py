@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from engine import SENTENCES, Scene, Verdict
-from engine.model import Model
+from engine.machine.model import Model
 from engine.motion.history import History, history
-from engine.regimes import Regime, RunRegime
+from engine.scene.regimes import Regime, RunRegime
 from sweeps.engineer_units import quantity_text
 
 # Verdicts that only a motion gets.

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from engine import SENTENCES, AccurateMachine, ElementsAlone, Machine, Outcome, Verdict, made_ready
-from engine.actions import Brake
-from engine.demand import describe
-from engine.model import Model
+from engine.equal_positions.text.demand import describe
+from engine.machine.full_rotation import assembly_ranges
+from engine.machine.model import Model
+from engine.machine.quantities.quantities import InputUnits
 from engine.motion.cases import regime_text
-from engine.quantities import InputUnits
-from engine.rotation import assembly_ranges
-from engine.scene import Scene
-from engine.structure import group_links
+from engine.scene.actions import Brake
+from engine.scene.scene import Scene
+from engine.scene.structure import group_links
 from sweeps import accuracy_words
 from sweeps.cost import probe
 from sweeps.engineer_units import engineer_unit, figure_text, quantity_text

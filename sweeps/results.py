@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from engine import Scene, Verdict, scene_numbers
-from engine.units import any_quantity
+from engine.scene.units import any_quantity
 from sweeps.dimensions import check_condition
 from sweeps.expressions import ExpressionError, parse, unknown_name_message
 from sweeps.scenefile import scene_from

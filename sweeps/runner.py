@@ -11,8 +11,8 @@ import numba
 import numpy as np
 
 from engine import SENTENCES, Machine, Outcome, Verdict
-from engine.jit import threads
-from engine.quantities import InputUnits, Quantity
+from engine.compiling.jit import threads
+from engine.machine.quantities.quantities import InputUnits, Quantity
 from sweeps.scenefile import write_scene
 from sweeps.store import Column, Layout, Store
 from sweeps.study import Study

@@ -10,8 +10,8 @@ from typing import Any
 import tomli_w
 
 from engine import Scene, SceneError, scene_numbers
-from engine.dimensions import DIMENSIONS
-from engine.structure import order
+from engine.scene.dimensions import DIMENSIONS
+from engine.scene.structure import order
 from sweeps.textfile import InputError, line_of, parse_toml, read_text, validate
 
 _HEADER = re.compile(r"^\s*(?P<key>[\w.\[\]]+)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from engine import AskError, ElementsAlone, Machine, Quantity, Verdict, made_ready, scene_numbers
-from engine.accuracy import OF_ACCURACY
-from engine.derivatives import (
+from engine.derivatives.derivatives import (
     EVALUATIONS,
     PLACES,
     Derivatives,
@@ -22,6 +21,7 @@ from engine.derivatives import (
     scale_of,
     unit_over,
 )
+from engine.panels.accuracy import OF_ACCURACY
 from sweeps.expressions import unknown_name_message
 from sweeps.store import Column
 from sweeps.tolerances import Tolerance, read_tolerances

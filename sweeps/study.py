@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from engine import AskError, ElementsAlone, Machine, Scene, SceneError, made_ready, scene_numbers
-from engine.dimensions import DIMENSIONS
-from engine.jit import sources_digest
-from engine.units import any_quantity
+from engine.compiling.jit import sources_digest
+from engine.scene.dimensions import DIMENSIONS
+from engine.scene.units import any_quantity
 from sweeps.dimensions import check_condition
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
 from sweeps.optimising.task import task_of

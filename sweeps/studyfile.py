@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from engine.parts import Number, Part
+from engine.scene.parts import Number, Part
 
 
 class Range(Part):

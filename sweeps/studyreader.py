@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from engine import AskError, Machine, Scene, made_ready, scene_numbers
-from engine.accuracy import OF_ACCURACY
-from engine.dimensions import DIMENSIONS
-from engine.units import UnitError, any_quantity, in_text, recognised
+from engine.panels.accuracy import OF_ACCURACY
+from engine.scene.dimensions import DIMENSIONS
+from engine.scene.units import UnitError, any_quantity, in_text, recognised
 from sweeps.dimensions import check_yields, dimension_of, dimension_of_unit, unit_of_dimension
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message
 from sweeps.regimes import telling_summaries

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from engine.names import nearest
+from engine.scene.names import nearest
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 

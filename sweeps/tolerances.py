@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import Scene, scene_numbers
-from engine.units import UnitError, in_text
+from engine.scene.units import UnitError, in_text
 from sweeps.expressions import unknown_name_message
 from sweeps.studyfile import ToleranceText
 

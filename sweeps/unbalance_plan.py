@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine.balancing.correction import corrected
-from engine.balancing.grades import permissible_unbalance, tolerance_shares
-from engine.balancing.rotor_columns import corrections_of, rotor_numbers, unbalances_of
-from engine.balancing.rotor_element import RotorElement
-from engine.balancing.unbalance import in_two_planes, resultant
+from engine.balancing.rotors.correction import corrected
+from engine.balancing.rotors.grades import permissible_unbalance, tolerance_shares
+from engine.balancing.rotors.rotor_columns import corrections_of, rotor_numbers, unbalances_of
+from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.unbalance import in_two_planes, resultant
 from sweeps.style import BLUE, GREEN, GREY, PALE, VERMILION, house_style, new_figure, save
 
 # From SI: kg m to kg mm and to g mm.

@@ -22,11 +22,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from engine.balancing.least_shaking import DependentError, Optimum, Unknown, least_peak, least_rms
-from engine.machine import Machine
-from engine.names import did_you_mean
-from engine.parts import Body
-from engine.quantities import has_cycle
-from engine.scene import Scene
+from engine.machine.machine import Machine
+from engine.machine.quantities.quantities import has_cycle
+from engine.scene.names import did_you_mean
+from engine.scene.parts import Body
+from engine.scene.scene import Scene
 from engine.verdicts import SENTENCES, Verdict
 
 # What is left of a full balance by rounding, over what it is summed of; kinematics near dead centres lose digits.

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import AccurateMachine, Machine, Outcome, Verdict
-from engine.accuracy import OF_ACCURACY, RELATIVE_ALREADY, excess, in_panels, peak_of
+from engine.panels.accuracy import OF_ACCURACY, RELATIVE_ALREADY, excess, in_panels, peak_of
 from sweeps.study import find_study, read_study
 
 HERE = Path(__file__).parent

@@ -29,10 +29,13 @@ from rounding_flywheel import flywheel_lines
 
 HERE = Path(__file__).parent
 # Per position, so in float32 too.
-PER_POSITION = ("dyads", "dyad_forces", "links", "reduction", "loads")
-MODULES = (*PER_POSITION, "drives", "indicator", "strokes", "tables", "flywheel", "closed_forms")
-MODULES += tuple(f"friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling"))
-MODULES += ("friction.screws",)
+PER_POSITION = tuple(f"laws.kinematics.{name}" for name in ("dyads", "dyad_reactions", "links"))
+PER_POSITION += ("laws.reduction", "laws.loads")
+MODULES = (*PER_POSITION, "laws.motor_characteristics", "laws.indicator_diagrams", "equal_positions.strokes")
+MODULES += ("laws.tables", "equal_positions.flywheel", "motion.closed_forms.closed_forms")
+MODULES += tuple(
+    f"laws.friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling")
+)
 # They give a number that counts, not one that is measured, or fill rows.
 LEFT_OUT = (
     "left_over",

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.tables import make_table
+from engine.laws.tables import make_table
 
 Draws = Callable[[np.random.Generator, bool], dict]
 DECADES = 6.0

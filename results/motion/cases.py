@@ -11,7 +11,7 @@ import mechanics
 import numpy as np
 
 from engine import Machine, Scene
-from engine.scene import scene_numbers
+from engine.scene.scene import scene_numbers
 from sweeps.scenefile import read_scene
 
 HERE = Path(__file__).parent

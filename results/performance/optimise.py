@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 from machines import CASES
 
-import engine.machine
-from engine.jit import threads
+import engine.machine.machine
+from engine.compiling.jit import threads
 from sweeps.optimising.runner import optimise_study
 from sweeps.optimising.searching import first_generation
 from sweeps.optimising.task import Task, task_of
@@ -39,18 +39,18 @@ class Clock:
     @contextmanager
     def watching(self) -> Iterator[None]:
         """Count what is spent inside the block."""
-        kernel = engine.machine.run_kernel
+        kernel = engine.machine.machine.run_kernel
 
         def timed(*arguments: object) -> None:
             started = time.perf_counter()
             kernel(*arguments)
             self.seconds += time.perf_counter() - started
 
-        engine.machine.run_kernel = timed
+        engine.machine.machine.run_kernel = timed
         try:
             yield
         finally:
-            engine.machine.run_kernel = kernel
+            engine.machine.machine.run_kernel = kernel
 
 
 def task(population: int, generations: int) -> Task:

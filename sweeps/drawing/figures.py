@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from engine import Scene
-from engine.names import did_you_mean
-from engine.quantities import has_cycle
+from engine.machine.quantities.quantities import has_cycle
+from engine.scene.names import did_you_mean
 from sweeps.drawing.frame import frame_parts
 from sweeps.drawing.links import moving_parts
 from sweeps.drawing.motion import Motion

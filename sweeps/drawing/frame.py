@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from engine.parts import FRAME
+from engine.scene.parts import FRAME
 from sweeps.drawing.motion import Motion, Slider
 from sweeps.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
 

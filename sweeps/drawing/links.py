@@ -1,6 +1,6 @@
 """What moves in a drawing: links, slotted links and their blocks, sliders, springs and joints."""
 
-from engine.parts import FRAME
+from engine.scene.parts import FRAME
 from sweeps.drawing.frame import bush_at
 from sweeps.drawing.motion import Motion, Slider
 from sweeps.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, line, link_shape, weld, zigzag

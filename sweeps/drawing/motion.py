@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import SENTENCES, Machine, Scene, Verdict
-from engine.names import input_point
-from engine.parts import FRAME, CrankInput, Hinged, Sliding
-from engine.quantities import has_cycle
-from engine.scene import Numbers, scene_numbers
-from engine.structure import order
+from engine.machine.quantities.quantities import has_cycle
+from engine.scene.names import input_point
+from engine.scene.parts import FRAME, CrankInput, Hinged, Sliding
+from engine.scene.scene import Numbers, scene_numbers
+from engine.scene.structure import order
 from sweeps.errors import PictureError
 
 POSITIONS = 720

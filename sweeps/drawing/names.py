@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from engine.parts import CrankInput
+from engine.scene.parts import CrankInput
 from sweeps.drawing.links import joints
 from sweeps.drawing.motion import Motion
 from sweeps.drawing.symbols import HALF_LENGTH, Primitive, arrow

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import scene_numbers
-from engine.units import any_quantity
+from engine.scene.units import any_quantity
 from sweeps.engineer_units import engineer_unit, quantity_text
 from sweeps.expressions import parse
 from sweeps.optimising.margins import conjuncts, margins

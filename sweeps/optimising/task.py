@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from engine import AskError, made_ready, scene_numbers
-from engine.units import UnitError, any_quantity, in_text, recognised
+from engine.scene.units import UnitError, any_quantity, in_text, recognised
 from sweeps.dimensions import dimension_of, dimension_of_unit, unit_of_dimension
 from sweeps.engineer_units import quantity_text
 from sweeps.expressions import Expression, ExpressionError, parse, unknown_name_message

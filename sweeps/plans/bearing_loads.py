@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from engine.names import did_you_mean
-from engine.pairs import Pair, pairs
-from engine.parts import FRAME, CrankInput
+from engine.scene.names import did_you_mean
+from engine.scene.pairs import Pair, pairs
+from engine.scene.parts import FRAME, CrankInput
 from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.plans.pose import MachineCycle

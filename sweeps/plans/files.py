@@ -6,7 +6,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from engine import Scene
-from engine.pairs import pairs
+from engine.scene.pairs import pairs
 from sweeps.plans.bearing_loads import bearing_sheet, revolute_pairs
 from sweeps.plans.pose import MachineCycle
 from sweeps.plans.reaction_curves import reaction_sheet

@@ -6,7 +6,7 @@ from itertools import accumulate
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine.names import did_you_mean
+from engine.scene.names import did_you_mean
 from sweeps.engineer_units import engineer_unit
 from sweeps.errors import PictureError
 from sweeps.plans.loads import Load, group_loads, loads_on_links

@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine.parts import RPP, RPR, Sliding
+from engine.scene.parts import RPP, RPR, Sliding
 from sweeps.drawing import Primitive
 from sweeps.drawing.motion import Motion
 from sweeps.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, box, line, link_shape

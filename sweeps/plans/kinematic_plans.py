@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine.parts import FRAME
+from engine.scene.parts import FRAME
 from sweeps.plans.lettering import image_name, subscript, symbol
 from sweeps.plans.paper import Paper
 from sweeps.plans.polygons import Plan, accelerations, velocities

@@ -9,12 +9,12 @@ its slider puts it, or with both edges where that lies outside the slider; frict
 
 from typing import NamedTuple
 
-from engine.actions import Brake, DCMotor, InductionMotor, TorsionSpring
-from engine.friction.guides import edge_forces, tilts
-from engine.inertia import body_mass
-from engine.pairs import Pair, bearer_of, holder_of, pairs
-from engine.parts import FRAME, CrankInput
-from engine.reaction_quantities import friction_in_pairs
+from engine.laws.friction.guides import edge_forces, tilts
+from engine.machine.quantities.reactions import friction_in_pairs
+from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
+from engine.scene.inertia import body_mass
+from engine.scene.pairs import Pair, bearer_of, holder_of, pairs
+from engine.scene.parts import FRAME, CrankInput
 from sweeps.plans.lettering import numbered, subscript, symbol
 from sweeps.plans.pose import Pose
 

@@ -2,7 +2,7 @@
 
 from matplotlib.axes import Axes
 
-from engine.parts import FRAME
+from engine.scene.parts import FRAME
 from sweeps.drawing import bounds, figures
 from sweeps.plans.lettering import subscript
 from sweeps.plans.paper import Paper

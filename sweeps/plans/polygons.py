@@ -12,7 +12,7 @@ I. I. Artobolevsky, Theory of Mechanisms and Machines.
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from engine.parts import FRAME, RPP, RPR, CrankInput, Hinged
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, Hinged
 from sweeps.plans.lettering import subscript, symbol
 from sweeps.plans.pose import Movement, Pose, Turn
 

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import SENTENCES, Machine, Scene, Verdict
-from engine.inertia import centre_along
-from engine.pairs import pairs
-from engine.parts import FRAME, CrankInput, Yoke
-from engine.quantities import has_cycle
-from engine.reaction_quantities import acting_fields, friction_in_pairs
-from engine.structure import group_links, order
+from engine.machine.quantities.quantities import has_cycle
+from engine.machine.quantities.reactions import acting_fields, friction_in_pairs
+from engine.scene.inertia import centre_along
+from engine.scene.pairs import pairs
+from engine.scene.parts import FRAME, CrankInput, Yoke
+from engine.scene.structure import group_links, order
 from sweeps.drawing import Motion
 from sweeps.drawing.figures import default_position
 from sweeps.drawing.motion import POSITIONS

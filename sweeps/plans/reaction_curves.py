@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine.pairs import Pair, pairs
-from engine.parts import CrankInput
+from engine.scene.pairs import Pair, pairs
+from engine.scene.parts import CrankInput
 from sweeps.engineer_units import engineer_unit
 from sweeps.plans.pose import MachineCycle
 from sweeps.style import BLUE, GREEN, ORANGE, PURPLE, house_style, new_figure

@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import Scene
-from engine.parts import FRAME
+from engine.scene.parts import FRAME
 from sweeps.plans.force_plan import force_lines, force_plan
 from sweeps.plans.free_body import free_body
 from sweeps.plans.kinematic_plans import acceleration_lines, acceleration_plan, velocity_lines, velocity_plan

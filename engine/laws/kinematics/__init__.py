@@ -1,0 +1,1 @@
+"""Kinematics of rigid links and structural groups: positions, rates, reactions, closure."""
