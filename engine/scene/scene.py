@@ -8,7 +8,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from engine.cylinders import CylinderAction
+from engine.scene.cylinders import CylinderAction
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.elements import MachineElement
 from engine.scene.pair_friction import PairFriction

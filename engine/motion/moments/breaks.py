@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.jit import over_variants
-from engine.cylinders import Compressor, Cylinder, TwoStroke
+from engine.scene.cylinders import Compressor, Cylinder, TwoStroke
 from engine.machine.model import Model
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.scene.actions import Tabled
