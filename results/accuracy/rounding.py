@@ -28,16 +28,18 @@ from rounding_draws import DRAWS, arguments_of
 from rounding_flywheel import flywheel_lines
 
 HERE = Path(__file__).parent
+_GROUPS = ("rrr", "rrp", "rpr", "prp", "rpp")
 # Per position, so in float32 too.
-PER_POSITION = tuple(f"laws.kinematics.{name}" for name in ("dyads", "dyad_reactions", "links"))
+PER_POSITION = tuple(f"laws.kinematics.{name}" for name in (*_GROUPS, "dead_centres", "vectors", "links"))
 PER_POSITION += ("laws.reduction", "laws.loads")
 MODULES = (*PER_POSITION, "laws.motor_characteristics", "laws.indicator_diagrams", "equal_positions.strokes")
 MODULES += ("laws.tables", "equal_positions.flywheel", "motion.closed_forms.closed_forms")
 MODULES += tuple(
     f"laws.friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling")
 )
-# They give a number that counts, not one that is measured, or fill rows.
+# They give a number that counts, not one that is measured, or measure rounding themselves, or fill rows.
 LEFT_OUT = (
+    *(f"{group}_closure" for group in _GROUPS),
     "left_over",
     "four_stroke_number",
     "two_stroke_number",
