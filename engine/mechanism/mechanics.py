@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from engine.graph.nodes import Graph, Node, Number
-from engine.mechanism.closures import closure
 from engine.mechanism.inertia import (
     BodyInertiaForces,
     ReducedInertia,
@@ -104,13 +103,9 @@ class Mechanics:
         """Inertia forces of a body at uniform speed."""
         return inertia_forces(self.kinematics, body)
 
-    def closure(self, group: str) -> Node:
-        """What the loop of a group misses of being closed."""
-        return closure(self.kinematics, group)
-
     def moment_of(self, roles: frozenset[str | None] | None = None) -> Node:
-        """Reduced moment of the actions with some roles; of all but brakes, which are released, where none are
-        named.""" terms = [t for t in self.loads.terms if (t.role != "braking" if roles is None else t.role in roles)]
+        """Reduced moment of the actions with some roles; where none are named, of all but brakes: they are released."""
+        terms = [t for t in self.loads.terms if (t.role != "braking" if roles is None else t.role in roles)]
         return self.graph.combination((t.coefficient, t.basis) for t in terms)
 
     @cached_property

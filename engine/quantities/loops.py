@@ -44,9 +44,9 @@ def declare(mechanics: Mechanics) -> Declared:
         )
         yield Summary(
             RESIDUAL,
-            "lengths, guides and directions that computed positions miss by, as a share of the links' lengths, at
-            worst", "1",
-            lambda: maximum(*(greatest(m.closure(group)) for group in groups)),
+            "lengths, guides and directions that positions miss by, as a share of the links' lengths, at worst",
+            "1",
+            lambda: maximum(*(greatest(m.kinematics.closures[g]) for g in groups)),
         )
 
 
