@@ -13,6 +13,7 @@ from engine.compiling.tiles import LANES
 from engine.graph.nodes import (
     Application,
     Constant,
+    Found,
     Held,
     Memory,
     Node,
@@ -86,7 +87,10 @@ class Body:
             return True
         if isinstance(node, Held):
             return not self._inline_held
-        return node.stage < self._stage or isinstance(node, Number)
+        if isinstance(node, (Number, Found)):
+            return True
+        # What follows from held nodes alone has no row of its own: it is computed where it is used.
+        return node.stage < self._stage and node.stage != Stage.PANEL
 
     def _write(self, node: Node) -> None:
         match node:
