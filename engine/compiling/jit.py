@@ -77,7 +77,7 @@ def scalar(function: Callable) -> Callable:
     compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), forceinline=True, no_cfunc_wrapper=True)(
         function
     )
-    _keep_compiled(compiled)
+    keep_compiled(compiled)
     return compiled
 
 
@@ -89,11 +89,11 @@ def routine(function: Callable) -> Callable:
     compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), forceinline=False, no_cfunc_wrapper=True)(
         function
     )
-    _keep_compiled(compiled)
+    keep_compiled(compiled)
     return compiled
 
 
-def _keep_compiled(function: Callable) -> None:
+def keep_compiled(function: Callable) -> None:
     """Let Numba keep the machine code of a function in the folder of this package's sources.
 
     A new structure then compiles only its own kernel. Numba asks for the folder when caching is switched on.
@@ -237,7 +237,7 @@ def over_variants(function: Callable) -> Callable:
     Its first two parameters are the range it works on; the caller gives the length of the whole range instead.
     """
     kernel = njit(**{**KERNEL_OPTIONS, "cache": False})(function)
-    _keep_compiled(kernel)
+    keep_compiled(kernel)
 
     @wraps(function)
     def run(count: int, *arguments: object) -> None:

@@ -32,6 +32,8 @@ from numba import njit
 dtype = np.{dtype}
 '''
 
+_EVENTS = "Curves that switch something, and their derivatives."
+
 
 class Landmark(NamedTuple):
     """Ends of a curve over the cycle: which event it is, and rows of P for its ends and their places (−1: none)."""
@@ -107,25 +109,21 @@ def functions_of(
     cycle = _read_numbers(everything)
     rows = _rows([first, last], everything, levels, found, cycle, held)
     places = {node: i for i, (node, _) in enumerate(events)}
-    parts, laws = [], []
+    parts, laws, missing = [], [], []
     for name, doc, outputs, stage, positions, inline in (
-        (
-            "events_scan",
-            "Curves that switch something, and their derivatives.",
-            event_nodes,
-            Stage.POSITION,
-            PANEL_POSITIONS,
-            True,
-        ),
-        ("events_at", "The same at one position.", event_nodes, Stage.POSITION, 1, True),
+        ("events_scan", _EVENTS, event_nodes, Stage.POSITION, PANEL_POSITIONS, True),
+        ("events_at", f"{_EVENTS} At one position.", event_nodes, Stage.POSITION, 1, True),
         ("levels", "Numbers of the cycle, from the ends of strokes.", cycle, Stage.CYCLE, 1, True),
         ("states", "What a panel holds.", [h.operands[0] for h in held], Stage.POSITION, 1, True),
         ("curves", "All that is asked at a position.", curves, Stage.POSITION, PANEL_POSITIONS, False),
     ):
+        if not outputs:
+            missing.append(f"from engine.compiling.nothing import nothing as {name}")
+            continue
         text, called = in_lanes(name, doc, outputs, rows, stage, positions, inline)
         parts.append(f"@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}")
         laws += called
-    imports = ["from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]
+    imports = [*missing, "from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]
     text = "\n\n".join([_HEAD.format(title=title, imports="\n".join(imports), dtype="float64"), *parts])
     return Functions(
         text,
