@@ -82,7 +82,13 @@ class Functions(NamedTuple):
 
 
 def functions_of(
-    graph: Graph, title: str, first: Number, last: Number, curves: Sequence[Node], ends: Iterable[Found] = ()
+    graph: Graph,
+    title: str,
+    first: Number,
+    last: Number,
+    curves: Sequence[Node],
+    ends: Iterable[Found] = (),
+    fields: Sequence[Node] = (),
 ) -> Functions:
     """Print the functions that compute some curves.
 
@@ -97,15 +103,17 @@ def functions_of(
         What is asked at every position.
     ends : iterable of Found
         Ends of strokes that are asked for themselves.
+    fields : sequence of Node
+        Kept fields, whose numbers are to have rows too; `field_function` prints them.
     """
     curves = list(dict.fromkeys(curves))
     held = _of_kind(curves, Held)
     crossings = _switching(graph, held)
     levels = [c.level for c in crossings]
-    found = list(dict.fromkeys([*ends, *_of_kind([*curves, *levels], Found)]))
+    found = list(dict.fromkeys([*ends, *_of_kind([*curves, *fields, *levels], Found)]))
     events = list(dict.fromkeys([(f.curve, f.rate) for f in found] + [(c.curve, c.rate) for c in crossings]))
     event_nodes = [node for event in events for node in event]
-    everything = [*curves, *event_nodes, *levels]
+    everything = [*curves, *fields, *event_nodes, *levels]
     cycle = _read_numbers(everything)
     rows = _rows([first, last], everything, levels, found, cycle, held)
     places = {node: i for i, (node, _) in enumerate(events)}
@@ -147,11 +155,6 @@ def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dt
     imports = ["from engine.compiling.jit import KERNEL_OPTIONS", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype=np.dtype(dtype).name)
     return f"{head}\n\n@njit(**KERNEL_OPTIONS)\n{text}"
-
-
-def numbers_for(nodes: Iterable[Node]) -> list[Node]:
-    """Numbers of the variant and of its cycle that some nodes read, in order."""
-    return _read_numbers(list(nodes))
 
 
 def _of_kind(nodes: Iterable[Node], kind: type) -> list:

@@ -113,3 +113,38 @@ def statistics_of(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
 
 
 STATISTICS = ("min", "max", "range", "peak", "mean", "rms", "min_at", "max_at")
+
+
+class Register:
+    """Everything that may be asked of a machine, by name.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    declared : iterable of Field or Summary
+
+    Attributes
+    ----------
+    fields, summaries : dict
+        By name; statistics of fields aren't among the summaries, but `summary` makes them.
+    """
+
+    def __init__(self, mechanics: Mechanics, declared: Iterable[Field | Summary]) -> None:
+        self.mechanics = mechanics
+        self.fields: dict[str, Field] = {}
+        self.summaries: dict[str, Summary] = {}
+        for quantity in declared:
+            known = self.fields if isinstance(quantity, Field) else self.summaries
+            known[quantity.name] = quantity
+        self._statistics: dict[str, Summary] = {}
+
+    def summary(self, name: str) -> Summary | None:
+        """A summary, or a statistic of a field; None where there is none of that name."""
+        if name in self.summaries:
+            return self.summaries[name]
+        field, _, statistic = name.rpartition(".")
+        if statistic not in STATISTICS or field not in self.fields:
+            return None
+        if name not in self._statistics:
+            self._statistics |= {s.name: s for s in statistics_of(self.fields[field], self.mechanics)}
+        return self._statistics[name]
