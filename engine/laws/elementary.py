@@ -17,7 +17,7 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-from engine.compiling.jit import _keep_compiled
+from engine.compiling.jit import keep_compiled
 
 # Added to a number below 2^51 in magnitude it makes a sum whose last bits are the nearest integer.
 _ROUNDER = 1.5 * 2.0**52
@@ -43,7 +43,7 @@ _GREATEST_LOGARITHM, _LEAST_LOGARITHM = 709.782712893384, -707.7032713517042
 def _in_order(function: Callable) -> Callable:
     """Compile a scalar function as `engine.compiling.jit.scalar` does, its operations exactly as they are written."""
     compiled = njit(error_model="numpy", fastmath=set(), forceinline=True, no_cfunc_wrapper=True)(function)
-    _keep_compiled(compiled)
+    keep_compiled(compiled)
     return compiled
 
 
