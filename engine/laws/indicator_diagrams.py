@@ -10,6 +10,7 @@ compressors for the polytropic diagram with clearance.
 """
 
 from engine.compiling.jit import scalar
+from engine.laws.elementary import power
 
 
 @scalar
@@ -24,7 +25,7 @@ def _gas_length(travel: float, stroke: float, clearance: float) -> float:
 @scalar
 def _polytropic(pressure: float, before: float, after: float, exponent: float) -> float:
     """Pressure after a polytropic change of volume, p V^n constant."""
-    return pressure * (before / after) ** exponent
+    return pressure * power(before / after, exponent)
 
 
 @scalar

@@ -4,7 +4,7 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the k
 """
 
 from engine.graph.nodes import Graph
-from engine.laws.kinematics.links import direction_of
+from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, GuideLine, Moving, Slide, Turning
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.vectors import Vector

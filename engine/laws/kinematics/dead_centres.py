@@ -4,12 +4,11 @@ The `sine` of a group is a root of what the links' reach leaves over. In a dead 
 left is no more than rounding, whose sign is chance, the position is the dead centre itself.
 """
 
-import math
-
 import numpy as np
 from numba.extending import intrinsic
 
 from engine.compiling.jit import scalar
+from engine.laws.elementary import arcsine
 
 # Half a unit in the last place of each of four coordinates and two lengths, and of the operations with them.
 ROUNDINGS = 8.0
@@ -47,6 +46,4 @@ def transmission_angle(sine: float) -> float:
     sine : float
         Magnitude of the quality of transmission; rounding may put it just above 1.
     """
-    if sine > 1.0:
-        return math.asin(1.0)
-    return math.asin(sine)
+    return arcsine(1.0 if sine > 1.0 else sine)

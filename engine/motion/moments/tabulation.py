@@ -233,6 +233,7 @@ import math
 import numpy as np
 from numba import njit
 
+from engine.laws.elementary import direction_of
 from engine.laws.kinematics.prp import *
 from engine.laws.kinematics.rpp import *
 from engine.laws.kinematics.rpr import *
