@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, sliding_input
 from loaded_machines import asked, loaded
-from machines import chain, crank, frame, on, prp, rpp, rrp, slider_crank
+from machines import chain, crank, frame, on, prp, rpp, rpr, rrp, slider_crank
 from numpy.polynomial import chebyshev
 from reaction_graphs import ReactionValues, in_all_pairs
 from rubbing import with_friction
@@ -318,12 +318,25 @@ def tilting() -> dict:
     return scene
 
 
-def massless() -> dict:
+def massless(f_guide: float) -> dict:
     """A slider-crank whose rod bears nothing but its pins, and changes from push to pull."""
-    scene = press(0.2)
+    scene = press(f_guide)
     scene["bodies"] = {"ram": {"link": "ram", "mass": 40.0}}
     scene["input"]["speed"] = 19.0
+    if f_guide == 0.0:
+        del scene["friction"]["way"]
     return scene
+
+
+def slotted() -> dict:
+    """A crank whose block swings a rocker with mass; the block bears nothing but its pin and slot."""
+    return {
+        "points": {"O": frame(0.0, 0.0), "D": frame(0.0, -0.5)},
+        "input": crank(length=0.1, speed=9.0),
+        "groups": {"g": rpr(("block", "A"), ("rocker", "D"))},
+        "bodies": {"rocker": {"link": "rocker", "mass": 2.0, "x": 0.3, "inertia": 0.1}},
+        "friction": {"pin": {"pair": "g.first", "coefficient": 0.3, "diameter": 0.06}},
+    }
 
 
 def in_panels(of: ReactionValues, cuts: np.ndarray) -> tuple[float, float]:
@@ -347,7 +360,7 @@ def in_panels(of: ReactionValues, cuts: np.ndarray) -> tuple[float, float]:
     return rough / peak, wrong / peak
 
 
-@pytest.mark.parametrize("scene", [tilting(), massless()])
+@pytest.mark.parametrize("scene", [tilting(), massless(0.2), massless(0.0), slotted()])
 def test_friction_between_cuts__is_smooth_to_the_ends(scene):
     of = ReactionValues(scene)
     cuts = of.values.cuts()
@@ -358,9 +371,10 @@ def test_friction_between_cuts__is_smooth_to_the_ends(scene):
     rough, wrong = in_panels(of, every)
     assert rough < 1e-9
     assert wrong == 0.0
-    # What is held is wrong without cuts where it switches, and kinks are none of these.
     assert in_panels(of, cuts)[0] > 1e-5
-    assert in_panels(of, np.unique([of.values.first, *kinks, of.values.last]))[1] > 1e-2
+    # Without cuts where it switches what is held is wrong; kinks are none of these. The block's pin never turns back.
+    if len(cuts) > 2:
+        assert in_panels(of, np.unique([of.values.first, *kinks, of.values.last]))[1] > 1e-2
 
 
 def test_what_may_switch__is_the_motion_in_the_rubbing_pairs():
