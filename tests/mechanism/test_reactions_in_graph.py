@@ -131,6 +131,8 @@ def test_gravity_alone__frame_bears_the_weight():
     found = of(["frame.reaction_x", "frame.reaction_y"], places(of))
     np.testing.assert_allclose(found["frame.reaction_y"], -weight, rtol=100 * EPS)
     assert np.abs(found["frame.reaction_x"]).max() <= 100 * EPS * weight * 10
+    # A weight is no action of the scene that is told by itself.
+    assert not [name for name in of.reactions.variables if name.startswith("gravity")]
 
 
 # Pairs
