@@ -71,7 +71,7 @@ class Body:
         self.reads: dict[Node, str] = {}
         self.positions: list[str] = []
         self.laws: list = []
-        self._taken: set[str] = {"k", "l", "i", "v", "n", "p", "t", "q", "cos_q", "sin_q"}
+        self._taken: set[str] = {"k", "l", "i", "v", "n", "p", "t", "q", "cos_q", "sin_q", "positions"}
         self._texts: dict[Node, str] = {}
         self._depth: dict[Node, int] = {}
         order = reached(outputs, self._is_leaf)
@@ -221,8 +221,10 @@ def in_lanes(
     reads = [f"{text} = p[{rows[node] * LANES} + l]" for node, text in body.reads.items()]
     lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = P.ravel()"]
     if positions is None:
-        lines += [f"    t = np.empty({len(outputs) * LANES})", "    for k in range(q.shape[0]):"]
-        lines += [f"        {which}_row = {which}[k]" for which in used]
+        lines += [f"    t, positions = np.empty({len(outputs) * LANES}), q.shape[0]"]
+        lines += [f"    {which}_at = {which}" for which in used]
+        lines += ["    for k in range(positions):"]
+        lines += [f"        {which}_row = {which}_at[k]" for which in used]
         inner = [f"{which} = {which}_row[l]" for which in used]
     else:
         lines += ["    t = tile.ravel()", *(f"    {which}_at = {which}.ravel()" for which in used)]

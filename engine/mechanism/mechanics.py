@@ -14,8 +14,8 @@ from engine.mechanism.inertia import (
     reduced_inertia,
     shaking,
 )
-from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.input_motion import InputMotion
+from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.mechanism.reactions import Reactions
 from engine.scene.parts import CrankInput
