@@ -44,7 +44,6 @@ from engine.laws.tables import TableError
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.machine import Machine
 from engine.machine.model import Model
-from engine.machine.quantities.quantities import InputUnits, Quantity, has_cycle
 from engine.machine.quantities.reactions import acting_fields, friction_in_pairs
 from engine.machine.results import AskError, Outcome
 from engine.motion.cases import regime_text
@@ -53,6 +52,7 @@ from engine.panels.accuracy import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.panels.accuracy import REACHED as ACCURACY_REACHED
 from engine.panels.accuracy import USED as POSITIONS_USED
 from engine.panels.accuracy import AccurateMachine
+from engine.quantities.quantity import InputUnits, Quantity, has_cycle
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
 from engine.scene.inertia import body_mass, centre_along
