@@ -4,10 +4,12 @@ While the search runs, every generation is a block of a file of its own. A searc
 generation, with the candidates that the file holds instead of evaluating them: the way is the same, bit for bit.
 """
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +22,9 @@ from sweeps.run.runner import LARGEST_BLOCK, layout_of
 from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, part_path, read_columns
 from sweeps.store.creating import remove_unlocked
 from sweeps.store.errors import RESTART
-from sweeps.study.search_task import GENETIC, LOCAL, Task, task_of
+from sweeps.study.search_task import GENETIC, LOCAL, Task, search_record, task_of
 from sweeps.study.study import Study
+from sweeps.study.study_text import Best
 from sweeps.text.engineer_units import quantity_text
 
 # Called with the generations done, those of them done before this run, and what has been found, in words.
@@ -222,27 +225,20 @@ def _layout(task: Task, trials: Trials, count: int, block: int) -> FileLayout:
             words = " ".join(objective.expression.text.split())
             extra.append(Column(objective.name, words, objective.units or "1"))
             extra.append(Column(f"{objective.name}_error", f"error figure of: {words}", objective.units or "1"))
+    record = json.loads(base.attributes["study_json"]) | {"best": _goal(task), "search": search_record(task)}
+    attributes = {"study_json": json.dumps(record), "study_hash": task.digest, "searched_with": _versions()}
     columns = (*base.columns, *extra)
-    return replace(
-        base, variants=count, block=block, columns=columns, attributes=base.attributes | _attributes(task, count)
-    )
+    return replace(base, variants=count, block=block, columns=columns, attributes=base.attributes | attributes)
 
 
-def _attributes(task: Task, count: int) -> dict[str, str]:
-    conditions = [" ".join(e.text.split()) for e in task.conditions]
-    whole = " and ".join(text if len(conditions) == 1 else f"({text})" for text in conditions)
-    goals = [f"{o.way} {o.name}" for o in task.objectives]
-    alone = f"{goals[0]} where {whole}" if whole else goals[0]
-    return {
-        "study_hash": task.digest,
-        "grid": f"{'+'.join(task.variables.names)}[{count}]",
-        "best": alone if len(goals) == 1 else "",
-        "objectives": "\n".join(goals),
-        "subject_to": "\n".join(conditions),
-        "ranges": "\n".join(f"{s.name} {s.low!r} {s.high!r}" for s in task.variables.spans),
-        "search": f"{task.method}, seed {task.seed}",
-        "searched_with": _versions(),
-    }
+def _goal(task: Task) -> dict[str, Any] | None:
+    """What decides among the candidates, as of a study's [best]; of several objectives nothing does."""
+    if len(task.objectives) > 1:
+        return None
+    (objective,) = task.objectives
+    texts = [condition.text for condition in task.conditions]
+    whole = " and ".join(texts if len(texts) == 1 else (f"({text})" for text in texts))
+    return Best(**{objective.way: objective.name}, where=whole or None).model_dump()
 
 
 def _versions() -> str:

@@ -92,8 +92,10 @@ def _spread(
 
 
 def _misses(task: Task, values: Mapping[str, np.ndarray]) -> np.ndarray:
-    met = [np.asarray(e.evaluate(values), bool) for e in (*task.study.require, *task.conditions)]
-    return ~np.logical_and.reduce([np.broadcast_to(True, values["status"].shape), *met])
+    found = np.zeros(values["status"].shape, bool)
+    for condition in (*task.study.require, *task.conditions):
+        found |= ~condition.met(values, found.size)
+    return found
 
 
 def _deviation(drawn: np.ndarray) -> np.ndarray:
