@@ -149,6 +149,6 @@ def _limits(result: SweepResult, variant: int) -> list[str]:
     required = [Condition(parse(text, any_quantity)) for text in result.record["require"]]
     found = []
     for part in (part for condition in (*required, *_conditions(result)) for part in condition.parts):
-        if "==" not in part.text and (np.abs(part.margins(fixed | here, errors_in(here), 1)) <= ON_LIMIT).any():
+        if not part.is_equality and (np.abs(part.margins(fixed | here, errors_in(here), 1)) <= ON_LIMIT).any():
             found.append(part.text)
     return found

@@ -117,13 +117,17 @@ class Study:
         return DIMENSIONS[number.dimension].unit if number else self.free_units.get(name, "")
 
     def machine(self) -> Machine | ElementsAlone:
-        """The machine, or the machine elements alone, that answer the study.
+        """The machine, or the machine elements alone, that answer the study; made once.
 
         Raises
         ------
         AskError
             An asked summary or field doesn't exist.
         """
+        return self._machine
+
+    @cached_property
+    def _machine(self) -> Machine | ElementsAlone:
         return made_ready(
             self.scene,
             self.summaries,

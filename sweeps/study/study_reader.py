@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -160,19 +161,20 @@ class StudyReader:
             return None
 
     def _is_variable(self, path: str, keys: list[str]) -> bool:
-        if path in self.numbers or (path.isidentifier() and self._used(path)):
+        if path in self.numbers or (path.isidentifier() and path in self._names_used):
             return True
         message = unknown_name_message(path, self.numbers)
         self._problem(keys, f"is not a number of the scene. {message}")
         return False
 
-    def _used(self, name: str) -> bool:
-        """Whether a free parameter enters any expression."""
+    @cached_property
+    def _names_used(self) -> set[str]:
+        """Names that any expression uses; those that can't be read are refused when their turn comes."""
+        found: set[str] = set()
         for text in (*self.raw.derive.values(), *self.raw.require):
             with suppress(ExpressionError):
-                if name in parse(text, any_quantity).names:
-                    return True
-        return False
+                found.update(parse(text, any_quantity).names)
+        return found
 
     def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
         """Values in SI units; None if one of them is refused."""

@@ -116,6 +116,11 @@ class Condition:
         if all(dimensions[name] is not None for name in self.names):
             dimension_of(self.expression, dimensions)
 
+    @property
+    def is_equality(self) -> bool:
+        """Whether it compares by == alone."""
+        return self.expression.tree.name == "=="
+
     @cached_property
     def parts(self) -> tuple["Condition", ...]:
         """The conditions that `and` joins in this one, each by itself."""
