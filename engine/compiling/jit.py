@@ -43,7 +43,7 @@ KERNEL_OPTIONS = {
 PIECES_PER_THREAD = 8
 UNUSED_FOR = 60 * 24 * 3600.0
 
-_COMPILING = threading.Lock()
+COMPILING = threading.Lock()
 # Whether the work on this thread is already one of several pieces.
 _here = threading.local()
 _settings = {"threads": 0}
@@ -77,7 +77,7 @@ def scalar(function: Callable) -> Callable:
     compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), forceinline=True, no_cfunc_wrapper=True)(
         function
     )
-    _keep_compiled(compiled)
+    keep_compiled(compiled)
     return compiled
 
 
@@ -89,11 +89,11 @@ def routine(function: Callable) -> Callable:
     compiled = njit(error_model="numpy", fastmath=set(FLOATING_POINT_RULES), forceinline=False, no_cfunc_wrapper=True)(
         function
     )
-    _keep_compiled(compiled)
+    keep_compiled(compiled)
     return compiled
 
 
-def _keep_compiled(function: Callable) -> None:
+def keep_compiled(function: Callable) -> None:
     """Let Numba keep the machine code of a function in the folder of this package's sources.
 
     A new structure then compiles only its own kernel. Numba asks for the folder when caching is switched on.
@@ -193,7 +193,7 @@ def compiled(text: str, function: str, *arguments: object) -> Callable:
     *arguments
         Arguments of a call without effect; a broken cache is thrown away and the call made once more.
     """
-    with _COMPILING:
+    with COMPILING:
         try:
             getattr(load_kernel(text), function)(*arguments)
         except (EOFError, pickle.UnpicklingError):
@@ -228,7 +228,7 @@ def run_kernel(text: str, function: str, count: int, *arguments: object) -> None
     *arguments
         Passed on after the range.
     """
-    _run_pieces(compiled(text, function, 0, 0, *arguments), count, arguments)
+    run_pieces(compiled(text, function, 0, 0, *arguments), count, arguments)
 
 
 def over_variants(function: Callable) -> Callable:
@@ -237,13 +237,13 @@ def over_variants(function: Callable) -> Callable:
     Its first two parameters are the range it works on; the caller gives the length of the whole range instead.
     """
     kernel = njit(**{**KERNEL_OPTIONS, "cache": False})(function)
-    _keep_compiled(kernel)
+    keep_compiled(kernel)
 
     @wraps(function)
     def run(count: int, *arguments: object) -> None:
-        with _COMPILING:
+        with COMPILING:
             kernel(0, 0, *arguments)
-        _run_pieces(kernel, count, arguments)
+        run_pieces(kernel, count, arguments)
 
     return run
 
@@ -275,7 +275,7 @@ def on_all_threads(function: Callable, pieces: Sequence) -> list:
     return list(_pool(workers).map(alone, pieces))
 
 
-def _run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
+def run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
     workers = threads()
     pieces = min(count, workers * PIECES_PER_THREAD)
     if workers == 1 or pieces <= 1 or getattr(_here, "alone", False):

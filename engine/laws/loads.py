@@ -11,6 +11,7 @@ here (the middle of what it may be).
 import math
 
 from engine.compiling.jit import scalar
+from engine.laws.elementary import power
 
 
 @scalar
@@ -113,7 +114,7 @@ def power_law_drag(c: float, exponent: float, v: float) -> float:
     float
         [N or N·m]; 0 at rest.
     """
-    return constant_against_motion(c * abs(v) ** exponent, v)
+    return constant_against_motion(c * power(abs(v), exponent), v)
 
 
 @scalar

@@ -8,8 +8,8 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from engine.scene.cylinders import CylinderAction
 from engine.scene.actions import ForceAction, MomentAction, Spring
+from engine.scene.cylinders import CylinderAction
 from engine.scene.elements import MachineElement
 from engine.scene.pair_friction import PairFriction
 from engine.scene.parts import (

@@ -226,16 +226,16 @@ def test_changed_engine__is_compiled_anew_and_never_taken_from_the_cache(tmp_pat
     shutil.copytree(ROOT / "engine", copy / "engine", ignore=shutil.ignore_patterns("__pycache__"))
     before = child(copy, cache)
     assert kernels_in(cache) == 1
-    dyads = copy / "engine" / "dyads.py"
-    text = dyads.read_text()
+    law = copy / "engine" / "laws" / "kinematics" / "rrr.py"
+    text = law.read_text()
     mirrored = text.replace("mode * math.sqrt(", "-mode * math.sqrt(", 1)
     assert mirrored != text
-    dyads.write_text(mirrored)
+    law.write_text(mirrored)
     after = child(copy, cache)
     assert kernels_in(cache) == 2
     # B lies on the other side of A → D: well apart in y.
     assert abs(float(after) - float(before)) > 0.05
-    dyads.write_text(text)
+    law.write_text(text)
     assert child(copy, cache) == before
     assert kernels_in(cache) == 2
 

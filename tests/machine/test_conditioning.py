@@ -14,8 +14,9 @@ from machines import chain
 
 from engine import Machine, Scene, Verdict
 from engine.equal_positions import equilibrium
-from engine.laws.kinematics import dyads, links, loop_closure
-from engine.laws.kinematics.loop_closure import direction_gap, distance, guide_gap, link_gap, unit_gap
+from engine.laws.kinematics import closure, links, rpr, rrp, rrr, vectors
+from engine.laws.kinematics.closure import direction_gap, guide_gap, link_gap, unit_gap
+from engine.laws.kinematics.vectors import distance
 from engine.machine.model import Model
 
 EPS = np.finfo(float).eps
@@ -157,7 +158,7 @@ def closures(spoilt: str = "", change: Callable | None = None) -> dict[str, floa
     """What the loops of the chain miss at one position, with the results of one function changed."""
     model = Model(CHAIN)
     names = {"math": math, "one": 1.0, "zero": 0.0}
-    for module in (dyads, equilibrium, links, loop_closure):
+    for module in (closure, equilibrium, links, rpr, rrp, rrr, vectors):
         names |= vars(module)
     if spoilt:
         whole = names[spoilt]

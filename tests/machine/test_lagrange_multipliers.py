@@ -27,8 +27,9 @@ from scipy.linalg import lstsq
 
 from engine import Machine, Scene
 from engine.laws import inertia_forces, loads
-from engine.laws.kinematics import dyad_reactions as dyad_forces
-from engine.laws.kinematics import dyads, links
+from engine.laws.kinematics import links, prp, rpp, rpr, vectors
+from engine.laws.kinematics import rrp as rrp_laws
+from engine.laws.kinematics import rrr as rrr_laws
 from engine.machine.input_motion import InputMotion
 from engine.machine.model import Model
 from engine.machine.reactions import Reactions
@@ -50,7 +51,7 @@ def stepped(scene, q, omega, epsilon):
     turning = {name: link for name, link in model.mechanism.links.items() if name != FRAME}
     kinematic = {v for link in turning.values() for v in (link.origin.x, link.origin.y, link.c, link.s)}
     names = {"math": math, "one": 1.0, "zero": 0.0}
-    for module in (dyads, dyad_forces, inertia_forces, links, loads):
+    for module in (prp, rpp, rpr, rrp_laws, rrr_laws, inertia_forces, links, loads, vectors):
         names |= vars(module)
     names |= {"q": q, "cos_q": math.cos(q), "sin_q": math.sin(q)}
     names |= {slot.variable: float(slot.compute(model.numbers({}))) for slot in p.slots.values()}

@@ -17,8 +17,8 @@ from press import actions, bodies, press
 from engine import Machine, Scene
 from engine.equal_positions.text.demand import describe
 from engine.laws import inertia_forces
-from engine.laws.kinematics import dyad_reactions as dyad_forces
-from engine.laws.kinematics import dyads, links
+from engine.laws.kinematics import links, prp, rpp, rpr, rrr, vectors
+from engine.laws.kinematics import rrp as rrp_laws
 from engine.machine.input_motion import InputMotion
 from engine.machine.model import Model
 from engine.machine.reactions import Reactions
@@ -96,7 +96,7 @@ def test_accelerated_input__newton_euler():
     moved = Reactions(model.scene, model.structure, model.mechanism, model.moments, p, motion).variables
     steps = p.needed(moved.values())
     names = {"math": math, "one": 1.0, "zero": 0.0}
-    for module in (dyads, dyad_forces, inertia_forces, links):
+    for module in (prp, rpp, rpr, rrp_laws, rrr, inertia_forces, links, vectors):
         names |= vars(module)
     names |= {"q": q, "cos_q": math.cos(q), "sin_q": math.sin(q)}
     names |= {slot.variable: float(slot.compute(model.numbers({}))) for slot in p.slots.values()}

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from engine.compiling.jit import scalar
+from engine.laws.elementary import exponential, power
 
 # A lining worn in on a half-round seat presses with the cosine of the angle from its middle, a new one evenly: by
 # so much the sum of the pressures exceeds the load that they carry.
@@ -74,8 +75,8 @@ def stribeck(static: float, kinetic: float, speed: float, stribeck_speed: float,
     exponent : float
         d: 2 (Gauss) and 1 (Tustin) are usual, 0.5 has been measured.
     """
-    decay = (abs(speed) / stribeck_speed) ** exponent
-    return static * math.exp(-decay) - kinetic * math.expm1(-decay)
+    fall = exponential(-power(abs(speed) / stribeck_speed, exponent))
+    return static * fall + kinetic * (1.0 - fall)
 
 
 @scalar

@@ -11,7 +11,7 @@ crossing of slot and guide by an error across the slot. Errors are magnified wit
 points of the group, where γ is 0.
 
 Source: any course of the theory of mechanisms, chapter on the accuracy of mechanisms; the dyads' equations are those of
-`dyads`, whose `sine` is sin γ.
+`engine.laws.kinematics`, whose `sine` is sin γ.
 """
 
 import numpy as np

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.jit import over_variants
-from engine.scene.cylinders import Compressor, Cylinder, TwoStroke
 from engine.machine.model import Model
 from engine.motion.moments.tabulation import Ends, Tabulation
 from engine.scene.actions import Tabled
+from engine.scene.cylinders import Compressor, Cylinder, TwoStroke
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers
 

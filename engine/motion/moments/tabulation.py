@@ -233,8 +233,13 @@ import math
 import numpy as np
 from numba import njit
 
-from engine.laws.kinematics.dyad_reactions import *
-from engine.laws.kinematics.dyads import *
+from engine.laws.elementary import direction_of
+from engine.laws.kinematics.prp import *
+from engine.laws.kinematics.rpp import *
+from engine.laws.kinematics.rpr import *
+from engine.laws.kinematics.rrp import *
+from engine.laws.kinematics.rrr import *
+from engine.laws.kinematics.vectors import *
 from engine.laws.indicator_diagrams import *
 from engine.laws.inertia_forces import *
 from engine.compiling.jit import KERNEL_OPTIONS

@@ -1,13 +1,24 @@
-"""Whether the loops of the structural groups close: what computed positions miss of lengths, guides and directions.
+"""What computed positions of a structural group miss of its lengths, guides and directions.
 
-Found from the positions alone, not by the formulas that solve the dyads. Every function gives shares of a length, so
+Found from the positions alone, not by the formulas that solve the groups. Every function gives shares of a length, so
 that what is left is some roundings of the machine's extent over the length of the link.
 """
 
 import math
 
 from engine.compiling.jit import scalar
-from engine.equal_positions.equilibrium import greater, share_of
+
+
+@scalar
+def greater(a: float, b: float) -> float:
+    """The greater of two numbers; NaN if either is."""
+    return a if a >= b or a != a else b
+
+
+@scalar
+def share_of(part: float, whole: float) -> float:
+    """A magnitude as a share of another; 0 where there is nothing of it."""
+    return part / whole if part != 0.0 else part
 
 
 @scalar
@@ -71,10 +82,3 @@ def direction_gap(c: float, s: float, along: float, across: float, cosine: float
 def unit_gap(c: float, s: float) -> float:
     """What a direction misses of unit length."""
     return abs(math.sqrt(c * c + s * s) - 1.0)
-
-
-@scalar
-def distance(ax: float, ay: float, bx: float, by: float) -> float:
-    """Distance of two points [m]."""
-    x, y = bx - ax, by - ay
-    return math.sqrt(x * x + y * y)

@@ -1,0 +1,66 @@
+"""Polynomials through Chebyshev points: the numbers by which a panel's values become coefficients and integrals.
+
+A panel of degree n has its positions at x_j = −cos(πj/n) on [−1, 1], j = 0 … n, ends included. The polynomial through
+the values there is Σ a_k T_k(x); the a_k are a cosine sum over the positions. A position and its mirror image have equal
+weights in even coefficients and opposite ones in odd coefficients: sums run over half the positions.
+
+Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), ch. 3, 4, 8, 19.
+"""
+
+import numpy as np
+
+DEGREE = 16
+POSITIONS = DEGREE + 1
+MIDDLE = DEGREE // 2
+
+
+def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, values T_k(x_j) as (k, j), and the share of the value at j in coefficient k as (k, j)."""
+    j = np.arange(POSITIONS)
+    # Sines of small angles: exactly antisymmetric, and 0 in the middle.
+    places = np.sin(0.5 * np.pi * (2 * j - DEGREE) / DEGREE)
+    # Reduced to less than a turn by whole numbers.
+    values = np.cos(np.pi * (np.outer(j, DEGREE - j) % (2 * DEGREE)) / DEGREE)
+    shares = 2.0 / DEGREE * values
+    shares[:, [0, -1]] *= 0.5
+    shares[[0, -1]] *= 0.5
+    return places, values, shares
+
+
+PLACES, _values, _shares = _tables()
+
+# Coefficient 2i is the sum over j of EVEN[i, j] (f_j + f_{n−j}), with the middle value once; 2i + 1 that of
+# ODD[i, j] (f_j − f_{n−j}).
+EVEN = np.ascontiguousarray(_shares[0::2, : MIDDLE + 1])
+ODD = np.ascontiguousarray(_shares[1::2, :MIDDLE])
+
+
+def _halves(of_sums: np.ndarray, of_differences: np.ndarray) -> np.ndarray:
+    """A matrix (MIDDLE + 1, MIDDLE + 1) for sums above one (MIDDLE, MIDDLE) for differences."""
+    both = np.zeros((POSITIONS, MIDDLE + 1))
+    both[: MIDDLE + 1], both[MIDDLE + 1 :, :MIDDLE] = of_sums, of_differences
+    return both
+
+
+def _integrals_from_middle() -> np.ndarray:
+    """Integrals of T_k from 0 to x_j as (k, j)."""
+    of_one = [np.polynomial.chebyshev.chebint(row, lbnd=0.0) for row in np.eye(POSITIONS)]
+    return np.array([np.polynomial.chebyshev.chebval(PLACES, row) for row in of_one])
+
+
+_integrals = _integrals_from_middle()
+TO_COEFFICIENTS = _halves(EVEN, ODD)
+TO_INTEGRALS = _halves(_integrals[0::2, : MIDDLE + 1].T @ EVEN, _integrals[1::2, :MIDDLE].T @ ODD)
+_of_even = 2.0 / (1.0 - np.arange(0, POSITIONS, 2) ** 2.0)
+# Weights of the Clenshaw–Curtis rule, of f_j + f_{n−j}, with the middle value once.
+WEIGHTS = _of_even @ EVEN
+
+
+def _missed() -> np.ndarray:
+    """How far the rule is off for T_k, k = n + 2, n + 4, … 2n, which look like T_{2n−k} at the positions; by pairs."""
+    k = np.arange(DEGREE + 2, 2 * DEGREE + 1, 2)
+    return np.abs(2.0 / (1.0 - k**2.0) - 2.0 / (1.0 - (2 * DEGREE - k) ** 2.0)).reshape(-1, 2).sum(axis=1)
+
+
+# Coefficients beyond the last are taken four at a time.
+MISSED = _missed()

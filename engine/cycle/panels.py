@@ -1,0 +1,157 @@
+"""Panels: each lane walks over its own range, from edge to edge, in panels as long as its curves allow.
+
+All lanes take their next panel at the same time. A lane whose series has too much left beyond its last coefficient takes
+a shorter panel from the same place in the next step, while the others go on. What is left falls with the 17th power of a
+panel's length, which tells the length of the next one. The distance to the next edge is shared out equally.
+
+What a lane does depends on nothing but the lane.
+"""
+
+import math
+
+import numpy as np
+
+from engine.cycle.compiling import routine, scalar
+from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.series import MAGNITUDE, NOISE, SUM, TAIL, larger, smaller
+
+# Rows of a walk. Along it, input positions count in the direction in which the input runs: BEGIN and END of the panel,
+# the EDGE ahead, the LAST position, the length of the RANGE; the length WANTED; how many panels were TAKEN; the panel's MIDDLE and HALF length as
+# the machine's functions see them; DIRECTION 1 or −1; whether the lane is still on its way (ACTIVE), and whether
+# its panel is ACCEPTED; EXCESS of what is left over what is tolerated; edges nearer than CLOSE are one. What
+# the place may be off by of the edge where the panel begins (OPENED) and of the edge AHEAD.
+BEGIN, END, EDGE, LAST, RANGE, WANTED, TAKEN, MIDDLE, HALF, DIRECTION, ACTIVE, ACCEPTED, EXCESS, CLOSE = range(14)
+OPENED, NEXT_OPENED, AHEAD = 14, 15, 16
+WALK = 17
+# Parts of an edge: its place, and what that may be off by.
+PLACE, PLACE_ERROR = range(2)
+
+# A panel is made this much shorter, of its length, or longer than the one before, at most.
+SHORTER, LONGER = 0.25, 1.5
+# Share of the tolerance that a panel's length is chosen for.
+AIM = 0.2
+# Least length of a panel as a share of the range, and most panels a lane takes before it goes on from edge to edge.
+FLOOR, MOST = 1e-7, 200
+# Edges that are closer than this share of the greatest position are one.
+SAME = 2e-15
+
+
+@routine
+def set_out(first: np.ndarray, last: np.ndarray, longest: float, walk: np.ndarray) -> None:
+    """Begin a walk over each lane's range of the input; a lane whose range isn't finite has no panels."""
+    walk = in_lanes(walk)
+    for lane in range(LANES):
+        direction = 1.0 if last[lane] >= first[lane] else -1.0
+        begin, end = direction * first[lane], direction * last[lane]
+        walk[DIRECTION, lane], walk[BEGIN, lane], walk[LAST, lane] = direction, begin, end
+        walk[WANTED, lane], walk[TAKEN, lane], walk[END, lane] = longest, 0.0, begin
+        walk[RANGE, lane] = end - begin
+        walk[CLOSE, lane] = SAME * larger(abs(begin), abs(end))
+        walk[MIDDLE, lane], walk[HALF, lane] = first[lane], 0.0
+        walk[ACCEPTED, lane] = walk[OPENED, lane] = walk[NEXT_OPENED, lane] = 0.0
+        walk[ACTIVE, lane] = 1.0 if end - begin < math.inf and end > begin else 0.0
+
+
+@routine
+def next_panels(edges: np.ndarray, count: int, walk: np.ndarray) -> bool:
+    """Lay each lane's next panel.
+
+    Parameters
+    ----------
+    edges : ndarray (2, edges, LANES)
+        Positions that no panel may have inside, in any order, in the direction of the walk, NaN for none; what they may
+        be off by.
+    count : int
+        Number of rows of `edges` that are used.
+    walk : ndarray (WALK, LANES)
+
+    Returns
+    -------
+    bool
+        Whether any lane is still on its way; lanes that aren't keep their last panel.
+    """
+    edges, walk = in_lanes(edges), in_lanes(walk)
+    for lane in range(LANES):
+        walk[EDGE, lane], walk[AHEAD, lane] = walk[LAST, lane], 0.0
+        walk[OPENED, lane] = walk[NEXT_OPENED, lane]
+    for e in range(count):
+        for lane in range(LANES):
+            edge, close = edges[PLACE, e, lane], walk[CLOSE, lane]
+            ahead = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close)
+            nearest = ahead & (edge < walk[EDGE, lane])
+            walk[EDGE, lane] = edge if nearest else walk[EDGE, lane]
+            walk[AHEAD, lane] = edges[PLACE_ERROR, e, lane] if nearest else walk[AHEAD, lane]
+    going = False
+    for lane in range(LANES):
+        begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
+        pieces = math.ceil((edge - begin) / walk[WANTED, lane] * (1.0 - 1e-9))
+        at_once = (pieces <= 1.0) | (walk[TAKEN, lane] >= MOST)
+        end = edge if at_once else begin + (edge - begin) / pieces
+        direction = walk[DIRECTION, lane]
+        walk[END, lane] = end if active else walk[END, lane]
+        walk[MIDDLE, lane] = direction * (0.5 * (begin + end)) if active else walk[MIDDLE, lane]
+        walk[HALF, lane] = direction * (0.5 * (end - begin)) if active else walk[HALF, lane]
+        walk[EXCESS, lane] = 0.0
+        going |= active
+    return going
+
+
+@routine
+def compare_with_tolerance(
+    figures: np.ndarray, curve: int, tolerance: float, scales: np.ndarray, walk: np.ndarray
+) -> bool:
+    """Widen each lane's excess by that of a curve; scales are the greatest magnitudes so far.
+
+    Returns
+    -------
+    bool
+        Whether a value in any lane's panel isn't finite.
+    """
+    figures, scales, walk = in_lanes(figures), in_lanes(scales), in_lanes(walk)
+    broken = False
+    for lane in range(LANES):
+        scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, lane])
+        scales[curve, lane] = scale
+        excess = figures[curve, TAIL, lane] / larger(tolerance * scale, 1e-300)
+        excess = 0.0 if figures[curve, NOISE, lane] > 0.0 else excess
+        walk[EXCESS, lane] = larger(excess, walk[EXCESS, lane])
+        broken |= not abs(figures[curve, SUM, lane]) < math.inf
+    return broken
+
+
+@scalar
+def sixteenth_root(x: float) -> float:
+    return math.sqrt(math.sqrt(math.sqrt(math.sqrt(x))))
+
+
+@routine
+def judge(longest: float, walk: np.ndarray) -> bool:
+    """Accept each lane's panel or not, and move those on that do; the length of the next follows from the excess.
+
+    Returns
+    -------
+    bool
+        Whether any lane's panel was accepted.
+    """
+    walk = in_lanes(walk)
+    any_accepted = False
+    for lane in range(LANES):
+        begin, end, excess = walk[BEGIN, lane], walk[END, lane], walk[EXCESS, lane]
+        length, active = end - begin, walk[ACTIVE, lane] > 0.0
+        least = FLOOR * walk[RANGE, lane]
+        enough = (excess <= 1.0) | (length <= least) | (walk[TAKEN, lane] >= MOST)
+        factor = sixteenth_root(AIM / larger(excess, 1e-9))
+        factor = larger(smaller(factor, LONGER), SHORTER)
+        wanted = larger(length * factor, least)
+        # A short panel before an edge says little of how long the next may be.
+        wanted = larger(wanted, walk[WANTED, lane]) if excess <= AIM else wanted
+        accepted = active & enough
+        walk[WANTED, lane] = smaller(wanted, longest) if active else walk[WANTED, lane]
+        walk[ACCEPTED, lane] = 1.0 if accepted else 0.0
+        walk[TAKEN, lane] += 1.0 if accepted else 0.0
+        walk[BEGIN, lane] = end if accepted else begin
+        opened = walk[AHEAD, lane] if end == walk[EDGE, lane] else 0.0
+        walk[NEXT_OPENED, lane] = opened if accepted else walk[OPENED, lane]
+        walk[ACTIVE, lane] = 1.0 if active & ((not enough) | (end < walk[LAST, lane])) else 0.0
+        any_accepted |= accepted
+    return any_accepted
