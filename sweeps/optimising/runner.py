@@ -22,7 +22,7 @@ from sweeps.run.runner import LARGEST_BLOCK, layout_of
 from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, part_path, read_columns
 from sweeps.store.creating import remove_unlocked
 from sweeps.store.errors import RESTART
-from sweeps.study.search_task import GENETIC, LOCAL, Task, search_record, task_of
+from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
 from sweeps.study.study import Study
 from sweeps.study.study_text import Best
 from sweeps.text.engineer_units import quantity_text
@@ -88,13 +88,15 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     return path
 
 
-def _spare(part: Path, task: Task) -> None:
+def _spare(part: Path, task: SearchTask) -> None:
     """Refuse to write over what an interrupted sweep, or another search, keeps under the same name."""
     if part.exists() and describe_result(part).attributes.get("study_hash") != task.digest:
         raise StoreError(f"{part} is there already, of another study. {RESTART}")
 
 
-def _downhill(task: Task, trials: Trials, start: np.ndarray, steps: int, generation: int = 0) -> dict[str, np.ndarray]:
+def _downhill(
+    task: SearchTask, trials: Trials, start: np.ndarray, steps: int, generation: int = 0
+) -> dict[str, np.ndarray]:
     """Columns of the candidates passed on the way down that meet all conditions; of the start if there are none."""
     passed = descend(task, trials, start, steps)
     if not passed:
@@ -119,14 +121,14 @@ class _History:
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
     trials : Trials
     store : Store
         One block for each generation.
     progress : callable or None
     """
 
-    def __init__(self, task: Task, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
+    def __init__(self, task: SearchTask, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
         self.task, self.trials, self.store, self.progress = task, trials, store, progress
         self.pending = set(store.pending)
         self.before = store.layout.blocks - len(self.pending)
@@ -196,7 +198,7 @@ def _places(batch: Batch) -> np.ndarray:
     return places
 
 
-def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
+def _finish(task: SearchTask, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
     """Write the result: all candidates, their places on the front, and what tolerances do to those on it."""
     places = _places(trials.judged(found))
     found = found | {"front": places} | spreads(task, found, np.flatnonzero(places))
@@ -210,13 +212,13 @@ def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray]
 # The file
 
 
-def _final_layout(task: Task, trials: Trials, count: int) -> FileLayout:
+def _final_layout(task: SearchTask, trials: Trials, count: int) -> FileLayout:
     layout = _layout(task, trials, count, min(count, LARGEST_BLOCK))
     front = Column("front", "place on the Pareto front, 0 off it", "1", dtype=np.int32)
     return replace(layout, columns=(*layout.columns, front, *spread_columns(task, trials.machine)))
 
 
-def _layout(task: Task, trials: Trials, count: int, block: int) -> FileLayout:
+def _layout(task: SearchTask, trials: Trials, count: int, block: int) -> FileLayout:
     """A sweep's layout with the objectives and each candidate's generation."""
     base = layout_of(task.study, trials.machine)
     extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]
@@ -231,7 +233,7 @@ def _layout(task: Task, trials: Trials, count: int, block: int) -> FileLayout:
     return replace(base, variants=count, block=block, columns=columns, attributes=base.attributes | attributes)
 
 
-def _goal(task: Task) -> dict[str, Any] | None:
+def _goal(task: SearchTask) -> dict[str, Any] | None:
     """What decides among the candidates, as of a study's [best]; of several objectives nothing does."""
     if len(task.objectives) > 1:
         return None

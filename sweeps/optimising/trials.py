@@ -7,7 +7,7 @@ import numpy as np
 
 from engine import Verdict
 from sweeps.run.runner import largest_block
-from sweeps.study.search_task import Objective, Task
+from sweeps.study.search_task import Objective, SearchTask
 from sweeps.text.conditions import errors_in, value_with_error
 
 # An undefined cost, or a strict inequality on its limit, misses by no measure; yet it mustn't pass.
@@ -51,10 +51,10 @@ class Trials:
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
     """
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: SearchTask) -> None:
         self.task, self.machine = task, task.study.machine()
         self._most = largest_block(task.study, self.machine)
 

@@ -47,7 +47,7 @@ class Objective(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class SearchTask:
     """A search, ready to begin.
 
     Attributes
@@ -83,12 +83,12 @@ class Task:
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
-def search_record(task: Task) -> dict[str, Any]:
+def search_record(task: SearchTask) -> dict[str, Any]:
     """What a search is after, in types that JSON has: for its result file.
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
 
     Returns
     -------
@@ -110,7 +110,7 @@ def search_record(task: Task) -> dict[str, Any]:
     }
 
 
-def task_of(study: "Study") -> Task:
+def task_of(study: "Study") -> SearchTask:
     """What a study has to be searched for: its [optimise], or its [best] over all that varies.
 
     Raises
@@ -131,7 +131,7 @@ class _TaskReader:
         self.units |= {name: q.units for name, q in study.machine().available_summaries.items()}
         self.fixed_summaries = dict.fromkeys(study.summaries)
 
-    def task(self) -> Task:
+    def task(self) -> SearchTask:
         texts = [
             (key, text, sign) for key, sign in (("minimise", 1.0), ("maximise", -1.0)) for text in self._goals(key)
         ]
@@ -146,7 +146,7 @@ class _TaskReader:
         study = replace(self.study, summaries=tuple(self.fixed_summaries), fields=(), derivatives=(), tolerances={})
         found = (tuple(objectives), tuple(conditions), method)
         numbers = (self.raw.population, self.raw.generations, self.raw.seed)
-        return Task(study, variables, *found, *numbers, start, tolerances)
+        return SearchTask(study, variables, *found, *numbers, start, tolerances)
 
     def _problem(self, keys: list[str], message: str) -> None:
         line = line_of(self.study.text, keys) or line_of(self.study.text, keys[:1])
