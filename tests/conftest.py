@@ -7,7 +7,7 @@ import pytest
 from commands import STUDY, said
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
-from engine.jit import set_threads
+from engine.compiling.jit import set_threads
 
 
 @pytest.fixture

@@ -10,7 +10,14 @@ from itertools import pairwise
 from numba import njit, types
 from numba.core.compiler import Compiler
 
-from engine.jit import _COMPILING, FLOATING_POINT_RULES, PIECES_PER_THREAD, _keep_compiled, on_all_threads, threads
+from engine.compiling.jit import (
+    COMPILING,
+    FLOATING_POINT_RULES,
+    PIECES_PER_THREAD,
+    keep_compiled,
+    on_all_threads,
+    threads,
+)
 
 RULES = set(FLOATING_POINT_RULES) - {"reassoc"}
 
@@ -51,7 +58,7 @@ def curves_function(function: Callable) -> Callable:
 def driver(function: Callable) -> Callable:
     """Compile a function that runs without Python's lock; its machine code is kept on disk."""
     compiled = njit(error_model="numpy", fastmath=RULES, nogil=True, no_cfunc_wrapper=True)(function)
-    _keep_compiled(compiled)
+    keep_compiled(compiled)
     return compiled
 
 
@@ -60,7 +67,7 @@ def prepare(compiled: Callable, signature: Sequence[types.Type]) -> None:
 
     Types are stated because a function is otherwise a type of its own: the driver would be compiled for every machine.
     """
-    with _COMPILING:
+    with COMPILING:
         if not compiled.signatures:
             compiled.compile(types.void(*signature))
             compiled.disable_compile()

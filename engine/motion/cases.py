@@ -11,12 +11,12 @@ import re
 from enum import IntEnum
 from typing import NamedTuple
 
-from engine.actions import InductionMotor
-from engine.model import Model
-from engine.moments import Term
-from engine.motion.dynamics import Dynamics, Reduction
-from engine.regimes import Regime, RunRegime
-from engine.scene import Scene
+from engine.machine.model import Model
+from engine.machine.moments import Term
+from engine.motion.moments.dynamics import Dynamics, Reduction
+from engine.scene.actions import InductionMotor
+from engine.scene.regimes import Regime, RunRegime
+from engine.scene.scene import Scene
 
 CLOSED_FORM, ENERGY_FORM, TIME_FORM = "closed form", "energy form", "time form"
 

@@ -9,15 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.jit import over_variants
-from engine.motion.dynamics import Dynamics, Variants
-from engine.motion.energy_form import NODES, Tables
-from engine.motion.grid import Grid
+from engine.compiling.jit import over_variants
+from engine.equal_positions.rows import greatest, least, place_of
 from engine.motion.loads import PairLoads
-from engine.motion.piecewise import bound, integral
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.grid import Grid
+from engine.motion.moments.piecewise import bound, integral
 from engine.motion.quantities import Asked
 from engine.motion.steady import Steady
-from engine.rows import greatest, least, place_of
+from engine.motion.steppers.energy_form import NODES, Tables
 
 
 class Cycle(NamedTuple):

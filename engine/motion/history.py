@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.model import Model
-from engine.motion.dynamics import CHANNELS, Dynamics, Variants
-from engine.motion.energy_form import NODES
-from engine.motion.schedule import Schedule, Standing
+from engine.machine.model import Model
+from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
+from engine.motion.regimes_in_order import Schedule, Standing
 from engine.motion.steady import steady_motion
-from engine.regimes import RunRegime
-from engine.scene import Scene
+from engine.motion.steppers.energy_form import NODES
+from engine.scene.regimes import RunRegime
+from engine.scene.scene import Scene
 from engine.verdicts import Verdict
 
 

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from engine.input_motion import InputMotion
-from engine.model import Model
-from engine.motion.dynamics import Variants
-from engine.motion.tabulation import Tabulation
-from engine.shaking_quantities import shaking_terms
+from engine.machine.input_motion import InputMotion
+from engine.machine.model import Model
+from engine.machine.quantities.shaking import shaking_terms
+from engine.motion.moments.dynamics import Variants
+from engine.motion.moments.tabulation import Tabulation
 
 # Names of a scene hold no two underscores in a row.
 TRUE = InputMotion("true__square", "true__epsilon", "true__speed")

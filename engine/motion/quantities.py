@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from engine.actions import InductionMotor
-from engine.names import Problem
-from engine.quantities import STATISTICS, Quantity
-from engine.reaction_quantities import reaction_fields
-from engine.scene import Scene
-from engine.shaking_quantities import shaking_fields
+from engine.machine.quantities.reactions import reaction_fields
+from engine.machine.quantities.shaking import shaking_fields
+from engine.quantities.quantity import STATISTICS, Quantity
+from engine.scene.actions import InductionMotor
+from engine.scene.names import Problem
+from engine.scene.scene import Scene
 
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
 

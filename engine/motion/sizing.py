@@ -9,10 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.motion.dynamics import Dynamics, Variants
-from engine.motion.energy_form import NODES, Tables
-from engine.motion.grid import Grid
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.grid import Grid
 from engine.motion.steady import Steady, refined_extremes, steady_motion
+from engine.motion.steppers.energy_form import NODES, Tables
 from engine.verdicts import Verdict
 
 MOST_ROUNDS = 60

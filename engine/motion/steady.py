@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.dynamics import Dynamics, Variants
-from engine.motion.energy_form import NODES, Course, Limits, Tables
-from engine.motion.stepping import advance
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.steppers.energy_form import NODES, Course, Limits, Tables
+from engine.motion.steppers.stepping import advance
 from engine.verdicts import Verdict
 
 MOST_ROUNDS = 30

@@ -16,7 +16,7 @@ from numpy.polynomial import legendre
 from taylor import EXTENDED, Series
 
 from engine import Scene
-from engine.pairs import pairs
+from engine.scene.pairs import pairs
 
 NODES = 16
 FIRST_PANELS, MOST_PANELS = 20, 600

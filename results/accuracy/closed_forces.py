@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from taylor import Series
 
 from engine import Scene
-from engine.pairs import bearer_of, holder_of
+from engine.scene.pairs import bearer_of, holder_of
 
 Ends = dict[str, tuple[object, object]]
 

@@ -18,7 +18,7 @@ from closed_motion import Motion, Numbers, Place, numbers_of
 from taylor import EXTENDED, Series
 
 from engine import Scene
-from engine.pairs import Pair, pairs_of_group
+from engine.scene.pairs import Pair, pairs_of_group
 
 GRID = 721
 # Passes end where no pressing force changes by more than this share. Whole steps first, then half ones.

@@ -10,7 +10,7 @@ import numpy as np
 from taylor import Arithmetic, Series, crank
 
 from engine import Scene
-from engine.scene import scene_numbers
+from engine.scene.scene import scene_numbers
 
 Numbers = dict[str, object]
 

@@ -14,8 +14,8 @@ from random_machines import kinds, machines
 from scipy.integrate import cumulative_simpson, cumulative_trapezoid
 
 from engine import Machine
-from engine.jit import set_threads
-from engine.tables import make_table, table_value
+from engine.compiling.jit import set_threads
+from engine.laws.tables import make_table, table_value
 
 RULE_POSITIONS = (48, 180, 720, 2880)
 ROWS = (8, 12, 24, 48, 96)

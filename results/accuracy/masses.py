@@ -8,7 +8,7 @@ from random_machines import SEED, Kind, Varied, kinds, machines
 from timing import microseconds
 
 from engine import Machine, Scene
-from engine.jit import set_threads
+from engine.compiling.jit import set_threads
 
 # Groups whose first link is replaced, by kind of machine.
 RODS = {

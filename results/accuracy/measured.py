@@ -14,8 +14,8 @@ from closed_summaries import Summaries, Truth
 from random_machines import Kind, Varied, kinds, machines
 
 from engine import Machine
-from engine.accuracy import AccurateMachine
-from engine.jit import set_threads, threads
+from engine.compiling.jit import set_threads, threads
+from engine.panels.accuracy import AccurateMachine
 
 POSITIONS = (48, 96, 180, 360, 720, 1440, 2880, 5760)
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)

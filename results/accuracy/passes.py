@@ -10,8 +10,8 @@ from random_machines import SEED, Kind, Varied, kinds, machines
 from timing import microseconds
 
 from engine import Machine, Scene
-from engine.jit import set_threads, threads
-from engine.pairs import Pair, pairs
+from engine.compiling.jit import set_threads, threads
+from engine.scene.pairs import Pair, pairs
 
 # Not a multiple of four: where symmetric machines are at rest friction has no direction.
 POSITIONS = 50

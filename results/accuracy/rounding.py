@@ -28,14 +28,28 @@ from rounding_draws import DRAWS, arguments_of
 from rounding_flywheel import flywheel_lines
 
 HERE = Path(__file__).parent
+_GROUPS = ("rrr", "rrp", "rpr", "prp", "rpp")
 # Per position, so in float32 too.
-PER_POSITION = ("dyads", "dyad_forces", "links", "reduction", "loads")
-MODULES = (*PER_POSITION, "drives", "indicator", "strokes", "tables", "flywheel", "closed_forms")
-MODULES += tuple(f"friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling"))
-MODULES += ("friction.screws",)
-# They give a number that counts, not one that is measured, or fill rows.
+PER_POSITION = tuple(f"laws.kinematics.{name}" for name in (*_GROUPS, "dead_centres", "vectors", "links"))
+PER_POSITION += ("laws.reduction", "laws.loads")
+MODULES = (
+    *PER_POSITION,
+    "laws.elementary",
+    "laws.motor_characteristics",
+    "laws.indicator_diagrams",
+    "equal_positions.strokes",
+)
+MODULES += ("laws.tables", "equal_positions.flywheel", "motion.closed_forms.closed_forms")
+MODULES += tuple(
+    f"laws.friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling")
+)
+# They give a number that counts, not one that is measured, or measure rounding themselves, or fill rows.
 LEFT_OUT = (
+    *(f"{group}_closure" for group in _GROUPS),
     "left_over",
+    "_cubic",
+    "_logarithm_parts",
+    "_exponential_of_sum",
     "four_stroke_number",
     "two_stroke_number",
     "stroke_ends",
@@ -121,6 +135,11 @@ CLOSED = {
     # With so many digits, whatever is left over is more than rounding.
     "left_over": lambda square, scale: square,
     "direction_of": _direction_of,
+    "exponential": mp.exp,
+    "logarithm": mp.log,
+    "power": mp.power,
+    "angle_of": lambda x, y: mp.atan2(y, x),
+    "arcsine": mp.asin,
     "linear_moment": _linear_moment,
     "linear_moment_squares": _linear_moment_squares,
 }
@@ -271,7 +290,7 @@ def main() -> None:
         for function in functions_of(module):
             name = function.py_func.__name__
             double = measure(function, np.float64)
-            single = measure(function, np.float32) if module in PER_POSITION and name != "direction_of" else None
+            single = measure(function, np.float32) if module in PER_POSITION else None
             lost += [f"`{name}` ({double.lost} calls)"] if double.lost else []
             if double.greatest == 0.0:
                 faultless.append(f"`{name}`")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.tables import make_table
+from engine.laws.tables import make_table
 
 Draws = Callable[[np.random.Generator, bool], dict]
 DECADES = 6.0
@@ -217,12 +217,15 @@ DRAWS: dict[str, Draws] = {
     "table_value": any_table,
     **dict.fromkeys(("tanh_sign", "tanh_sign_error", "root_sign", "root_sign_error", "stribeck"), friction_of_motion),
     "direction_of": cosine_near_zero,
+    "exponential": lambda rng, near: {"x": signed(rng, 2.0)},
+    "arcsine": lambda rng, near: {"x": 1.0 - tiny(rng) if near else tiny(rng)},
+    **dict.fromkeys(("logarithm", "power"), lambda rng, near: {"x": 1.0 + tiny(rng) if near else size(rng)}),
     **dict.fromkeys(("quick_return_ratio", "angle_near"), dead_centres),
     "transmission_angle": lambda rng, near: {"sine": 1.0 - tiny(rng) if near else tiny(rng)},
 }
 
 
-_PAIRS = (("c", "s"), ("c1", "s1"), ("c2", "s2"), ("slot_c", "slot_s"))
+_PAIRS = (("c", "s"), ("cosine", "sine"), ("c1", "s1"), ("c2", "s2"), ("slot_c", "slot_s"))
 
 
 def arguments_of(function: Callable, rng: np.random.Generator, near: bool, dtype: type) -> list:

@@ -5,7 +5,7 @@ import inspect
 import mpmath as mp
 import numpy as np
 
-from engine.flywheel import fluctuation_with_flywheel, flywheel_sizes
+from engine.equal_positions.flywheel import fluctuation_with_flywheel, flywheel_sizes
 
 POSITIONS, DIGITS, OMEGA = 720, 50, 10.0
 phi = np.arange(POSITIONS) * (2 * np.pi / POSITIONS)

@@ -12,8 +12,8 @@ from timing import microseconds
 from ways import Motors, Sampled, by_tolerance, frozen_step, in_time, over_tables, rk4_step, trapezoid_step
 
 from engine import Machine, Scene
-from engine.jit import set_threads, threads
-from engine.scene import scene_numbers
+from engine.compiling.jit import set_threads, threads
+from engine.scene.scene import scene_numbers
 
 KINDS = ("slider-crank", "crank-rocker", "compressor", "turning moment", "press", "Scotch yoke")
 # Loads that depend on speed are the motor's alone: the closed formulas of the others are at uniform speed.

@@ -11,8 +11,8 @@ import mechanics
 import numpy as np
 
 from engine import Machine, Scene
-from engine.scene import scene_numbers
-from sweeps.scenefile import read_scene
+from engine.scene.scene import scene_numbers
+from sweeps.text.scene_text import read_scene
 
 HERE = Path(__file__).parent
 AGREEMENT = 1e-12

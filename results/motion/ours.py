@@ -6,7 +6,7 @@ import numpy as np
 from cases import Case
 
 from engine import Machine, Scene
-from engine.regimes import RunRegime
+from engine.scene.regimes import RunRegime
 
 
 @cache

@@ -31,10 +31,11 @@ os.environ["OMP_WAIT_POLICY"] = "passive"
 import numpy as np
 from machines import BASELINE_PATHS, CASES, Case, all_numbers, sample
 
-import engine.shared_shapes
+import engine.equal_positions.shared_shapes
 from engine import Machine, scene_numbers
-from engine.jit import set_threads, threads
-from sweeps.study import bundled, read_study
+from engine.compiling.jit import set_threads, threads
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
 
 HERE = Path(__file__).parent
 VARIANTS, POSITIONS, ROUNDS = 20_000, 720, 9
@@ -236,7 +237,7 @@ def race_pylinkage() -> Contest:
 
 def bundled_case(name: str) -> Case:
     """A bundled machine, its masses and the scales of its forces varied."""
-    scene = read_study(bundled()[name]).scene
+    scene = read_study(bundled_studies()[name]).scene
     loads = [path for path in scene_numbers(scene) if path.endswith((".mass", ".scale", "moments.friction.moment"))]
     return Case(scene, {}, dict.fromkeys(loads, 0.2))
 
@@ -246,12 +247,12 @@ def race_factorised(name: str, case: Case, asked: dict[str, list[str]], what: st
     varied = sample(case, case.loads, VARIANTS)
     chosen, whole = (Machine(case.scene, varied=varied, positions=POSITIONS, **asked) for _ in range(2))
     buffer, rows = chosen.new_buffer(VARIANTS), whole.new_buffer(VARIANTS)
-    usual = engine.shared_shapes.WORTH_SHARING
+    usual = engine.equal_positions.shared_shapes.WORTH_SHARING
 
     def run_whole() -> object:
-        engine.shared_shapes.WORTH_SHARING = VARIANTS
+        engine.equal_positions.shared_shapes.WORTH_SHARING = VARIANTS
         outcome = whole.evaluate(varied, buffer=rows)
-        engine.shared_shapes.WORTH_SHARING = usual
+        engine.equal_positions.shared_shapes.WORTH_SHARING = usual
         return outcome
 
     first, second = chosen.evaluate(varied, buffer=buffer), run_whole()

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import Scene
-from engine.scene import scene_numbers
+from engine.scene.scene import scene_numbers
 
 
 class Case(NamedTuple):

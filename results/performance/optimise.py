@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 from machines import CASES
 
-import engine.machine
-from engine.jit import threads
+import engine.machine.machine
+from engine.compiling.jit import threads
 from sweeps.optimising.runner import optimise_study
 from sweeps.optimising.searching import first_generation
-from sweeps.optimising.task import Task, task_of
 from sweeps.optimising.trials import Trials
-from sweeps.sampling import Design, Sampled
-from sweeps.study import Study
-from sweeps.studyfile import Optimise
+from sweeps.study.sampling import Design, Sampled
+from sweeps.study.search_task import SearchTask, task_of
+from sweeps.study.study import Study
+from sweeps.study.study_text import Optimise
 
 HERE = Path(__file__).parent
 POSITIONS = 360
@@ -39,21 +39,21 @@ class Clock:
     @contextmanager
     def watching(self) -> Iterator[None]:
         """Count what is spent inside the block."""
-        kernel = engine.machine.run_kernel
+        kernel = engine.machine.machine.run_kernel
 
         def timed(*arguments: object) -> None:
             started = time.perf_counter()
             kernel(*arguments)
             self.seconds += time.perf_counter() - started
 
-        engine.machine.run_kernel = timed
+        engine.machine.machine.run_kernel = timed
         try:
             yield
         finally:
-            engine.machine.run_kernel = kernel
+            engine.machine.machine.run_kernel = kernel
 
 
-def task(population: int, generations: int) -> Task:
+def task(population: int, generations: int) -> SearchTask:
     """Four-bar: least flywheel and greatest transmission angle, over its lengths and the mass of its rocker."""
     scene = CASES["four_bar"].scene
     lows = {"input.length": 0.03, "groups.g.first.length": 0.15, "groups.g.second.length": 0.1, "bodies.rocker.mass": 1}

@@ -15,8 +15,8 @@ import numpy as np
 from machines import CASES, Case, sample
 
 from engine import Machine, Scene
-from engine.jit import set_threads
-from engine.pairs import pairs
+from engine.compiling.jit import set_threads
+from engine.scene.pairs import pairs
 
 HERE = Path(__file__).parent
 VARIANTS, POSITIONS, ROUNDS = 1000, 720, 7

@@ -4,13 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import scene_numbers
-from engine.units import any_quantity
-from sweeps.engineer_units import engineer_unit, quantity_text
-from sweeps.expressions import parse
-from sweeps.optimising.margins import conjuncts, margins
-from sweeps.report import table
-from sweeps.results import Result
+from engine import Verdict, any_quantity, scene_numbers
+from sweeps.report.sweep_result import SweepResult
+from sweeps.text.conditions import Condition, errors_in
+from sweeps.text.engineer_units import engineer_unit, quantity_text
+from sweeps.text.expressions import parse
+from sweeps.text.tables import table
 
 # A number this close to an end of its range, as a share of the range, lies on it; so do conditions on their limit.
 ON_LIMIT = 1e-6
@@ -23,38 +22,43 @@ class Choice(NamedTuple):
     why: str
 
 
-def is_front(result: Result) -> bool:
+def is_front(result: SweepResult) -> bool:
     """Whether a result file is that of a search with several objectives that has come to its end."""
     return is_search(result) and len(objectives(result)) > 1
 
 
-def is_search(result: Result) -> bool:
+def is_search(result: SweepResult) -> bool:
     """Whether a result file is that of a search that has come to its end."""
-    return "objectives" in result.description.attributes and "front" in result.columns
+    return "search" in result.record and "front" in result.columns
 
 
-def objectives(result: Result) -> list[tuple[str, float]]:
+def objectives(result: SweepResult) -> list[tuple[str, float]]:
     """Columns that were sought to be small (sign +1) or great (−1)."""
-    lines = result.description.attributes["objectives"].splitlines()
-    return [(name, 1.0 if way == "minimise" else -1.0) for way, name in (line.split(" ", 1) for line in lines)]
+    goals = result.record["search"]["objectives"]
+    return [(goal["name"], 1.0 if goal["way"] == "minimise" else -1.0) for goal in goals]
 
 
-def front(result: Result) -> np.ndarray:
+def front(result: SweepResult) -> np.ndarray:
     """Variants on the Pareto front, in the order of their places."""
     places = result.columns["front"]
     there = np.flatnonzero(places)
     return there[np.argsort(places[there])]
 
 
-def met(result: Result) -> np.ndarray:
-    """Which candidates were computed and meet all conditions (candidates,)."""
-    texts = result.description.attributes["subject_to"].splitlines()
-    there = np.zeros(result.description.variants, bool)
-    there[result.select(" and ".join(f"({text})" for text in texts))] = True
+def met(result: SweepResult) -> np.ndarray:
+    """Which candidates were computed and meet all conditions for sure (candidates,)."""
+    there = result.columns["status"] == Verdict.OK
+    for condition in _conditions(result):
+        there = there & condition.judged(result.columns, errors_in(result.columns), there.size).met
     return there
 
 
-def choices(result: Result) -> list[Choice]:
+def _conditions(result: SweepResult) -> list[Condition]:
+    """What results had to meet, besides what was required of parameters."""
+    return [Condition(parse(text, any_quantity)) for text in result.record["search"]["subject_to"]]
+
+
+def choices(result: SweepResult) -> list[Choice]:
     """The best of each objective, and the knee between them: no other gives up less of all of them together.
 
     Each objective counts by its range over the front; of two, the knee is the point farthest from the line through
@@ -76,11 +80,11 @@ def choices(result: Result) -> list[Choice]:
     return found
 
 
-def optimum_text(result: Result) -> str:
+def optimum_text(result: SweepResult) -> str:
     """The answer of a search: the best candidate with what holds it there, or chosen candidates of the front."""
-    attributes, there = result.description.attributes, front(result)
+    search, there = result.record["search"], front(result)
     head = [result.question] if result.question else []
-    found = f"{attributes['search']}: {attributes['outcome']}"
+    found = f"{search['method']}, seed {search['seed']}: {result.description.attributes['outcome']}"
     if not there.size:
         return "\n".join([*head, "No candidate meets all conditions.", found])
     if is_front(result):
@@ -88,7 +92,7 @@ def optimum_text(result: Result) -> str:
     return "\n".join([*head, _best_text(result, int(there[0])), found])
 
 
-def _choices_text(result: Result) -> str:
+def _choices_text(result: SweepResult) -> str:
     chosen = choices(result)
     goals = [name for name, _ in objectives(result)]
     rows = [("", *(f"variant {choice.variant}" for choice in chosen)), ("", *(choice.why for choice in chosen))]
@@ -97,7 +101,7 @@ def _choices_text(result: Result) -> str:
     return f"Chosen from the front:\n{table(rows, '  ')}"
 
 
-def _best_text(result: Result, best: int) -> str:
+def _best_text(result: SweepResult, best: int) -> str:
     (name, sign), *_ = objectives(result)
     condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
     word = "least" if sign > 0 else "greatest"
@@ -113,7 +117,7 @@ def _best_text(result: Result, best: int) -> str:
     return "\n".join(lines)
 
 
-def _value(result: Result, name: str, variant: int) -> str:
+def _value(result: SweepResult, name: str, variant: int) -> str:
     """A column's value with its error figure, and the spread that tolerances cause."""
     column, units = result.columns, result.units[name]
     error = float(column[f"{name}_error"][variant]) if f"{name}_error" in column else None
@@ -126,12 +130,11 @@ def _value(result: Result, name: str, variant: int) -> str:
     return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
 
 
-def _ends(result: Result, variant: int) -> dict[str, str]:
+def _ends(result: SweepResult, variant: int) -> dict[str, str]:
     """Parameters of a candidate that lie on an end of their range, and on which."""
     found = {}
-    for line in result.description.attributes["ranges"].splitlines():
-        name, *ends = line.rsplit(" ", 2)
-        low, high = map(float, ends)
+    for span in result.record["search"]["ranges"]:
+        name, low, high = span["name"], span["low"], span["high"]
         value = result.columns[name][variant]
         near = ON_LIMIT * (high - low)
         if low < high and (value - low <= near or high - value <= near):
@@ -139,13 +142,13 @@ def _ends(result: Result, variant: int) -> dict[str, str]:
     return found
 
 
-def _limits(result: Result, variant: int) -> list[str]:
+def _limits(result: SweepResult, variant: int) -> list[str]:
     """Conditions on whose limit a candidate lies, each by itself; an equality always is."""
     fixed = {path: number.value for path, number in scene_numbers(result.scene).items()}
-    values = fixed | {name: column[variant : variant + 1] for name, column in result.columns.items()}
-    attributes, found = result.description.attributes, []
-    for text in (*attributes["require"].splitlines(), *attributes["subject_to"].splitlines()):
-        for part in conjuncts(text):
-            if "==" not in part and (np.abs(margins(parse(part, any_quantity), values, 1)) <= ON_LIMIT).any():
-                found.append(part)
+    here = {name: column[variant : variant + 1] for name, column in result.columns.items()}
+    required = [Condition(parse(text, any_quantity)) for text in result.record["require"]]
+    found = []
+    for part in (part for condition in (*required, *_conditions(result)) for part in condition.parts):
+        if not part.is_equality and (np.abs(part.margins(fixed | here, errors_in(here), 1)) <= ON_LIMIT).any():
+            found.append(part.text)
     return found

@@ -4,31 +4,34 @@ While the search runs, every generation is a block of a file of its own. A searc
 generation, with the candidates that the file holds instead of evaluating them: the way is the same, bit for bit.
 """
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from engine import Verdict
-from sweeps.engineer_units import quantity_text
+from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.searching import STEPS, descend, way_of
 from sweeps.optimising.spread import spread_columns, spreads
-from sweeps.optimising.task import GENETIC, LOCAL, Task, task_of
 from sweeps.optimising.trials import Batch, Trials, joined
-from sweeps.pareto import pareto_front
-from sweeps.runner import LARGEST_BLOCK, layout_of
-from sweeps.store import Column, Layout, Store, StoreError, columns, describe, part_path
+from sweeps.run.runner import LARGEST_BLOCK, layout_of
+from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, part_path, read_columns
 from sweeps.store.creating import remove_unlocked
 from sweeps.store.errors import RESTART
-from sweeps.study import Study
+from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
+from sweeps.study.study import Study
+from sweeps.study.study_text import Best
+from sweeps.text.engineer_units import quantity_text
 
 # Called with the generations done, those of them done before this run, and what has been found, in words.
-Progress = Callable[[int, int, str], None]
+OnGeneration = Callable[[int, int, str], None]
 
 
-def optimise_study(study: Study, path: Path | str, restart: bool = False, progress: Progress | None = None) -> Path:
+def optimise_study(study: Study, path: Path | str, restart: bool = False, progress: OnGeneration | None = None) -> Path:
     """Search a study for its best variants, or go on with it, into a result file.
 
     The file holds every candidate as a variant, with two columns more than a sweep's: `generation` (the candidates
@@ -61,7 +64,7 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     trials = Trials(task)
     if path.exists() and not restart:
         # Opening compares it with this search.
-        with Store.open(path, _final_layout(task, trials, describe(path).variants)):
+        with Store.open(path, _final_layout(task, trials, describe_result(path).variants)):
             return path
     if not restart:
         _spare(part_path(path), task)
@@ -72,7 +75,7 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     search, work = way_of(task), _work_path(path)
     with Store.open(work, _layout(task, trials, task.population * task.generations, task.population), restart) as store:
         search(_History(task, trials, store, progress).evaluate)
-    found = columns(part_path(work))
+    found = read_columns(part_path(work))
     found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
     best, last = _best(trials.judged(found)), int(found["generation"].max()) + 1
     words = f"{last} generations"
@@ -85,13 +88,15 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     return path
 
 
-def _spare(part: Path, task: Task) -> None:
+def _spare(part: Path, task: SearchTask) -> None:
     """Refuse to write over what an interrupted sweep, or another search, keeps under the same name."""
-    if part.exists() and describe(part).attributes.get("study_hash") != task.digest:
+    if part.exists() and describe_result(part).attributes.get("study_hash") != task.digest:
         raise StoreError(f"{part} is there already, of another study. {RESTART}")
 
 
-def _downhill(task: Task, trials: Trials, start: np.ndarray, steps: int, generation: int = 0) -> dict[str, np.ndarray]:
+def _downhill(
+    task: SearchTask, trials: Trials, start: np.ndarray, steps: int, generation: int = 0
+) -> dict[str, np.ndarray]:
     """Columns of the candidates passed on the way down that meet all conditions; of the start if there are none."""
     passed = descend(task, trials, start, steps)
     if not passed:
@@ -102,7 +107,7 @@ def _downhill(task: Task, trials: Trials, start: np.ndarray, steps: int, generat
 def generations_kept(path: Path) -> int:
     """How many generations an interrupted search into a file leaves behind."""
     try:
-        return describe(part_path(_work_path(path))).blocks_done
+        return describe_result(part_path(_work_path(path))).blocks_done
     except StoreError:
         return 0
 
@@ -116,14 +121,14 @@ class _History:
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
     trials : Trials
     store : Store
         One block for each generation.
     progress : callable or None
     """
 
-    def __init__(self, task: Task, trials: Trials, store: Store, progress: Progress | None) -> None:
+    def __init__(self, task: SearchTask, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
         self.task, self.trials, self.store, self.progress = task, trials, store, progress
         self.pending = set(store.pending)
         self.before = store.layout.blocks - len(self.pending)
@@ -193,7 +198,7 @@ def _places(batch: Batch) -> np.ndarray:
     return places
 
 
-def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
+def _finish(task: SearchTask, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
     """Write the result: all candidates, their places on the front, and what tolerances do to those on it."""
     places = _places(trials.judged(found))
     found = found | {"front": places} | spreads(task, found, np.flatnonzero(places))
@@ -207,13 +212,13 @@ def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray]
 # The file
 
 
-def _final_layout(task: Task, trials: Trials, count: int) -> Layout:
+def _final_layout(task: SearchTask, trials: Trials, count: int) -> FileLayout:
     layout = _layout(task, trials, count, min(count, LARGEST_BLOCK))
     front = Column("front", "place on the Pareto front, 0 off it", "1", dtype=np.int32)
     return replace(layout, columns=(*layout.columns, front, *spread_columns(task, trials.machine)))
 
 
-def _layout(task: Task, trials: Trials, count: int, block: int) -> Layout:
+def _layout(task: SearchTask, trials: Trials, count: int, block: int) -> FileLayout:
     """A sweep's layout with the objectives and each candidate's generation."""
     base = layout_of(task.study, trials.machine)
     extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]
@@ -222,27 +227,20 @@ def _layout(task: Task, trials: Trials, count: int, block: int) -> Layout:
             words = " ".join(objective.expression.text.split())
             extra.append(Column(objective.name, words, objective.units or "1"))
             extra.append(Column(f"{objective.name}_error", f"error figure of: {words}", objective.units or "1"))
+    record = json.loads(base.attributes["study_json"]) | {"best": _goal(task), "search": search_record(task)}
+    attributes = {"study_json": json.dumps(record), "study_hash": task.digest, "searched_with": _versions()}
     columns = (*base.columns, *extra)
-    return replace(
-        base, variants=count, block=block, columns=columns, attributes=base.attributes | _attributes(task, count)
-    )
+    return replace(base, variants=count, block=block, columns=columns, attributes=base.attributes | attributes)
 
 
-def _attributes(task: Task, count: int) -> dict[str, str]:
-    conditions = [" ".join(e.text.split()) for e in task.conditions]
-    whole = " and ".join(text if len(conditions) == 1 else f"({text})" for text in conditions)
-    goals = [f"{o.way} {o.name}" for o in task.objectives]
-    alone = f"{goals[0]} where {whole}" if whole else goals[0]
-    return {
-        "study_hash": task.digest,
-        "grid": f"{'+'.join(task.variables.names)}[{count}]",
-        "best": alone if len(goals) == 1 else "",
-        "objectives": "\n".join(goals),
-        "subject_to": "\n".join(conditions),
-        "ranges": "\n".join(f"{s.name} {s.low!r} {s.high!r}" for s in task.variables.spans),
-        "search": f"{task.method}, seed {task.seed}",
-        "searched_with": _versions(),
-    }
+def _goal(task: SearchTask) -> dict[str, Any] | None:
+    """What decides among the candidates, as of a study's [best]; of several objectives nothing does."""
+    if len(task.objectives) > 1:
+        return None
+    (objective,) = task.objectives
+    texts = [condition.text for condition in task.conditions]
+    whole = " and ".join(texts if len(texts) == 1 else (f"({text})" for text in texts))
+    return Best(**{objective.way: objective.name}, where=whole or None).model_dump()
 
 
 def _versions() -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import h5py
 import numpy as np
 
-from sweeps.textfile import HDF5_SIGNATURE
+from sweeps.text.input_files import HDF5_SIGNATURE
 
 from .creating import part_path
 from .errors import StoreError, explained
@@ -37,6 +37,8 @@ class Description(NamedTuple):
         Number of design variants.
     positions : int
         Number of positions of the fields; 0 without fields.
+    position_name, position_units : str
+        Name and unit of the coordinate over them; "" without fields.
     blocks, blocks_done : int
         Number of blocks, and of those computed.
     """
@@ -47,11 +49,13 @@ class Description(NamedTuple):
     columns: tuple[Column, ...]
     variants: int
     positions: int
+    position_name: str
+    position_units: str
     blocks: int
     blocks_done: int
 
 
-def describe(path: Path) -> Description:
+def describe_result(path: Path) -> Description:
     """Return title, attributes, columns and progress of a result file, also while it is written.
 
     Raises
@@ -75,12 +79,14 @@ def describe(path: Path) -> Description:
         ),
         variants=record["variants"],
         positions=position["count"] if position else 0,
+        position_name=position["name"] if position else "",
+        position_units=position["units"] if position else "",
         blocks=len(done),
         blocks_done=int(np.count_nonzero(done)),
     )
 
 
-def columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:
+def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:
     """Read columns as arrays.
 
     Parameters
@@ -167,7 +173,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
 
 
 def layout_record(file: h5py.File) -> dict[str, Any]:
-    """Return the layout record of an open result file (`Layout.record`).
+    """Return the layout record of an open result file (`FileLayout.record`).
 
     Raises
     ------

@@ -67,8 +67,16 @@ def press_numbers(variants, rng):
     """Random presses; loads are opposed to the motion where they act on the way in."""
     P = np.zeros((NUMBERS, variants))
     P[LAST] = 2.0 * np.pi
-    P[R], P[L], P[E] = rng.uniform(0.05, 0.15, variants), rng.uniform(0.35, 0.6, variants), rng.uniform(-0.03, 0.03, variants)
-    P[M], P[J], P[F] = rng.uniform(1.0, 10.0, variants), rng.uniform(0.1, 1.0, variants), rng.uniform(100.0, 1000.0, variants)
+    P[R], P[L], P[E] = (
+        rng.uniform(0.05, 0.15, variants),
+        rng.uniform(0.35, 0.6, variants),
+        rng.uniform(-0.03, 0.03, variants),
+    )
+    P[M], P[J], P[F] = (
+        rng.uniform(1.0, 10.0, variants),
+        rng.uniform(0.1, 1.0, variants),
+        rng.uniform(100.0, 1000.0, variants),
+    )
     P[FROM] = P[TO] = np.nan
     P[OMEGA], P[WHEEL] = rng.uniform(5.0, 30.0, variants), rng.uniform(5.0, 50.0, variants)
     return P

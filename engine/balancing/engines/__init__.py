@@ -1,0 +1,1 @@
+"""Engines: layouts, orders of shaking and torque, balance shafts, firing."""

@@ -1,0 +1,1 @@
+"""Rigid rotors: unbalance, correction, grades, trial runs, balancing machines."""

@@ -1,0 +1,1 @@
+"""Derivatives of summaries by the numbers of a scene."""

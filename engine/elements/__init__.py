@@ -1,0 +1,1 @@
+"""Machine elements alone: screws, belts, wedges, journals, rotors, engines."""

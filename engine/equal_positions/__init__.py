@@ -1,0 +1,1 @@
+"""Curves at equally spaced positions: sums, extremes, strokes, flywheels."""

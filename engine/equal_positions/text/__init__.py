@@ -1,0 +1,1 @@
+"""Kernels over equally spaced positions, written as text."""

@@ -1,0 +1,1 @@
+"""The flywheel as a wheel, and flywheels straight from turning-moment diagrams."""

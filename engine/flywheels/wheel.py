@@ -1,0 +1,192 @@
+"""The flywheel as a wheel: size, mass and stress of what gives the inertia asked for.
+
+The inertia I asked for is reduced to the input link; on a shaft that turns i times as fast J = I/i² does the same.
+
+- rim: a ring of radial thickness t, J = m(R² + r²)/2, r = R − t;
+- disc: J = mR²/2;
+- arms: a rim, straight arms as uniform rods from the hub's rim to the inner radius of the rim, and the hub, a disc.
+  The rim takes what arms and hub leave of J.
+
+The stress is that of a thin free rim, σ = ρv² at the outer radius; arms bend a rim and add to it, and a solid disc's
+greatest stress is (3 + ν)/8 of it, about 0.41.
+
+Sources: S. P. Timoshenko, Strength of Materials, Part II (rotating rims and discs); R. S. Khurmi and J. K. Gupta,
+Theory of Machines, ch. 16 (dimensions of the flywheel rim).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.quantities.quantity import Quantity
+from engine.scene.inertia import Value, disc_inertia, ring_inertia
+from engine.scene.parts import WheelForm
+from engine.scene.scene import Scene
+
+
+class Material(NamedTuple):
+    """What a flywheel is made of: density [kg/m³] and the rim speed it may run at [m/s]."""
+
+    density: float
+    rim_speed_limit: float
+
+
+# Handbooks allow 45–90 m/s for cast iron, 70–120 m/s for steel; the lower end holds without a proof of strength.
+# For a cast iron rim on arms textbooks stay at 24–31 m/s: its limit is to be given. 7200 kg/m³: Khurmi and Gupta.
+MATERIALS = {"cast iron": Material(7200.0, 45.0), "steel": Material(7850.0, 70.0)}
+
+
+class Wheel(NamedTuple):
+    """A flywheel as made; every attribute is an ndarray (variants,), 0 where no flywheel is needed.
+
+    Attributes
+    ----------
+    diameter, mass, width : ndarray
+        Outer diameter [m], mass with arms and hub [kg], width of the rim or disc [m]; width 0 where arms and hub
+        alone suffice.
+    rim_speed, rim_speed_share : ndarray
+        Greatest speed of the outer radius [m/s], and its share of the limit.
+    hoop_stress : ndarray
+        ρv² at the outer radius [Pa].
+    energy : ndarray
+        Kinetic energy at the greatest speed [J].
+    """
+
+    diameter: np.ndarray
+    mass: np.ndarray
+    width: np.ndarray
+    rim_speed: np.ndarray
+    rim_speed_share: np.ndarray
+    hoop_stress: np.ndarray
+    energy: np.ndarray
+
+
+class _Section(NamedTuple):
+    """What a wheel is made of besides its width: masses in kg, inertias in kg·m², for one metre of width."""
+
+    mass_per_width: Value
+    inertia_per_width: Value
+    other_mass: Value = 0.0
+    other_inertia: Value = 0.0
+
+
+def wheel_summaries(scene: Scene) -> list[Quantity]:
+    """Summaries of the flywheel as a wheel; none where the scene doesn't say what it is made as."""
+    flywheel = scene.flywheel
+    if flywheel is None or flywheel.wheel is None:
+        return []
+    if flywheel.inertia is None and flywheel.speed_fluctuation is None:
+        return []
+    return [
+        Quantity("wheel_diameter", "outer diameter of the flywheel", "m"),
+        Quantity("wheel_mass", "mass of the flywheel", "kg"),
+        Quantity("wheel_width", "width of the flywheel's rim", "m"),
+        Quantity("wheel_rim_speed", "greatest rim speed of the flywheel", "m s-1"),
+        Quantity("wheel_rim_speed_share", "greatest rim speed of the flywheel over its limit", "1"),
+        Quantity("wheel_hoop_stress", "hoop stress in the flywheel's rim", "Pa"),
+        Quantity("wheel_energy", "kinetic energy of the flywheel at its greatest speed", "J"),
+    ]
+
+
+def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[str, Value]) -> Wheel:
+    """The wheel that gives an inertia.
+
+    Parameters
+    ----------
+    form : WheelForm
+        What it is to be made as.
+    inertia : float or ndarray (variants,)
+        I_F asked for on the input link [kg·m²]; 0 or less: no flywheel is needed.
+    speed : float or ndarray (variants,)
+        Greatest speed of the input link, of either sign [rad/s].
+    numbers : mapping of path to float or ndarray (variants,)
+        The form's numbers by their paths in the scene, such as "flywheel.wheel.diameter".
+
+    Returns
+    -------
+    Wheel
+        NaN where there is no such wheel: a hub that reaches the rim, a shaft or input at rest.
+    """
+    with np.errstate(all="ignore"):
+        material, diameter, shaft_speed = _proportions(form, speed, numbers)
+        ratio = np.abs(numbers["flywheel.wheel.ratio"])
+        asked = inertia / ratio**2
+        section = _section(form, material.density, diameter, numbers)
+        width = np.maximum((asked - section.other_inertia) / section.inertia_per_width, 0.0)
+        made = section.other_inertia + width * section.inertia_per_width
+        rim_speed = shaft_speed * diameter / 2
+        sizes = Wheel(
+            diameter=diameter,
+            mass=section.other_mass + width * section.mass_per_width,
+            width=width,
+            rim_speed=rim_speed,
+            rim_speed_share=rim_speed / material.rim_speed_limit,
+            hoop_stress=material.density * rim_speed**2,
+            energy=made * shaft_speed**2 / 2,
+        )
+        # No number may look right beside a width that doesn't exist.
+        defined = np.isfinite(sizes.energy) & np.isfinite(sizes.mass) & (shaft_speed > 0.0)
+        return Wheel(*(np.where(inertia <= 0.0, 0.0, np.where(defined, size, np.nan)) for size in sizes))
+
+
+Column = tuple[np.ndarray, np.ndarray]
+
+
+def wheel_columns(
+    scene: Scene, inertia: Column, speed: Column, numbers: Mapping[str, Value]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Summaries of the wheel by name, with their error figures.
+
+    Parameters
+    ----------
+    scene : Scene
+    inertia, speed : tuple of ndarray
+        Flywheel inertia on the input link and its greatest speed, each with its error figure.
+    numbers : mapping of path to float or ndarray (variants,)
+        The scene's numbers.
+
+    Returns
+    -------
+    dict of str to (ndarray, ndarray)
+        Values, and how far they move when inertia and speed move by their error figures.
+    """
+    form = scene.flywheel.wheel
+    wheel = make_wheel(form, inertia[0], speed[0], numbers)
+    heavier = make_wheel(form, inertia[0] + inertia[1], speed[0], numbers)
+    faster = make_wheel(form, inertia[0], np.abs(speed[0]) + speed[1], numbers)
+    return {
+        f"wheel_{key}": (value, np.abs(getattr(heavier, key) - value) + np.abs(getattr(faster, key) - value))
+        for key, value in wheel._asdict().items()
+    }
+
+
+def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) -> tuple[Material, Value, Value]:
+    """Material, outer diameter and speed of the wheel's shaft, as given or as the material allows."""
+    usual = MATERIALS[form.material]
+    material = Material(
+        *(usual[i] if getattr(form, k) is None else numbers[f"flywheel.wheel.{k}"] for i, k in enumerate(usual._fields))
+    )
+    shaft_speed = np.abs(speed * numbers["flywheel.wheel.ratio"])
+    if form.diameter is not None:
+        return material, numbers["flywheel.wheel.diameter"], shaft_speed
+    return material, 2 * material.rim_speed_limit / shaft_speed, shaft_speed
+
+
+def _section(form: WheelForm, density: Value, diameter: Value, numbers: Mapping[str, Value]) -> _Section:
+    if form.type == "disc":
+        mass = density * math.pi / 4 * diameter**2
+        return _Section(mass, disc_inertia(mass, diameter))
+    inner = diameter * (1 - 2 * numbers["flywheel.wheel.thickness_ratio"])
+    mass = density * math.pi / 4 * (diameter**2 - inner**2)
+    rim = _Section(mass, ring_inertia(mass, diameter, inner))
+    if form.type == "rim":
+        return rim
+    hub = numbers["flywheel.wheel.hub_diameter"]
+    hub_mass = density * math.pi / 4 * hub**2 * numbers["flywheel.wheel.hub_width"]
+    length = np.where(hub < inner, (inner - hub) / 2, np.nan)
+    arms_mass = form.arms * density * numbers["flywheel.wheel.arm_area"] * length
+    # A uniform rod along a radius from r to R: m(R² + Rr + r²)/3 about the axis.
+    arms_inertia = arms_mass * (inner**2 + inner * hub + hub**2) / 12
+    return rim._replace(other_mass=hub_mass + arms_mass, other_inertia=disc_inertia(hub_mass, hub) + arms_inertia)

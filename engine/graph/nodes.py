@@ -1,0 +1,443 @@
+"""The nodes of a machine's mathematics: what each is computed from, and how often it changes.
+
+A node is the position of the input, a number, a law applied to nodes, or arithmetic on nodes. Nodes are made by a
+`Graph`, which makes each of them once: the same law applied to the same nodes is the same node. Arithmetic reads like
+the textbook's, `v = w * r - u`, and what is zero or one goes away as it does on paper.
+
+How often a node changes is its `Stage`. A number of the scene belongs to the variant; what follows from the ends of a
+stroke belongs to the variant's cycle; which segment of a table holds, to the panel; all else to the position.
+"""
+
+import operator
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from enum import IntEnum
+from functools import cache
+from typing import Literal, get_args, get_type_hints
+
+import numpy as np
+
+Compute = Callable[[Mapping[str, float | np.ndarray]], float | np.ndarray]
+Role = Literal["shape", "load"]
+
+
+class Stage(IntEnum):
+    """How often a node changes, from the least often on."""
+
+    VARIANT = 0
+    CYCLE = 1
+    PANEL = 2
+    POSITION = 3
+
+
+class Node:
+    """What has one value for each variant and position.
+
+    Attributes
+    ----------
+    graph : Graph
+    stage : Stage
+    operands : tuple of Node
+        What it is computed from.
+    label : str
+        What a reader may call it; nothing depends on it.
+    """
+
+    __slots__ = ("graph", "label", "operands", "stage")
+
+    def __init__(self, graph: "Graph", stage: Stage, operands: tuple["Node", ...] = (), label: str = "") -> None:
+        self.graph, self.stage, self.operands, self.label = graph, stage, operands, label
+
+    def __add__(self, other: "Node | float") -> "Node":
+        return self.graph.operation("+", self, other)
+
+    def __radd__(self, other: "Node | float") -> "Node":
+        return self.graph.operation("+", other, self)
+
+    def __sub__(self, other: "Node | float") -> "Node":
+        return self.graph.operation("-", self, other)
+
+    def __rsub__(self, other: "Node | float") -> "Node":
+        return self.graph.operation("-", other, self)
+
+    def __mul__(self, other: "Node | float") -> "Node":
+        # A vector multiplies its components itself.
+        return NotImplemented if isinstance(other, tuple) else self.graph.operation("*", self, other)
+
+    def __rmul__(self, other: "Node | float") -> "Node":
+        return self.graph.operation("*", other, self)
+
+    def __truediv__(self, other: "Node | float") -> "Node":
+        return self.graph.operation("/", self, other)
+
+    def __rtruediv__(self, other: "Node | float") -> "Node":
+        return self.graph.operation("/", other, self)
+
+    def __neg__(self) -> "Node":
+        return self.graph.function("neg", self)
+
+    def __abs__(self) -> "Node":
+        return self.graph.function("abs", self)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.label}>" if self.label else f"<{type(self).__name__}>"
+
+
+class Constant(Node):
+    """A number that is the same for all machines."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, graph: "Graph", value: float) -> None:
+        super().__init__(graph, Stage.VARIANT, label=repr(value))
+        self.value = value
+
+
+class Number(Node):
+    """A number of the variant, computed from the scene's.
+
+    Attributes
+    ----------
+    compute : callable
+        Its values (SI) from the numbers of the variants.
+    role : {"shape", "load"}
+        A "load" (a mass, a force) enters the curves of moments linearly; all others decide the shape of the motion.
+    """
+
+    __slots__ = ("compute", "role")
+
+    def __init__(self, graph: "Graph", label: str, compute: Compute, role: Role) -> None:
+        super().__init__(graph, Stage.VARIANT, label=label)
+        self.compute, self.role = compute, role
+
+
+class Found(Node):
+    """A number of the variant's cycle that is found by going round it, such as an end of a stroke.
+
+    Attributes
+    ----------
+    curve, rate : Node
+        The curve it belongs to and its derivative by the input.
+    which : {"low", "high", "low_at", "high_at"}
+        Least or greatest value of the curve, or the input's position there.
+    """
+
+    __slots__ = ("curve", "rate", "which")
+
+    def __init__(self, graph: "Graph", curve: Node, rate: Node, which: str) -> None:
+        super().__init__(graph, Stage.CYCLE, label=f"{curve.label} {which}")
+        self.curve, self.rate, self.which = curve, rate, which
+
+
+class Position(Node):
+    """The position of the input: q itself, or its cosine or sine."""
+
+    __slots__ = ("which",)
+
+    def __init__(self, graph: "Graph", which: Literal["q", "cos_q", "sin_q"]) -> None:
+        super().__init__(graph, Stage.POSITION, label=which)
+        self.which = which
+
+
+class Memory(Node):
+    """The flat memory of all tables, which laws that look something up take as their first argument."""
+
+    __slots__ = ()
+
+
+class Operation(Node):
+    """Arithmetic on two nodes, or a function of the arithmetic unit on one.
+
+    Attributes
+    ----------
+    symbol : str
+        "+", "-", "*", "/", "sqrt", "abs" or "neg".
+    """
+
+    __slots__ = ("symbol",)
+
+    def __init__(self, graph: "Graph", symbol: str, operands: tuple[Node, ...]) -> None:
+        super().__init__(graph, max(o.stage for o in operands), operands)
+        self.symbol = symbol
+
+
+class Application(Node):
+    """A law applied to nodes; its results are nodes of their own.
+
+    Attributes
+    ----------
+    law : callable
+        A compiled scalar function.
+    """
+
+    __slots__ = ("law",)
+
+    def __init__(self, graph: "Graph", law: Callable, operands: tuple[Node, ...]) -> None:
+        # What numbers alone decide is still computed by the law: once for the cycle.
+        super().__init__(graph, max(Stage.CYCLE, *(o.stage for o in operands)), operands, name_of(law))
+        self.law = law
+
+
+class Result(Node):
+    """One of the results of an application.
+
+    Attributes
+    ----------
+    index : int or None
+        Which of several results; None of a law that has one.
+    """
+
+    __slots__ = ("index",)
+
+    def __init__(self, graph: "Graph", application: Application, index: int | None) -> None:
+        super().__init__(graph, application.stage, (application,))
+        self.index = index
+
+    @property
+    def application(self) -> Application:
+        """The application it is a result of."""
+        return self.operands[0]
+
+
+class Held(Node):
+    """A node that keeps, throughout a panel, the value it has in the panel's middle.
+
+    What switches is held: the sign of a velocity, the segment of a table. The panels end where it switches, so that
+    curves are smooth in each up to its very ends.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, graph: "Graph", operand: Node) -> None:
+        super().__init__(graph, Stage.PANEL, (operand,), operand.label)
+
+
+class Sum(Node):
+    """A linear combination: a constant plus coefficients times curves; linear in the loads.
+
+    Attributes
+    ----------
+    terms : tuple of (Node, Node)
+        Coefficient, which belongs to the variant, and curve.
+    """
+
+    __slots__ = ("terms",)
+
+    def __init__(self, graph: "Graph", terms: tuple[tuple[Node, Node], ...]) -> None:
+        operands = tuple(node for term in terms for node in term)
+        super().__init__(graph, max(o.stage for o in operands), operands)
+        self.terms = terms
+
+
+class Crossing:
+    """Places where something switches: a curve crosses a level there.
+
+    Attributes
+    ----------
+    curve, rate : Node
+        The curve and its derivative by the input.
+    level : Node
+        Belongs to the variant or to its cycle.
+    """
+
+    __slots__ = ("curve", "level", "rate")
+
+    def __init__(self, curve: Node, rate: Node, level: Node) -> None:
+        self.curve, self.rate, self.level = curve, rate, level
+
+
+_ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
+_FUNCTIONS = {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
+
+
+def name_of(law: Callable) -> str:
+    """Name of a compiled function."""
+    return law.py_func.__name__
+
+
+@cache
+def _annotated(law: Callable) -> object:
+    return get_type_hints(law.py_func)["return"]
+
+
+class Graph:
+    """Makes nodes, each of them once.
+
+    Attributes
+    ----------
+    zero, one : Constant
+    q, cos_q, sin_q : Position
+    memory : Memory
+        Of all tables.
+    tables : list of ndarray
+        Contents of the memory, in order.
+    crossings : list of Crossing
+        Where what the held nodes hold may switch.
+    """
+
+    def __init__(self) -> None:
+        self._made: dict[tuple, Node] = {}
+        self.zero, self.one = self.constant(0.0), self.constant(1.0)
+        self.q, self.cos_q, self.sin_q = (Position(self, which) for which in ("q", "cos_q", "sin_q"))
+        self.memory = Memory(self, Stage.VARIANT, label="memory")
+        self.tables: list[np.ndarray] = []
+        self.crossings: list[Crossing] = []
+
+    def _once(self, key: tuple, make: Callable[[], Node]) -> Node:
+        node = self._made.get(key)
+        if node is None:
+            node = self._made[key] = make()
+        return node
+
+    def constant(self, value: float) -> Constant:
+        """A constant."""
+        return self._once(("constant", float(value)), lambda: Constant(self, float(value)))
+
+    def number(self, path: str, role: Role = "shape") -> Number:
+        """A number of the scene as it is."""
+        return self.derived(path, lambda numbers: numbers[path], role)
+
+    def derived(self, label: str, compute: Compute, role: Role = "shape") -> Number:
+        """A number computed once for each variant from the scene's; the same label means the same number."""
+        return self._once(("number", label), lambda: Number(self, label, compute, role))
+
+    def found(self, curve: Node, rate: Node, which: Literal["low", "high", "low_at", "high_at"]) -> Node:
+        """Least or greatest value of a curve over the cycle, or its place; of a constant curve that constant."""
+        if curve.stage < Stage.POSITION and not which.endswith("_at"):
+            return curve
+        return self._once(("found", curve, which), lambda: Found(self, curve, rate, which))
+
+    def operation(self, symbol: str, a: Node | float, b: Node | float) -> Node:
+        """Arithmetic on two nodes, simplified as on paper."""
+        a, b = (n if isinstance(n, Node) else self.constant(n) for n in (a, b))
+        simple = self._simplified(symbol, a, b)
+        if simple is not None:
+            return simple
+        if isinstance(a, (Number, Constant)) and isinstance(b, (Number, Constant)):
+            return self._of_numbers(symbol, a, b)
+        return self._once((symbol, a, b), lambda: Operation(self, symbol, (a, b)))
+
+    def _simplified(self, symbol: str, a: Node, b: Node) -> Node | None:
+        zero, one = self.zero, self.one
+        if isinstance(a, Constant) and isinstance(b, Constant) and not (symbol == "/" and b is zero):
+            return self.constant(_ARITHMETIC[symbol](a.value, b.value))
+        match symbol:
+            case "+" if a is zero:
+                return b
+            case "+" | "-" if b is zero:
+                return a
+            case "-" if a is b:
+                return zero
+            case "-" if a is zero:
+                return -b
+            case "*" if zero in (a, b):
+                return zero
+            case "*" if a is one:
+                return b
+            case "*" | "/" if b is one:
+                return a
+            case "/" if a is zero:
+                return zero
+        return None
+
+    def _of_numbers(self, symbol: str, a: Node, b: Node) -> Number:
+        """Arithmetic on numbers of the variant: a number again."""
+        does = _ARITHMETIC[symbol]
+
+        def value(node: Node, numbers: Mapping) -> float | np.ndarray:
+            return node.value if isinstance(node, Constant) else node.compute(numbers)
+
+        roles = {node.role for node in (a, b) if isinstance(node, Number)}
+        return self.derived(
+            f"({a.label} {symbol} {b.label})",
+            lambda numbers: does(value(a, numbers), value(b, numbers)),
+            "load" if "load" in roles else "shape",
+        )
+
+    def function(self, symbol: Literal["sqrt", "abs", "neg"], x: Node) -> Node:
+        """Root, magnitude or negative of a node."""
+        does = _FUNCTIONS[symbol]
+        if isinstance(x, Constant):
+            return self.constant(float(does(x.value)) + 0.0)
+        if isinstance(x, Number):
+            return self.derived(f"{symbol}({x.label})", lambda numbers: does(x.compute(numbers)), x.role)
+        if symbol == "neg" and isinstance(x, Operation) and x.symbol == "neg":
+            return x.operands[0]
+        return self._once((symbol, x), lambda: Operation(self, symbol, (x,)))
+
+    def apply(self, law: Callable, *operands: Node | float) -> Node | tuple[Node, ...]:
+        """Apply a law; a tuple of nodes where it returns a tuple."""
+        nodes = tuple(n if isinstance(n, Node) else self.constant(n) for n in operands)
+        applied = self._once(("law", law, nodes), lambda: Application(self, law, nodes))
+        count = self.results_of(law)
+        if count is None:
+            return self._result(applied, None)
+        return tuple(self._result(applied, i) for i in range(count))
+
+    @staticmethod
+    def results_of(law: Callable) -> int | None:
+        """How many results a law has by its annotation; None: a single one, no tuple."""
+        return len(get_args(_annotated(law))) or None
+
+    def _result(self, applied: Application, index: int | None) -> Node:
+        return self._once(("result", applied, index), lambda: Result(self, applied, index))
+
+    def held(self, node: Node) -> Node:
+        """The value of a node in the middle of a panel, throughout it."""
+        if node.stage < Stage.POSITION:
+            return node
+        return self._once(("held", node), lambda: Held(self, node))
+
+    def combination(self, terms: Iterable[tuple[Node, Node]]) -> Node:
+        """Sum of coefficients times curves."""
+        kept = tuple((c, b) for c, b in terms if self.zero not in (c, b))
+        if all(isinstance(node, (Number, Constant)) for term in kept for node in term):
+            return sum((c * b for c, b in kept), self.zero)
+        return self._once(("sum", kept), lambda: Sum(self, kept))
+
+    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0) -> None:
+        """Say that something switches where a curve crosses a level."""
+        if curve.stage == Stage.POSITION:
+            level = level if isinstance(level, Node) else self.constant(level)
+            self._once(("crossing", curve, level), lambda: self._crosses(curve, rate, level))
+
+    def _crosses(self, curve: Node, rate: Node, level: Node) -> Node:
+        self.crossings.append(Crossing(curve, rate, level))
+        return curve
+
+    def store(self, table: np.ndarray) -> Constant:
+        """Put a table into the memory; where it begins there."""
+        begin = sum(t.size for t in self.tables)
+        self.tables.append(np.ascontiguousarray(table, float).ravel())
+        return self.constant(begin)
+
+
+def reached(nodes: Iterable[Node], down_to: Callable[[Node], bool] = lambda node: False) -> list[Node]:
+    """All nodes that some depend on, themselves among them, each after what it is computed from.
+
+    Parameters
+    ----------
+    nodes : iterable of Node
+    down_to : callable
+        Nodes whose own operands aren't followed.
+    """
+    order: list[Node] = []
+    done: set[int] = set()
+    pending: list[tuple[Node, bool]] = [(node, False) for node in reversed(list(nodes))]
+    while pending:
+        node, ready = pending.pop()
+        if ready:
+            order.append(node)
+        elif id(node) not in done:
+            done.add(id(node))
+            pending.append((node, True))
+            if not down_to(node):
+                pending.extend((o, False) for o in reversed(node.operands))
+    return order
+
+
+def depends_on_loads(node: Node) -> bool:
+    """Whether a node depends on a load other than as a coefficient of its own sum."""
+    inner: Sequence[Node] = node.operands
+    if isinstance(node, Sum):
+        inner = [curve for _, curve in node.terms]
+    return any(isinstance(n, Number) and n.role == "load" for n in reached(inner))

@@ -1,0 +1,278 @@
+"""From nodes to the text of a function: straight-line mathematics at one position, and the loops around it.
+
+Two orders of loops. In lanes, a tile of positions × lanes is filled, each lane with a variant of its own; this is what
+summaries are computed from. Over positions, the rows of one variant after another are filled; this is what kept
+fields are made of. What is printed is read by compilers and by people, never again by this program.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from engine.compiling.tiles import LANES
+from engine.graph.nodes import (
+    Application,
+    Constant,
+    Found,
+    Held,
+    Memory,
+    Node,
+    Number,
+    Operation,
+    Position,
+    Result,
+    Stage,
+    Sum,
+    name_of,
+    reached,
+)
+
+# Longer expressions are broken up by names.
+DEEPEST = 5
+# As many rows at any distance are told apart by the compiler; more are filled at a fixed distance first.
+FEW_ROWS = 4
+# Positions that are filled at a fixed distance before they are copied.
+CHUNK = 256
+
+_FLOAT64 = np.dtype(np.float64)
+
+
+class Body:
+    """Statements that compute some nodes at one position.
+
+    Parameters
+    ----------
+    outputs : sequence of Node
+    stage : Stage
+        Nodes that change less often are read from the numbers.
+    inline_held : bool
+        Whether held nodes are computed at the position itself instead of being read.
+    dtype : dtype
+        Of constants.
+
+    Attributes
+    ----------
+    statements : list of str
+    values : list of str
+        Expression of each output.
+    reads : dict of Node to str
+        Names of the numbers that the statements read.
+    positions : dict of str to str
+        Of "q", "cos_q" and "sin_q" those that are read, by themselves.
+    laws : list of callable
+        Laws that are called.
+    """
+
+    def __init__(
+        self, outputs: Sequence[Node], stage: Stage, inline_held: bool = True, dtype: np.dtype = _FLOAT64
+    ) -> None:
+        self._stage, self._inline_held, self._dtype = stage, inline_held, np.dtype(dtype)
+        self.statements: list[str] = []
+        self.reads: dict[Node, str] = {}
+        self.positions: list[str] = []
+        self.laws: list = []
+        self._taken: set[str] = {"k", "l", "i", "v", "n", "p", "t", "q", "cos_q", "sin_q", "positions"}
+        self._texts: dict[Node, str] = {}
+        self._depth: dict[Node, int] = {}
+        order = reached(outputs, self._is_leaf)
+        # Names of laws are functions of the module.
+        self._taken.update(name_of(node.law) for node in order if isinstance(node, Application))
+        self._uses = _count_uses(order, outputs, self._is_leaf)
+        for node in order:
+            self._write(node)
+        self.values = [self._texts[node] for node in outputs]
+
+    def _is_leaf(self, node: Node) -> bool:
+        if isinstance(node, (Constant, Memory, Position)):
+            return True
+        if isinstance(node, Held):
+            return not self._inline_held
+        if isinstance(node, (Number, Found)):
+            return True
+        # What follows from held nodes alone has no row of its own: it is computed where it is used.
+        return node.stage < self._stage and node.stage != Stage.PANEL
+
+    def _write(self, node: Node) -> None:
+        match node:
+            case Constant():
+                self._texts[node] = self._literal(node.value)
+            case Memory():
+                self._texts[node] = "T"
+            case Position():
+                self._texts[node] = node.which
+                self.positions.append(node.which)
+            case _ if self._is_leaf(node):
+                self._texts[node] = self.reads[node] = self._name(node)
+            case Held():
+                self._texts[node] = self._texts[node.operands[0]]
+            case Application():
+                self._call(node)
+            case Result(index=None):
+                self._texts[node] = self._texts[node.application]
+            case Result():
+                pass
+            case Operation() | Sum():
+                self._compute(node)
+
+    def _literal(self, value: float) -> str:
+        return repr(value) if self._dtype == _FLOAT64 else f"dtype({value!r})"
+
+    def _name(self, node: Node) -> str:
+        wanted = "".join(c if c.isalnum() else "_" for c in node.label).strip("_")
+        wanted = wanted if wanted[:1].isalpha() and len(wanted) <= 40 else "x"
+        name, count = wanted, 1
+        while name in self._taken:
+            count += 1
+            name = f"{wanted}{count}"
+        self._taken.add(name)
+        return name
+
+    def _call(self, node: Application) -> None:
+        if node.law not in self.laws:
+            self.laws.append(node.law)
+        call = f"{name_of(node.law)}({', '.join(self._texts[o] for o in node.operands)})"
+        results = {r.index: r for r in self._uses.get(node, ())}
+        if None in results:
+            self._texts[node] = name = self._name(results[None] if results[None].label else node)
+            self.statements.append(f"{name} = {call}")
+            return
+        count = max(results) + 1
+        targets = []
+        for i in range(node.graph.results_of(node.law)):
+            if i in results:
+                self._texts[results[i]] = self._name(results[i])
+                targets.append(self._texts[results[i]])
+            else:
+                targets.append("_")
+        assert count <= len(targets)
+        self.statements.append(f"{', '.join(targets)} = {call}")
+
+    def _compute(self, node: Operation | Sum) -> None:
+        if isinstance(node, Sum):
+            products = [
+                self._texts[c] if b is node.graph.one else f"{self._texts[c]} * {self._texts[b]}" for c, b in node.terms
+            ]
+            text = " + ".join(products)
+        else:
+            operands = [self._texts[o] for o in node.operands]
+            if node.symbol == "sqrt":
+                text = f"math.sqrt({operands[0]})"
+            elif node.symbol == "neg":
+                text = f"(-{operands[0]})"
+            elif node.symbol == "abs":
+                text = f"abs({operands[0]})"
+            else:
+                text = f"({operands[0]} {node.symbol} {operands[1]})"
+        depth = 1 + max((self._depth.get(o, 0) for o in node.operands), default=0)
+        if len(self._uses.get(node, ())) > 1 or node.label or depth > DEEPEST or isinstance(node, Sum):
+            name = self._name(node)
+            self.statements.append(f"{name} = {text.removeprefix('(').removesuffix(')') if text[0] == '(' else text}")
+            text, depth = name, 0
+        self._texts[node], self._depth[node] = text, depth
+
+
+def _count_uses(order: Iterable[Node], outputs: Iterable[Node], is_leaf: object) -> dict[Node, list]:
+    """For each node the nodes that use it, an output counted twice so that it gets a name."""
+    uses: dict[Node, list] = {}
+    for node in order:
+        if not is_leaf(node):
+            for operand in node.operands:
+                uses.setdefault(operand, []).append(node)
+    for node in outputs:
+        uses.setdefault(node, []).append(node)
+    return uses
+
+
+def in_lanes(
+    name: str,
+    doc: str,
+    outputs: Sequence[Node],
+    rows: Mapping[Node, int],
+    stage: Stage,
+    positions: int | None,
+    inline_held: bool = True,
+) -> tuple[str, list]:
+    """Print a function that fills a tile, lanes innermost.
+
+    Parameters
+    ----------
+    name, doc : str
+        Of the function, and what it is for.
+    outputs : sequence of Node
+        The tile's rows.
+    rows : mapping of Node to int
+        Row of each number in P.
+    stage : Stage
+        Of the outputs; what changes less often is read from P.
+    positions : int or None
+        Of the tile. As a constant it tells compilers that the tile's rows don't overlap; of tiles of any number of
+        positions, None, rows are copied from where that is known.
+    inline_held : bool
+        Whether held nodes are computed at each position instead of being read from P.
+
+    Returns
+    -------
+    text : str
+    laws : list of callable
+        Functions that the text calls.
+    """
+    body = Body(outputs, stage, inline_held)
+    used = [which for which in ("q", "cos_q", "sin_q") if which in body.positions]
+    reads = [f"{text} = p[{rows[node] * LANES} + l]" for node, text in body.reads.items()]
+    lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = P.ravel()"]
+    if positions is None:
+        lines += [f"    t, positions = np.empty({len(outputs) * LANES}), q.shape[0]"]
+        lines += [f"    {which}_at = {which}" for which in used]
+        lines += ["    for k in range(positions):"]
+        lines += [f"        {which}_row = {which}_at[k]" for which in used]
+        inner = [f"{which} = {which}_row[l]" for which in used]
+    else:
+        lines += ["    t = tile.ravel()", *(f"    {which}_at = {which}.ravel()" for which in used)]
+        lines += [f"    for k in range({positions}):"]
+        inner = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
+    step, place = (LANES, "l") if positions is None else (positions * LANES, "i")
+    inner += [*reads, *body.statements]
+    inner += [f"t[{c * step} + {place}] = {value}" for c, value in enumerate(body.values)]
+    lines += [f"        for l in range({LANES}):", *(f"            {line}" for line in inner)]
+    if positions is None:
+        lines += [f"        for c in range({len(outputs)}):", f"            for l in range({LANES}):"]
+        lines += [f"                tile[c, k, l] = t[c * {LANES} + l]"]
+    return "\n".join(lines) + "\n", body.laws
+
+
+def over_positions(
+    name: str, doc: str, outputs: Sequence[Node], rows: Mapping[Node, int], dtype: np.dtype
+) -> tuple[str, list]:
+    """Print a function that fills rows over positions, one variant after another, positions innermost.
+
+    Its arguments are the range of variants, P (numbers, variants), T, the positions with their cosines and sines, and
+    the rows to fill (outputs, variants, positions); parameters otherwise as of `in_lanes`.
+    """
+    body = Body(outputs, Stage.POSITION, True, dtype)
+    lines = [f"def {name}(begin, end, P, T, nodes, cos_nodes, sin_nodes, fields):", f'    """{doc}"""']
+    lines += ["    n = nodes.shape[0]"]
+    far = len(outputs) > FEW_ROWS
+    if far:
+        lines += [f"    t = np.empty({len(outputs) * CHUNK}, dtype)"]
+    lines += ["    for v in range(begin, end):"]
+    lines += [f"        {text} = P[{rows[node]}, v]" for node, text in body.reads.items()]
+    places = {"q": "nodes", "cos_q": "cos_nodes", "sin_q": "sin_nodes"}
+    reads = [f"{which} = {places[which]}[k]" for which in dict.fromkeys(body.positions)]
+    inner = [*reads, *body.statements]
+    if not far:
+        lines += [f"        row{c} = fields[{c}, v]" for c in range(len(outputs))]
+        inner += [f"row{c}[k] = {value}" for c, value in enumerate(body.values)]
+        lines += ["        for k in range(n):", *(f"            {line}" for line in inner)]
+    else:
+        inner += [f"t[{c * CHUNK} + k - first] = {value}" for c, value in enumerate(body.values)]
+        lines += [
+            f"        for first in range(0, n, {CHUNK}):",
+            f"            last = min(first + {CHUNK}, n)",
+            "            for k in range(first, last):",
+            *(f"                {line}" for line in inner),
+            f"            for c in range({len(outputs)}):",
+            "                row = fields[c, v]",
+            "                for k in range(first, last):",
+            f"                    row[k] = t[c * {CHUNK} + k - first]",
+        ]
+    return "\n".join(lines) + "\n", body.laws

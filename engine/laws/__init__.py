@@ -1,0 +1,1 @@
+"""The ground floor: scalar functions that read like the textbook's equations."""

@@ -1,0 +1,140 @@
+"""Belts, bands and ropes on a drum: Euler's formula, with the centrifugal tension of a running belt.
+
+On the point of slipping the tight strand pulls e^(f alpha) times as hard as the slack one. A belt of mass q per
+length that runs at v presses less: q v² of the tension of each strand only keeps it on its circle.
+
+Sources: L. Euler, 1769; R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 11.
+"""
+
+import math
+
+from engine.compiling.jit import scalar
+
+
+@scalar
+def tension_ratio(friction: float, wrap: float) -> float:
+    """Tension of the tight strand over that of the slack one: e^(f alpha).
+
+    Parameters
+    ----------
+    friction, wrap : float
+        f, of a belt in a V groove the one of `engine.laws.friction.guides.vee_friction`; angle of contact alpha [rad].
+    """
+    return math.exp(friction * wrap)
+
+
+@scalar
+def slack_share(friction: float, wrap: float) -> float:
+    """Tension of the slack strand over that of the tight one: e^(-f alpha).
+
+    Parameters
+    ----------
+    friction, wrap : float
+        As for `tension_ratio`.
+    """
+    return math.exp(-friction * wrap)
+
+
+@scalar
+def gripped_share(friction: float, wrap: float) -> float:
+    """Greatest force at the rim over the tension of the tight strand: 1 - e^(-f alpha).
+
+    Parameters
+    ----------
+    friction, wrap : float
+        As for `tension_ratio`.
+    """
+    return -math.expm1(-friction * wrap)
+
+
+@scalar
+def centrifugal_tension(linear_density: float, speed: float) -> float:
+    """Tension that keeps a running belt on its circle: q v².
+
+    Parameters
+    ----------
+    linear_density, speed : float
+        q [kg/m], v [m/s].
+
+    Returns
+    -------
+    float
+        [N].
+    """
+    return linear_density * speed * speed
+
+
+@scalar
+def belt_moment(tight: float, centrifugal: float, friction: float, wrap: float, radius: float) -> float:
+    """Greatest moment of a belt: (T - q v²) (1 - e^(-f alpha)) r.
+
+    Parameters
+    ----------
+    tight, centrifugal : float
+        T of the tight strand, with q v² in it, and q v² [N].
+    friction, wrap, radius : float
+        f, alpha [rad], radius of the pulley r [m].
+
+    Returns
+    -------
+    float
+        [N·m]; 0 where the belt runs too fast to press on the pulley.
+    """
+    return max(tight - centrifugal, 0.0) * gripped_share(friction, wrap) * radius
+
+
+@scalar
+def tight_tension(moment: float, centrifugal: float, friction: float, wrap: float, radius: float) -> float:
+    """Tension of the tight strand that a moment needs: M/(r (1 - e^(-f alpha))) + q v².
+
+    Parameters
+    ----------
+    moment : float
+        M [N·m].
+    centrifugal, friction, wrap, radius : float
+        As for `belt_moment`.
+
+    Returns
+    -------
+    float
+        T [N].
+    """
+    return moment / (radius * gripped_share(friction, wrap)) + centrifugal
+
+
+@scalar
+def speed_of_most_power(tight: float, linear_density: float) -> float:
+    """Speed at which a belt of given tension carries the most power: √(T/(3 q)), where q v² takes a third of it.
+
+    Parameters
+    ----------
+    tight, linear_density : float
+        T [N], q [kg/m].
+
+    Returns
+    -------
+    float
+        [m/s]; infinite for a belt without mass.
+    """
+    return math.sqrt(tight / (3 * linear_density))
+
+
+@scalar
+def shaft_force(tight: float, slack: float, wrap: float) -> float:
+    """Force of both strands on the shaft: √(T1² + T2² - 2 T1 T2 cos(alpha)).
+
+    Parameters
+    ----------
+    tight, slack : float
+        Tensions of the strands without q v², which the belt keeps to itself [N].
+    wrap : float
+        alpha [rad].
+
+    Returns
+    -------
+    float
+        [N]; T1 + T2 for strands side by side, alpha = pi.
+    """
+    # The half angle keeps the digits where the strands nearly cancel.
+    sine = math.sin(wrap / 2)
+    return math.sqrt((tight - slack) * (tight - slack) + 4 * tight * slack * sine * sine)

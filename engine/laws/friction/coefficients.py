@@ -1,0 +1,133 @@
+"""Coefficients of friction: of pairs of materials, with the speed of sliding, and a sign without a step.
+
+Amontons and Coulomb: F = f N against the sliding, f = friction. At rest friction takes any value up to f_s N.
+
+Sources: the ranges of engineering practice as courses of the theory of mechanisms and machines print them; static
+and kinetic values: P. P. Urone and R. Hinrichs, College Physics (OpenStax), table 5.1. Speed: R. Stribeck, 1902, in
+the form of B. Armstrong-Hélouvry, Control of Machines with Friction.
+"""
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from engine.compiling.jit import scalar
+from engine.laws.elementary import exponential, power
+
+# A lining worn in on a half-round seat presses with the cosine of the angle from its middle, a new one evenly: by
+# so much the sum of the pressures exceeds the load that they carry.
+WORN_IN = 4 / math.pi
+NEW = math.pi / 2
+# Exponent of Stribeck's curve in the form of Gauss.
+GAUSS = 2.0
+
+
+class Sliding(NamedTuple):
+    """Least and greatest usual coefficient of sliding friction of two materials."""
+
+    low: float
+    high: float
+
+
+class Pair(NamedTuple):
+    """Static and kinetic coefficient of friction of two materials."""
+
+    static: float
+    kinetic: float
+
+
+SLIDING: Mapping[str, Sliding] = MappingProxyType(
+    {
+        "steel on steel": Sliding(0.18, 0.18),
+        "cast iron on steel": Sliding(0.20, 0.20),
+        "steel on wood": Sliding(0.40, 0.40),
+        "wood on wood": Sliding(0.4, 0.7),
+        "brake lining on metal": Sliding(0.3, 0.8),
+        "rubber on steel": Sliding(0.6, 0.8),
+    }
+)
+
+STATIC_AND_KINETIC: Mapping[str, Pair] = MappingProxyType(
+    {
+        "steel on steel, dry": Pair(0.6, 0.3),
+        "steel on steel, oiled": Pair(0.05, 0.03),
+        "PTFE on steel": Pair(0.04, 0.04),
+        "wood on wood": Pair(0.5, 0.3),
+        "metal on wood": Pair(0.5, 0.3),
+        "rubber on concrete, dry": Pair(1.0, 0.7),
+        "rubber on concrete, wet": Pair(0.7, 0.5),
+        "steel on ice": Pair(0.4, 0.02),
+    }
+)
+
+
+@scalar
+def stribeck(static: float, kinetic: float, speed: float, stribeck_speed: float, exponent: float) -> float:
+    """Coefficient of friction at a speed of sliding: f_k + (f_s - f_k) e^(-(|v|/v_s)^d).
+
+    Parameters
+    ----------
+    static, kinetic : float
+        f_s at rest, f_k at high speed.
+    speed, stribeck_speed : float
+        v, of either sign, and the speed v_s at which the difference has fallen to 1/e [m/s].
+    exponent : float
+        d: 2 (Gauss) and 1 (Tustin) are usual, 0.5 has been measured.
+    """
+    fall = exponential(-power(abs(speed) / stribeck_speed, exponent))
+    return static * fall + kinetic * (1.0 - fall)
+
+
+@scalar
+def tanh_sign(speed: float, width: float) -> float:
+    """The sign of a speed without its step: tanh(v/w).
+
+    Parameters
+    ----------
+    speed, width : float
+        v and w [m/s, or rad/s].
+    """
+    return math.tanh(speed / width)
+
+
+@scalar
+def tanh_sign_error(least_speed: float, width: float) -> float:
+    """Greatest error of `tanh_sign` at |v| >= v_e, and so of F in f N: 1 - tanh(v_e/w).
+
+    Parameters
+    ----------
+    least_speed, width : float
+        v_e >= 0 and w [m/s, or rad/s].
+
+    Returns
+    -------
+    float
+        1 for v_e = 0, 0.036 for 2 w, 9e-5 for 5 w.
+    """
+    return 2 / (math.exp(2 * least_speed / width) + 1)
+
+
+@scalar
+def root_sign(speed: float, width: float) -> float:
+    """The sign of a speed without its step: v/√(v² + w²); no exponential, but it nears the sign slowly.
+
+    Parameters
+    ----------
+    speed, width : float
+        v and w [m/s, or rad/s].
+    """
+    return speed / math.hypot(speed, width)
+
+
+@scalar
+def root_sign_error(least_speed: float, width: float) -> float:
+    """Greatest error of `root_sign` at |v| >= v_e, and so of F in f N: 1 - v_e/√(v_e² + w²), about w²/(2 v_e²).
+
+    Parameters
+    ----------
+    least_speed, width : float
+        v_e >= 0 and w [m/s, or rad/s].
+    """
+    root = math.hypot(least_speed, width)
+    return width / root * (width / (root + least_speed))

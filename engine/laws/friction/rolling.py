@@ -1,0 +1,120 @@
+"""Rolling friction, rolling against sliding, and the friction of two rollers.
+
+Under a load N the pressure of a roller moves ahead of its middle by k, the arm of rolling friction: M = k N. Higher
+pairs roll where that needs less than sliding, and slide where it needs more.
+
+Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (rolling friction); R. S. Khurmi and J. K. Gupta,
+Theory of Machines, chapter 10.
+"""
+
+from engine.compiling.jit import scalar
+
+
+@scalar
+def rolling_moment(normal: float, arm: float) -> float:
+    """Moment of rolling friction: k N.
+
+    Parameters
+    ----------
+    normal, arm : float
+        N [N], k [m].
+
+    Returns
+    -------
+    float
+        [N·m], against the rolling.
+    """
+    return arm * normal
+
+
+@scalar
+def reduced_friction(arm: float, height: float) -> float:
+    """Rolling friction as a coefficient: k/h, the force that rolls over the load.
+
+    Parameters
+    ----------
+    arm, height : float
+        k, and the height of the pull above the contact [m]: r at the roller's axle, 2 r on top of it.
+    """
+    return arm / height
+
+
+@scalar
+def rolls(arm: float, height: float, friction: float) -> float:
+    """1 where a pulled roller rolls, k/h < f, 0 where it slides.
+
+    Parameters
+    ----------
+    arm, height, friction : float
+        k and h as for `reduced_friction` [m], f of sliding.
+    """
+    return 1.0 if arm / height < friction else 0.0
+
+
+@scalar
+def pull(normal: float, arm: float, height: float, friction: float) -> float:
+    """Force that moves a roller, rolling or sliding, whichever needs less: N min(k/h, f).
+
+    Parameters
+    ----------
+    normal, arm, height, friction : float
+        N [N], k and h as for `reduced_friction` [m], f of sliding.
+
+    Returns
+    -------
+    float
+        [N].
+    """
+    return normal * min(arm / height, friction)
+
+
+@scalar
+def plate_on_rollers(load: float, arm_below: float, arm_above: float, diameter: float) -> float:
+    """Force that moves a plate on rollers: Q (k1 + k2)/d, however many carry the load.
+
+    Parameters
+    ----------
+    load : float
+        Q [N].
+    arm_below, arm_above, diameter : float
+        k against the ground and against the plate, d of the rollers [m].
+
+    Returns
+    -------
+    float
+        [N].
+    """
+    return load * (arm_below + arm_above) / diameter
+
+
+@scalar
+def reduced_radius(radius: float, mate_radius: float) -> float:
+    """Radius of the roller on a plane that fits as closely as two rollers do: 1/r = 1/r1 + 1/r2.
+
+    Parameters
+    ----------
+    radius, mate_radius : float
+        r1 and r2 [m]; r2 negative for a hollow one that embraces the first, infinite for a plane.
+    """
+    return radius / (1 + radius / mate_radius)
+
+
+@scalar
+def rollers_moment(normal: float, arm: float, radius: float, mate_radius: float) -> float:
+    """Moment on the first of two rollers that overcomes their rolling friction: k N (1 + r1/r2).
+
+    They roll on each other with the difference of their angular velocities, w1 (1 + r1/r2).
+
+    Parameters
+    ----------
+    normal, arm : float
+        N [N], k [m].
+    radius, mate_radius : float
+        As for `reduced_radius` [m].
+
+    Returns
+    -------
+    float
+        [N·m].
+    """
+    return rolling_moment(normal, arm) * abs(1 + radius / mate_radius)

@@ -1,0 +1,84 @@
+"""What computed positions of a structural group miss of its lengths, guides and directions.
+
+Found from the positions alone, not by the formulas that solve the groups. Every function gives shares of a length, so
+that what is left is some roundings of the machine's extent over the length of the link.
+"""
+
+import math
+
+from engine.compiling.jit import scalar
+
+
+@scalar
+def greater(a: float, b: float) -> float:
+    """The greater of two numbers; NaN if either is."""
+    return a if a >= b or a != a else b
+
+
+@scalar
+def share_of(part: float, whole: float) -> float:
+    """A magnitude as a share of another; 0 where there is nothing of it."""
+    return part / whole if part != 0.0 else part
+
+
+@scalar
+def link_gap(ax: float, ay: float, bx: float, by: float, r: float, c: float, s: float) -> float:
+    """What a link A → B misses of its length, and of B from A along its direction; the greater, as a share of r.
+
+    Parameters
+    ----------
+    ax, ay, bx, by : float
+        Its joints [m].
+    r : float
+        Its length [m].
+    c, s : float
+        Its direction.
+    """
+    x, y = bx - ax, by - ay
+    aside, ahead = y - r * s, x - r * c
+    return greater(abs(math.sqrt(x * x + y * y) - r), math.sqrt(ahead * ahead + aside * aside)) / r
+
+
+@scalar
+def guide_gap(
+    x: float, y: float, gx: float, gy: float, c: float, s: float, offset: float, slide: float, size: float
+) -> float:
+    """What a slider misses of its line and of its place on it; the greater, as a share of a length.
+
+    Parameters
+    ----------
+    x, y : float
+        The slider's joint [m].
+    gx, gy, c, s : float
+        Point and direction of the guide or slot.
+    offset, slide : float
+        Where the joint is to be: to the left of the line, and along it [m].
+    size : float
+        The length [m]; of 0 nothing is missed if nothing is.
+    """
+    lx, ly = x - gx, y - gy
+    return share_of(greater(abs(ly * c - lx * s - offset), abs(lx * c + ly * s - slide)), size)
+
+
+@scalar
+def direction_gap(c: float, s: float, along: float, across: float, cosine: float, sine: float) -> float:
+    """What a direction misses of its angle to another one, and of unit length; both about as angles.
+
+    Parameters
+    ----------
+    c, s : float
+        The direction.
+    along, across : float
+        The other direction.
+    cosine, sine : float
+        Of the angle from the other one to it.
+    """
+    ahead = c * along + s * across - cosine
+    aside = s * along - c * across - sine
+    return math.sqrt(ahead * ahead + aside * aside)
+
+
+@scalar
+def unit_gap(c: float, s: float) -> float:
+    """What a direction misses of unit length."""
+    return abs(math.sqrt(c * c + s * s) - 1.0)

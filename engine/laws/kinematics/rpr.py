@@ -1,0 +1,100 @@
+"""The dyad RPR, a block on a slotted link: block and rocker of the quick-return mechanism, an oscillating cylinder.
+
+Position, rates, and equilibrium of moments about the rocker's pivot D; block and rocker turn as one:
+
+    n · DA = offset
+    w k × DA + slide_rate u = gap
+    m1 + m2 = slide · normal
+
+`engine.laws.kinematics` has the conventions of all groups.
+"""
+
+import math
+
+from engine.compiling.jit import scalar
+from engine.laws.kinematics.closure import greater, guide_gap, unit_gap
+from engine.laws.kinematics.dead_centres import left_over
+from engine.laws.kinematics.vectors import distance
+
+
+@scalar
+def rpr_position(
+    ax: float, ay: float, dx: float, dy: float, offset: float, mode: float
+) -> tuple[float, float, float, float]:
+    """Position of the dyad RPR: a block pivoted at A slides on a slotted link (rocker) pivoted at D.
+
+    Parameters
+    ----------
+    ax, ay, dx, dy : float
+        Outer joints: A of the block, D of the rocker [m].
+    offset : float
+        Distance of A to the left of the slot's line through D [m].
+    mode : float
+        +1: the rocker's direction points from D to the block; −1: away from it.
+
+    Returns
+    -------
+    c, s : float
+        Direction of the slot, that of both links.
+    slide : float
+        Coordinate of A along the slot from D [m].
+    sine : float
+        Cosine of the angle between DA and the slot.
+    """
+    lx, ly = ax - dx, ay - dy
+    d2 = lx * lx + ly * ly
+    d = math.sqrt(d2)
+    slide = mode * math.sqrt(left_over((d - offset) * (d + offset), d2))
+    return (slide * lx + offset * ly) / d2, (slide * ly - offset * lx) / d2, slide, slide / d
+
+
+@scalar
+def rpr_rates(gapx: float, gapy: float, c: float, s: float, offset: float, slide: float) -> tuple[float, float]:
+    """Angular rate w of both links and sliding rate from w k × DA + slide_rate u = gap.
+
+    For velocities the gap is v_A − v_D; for accelerations it is a_A − a_D + w² DA − 2 w slide_rate n.
+    """
+    w = (gapy * c - gapx * s) / slide
+    return w, gapx * c + gapy * s + w * offset
+
+
+@scalar
+def rpr_reactions(
+    f1x: float, f1y: float, m1: float, f2x: float, f2y: float, m2: float, c: float, s: float, slide: float
+) -> tuple[float, float, float, float, float, float]:
+    """Reactions of the dyad RPR: block and rocker turn as one, so their moments about D give the force in the slot.
+
+    Parameters
+    ----------
+    f1x, f1y, m1, f2x, f2y, m2 : float
+        Loads on block and rocker, moments about A and D.
+    c, s, slide : float
+        Direction of the slot and coordinate of A along it from D [m].
+
+    Returns
+    -------
+    ax, ay : float
+        Force in A on the block [N].
+    normal, moment : float
+        Of the rocker on the block [N, N·m], the moment about A.
+    dx, dy : float
+        Force in D on the rocker [N].
+    """
+    normal = (m1 + m2) / slide
+    nx, ny = -normal * s, normal * c
+    return -f1x - nx, -f1y - ny, normal, -m1, nx - f2x, ny - f2y
+
+
+@scalar
+def rpr_closure(ax: float, ay: float, dx: float, dy: float, offset: float, c: float, s: float, slide: float) -> float:
+    """What the block misses of its slot, as a share of DA, and the slot's direction of unit length; the greater.
+
+    Parameters
+    ----------
+    ax, ay, dx, dy, offset : float
+        As for `rpr_position`.
+    c, s, slide : float
+        As it found them.
+    """
+    size = distance(ax, ay, dx, dy)
+    return greater(guide_gap(ax, ay, dx, dy, c, s, offset, slide, size), unit_gap(c, s))

@@ -1,0 +1,133 @@
+"""The dyad RRP, a rod and a slider: connecting rod and piston of the slider-crank mechanism.
+
+Position, rates, and equilibrium of the slider along its guide and of the rod about A, F_B the force in the inner joint
+on the rod:
+
+    |AB| = r1 and n · (B − G) = offset
+    w1 k × AB − slide_rate u = gap
+    u · (F_2 − F_B) = 0 and m1 + AB × F_B = 0
+
+`engine.laws.kinematics` has the conventions of all groups.
+"""
+
+import math
+
+from engine.compiling.jit import scalar
+from engine.laws.kinematics.closure import greater, guide_gap, link_gap
+from engine.laws.kinematics.dead_centres import left_over
+
+
+@scalar
+def rrp_position(
+    ax: float, ay: float, gx: float, gy: float, c: float, s: float, r1: float, offset: float, mode: float
+) -> tuple[float, float, float, float, float, float]:
+    """Position of the dyad RRP: B at r1 from A, on the line parallel to a guide at `offset` to its left.
+
+    Parameters
+    ----------
+    ax, ay : float
+        Outer joint A [m].
+    gx, gy, c, s : float
+        A point of the guide [m] and the guide's direction.
+    r1, offset : float
+        Length AB and offset of B from the guide [m].
+    mode : float
+        +1: the intersection farther along the guide's direction; −1: the other.
+
+    Returns
+    -------
+    bx, by : float
+        Inner joint B [m].
+    c1, s1 : float
+        Direction of the rod A → B.
+    slide : float
+        Coordinate of B along the guide from its point [m].
+    sine : float
+        Cosine of the angle between rod and guide.
+    """
+    lx, ly = ax - gx, ay - gy
+    along = lx * c + ly * s
+    across = ly * c - lx * s - offset
+    root = mode * math.sqrt(left_over((r1 - across) * (r1 + across), r1 * (r1 + abs(offset))))
+    p1x, p1y = root * c + across * s, root * s - across * c
+    return ax + p1x, ay + p1y, p1x / r1, p1y / r1, along + root, root / r1
+
+
+@scalar
+def rrp_rates(
+    gapx: float, gapy: float, r1: float, c1: float, s1: float, c: float, s: float, sine: float
+) -> tuple[float, float]:
+    """Rod's angular rate w1 and slider's rate along the guide from w1 k × AB − slide_rate u = gap.
+
+    For velocities the gap is v − v_A, v the velocity of the guide's point that lies under B; for accelerations
+    it is a − a_A + w1² AB, a with the Coriolis term of the sliding.
+    """
+    # One divisor for both, so that the compiler divides once: the rod's extent along the guide.
+    extent = r1 * sine
+    return (gapy * c - gapx * s) / extent, -(gapx * c1 + gapy * s1) * r1 / extent
+
+
+@scalar
+def rrp_reactions(
+    f1x: float,
+    f1y: float,
+    m1: float,
+    f2x: float,
+    f2y: float,
+    m2: float,
+    r1: float,
+    c1: float,
+    s1: float,
+    c: float,
+    s: float,
+    sine: float,
+) -> tuple[float, float, float, float, float, float]:
+    """Reactions of the dyad RRP: the slider gives the joint's force along the guide, the rod's moments the rest.
+
+    Parameters
+    ----------
+    f1x, f1y, m1, f2x, f2y, m2 : float
+        Loads on rod and slider, moments about A and B.
+    r1, c1, s1, c, s, sine : float
+        As for `rrp_rates`.
+
+    Returns
+    -------
+    ax, ay, bx, by : float
+        Forces in A and B on the rod [N].
+    normal, moment : float
+        Of the guide on the slider [N, N·m], the moment about B.
+    """
+    extent = r1 * sine
+    along = f2x * c + f2y * s
+    across = -(m1 + along * r1 * (c1 * s - s1 * c)) / extent
+    bx, by = along * c - across * s, along * s + across * c
+    return -f1x - bx, -f1y - by, bx, by, across + f2x * s - f2y * c, -m2
+
+
+@scalar
+def rrp_closure(
+    ax: float,
+    ay: float,
+    gx: float,
+    gy: float,
+    c: float,
+    s: float,
+    r1: float,
+    offset: float,
+    bx: float,
+    by: float,
+    c1: float,
+    s1: float,
+    slide: float,
+) -> float:
+    """What the rod misses of its length and direction, and the slider of its guide; the greater, as a share of r1.
+
+    Parameters
+    ----------
+    ax, ay, gx, gy, c, s, r1, offset : float
+        As for `rrp_position`.
+    bx, by, c1, s1, slide : float
+        As it found them.
+    """
+    return greater(link_gap(ax, ay, bx, by, r1, c1, s1), guide_gap(bx, by, gx, gy, c, s, offset, slide, r1))

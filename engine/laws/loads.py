@@ -1,0 +1,159 @@
+"""Loads on a point or a link: resistances that follow the velocity, and springs.
+
+A load is a force (or a moment) along a direction of its own. It is positive along that direction, and v is
+the velocity [m/s, or rad/s for a moment] of the loaded point along the same direction: a resistance is
+negative for v > 0. Per-position functions: floats in and out, float32 or float64, NaN for NaN.
+
+Sources: any textbook of machine dynamics; Coulomb's resistance has no value at rest, which is taken as 0
+here (the middle of what it may be).
+"""
+
+import math
+
+from engine.compiling.jit import scalar
+from engine.laws.elementary import power
+
+
+@scalar
+def constant_against_motion(magnitude: float, v: float) -> float:
+    """Resistance of constant magnitude against the motion, -F sign(v).
+
+    Parameters
+    ----------
+    magnitude : float
+        F [N or N·m].
+    v : float
+        Velocity [m/s or rad/s].
+
+    Returns
+    -------
+    float
+        [N or N·m]; 0 at rest.
+    """
+    if v > 0.0:
+        return -magnitude
+    if v < 0.0:
+        return magnitude
+    # 0 at rest, and NaN where the velocity is not known.
+    return v * magnitude
+
+
+@scalar
+def direction_of_motion(vx: float, vy: float) -> tuple[float, float]:
+    """Unit vector along a velocity.
+
+    Parameters
+    ----------
+    vx, vy : float
+        Velocity [m/s].
+
+    Returns
+    -------
+    c, s : float
+        Zero at rest, NaN where the velocity is not known.
+    """
+    v = math.sqrt(vx * vx + vy * vy)
+    if v == 0.0:
+        return vx, vy
+    return vx / v, vy / v
+
+
+@scalar
+def linear_drag(c: float, v: float) -> float:
+    """Viscous resistance -c v.
+
+    Parameters
+    ----------
+    c : float
+        [N·s/m or N·m·s].
+    v : float
+        Velocity [m/s or rad/s].
+
+    Returns
+    -------
+    float
+        [N or N·m].
+    """
+    return -c * v
+
+
+@scalar
+def quadratic_drag(c: float, v: float) -> float:
+    """Aerodynamic or hydraulic resistance, fan: -c v |v|.
+
+    Parameters
+    ----------
+    c : float
+        [N·s²/m² or N·m·s²]; in a stream, density · drag coefficient · area / 2.
+    v : float
+        Velocity [m/s or rad/s].
+
+    Returns
+    -------
+    float
+        [N or N·m].
+    """
+    return -c * v * abs(v)
+
+
+@scalar
+def power_law_drag(c: float, exponent: float, v: float) -> float:
+    """Resistance -c sign(v) |v|^exponent.
+
+    Parameters
+    ----------
+    c : float
+        Resistance at v = 1 [N or N·m].
+    exponent : float
+        0 (constant against the motion) and above.
+    v : float
+        Velocity [m/s or rad/s].
+
+    Returns
+    -------
+    float
+        [N or N·m]; 0 at rest.
+    """
+    return constant_against_motion(c * power(abs(v), exponent), v)
+
+
+@scalar
+def spring(stiffness: float, free_length: float, length: float) -> float:
+    """Force of a linear spring along its growing length: it pushes its ends apart where it is compressed.
+
+    Parameters
+    ----------
+    stiffness : float
+        [N/m], or [N·m/rad] of a torsion spring.
+    free_length, length : float
+        [m], or angles [rad].
+
+    Returns
+    -------
+    float
+        [N or N·m], stiffness · (free length - length).
+    """
+    return stiffness * (free_length - length)
+
+
+@scalar
+def acts_in_direction(direction: float, v: float) -> float:
+    """Factor of a load that acts in one direction of motion only (cutting, not the return stroke).
+
+    Parameters
+    ----------
+    direction : float
+        +1: acts while v > 0; -1: while v < 0; 0: always.
+    v : float
+        Velocity [m/s or rad/s].
+
+    Returns
+    -------
+    float
+        1.0 or 0.0; NaN where a direction is asked of an unknown velocity.
+    """
+    if direction == 0.0 or direction * v > 0.0:
+        return 1.0
+    if direction * v <= 0.0:
+        return 0.0
+    return v

@@ -1,0 +1,244 @@
+"""Motors: torque as a function of speed, and its constants from what a nameplate says.
+
+The speed omega and the torque have the same positive direction; a motor that turns clockwise has negative
+speeds and a negative torque throughout. `dc_motor` and `induction_motor` are per-position functions (floats
+in and out); the set-up works on whole arrays of variants.
+
+Sources: R. Fischer, Elektrische Maschinen (Kloss' formula, nameplate data); A. E. Fitzgerald, C. Kingsley
+and S. D. Umans, Electric Machinery (equivalent circuit, DC motors).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from engine.compiling.jit import scalar
+
+# Two numbers of a nameplate that agree to this are not told apart.
+NAMEPLATE_TOLERANCE = 1e-12
+
+
+@scalar
+def dc_motor(stall_torque: float, no_load_speed: float, omega: float) -> float:
+    """Torque of a DC motor with constant excitation: the straight line from stall to no load.
+
+    Parameters
+    ----------
+    stall_torque : float
+        Torque at standstill [N·m].
+    no_load_speed : float
+        Speed without load [rad/s]; beyond it the motor brakes.
+    omega : float
+        Speed [rad/s].
+
+    Returns
+    -------
+    float
+        Torque [N·m].
+    """
+    return stall_torque * (no_load_speed - omega) / no_load_speed
+
+
+@scalar
+def induction_motor(
+    breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
+) -> float:
+    """Torque of an induction motor by Kloss' formula.
+
+    M = M_b (2 + a s_b) / (s/s_b + s_b/s + a s_b) with the slip s = (omega_s - omega)/omega_s, here
+    multiplied out by s s_b so that it is 0 at s = 0. It holds for motoring (0 < s < 1), plugging (s > 1)
+    and generating (s < 0).
+
+    Parameters
+    ----------
+    breakdown_torque : float
+        M_b, the greatest torque of the motor as a motor [N·m].
+    breakdown_slip : float
+        s_b, the slip at the breakdown torque.
+    rotor_ratio : float
+        a, twice the ratio of stator resistance to rotor resistance (referred to the stator); 0 gives Kloss'
+        simple formula.
+    synchronous_speed : float
+        omega_s [rad/s].
+    omega : float
+        Speed [rad/s].
+
+    Returns
+    -------
+    float
+        Torque [N·m]. An equivalent circuit has a s_b < 2. Where a fit gives a s_b >= 2, the formula has two
+        poles above synchronous speed; between them it would drive a generator forwards, so it is NaN there.
+    """
+    slip = (synchronous_speed - omega) / synchronous_speed
+    damping = rotor_ratio * breakdown_slip
+    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
+    factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
+    torque = factor * breakdown_slip * slip / denominator
+    # NaN in the arguments' own precision, and without a branch: motors of many variants go side by side.
+    nothing = slip - slip
+    return torque + (nothing / nothing if (slip < 0.0) & (denominator <= 0.0) else nothing)
+
+
+@scalar
+def induction_motor_slope(
+    breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
+) -> float:
+    """Derivative of `induction_motor` by the speed, dM/domega = −(dM/ds)/omega_s [N·m·s]; parameters as there."""
+    slip = (synchronous_speed - omega) / synchronous_speed
+    damping = rotor_ratio * breakdown_slip
+    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
+    factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
+    rise = (breakdown_slip - slip) * (breakdown_slip + slip) / denominator / denominator
+    return -factor * breakdown_slip * rise / synchronous_speed
+
+
+def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_speed: ArrayLike) -> np.ndarray:
+    """Stall torque of a DC motor from its nameplate.
+
+    Parameters
+    ----------
+    power : array_like
+        Rated mechanical power [W].
+    rated_speed, no_load_speed : array_like
+        [rad/s]; the rated speed lies between 0 and the no-load speed. All three broadcast.
+
+    Returns
+    -------
+    numpy.ndarray
+        Stall torque [N·m] for `dc_motor`; NaN where the nameplate isn't a motor's.
+    """
+    power, rated_speed, no_load_speed = _floats(power, rated_speed, no_load_speed)
+    with np.errstate(all="ignore"):
+        slip = (no_load_speed - rated_speed) / no_load_speed
+        sound = (power > 0.0) & (slip > 0.0) & (slip < 1.0)
+        return np.where(sound, power / rated_speed / slip, np.nan)
+
+
+def kloss_from_nameplate(
+    power: ArrayLike,
+    rated_speed: ArrayLike,
+    synchronous_speed: ArrayLike,
+    breakdown_ratio: ArrayLike,
+    starting_ratio: ArrayLike | None = None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Constants of Kloss' formula from an induction motor's nameplate.
+
+    With rated slip s_n, rated torque M_n = power / rated speed, λ = M_b/M_n and σ = M(1)/M_n. Without σ the
+    simple formula (a = 0) through the rated point gives s_b = s_n (λ + √(λ² - 1)). With σ the formula runs
+    through the rated point and the starting point. Both are linear in a s_b,
+
+        (λ - 1) a s_b = s_n/s_b + s_b/s_n - 2 λ,        (λ - σ) a s_b = σ (1/s_b + s_b) - 2 λ,
+
+    and what remains without a s_b is quadratic in s_b: P s_b² + 2 λ (σ - 1) s_b + Q = 0 with
+    P = (λ - σ)/s_n - (λ - 1) σ and Q = (λ - σ) s_n - (λ - 1) σ. Its left side is
+    -σ (λ - 1) (1 - s_n)² < 0 at s_n and (λ - σ) (1 - s_n)²/s_n > 0 at 1: for σ < λ exactly one root lies
+    between.
+
+    Parameters
+    ----------
+    power : array_like
+        Rated mechanical power [W].
+    rated_speed, synchronous_speed : array_like
+        [rad/s].
+    breakdown_ratio : array_like
+        λ, breakdown torque / rated torque.
+    starting_ratio : array_like, optional
+        σ, starting torque / rated torque. All arguments broadcast.
+
+    Returns
+    -------
+    breakdown_torque : numpy.ndarray
+        [N·m].
+    breakdown_slip : numpy.ndarray
+    rotor_ratio : numpy.ndarray
+        a >= 0. All three are NaN where there is no solution; `nameplate_trouble` says why.
+    """
+    # 1.0 only fills the place of a starting ratio that isn't asked for.
+    start = 1.0 if starting_ratio is None else starting_ratio
+    power, rated, synchronous, most, start = _floats(power, rated_speed, synchronous_speed, breakdown_ratio, start)
+    with np.errstate(all="ignore"):
+        rated_slip = (synchronous - rated) / synchronous
+        sound = (power > 0.0) & (rated_slip > 0.0) & (rated_slip < 1.0) & (most > 1.0) & (most < np.inf)
+        breakdown_slip = _simple_breakdown_slip(rated_slip, most)
+        ratio = np.zeros_like(breakdown_slip)
+        if starting_ratio is not None:
+            least = _simple_starting_ratio(breakdown_slip, most) * (1.0 - NAMEPLATE_TOLERANCE)
+            sound &= (breakdown_slip < 1.0) & (start >= least) & (start < most)
+            breakdown_slip = _breakdown_slip(rated_slip, most, start)
+            excess = rated_slip / breakdown_slip + breakdown_slip / rated_slip - 2.0 * most
+            ratio = np.maximum(excess, 0.0) / (most - 1.0) / breakdown_slip
+        constants = (most * power / rated, breakdown_slip, ratio)
+        return tuple(np.where(sound, constant, np.nan) for constant in constants)
+
+
+def nameplate_trouble(
+    power: float,
+    rated_speed: float,
+    synchronous_speed: float,
+    breakdown_ratio: float,
+    starting_ratio: float | None = None,
+) -> str | None:
+    """Why `kloss_from_nameplate` has no answer for one motor.
+
+    Parameters
+    ----------
+    power, rated_speed, synchronous_speed, breakdown_ratio, starting_ratio : float
+        As there, of one variant.
+
+    Returns
+    -------
+    str or None
+        The reason and the mend in words; None where there is an answer.
+    """
+    if not power > 0.0:
+        return f"power = {power} W: a motor's rated power is positive"
+    rated_slip = (synchronous_speed - rated_speed) / synchronous_speed if synchronous_speed else np.nan
+    if not 0.0 < rated_slip < 1.0:
+        return (
+            f"rated_speed = {rated_speed} rad/s: it lies between 0 and the synchronous speed"
+            f" ({synchronous_speed} rad/s), usually 1 to 8 % below it"
+        )
+    if not 1.0 < breakdown_ratio < np.inf:
+        return f"breakdown_ratio = {breakdown_ratio}: it is above 1, usually 2 to 3.5 times the rated torque"
+    if starting_ratio is None:
+        return None
+    if not starting_ratio < breakdown_ratio:
+        return (
+            f"starting_ratio = {starting_ratio}: the starting torque is below the breakdown torque"
+            f" ({breakdown_ratio} times the rated torque); for another kind of motor give a table"
+        )
+    slip = float(_simple_breakdown_slip(rated_slip, breakdown_ratio))
+    if not slip < 1.0:
+        return (
+            f"rated_speed = {rated_speed} rad/s: with breakdown_ratio = {breakdown_ratio} this slip puts the"
+            f" breakdown at or below standstill (slip {slip:.3g}); leave starting_ratio out"
+        )
+    least = float(_simple_starting_ratio(slip, breakdown_ratio))
+    if starting_ratio < least * (1.0 - NAMEPLATE_TOLERANCE):
+        return (
+            f"starting_ratio = {starting_ratio}: with this slip and breakdown_ratio Kloss' formula gives"
+            f" {least:.4g} or more; leave starting_ratio out, or give the curve as a table"
+        )
+    return None
+
+
+def _floats(*values: ArrayLike) -> list[np.ndarray]:
+    return list(np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in values)))
+
+
+def _simple_breakdown_slip(rated_slip: ArrayLike, most: ArrayLike) -> np.ndarray:
+    """s_b of Kloss' simple formula; λ² - 1 is factored for the sake of λ near 1."""
+    return rated_slip * (most + np.sqrt((most - 1.0) * (most + 1.0)))
+
+
+def _simple_starting_ratio(breakdown_slip: ArrayLike, most: ArrayLike) -> np.ndarray:
+    """M(1)/M_n of Kloss' simple formula: the least that a >= 0 can give."""
+    return 2.0 * most / (1.0 / breakdown_slip + breakdown_slip)
+
+
+def _breakdown_slip(rated_slip: np.ndarray, most: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Root of the quadratic where it grows, in the form without cancellation for either sign of σ - 1."""
+    p = (most - start) / rated_slip - (most - 1.0) * start
+    q = (most - start) * rated_slip - (most - 1.0) * start
+    half = most * (start - 1.0)
+    root = np.sqrt(half * half - p * q)
+    return np.where(half >= 0.0, -q / (half + root), (root - half) / p)

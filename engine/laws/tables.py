@@ -1,0 +1,383 @@
+"""Characteristics given as tables: piecewise cubics, set up once by SciPy, evaluated point by point.
+
+Every interpolation ends up in the same form, a cubic for each interval, so that a kernel knows only
+one evaluator. What a table does outside its rows is put into the pieces as well.
+
+Sources: C. de Boor, A Practical Guide to Splines (the cubic spline and the piecewise form);
+F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
+SIAM J. Sci. Stat. Comput. 5 (1984) (the slopes of "pchip", as in SciPy).
+"""
+
+import math
+from difflib import get_close_matches
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from engine.compiling.jit import scalar
+
+INTERPOLATIONS = ("linear", "pchip", "spline")
+OUTSIDE = ("hold", "zero")
+
+# Angles and times come rounded (6.28319 for a revolution, degrees turned into radians). A last row this
+# close to a whole period, relative to the period, is the closing row; values this close, relative to the
+# largest, agree.
+CLOSING_TOLERANCE = 1e-5
+
+
+class TableError(ValueError):
+    """Rows from which no table can be made; the text names the row, the value and the mend."""
+
+
+class Table(NamedTuple):
+    """A piecewise cubic in the form that `table_value` evaluates.
+
+    Attributes
+    ----------
+    breaks : numpy.ndarray, shape (n + 1,)
+        Where the pieces begin and end. The first and the last piece reach to infinity.
+    coefficients : numpy.ndarray, shape (n, 4)
+        Of each piece, highest power first, in the distance from the piece's first break.
+    start : float
+        Where the period that the rows describe begins.
+    period : float
+        Length of the period; 0.0 where the table isn't periodic.
+    """
+
+    breaks: np.ndarray
+    coefficients: np.ndarray
+    start: float
+    period: float
+
+
+def make_table(
+    x: ArrayLike,
+    y: ArrayLike,
+    interpolation: str,
+    period: float = 0.0,
+    outside: str = "hold",
+    names: tuple[str, str] = ("x", "y"),
+) -> Table:
+    """Make a piecewise cubic through rows of x and y.
+
+    Parameters
+    ----------
+    x : array_like, shape (rows,)
+        Ascending. With "linear" interpolation two rows may share an x: a step, where the value is that of
+        the second row.
+    y : array_like, shape (rows,)
+        Value of each row.
+    interpolation : {"linear", "pchip", "spline"}
+        Straight lines; monotone cubics (no overshoot, continuous slope); the cubic spline (continuous
+        curvature), natural or, with a period, periodic.
+    period : float
+        0.0 (not periodic) or the length of the period in x, of which the rows span at most one. Without a
+        row at the end of the period the first row closes it.
+    outside : {"hold", "zero"}
+        The value beyond the rows: that of the end row, or zero (the end rows themselves belong to the
+        table). Without meaning for a periodic table.
+    names : (str, str)
+        What x and y are called in messages.
+
+    Returns
+    -------
+    Table
+        Its arrays are float64. In float32, "zero" begins at the last row, not just after it.
+
+    Raises
+    ------
+    TableError
+        For rows that aren't finite numbers, don't match, are too few or out of order, for a step that the
+        interpolation can't make, a period that is too short or doesn't close, and unknown names.
+    """
+    _check_name("interpolation", interpolation, INTERPOLATIONS)
+    _check_name("outside", outside, OUTSIDE)
+    if not (np.isfinite(period) and period >= 0.0):
+        raise TableError(f"period = {period}: give a positive length, or 0 for a table that doesn't repeat")
+    x, y = _numbers(x, y, names)
+    if period:
+        x, y = _closed(x, y, float(period), names)
+    _check_order(x, interpolation, names[0])
+    coefficients = _coefficients(x, y, interpolation, bool(period), names[0])
+    if period:
+        return Table(x, coefficients, float(x[0]), float(period))
+    breaks, coefficients = _with_ends(x, y, coefficients, outside)
+    return Table(breaks, coefficients, float(x[0]), 0.0)
+
+
+@scalar
+def piece_of(breaks: np.ndarray, pieces: int, u: float) -> int:
+    """The piece of a table in which u lies; at a step the one after it."""
+    piece, above = 0, pieces
+    while above - piece > 1:
+        middle = (piece + above) // 2
+        if breaks[middle] <= u:
+            piece = middle
+        else:
+            above = middle
+    return piece
+
+
+@scalar
+def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, period: float, x: float) -> float:
+    """Value of a table at x; the arguments before x are the fields of `Table`.
+
+    Parameters
+    ----------
+    breaks : array of float, shape (n + 1,)
+    coefficients : array of float, shape (n, 4)
+    start, period : float
+    x : float
+
+    Returns
+    -------
+    float
+        At a step the value after it; NaN for NaN.
+    """
+    u = x
+    if period > 0.0 and (x < start or x >= start + period):
+        u = start + (x - start) % period
+    piece = piece_of(breaks, coefficients.shape[0], u)
+    t = u - breaks[piece]
+    value = coefficients[piece, 0]
+    for power in range(1, 4):
+        value = value * t + coefficients[piece, power]
+    return value
+
+
+def in_memory(table: Table) -> np.ndarray:
+    """A table as a row of numbers, in which `table_segment` finds its way.
+
+    Parameters
+    ----------
+    table : Table
+
+    Returns
+    -------
+    numpy.ndarray, shape (4 + 5 n,)
+        Number n of pieces, start, period, the breaks, and the coefficients of one piece after another.
+    """
+    head = (float(table.coefficients.shape[0]), table.start, table.period)
+    return np.concatenate((head, table.breaks, table.coefficients.ravel()))
+
+
+@scalar
+def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, float, float, float, float]:
+    """The cubic that a table is at x: c3 t³ + c2 t² + c1 t + c0, t = x − left.
+
+    Held over a stretch of x without a break of the table, it is smooth up to both ends of the stretch.
+
+    Parameters
+    ----------
+    memory : array of float64, one-dimensional
+        Several tables, each as from `in_memory`.
+    offset : float
+        Where the table begins in it.
+    x : float
+
+    Returns
+    -------
+    left : float
+        Where the piece begins; of a periodic table, in the period of x.
+    c3, c2, c1, c0 : float
+        At a step those after it.
+    """
+    at = int(offset)
+    pieces, start, period = int(memory[at]), memory[at + 1], memory[at + 2]
+    breaks = at + 3
+    shift = 0.0
+    if period > 0.0 and (x < start or x >= start + period):
+        shift = math.floor((x - start) / period) * period
+    piece = piece_of(memory[breaks : breaks + pieces + 1], pieces, x - shift)
+    left = memory[breaks + piece] + shift
+    first = breaks + pieces + 1 + 4 * piece
+    return left, memory[first], memory[first + 1], memory[first + 2], memory[first + 3]
+
+
+@scalar
+def segment_value(left: float, c3: float, c2: float, c1: float, c0: float, x: float) -> float:
+    """Value at x of a cubic from `table_segment`; NaN for NaN."""
+    t = x - left
+    return ((c3 * t + c2) * t + c1) * t + c0
+
+
+@scalar
+def segment_slope(left: float, c3: float, c2: float, c1: float, x: float) -> float:
+    """Derivative at x of a cubic from `table_segment`; NaN for NaN."""
+    t = x - left
+    return (3.0 * c3 * t + 2.0 * c2) * t + c1
+
+
+@scalar
+def table_integral(breaks: np.ndarray, coefficients: np.ndarray, x: float) -> float:
+    """Integral of a table that isn't periodic, from its first row to x.
+
+    Parameters
+    ----------
+    breaks : array of float, shape (n + 1,)
+    coefficients : array of float, shape (n, 5)
+        From `integrated`.
+    x : float
+    """
+    piece = piece_of(breaks, coefficients.shape[0], x)
+    t = x - breaks[piece]
+    value = coefficients[piece, 0]
+    for power in range(1, 5):
+        value = value * t + coefficients[piece, power]
+    return value
+
+
+@scalar
+def integral_near(breaks: np.ndarray, coefficients: np.ndarray, x: float, piece: int) -> tuple[float, int]:
+    """The same, and the piece in which x lies, looked for from a piece near it; NaN for NaN."""
+    while piece + 1 < coefficients.shape[0] and breaks[piece + 1] <= x:
+        piece += 1
+    while piece > 0 and breaks[piece] > x:
+        piece -= 1
+    t = x - breaks[piece]
+    value = coefficients[piece, 0]
+    for power in range(1, 5):
+        value = value * t + coefficients[piece, power]
+    return value, piece
+
+
+def integrated(table: Table) -> Table:
+    """The integral of a table that isn't periodic, 0 at its first row: for `table_integral`, of degree four."""
+    pieces = np.zeros((table.coefficients.shape[0], 5))
+    pieces[:, :4] = table.coefficients / np.array([4.0, 3.0, 2.0, 1.0])
+    lengths = np.diff(table.breaks)
+    areas = np.zeros(lengths.size)
+    for power in range(5):
+        areas = areas * lengths + pieces[:, power]
+    # The first piece begins at the first row and reaches to the left of it.
+    pieces[:, 4] = np.concatenate(([0.0], np.cumsum(areas)[:-1]))
+    return Table(table.breaks, pieces, table.start, table.period)
+
+
+def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:
+    if name not in allowed:
+        near = get_close_matches(str(name), allowed, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise TableError(f"{key} = {name!r}: choose one of {', '.join(map(repr, allowed))}{hint}")
+
+
+def _numbers(x: ArrayLike, y: ArrayLike, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
+    """Both columns as float64, of the same length, with at least two finite rows."""
+    columns = []
+    for key, column in zip(names, (x, y), strict=True):
+        try:
+            numbers = np.asarray(column, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise TableError(f"{key}: {error}; every row needs one plain number") from error
+        if numbers.ndim != 1:
+            raise TableError(f"{key} has {numbers.ndim} dimensions; give it as one list of numbers")
+        columns.append(numbers)
+    if columns[0].size != columns[1].size:
+        raise TableError(
+            f"{names[0]} has {columns[0].size} rows, {names[1]} has {columns[1].size};"
+            f" give one {names[1]} for every {names[0]}"
+        )
+    if columns[0].size < 2:
+        raise TableError(f"the table has {columns[0].size} row(s); give at least 2")
+    for key, numbers in zip(names, columns, strict=True):
+        wrong = np.flatnonzero(~np.isfinite(numbers))
+        if wrong.size:
+            row = wrong[0]
+            raise TableError(f"row {row + 1}: {key} = {numbers[row]} is not finite; correct or remove it")
+    return columns[0], columns[1]
+
+
+def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
+    """Rows over exactly one period, the last one repeating the first one's value."""
+    end = x[0] + period
+    x = np.where(np.abs(x - end) <= CLOSING_TOLERANCE * period, end, x)
+    beyond = np.flatnonzero(x > end)
+    if beyond.size:
+        row = beyond[0]
+        raise TableError(
+            f"row {row + 1}: {names[0]} = {x[row]} is more than one period ({period}) after the first row"
+            f" ({x[0]}); remove the rows from there on, or correct the period"
+        )
+    if x[-1] < end:
+        return np.append(x, end), np.append(y, y[0])
+    if abs(y[-1] - y[0]) > CLOSING_TOLERANCE * np.abs(y).max():
+        raise TableError(
+            f"row {x.size}: {names[1]} = {y[-1]} one period after the first row, whose {names[1]} = {y[0]}; make them"
+            f' equal (for a step there: interpolation "linear", and one more row with the same {names[0]} and the'
+            f" first {names[1]})"
+        )
+    return x, np.append(y[:-1], y[0])
+
+
+def _check_order(x: np.ndarray, interpolation: str, name: str) -> None:
+    gaps = np.diff(x)
+    if (gaps < 0.0).any():
+        row = np.flatnonzero(gaps < 0.0)[0] + 1
+        raise TableError(f"row {row + 1}: {name} = {x[row]} is below row {row}'s {x[row - 1]}; sort the rows by {name}")
+    steps = np.flatnonzero(gaps == 0.0) + 1
+    if steps.size and interpolation != "linear":
+        row = steps[0]
+        raise TableError(
+            f"row {row + 1}: {name} = {x[row]} is also row {row}'s; remove one of them, or, if a step is meant,"
+            f' use interpolation "linear" instead of {interpolation!r}'
+        )
+    thirds = np.flatnonzero((gaps[1:] == 0.0) & (gaps[:-1] == 0.0)) + 2
+    if thirds.size:
+        row = thirds[0]
+        raise TableError(f"row {row + 1}: {name} = {x[row]} for the third time; a step needs two rows, remove one")
+    if gaps.max() == 0.0:
+        raise TableError(f"row {x.size}: every row has {name} = {x[0]}; give at least two different ones")
+
+
+def _coefficients(x: np.ndarray, y: np.ndarray, interpolation: str, periodic: bool, name: str) -> np.ndarray:
+    """Coefficients of the pieces between the rows, shape (rows - 1, 4)."""
+    with np.errstate(all="ignore"):
+        try:
+            if interpolation == "linear":
+                pieces = _straight(x, y)
+            elif interpolation == "pchip":
+                pieces = _monotone(x, y, periodic)
+            else:
+                pieces = CubicSpline(x, y, bc_type="periodic" if periodic else "natural").c.T
+        except ValueError:
+            pieces = np.full((x.size - 1, 4), np.nan)
+    if not np.isfinite(pieces).all():
+        gap = np.diff(x)
+        row = np.flatnonzero(gap == gap[gap > 0.0].min())[0] + 1
+        raise TableError(
+            f"rows {row} and {row + 1}: {name} = {x[row - 1]} and {x[row]} are too close to put a curve through;"
+            " remove one of them"
+        )
+    return np.ascontiguousarray(pieces)
+
+
+def _straight(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    step = np.diff(x) == 0.0
+    pieces = np.zeros((x.size - 1, 4))
+    pieces[:, 2] = np.where(step, 0.0, np.diff(y) / np.diff(x))
+    pieces[:, 3] = np.where(step, y[1:], y[:-1])
+    return pieces
+
+
+def _monotone(x: np.ndarray, y: np.ndarray, periodic: bool) -> np.ndarray:
+    """PCHIP; a slope depends on the neighbouring rows only, so one row more each side makes it periodic."""
+    if not periodic:
+        return PchipInterpolator(x, y).c.T
+    period = x[-1] - x[0]
+    x = np.concatenate(([x[-2] - period], x, [x[1] + period]))
+    y = np.concatenate((y[-2:-1], y, y[1:2]))
+    return PchipInterpolator(x, y).c.T[1:-1]
+
+
+def _with_ends(x: np.ndarray, y: np.ndarray, coefficients: np.ndarray, outside: str) -> tuple[np.ndarray, np.ndarray]:
+    """Add a constant piece before the first row and one after the last."""
+    before, after = np.zeros((2, 1, 4))
+    end = x[-1]
+    if outside == "hold":
+        before[0, 3], after[0, 3] = y[0], y[-1]
+    else:
+        end = np.nextafter(end, np.inf)
+    breaks = np.concatenate((x[:1], x[:-1], [end, end]))
+    return breaks, np.concatenate((before, coefficients, after))

@@ -1,0 +1,42 @@
+"""The brakes of a scene: the moment of each, for every variant."""
+
+import numpy as np
+
+from engine.laws.brakes import (
+    band_brake,
+    block_brake,
+    disc_brake,
+    long_block_factor,
+    uniform_pressure_radius,
+    uniform_wear_radius,
+)
+from engine.scene.actions import BandBrake, BlockBrake, Brake
+from engine.scene.scene import Numbers
+
+_BAND = ("force", "lever_arm", "slack_arm", "tight_arm", "friction", "wrap", "radius")
+
+
+def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarray:
+    """Moment of a brake on its drum or disc [N·m], for every variant.
+
+    Parameters
+    ----------
+    brake : Brake
+    at : str
+        Its path in the scene.
+    numbers : Numbers
+    """
+    if isinstance(brake, BandBrake):
+        return _each(band_brake, *(numbers[f"{at}.{key}"] for key in _BAND))
+    force, friction = numbers[f"{at}.force"], numbers[f"{at}.friction"]
+    if isinstance(brake, BlockBrake):
+        factor = _each(long_block_factor, 0.5 * numbers[f"{at}.embrace"])
+        return _each(block_brake, force, friction * factor, numbers[f"{at}.radius"], float(brake.blocks))
+    mean_radius = uniform_wear_radius if brake.linings == "worn in" else uniform_pressure_radius
+    radius = _each(mean_radius, numbers[f"{at}.inner_radius"], numbers[f"{at}.outer_radius"])
+    return _each(disc_brake, force, friction, radius, float(brake.faces))
+
+
+def _each(law, *arguments: float | np.ndarray) -> np.ndarray:  # noqa: ANN001
+    """A scalar law of whole arrays."""
+    return np.vectorize(law, otypes=[float])(*arguments)

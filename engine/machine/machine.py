@@ -1,0 +1,456 @@
+"""A machine made ready to answer what is asked, for one variant or for millions."""
+
+import math
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+
+import numpy as np
+
+from engine.elements.element_columns import ElementColumns, element_summaries
+from engine.equal_positions.rows_machine import RowsMachine
+from engine.graph.nodes import Node, Number
+from engine.machine.checks import check_names, check_positions, given_numbers
+from engine.machine.computed import all_levels, computed_levels
+from engine.machine.kept_fields import KeptFields, fill_cycle_numbers
+from engine.machine.measuring import Answers, Measuring
+from engine.machine.results import AskError, Outcome, blank, field_room, front_of
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.machine import register_of
+from engine.quantities.quantity import STATISTICS, Quantity
+from engine.quantities.register import Field, Summary
+from engine.scene.parts import CrankInput
+from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.verdicts import Verdict
+
+# What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
+CLOSELY = 1e-9
+# A group whose transmission quality falls below this is singular: about the root of the rounding error.
+SINGULAR_SINE = 1e-7
+# Equally spaced positions at which variants that fail are looked at, to say where.
+LOOKED_AT = 720
+# What compares two numbers with one of them, and is zero where they agree.
+_RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
+
+POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1")
+ACCURACY_REACHED = Quantity("accuracy_reached", "1 where every error figure is within the asked accuracy, else 0", "1")
+OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
+
+
+class Machine:
+    """A scene with what is asked of it: summaries and fields.
+
+    Summaries are measured on the cycle of every variant, cut where a load of that variant sets in and divided as finely
+    as its curves need. Fields are kept at equally spaced positions.
+
+    Parameters
+    ----------
+    scene : Scene
+    summaries, fields : iterable of str
+        Names from `available_summaries` and `available_fields`.
+    varied : iterable of str
+        Paths of the scene's numbers that `evaluate` will be given.
+    positions : int
+        Intervals per cycle (or over the input's range) of the kept fields, even, at least 8.
+    dtype : float64 or float32
+        Of the kept fields; summaries are always computed in float64.
+    accuracy : float, optional
+        Allowed error of every summary, as a share of its magnitude; of a statistic of a field, of the field's peak.
+        Without it summaries are as accurate as costs next to nothing.
+
+    Raises
+    ------
+    SceneError
+        The scene can't be ordered into structural groups.
+    AskError
+        Something asked doesn't exist.
+
+    Examples
+    --------
+    >>> from engine import Machine, Scene
+    >>> scene = Scene.model_validate({
+    ...     "points": {"O": {"x": 0, "y": 0}},
+    ...     "guides": {"way": {}},
+    ...     "input": {"type": "crank", "pivot": "O", "pin": "A", "length": "50 mm", "speed": "60 rpm"},
+    ...     "groups": {"g": {"type": "RRP", "inner": "B",
+    ...                      "first": {"link": "rod", "joint": "A", "length": "200 mm"},
+    ...                      "second": {"link": "ram", "guide": "way"}}},
+    ... })
+    >>> outcome = Machine(scene, summaries=["ram.stroke"]).evaluate({})
+    >>> round(float(outcome.summaries["ram.stroke"][0]), 12)
+    0.1
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        summaries: Iterable[str] = (),
+        fields: Iterable[str] = (),
+        varied: Iterable[str] = (),
+        positions: int = 720,
+        dtype: type = np.float64,
+        accuracy: float | None = None,
+    ) -> None:
+        if accuracy is not None and not 0.0 < accuracy < 1.0:
+            raise AskError(f"accuracy = {accuracy!r}: a share between 0 and 1 is needed, such as 0.001 or '0.1 %'")
+        check_positions(positions)
+        self.scene, self.positions, self.dtype, self.accuracy = scene, positions, np.dtype(dtype), accuracy
+        self.varied = tuple(varied)
+        self.asked_summaries, self.asked_fields = list(summaries), list(fields)
+        self._limits = scene_numbers(scene)
+        check_names(self.varied, self._limits, "number of the scene")
+        if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
+            raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
+        self.mechanics = Mechanics(scene, frozenset(self.varied))
+        self.register = register_of(self.mechanics)
+        self._elements = ElementColumns(scene, self.asked_summaries)
+        own = {*self._elements.names, *OF_ACCURACY}
+        measured = [n for n in self.asked_summaries if n not in own and self._is_measured(n)]
+        self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
+        self._rest = [n for n in self.asked_summaries if n not in own and n not in self._summaries]
+        self._fields: dict[str, Field] = {n: self.register.fields[n] for n in self.asked_fields if self._is_kept(n)}
+        self._rest_fields = [n for n in self.asked_fields if n not in self._fields]
+        if self._rest or self._rest_fields:
+            self._rows.check()
+
+    def _is_measured(self, name: str) -> bool:
+        """Whether a summary is measured on the cycle; statistics of angles aren't yet."""
+        field, _, statistic = name.rpartition(".")
+        if statistic in STATISTICS and field in self.register.fields:
+            return isinstance(self.register.fields[field].curve(), Node)
+        if ".swing" in name and not self.mechanics.has_cycle:
+            return False
+        return self.register.summary(name) is not None
+
+    def _is_kept(self, name: str) -> bool:
+        return name in self.register.fields
+
+    @cached_property
+    def _rows(self) -> "_RowsPart":
+        """What isn't measured on the cycle yet."""
+        return _RowsPart(self)
+
+    # What may be asked
+
+    @property
+    def available_fields(self) -> dict[str, Quantity]:
+        """Every field one may ask of this scene."""
+        own = {name: Quantity(*field[:3]) for name, field in self.register.fields.items()}
+        return own | {n: q for n, q in self._rows.available_fields.items() if n not in own}
+
+    @property
+    def available_summaries(self) -> dict[str, Quantity]:
+        """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
+        own = {name: Quantity(*summary[:3]) for name, summary in self.register.summaries.items()}
+        own |= {name: Quantity(*summary[:3]) for name, summary in self._summaries.items()}
+        others = {n: q for n, q in self._rows.available_summaries.items() if n not in own}
+        elements = {q.name: q for q in element_summaries(self.scene)}
+        return own | others | elements | {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
+
+    # Positions of the kept fields
+
+    @property
+    def has_cycle(self) -> bool:
+        """Whether the input turns fully."""
+        return self.mechanics.has_cycle
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Positions of the kept fields: crank angles [rad], or shares of the range of a sliding input."""
+        drive = self.scene.input
+        if self.has_cycle:
+            return np.arange(self.positions) * (2 * math.pi * drive.revolutions / self.positions)
+        share = np.arange(self.positions + 1) / self.positions
+        return drive.start + (drive.stop - drive.start) * share if isinstance(drive, CrankInput) else share
+
+    @property
+    def input_values(self) -> np.ndarray:
+        """Values of the input at these positions of the scene as it is [rad, or m of a sliding input]."""
+        drive = self.scene.input
+        if isinstance(drive, CrankInput):
+            return self.nodes
+        return drive.start + (drive.stop - drive.start) * self.nodes
+
+    # What is computed
+
+    @cached_property
+    def _kept(self) -> KeptFields:
+        return KeptFields([field.curve() for field in self._fields.values()], self.dtype, self._title)
+
+    @property
+    def _title(self) -> str:
+        return f"The functions of one machine: {self.scene.title or 'untitled'}."
+
+    @cached_property
+    def measuring(self) -> Measuring:
+        """Functions and plan for all that is measured."""
+        expressions = [summary.expression() for summary in self._summaries.values()]
+        tolerance = CLOSELY if self.accuracy is None else min(1e-2 * self.accuracy, 1e-4)
+        return Measuring(self.mechanics, expressions, self._kept.nodes, tolerance)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
+        return tuple(self.scene.groups)
+
+    def source(self) -> str:
+        """The printed functions, to be read."""
+        text = self.measuring.functions.text
+        return f"{text}\n\n{self._kept.text(self.measuring.functions)}" if self._fields else text
+
+    @property
+    def numbers_kept(self) -> int:
+        """Numbers of each variant that are laid out for the printed functions."""
+        return len(self.measuring.functions.rows)
+
+    @property
+    def computed(self) -> dict[str, list[str]]:
+        """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
+        return computed_levels(self.mechanics, self.measuring.curves)
+
+    @property
+    def left_out(self) -> dict[str, list[str]]:
+        """Levels that nothing asked needs."""
+        everything, kept = all_levels(self.mechanics), self.computed
+        missing = {s: [level for level in levels if level not in kept.get(s, ())] for s, levels in everything.items()}
+        return {subject: levels for subject, levels in missing.items() if levels}
+
+    def decides_shape(self, path: str) -> bool:
+        """Whether a number decides the shape of the motion, not only masses and loads.
+
+        Parameters
+        ----------
+        path : str
+            Of a number of the scene.
+        """
+        as_it_is = Numbers(self._limits, {})
+        changed = Numbers(self._limits, {path: np.array([1.1 * as_it_is[path] + 0.01])})
+        shape = [n for n in self.measuring.functions.numbers if isinstance(n, Number) and n.role == "shape"]
+        with np.errstate(all="ignore"):
+            return any(
+                not np.allclose(n.compute(as_it_is), n.compute(changed), rtol=0, atol=0, equal_nan=True) for n in shape
+            )
+
+    @property
+    def schedule(self) -> object | None:
+        """The regimes, where anything of them is asked."""
+        return self._rows.machine.schedule if self._rest or self._rest_fields else None
+
+    def new_buffer(self, variants: int) -> np.ndarray:
+        """Memory for the asked fields of a number of variants; worth reusing from block to block."""
+        return field_room((len(self.asked_fields), variants, self.nodes.size), self.dtype)
+
+    # Evaluation
+
+    def evaluate(
+        self,
+        varied: Mapping[str, np.ndarray],
+        drop: np.ndarray | None = None,
+        buffer: np.ndarray | None = None,
+    ) -> Outcome:
+        """Evaluate a set of variants.
+
+        Parameters
+        ----------
+        varied : mapping of path to ndarray (variants,)
+            Values (SI) of the paths named as varied; empty for the scene as it is, one variant.
+        drop : ndarray (variants,) of bool, optional
+            Variants not to evaluate; their status is DROPPED.
+        buffer : ndarray (asked fields, at least variants, positions), optional
+            Memory for the fields, from `new_buffer`; the outcome's fields are views of it.
+
+        Raises
+        ------
+        AskError
+            The paths are not those the machine was made for.
+        """
+        arrays, status = given_numbers(self._limits, self.varied, varied, drop)
+        variants = status.size
+        keep = np.flatnonzero(status == Verdict.OK)
+        room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
+        room[:] = np.nan
+        outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
+        if keep.size:
+            numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
+            self._fill(outcome, keep, numbers or Numbers(self._limits, arrays))
+            if self._rest or self._rest_fields:
+                self._rows.fill(outcome, keep, arrays)
+        return outcome
+
+    def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+        """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
+        table = self.measuring.numbers(numbers, keep.size)
+        answers = self.measuring(table)
+        undefined = np.zeros(keep.size, bool)
+        for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
+            found = answers.value_of(expression)
+            value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
+            nothing = ~np.isfinite(value)
+            undefined |= nothing & (not summary.may_be_undefined)
+            value[nothing] = error[nothing] = np.nan
+            outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
+        if self._fields:
+            undefined |= self._keep(outcome, keep, table, answers)
+        self._judge(outcome, keep, table, answers, undefined)
+        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        self._note_accuracy(outcome, keep, answers)
+
+    def _keep(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
+        """Fill the kept fields; which variants have one that isn't finite."""
+        functions = self.measuring.functions
+        fill_cycle_numbers(functions, table, answers.outcome.landmarks, self.measuring.machine.levels)
+        room = np.empty((len(self._fields), keep.size, self.nodes.size), self.dtype)
+        self._kept.fill(functions, table, self._positions_of(table), room)
+        for name, values in zip(self._fields, room, strict=True):
+            outcome.fields[name][keep] = values
+        return ~np.isfinite(room.sum(axis=(0, 2)))
+
+    def _positions_of(self, table: np.ndarray) -> np.ndarray:
+        """Input positions of the fields, (positions,), or (positions, variants) where the range varies."""
+        if isinstance(self.scene.input, CrankInput) or not {"input.start", "input.stop"} & set(self.varied):
+            return self.input_values
+        rows = self.measuring.functions.rows
+        first, last = table[rows[self.mechanics.first]], table[rows[self.mechanics.last]]
+        return first + (last - first) * self.nodes[:, None]
+
+    # Verdicts
+
+    def _judge(
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, undefined: np.ndarray
+    ) -> None:
+        """Give every variant its verdict, and those that fail the group to blame and where it fails."""
+        broken = answers.outcome.broken_at
+        singular = np.zeros(keep.size, bool)
+        for group, (least, place) in zip(self.measuring.groups, answers.sines(), strict=True):
+            fails = (least < SINGULAR_SINE) & ~singular
+            self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
+            singular |= fails
+        lost = np.flatnonzero(np.isfinite(broken) & ~singular)
+        if lost.size:
+            self._blame_assembly(outcome, keep, table, lost, broken)
+        for name, margin in self._margins(answers).items():
+            jams = (outcome.status[keep] == Verdict.OK) & ~(margin.value > 0.0)
+            self._blame(outcome, keep[jams], Verdict.JAMS, name, np.full(jams.sum(), np.nan))
+        blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
+        outcome.status[blamed] = Verdict.NOT_FINITE
+
+    def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
+        outcome.status[who] = verdict
+        outcome.status_group[who] = self.groups.index(group)
+        outcome.status_at[who] = at
+
+    def _margins(self, answers: Answers) -> dict:
+        """Margin against jamming of each group whose friction is measured."""
+        return {}
+
+    def _blame_assembly(
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, lost: np.ndarray, broken: np.ndarray
+    ) -> None:
+        """Say which group can't be assembled, and where first, of variants with curves that aren't finite."""
+        functions, groups = self.measuring.functions, self.measuring.groups
+        sines = KeptFields([self.mechanics.kinematics.sines[g] for g in groups], np.dtype(float), self._title)
+        first, last = (table[functions.rows[end], lost] for end in (self.mechanics.first, self.mechanics.last))
+        share = np.arange(LOOKED_AT + 1) / LOOKED_AT
+        q = first + (last - first) * share[:, None]
+        same = (q == q[:, :1]).all()
+        values = np.empty((len(groups), lost.size, share.size))
+        sines.fill(functions, table[:, lost], q[:, 0] if same else q, values)
+        missing = np.isnan(values)
+        for i, v in enumerate(lost):
+            here = missing[:, i]
+            if here.any():
+                at = here.any(axis=0).argmax()
+                group, place = groups[here[:, at].argmax()], q[at, i]
+            else:
+                at_break = np.empty((len(groups), 1, 1))
+                sines.fill(functions, table[:, v : v + 1], broken[v : v + 1], at_break)
+                gone = np.isnan(at_break[:, 0, 0])
+                if not gone.any():
+                    continue
+                group, place = groups[gone.argmax()], broken[v]
+            self._blame(outcome, keep[v : v + 1], Verdict.CANNOT_ASSEMBLE, group, np.array([place]))
+
+    # Accuracy
+
+    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: Answers) -> None:
+        """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
+        failed = outcome.status[keep] != Verdict.OK
+        if POSITIONS_USED.name in self.asked_summaries:
+            used = answers.outcome.panels * 17.0
+            self._column(outcome, keep, POSITIONS_USED.name, np.where(failed, np.nan, used))
+        if ACCURACY_REACHED.name in self.asked_summaries:
+            reached = (self._excess(outcome, keep) <= 1.0).astype(float)
+            self._column(outcome, keep, ACCURACY_REACHED.name, np.where(failed, np.nan, reached))
+
+    @staticmethod
+    def _column(outcome: Outcome, keep: np.ndarray, name: str, values: np.ndarray) -> None:
+        outcome.summaries[name][keep], outcome.errors[name][keep] = values, np.where(np.isnan(values), np.nan, 0.0)
+
+    def _excess(self, outcome: Outcome, keep: np.ndarray) -> np.ndarray:
+        """The greatest error figure of each variant as a multiple of what is allowed.
+
+        Statistics of a field are measured by its greatest magnitude that is asked: its mean or its least value may be
+        zero. The place of an extreme doesn't count: beside a flat one it is hardly known, and nothing depends on it.
+        """
+        worst, allowed = np.zeros(keep.size), self.accuracy or 1.0
+        for name in self._summaries:
+            if name.endswith("_at"):
+                continue
+            value, error = outcome.summaries[name][keep], outcome.errors[name][keep]
+            size = np.ones_like(value) if name.endswith(_RELATIVE_ALREADY) else self._size(outcome, keep, name)
+            with np.errstate(all="ignore"):
+                share = np.where(error == 0.0, 0.0, error / (allowed * size))
+            worst = np.fmax(worst, np.where(np.isfinite(value), share, 0.0))
+        return worst
+
+    def _size(self, outcome: Outcome, keep: np.ndarray, name: str) -> np.ndarray:
+        field, _, statistic = name.rpartition(".")
+        if statistic not in STATISTICS:
+            return np.abs(outcome.summaries[name][keep])
+        asked = [n for n in self._summaries if n.rpartition(".")[0] == field and not n.endswith("_at")]
+        return np.max([np.abs(outcome.summaries[n][keep]) for n in asked], axis=0)
+
+
+class _RowsPart:
+    """What a machine is asked that isn't measured on the cycle yet: evaluated over equally spaced positions."""
+
+    def __init__(self, whole: Machine) -> None:
+        self._whole = whole
+
+    @cached_property
+    def machine(self) -> RowsMachine:
+        """The machine over equally spaced positions."""
+        w = self._whole
+        return RowsMachine(w.scene, w._rest, w._rest_fields, w.varied, w.positions, w.dtype)
+
+    @property
+    def available_fields(self) -> dict[str, Quantity]:
+        return self.machine.available_fields
+
+    @property
+    def available_summaries(self) -> dict[str, Quantity]:
+        return self.machine.available_summaries
+
+    def check(self) -> None:
+        """Refuse what doesn't exist, with the names of all that does."""
+        w = self._whole
+        plain = RowsMachine(w.scene, (), (), w.varied, w.positions)
+        fields = {**plain.available_fields, **w.register.fields}
+        known = {**plain.available_summaries, **w.register.summaries}
+        check_names(w._rest_fields, fields, "field")
+        statistics = [n for n in w._rest if n.rpartition(".")[2] in STATISTICS and n.rpartition(".")[0] in fields]
+        check_names([n for n in w._rest if n not in statistics], known, "summary")
+
+    def fill(self, outcome: Outcome, keep: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
+        """Evaluate the variants `keep` that are well so far."""
+        well = keep[outcome.status[keep] == Verdict.OK]
+        if not well.size:
+            return
+        found = self.machine.evaluate({path: values[well] for path, values in arrays.items()})
+        for name in self._whole._rest:
+            outcome.summaries[name][well], outcome.errors[name][well] = found.summaries[name], found.errors[name]
+        for name in self._whole._rest_fields:
+            outcome.fields[name][well] = found.fields[name]
+        fails = found.status != Verdict.OK
+        outcome.status[well[fails]], outcome.status_at[well[fails]] = found.status[fails], found.status_at[fails]
+        names = np.array([*(self._whole.groups.index(g) for g in self.machine.groups), -1])
+        outcome.status_group[well[fails]] = names[found.status_group[fails]]

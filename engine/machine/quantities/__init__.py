@@ -1,0 +1,1 @@
+"""The register of quantities: what may be asked, in words and units."""

@@ -1,0 +1,1 @@
+"""From a scene to its graph: kinematics, masses, loads, reactions and friction, each as nodes."""

@@ -1,0 +1,133 @@
+"""What is known of a mechanism as it is put together: points, links, guides and slides, each with its motion.
+
+Rates are by the input: dr/dq and d²r/dq², the transfer functions of the textbooks, q being the crank's angle or the
+displacement of a sliding input.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.graph.nodes import Graph, Node
+from engine.mechanism.vectors import Vector, named
+from engine.scene.parts import FRAME
+from engine.scene.scene import Scene
+
+
+class Moving(NamedTuple):
+    """A point: its position [m], and its first and second derivative by the input."""
+
+    r: Vector
+    v: Vector
+    a: Vector
+
+    def called(self, name: str) -> "Moving":
+        """The same with names that a reader of the printed function will see."""
+        return Moving(self.r.called(name), self.v.called(f"{name}_phi"), self.a.called(f"{name}_phiphi"))
+
+
+class Turning(NamedTuple):
+    """A link: its origin, the direction of its x axis, and its angular rates dθ/dq and d²θ/dq²."""
+
+    origin: Moving
+    u: Vector
+    w: Node
+    e: Node
+
+    def at(self, arm: Vector) -> Moving:
+        """The motion of the link's point at an arm from its origin, given in the axes of the frame."""
+        o, w = self.origin, self.w
+        return Moving(o.r + arm, o.v + w * arm.normal, o.a + self.e * arm.normal - (w * w) * arm)
+
+    def called(self, name: str) -> "Turning":
+        """The same with names that a reader of the printed function will see."""
+        self.u.called(f"{name}_direction")
+        named(self.w, f"{name}_angle_phi")
+        named(self.e, f"{name}_angle_phiphi")
+        return self
+
+
+class GuideLine(NamedTuple):
+    """A guide: the link that carries it, a point on it and its direction."""
+
+    carrier: Turning
+    r: Vector
+    u: Vector
+
+    def under(self, r: Vector) -> Moving:
+        """Motion of the carrier's point that lies in a place at the moment."""
+        return self.carrier.at(r - self.carrier.origin.r)._replace(r=r)
+
+    def coriolis(self, sliding: Vector) -> Vector:
+        """Coriolis acceleration 2 w k × v of what slides with a velocity relative to the guide."""
+        return (self.carrier.w + self.carrier.w) * sliding.normal
+
+
+class Slide(NamedTuple):
+    """A slide coordinate [m] and its first two derivatives by the input."""
+
+    d: Node
+    v: Node
+    a: Node
+
+    def called(self, name: str) -> "Slide":
+        """The same with names that a reader of the printed function will see."""
+        for node, suffix in zip(self, ("", "_phi", "_phiphi"), strict=True):
+            named(node, f"{name}_slide{suffix}")
+        return self
+
+
+class Assembly:
+    """The parts of a mechanism whose motion is known so far.
+
+    Parameters
+    ----------
+    scene : Scene
+    graph : Graph
+
+    Attributes
+    ----------
+    points, links, guides, slides : dict
+        By their names in the scene.
+    sines, closures : dict of str to Node
+        Of each group the quality of force transmission, and what its loop misses of being closed.
+    """
+
+    def __init__(self, scene: Scene, graph: Graph) -> None:
+        self.scene, self.graph = scene, graph
+        self.nowhere = Vector(graph.zero, graph.zero)
+        self.points: dict[str, Moving] = {}
+        frame = Turning(self.at_rest(self.nowhere), Vector(graph.one, graph.zero), graph.zero, graph.zero)
+        self.links: dict[str, Turning] = {FRAME: frame}
+        self.guides: dict[str, GuideLine] = {}
+        self.slides: dict[str, Slide] = {}
+        self.sines: dict[str, Node] = {}
+        self.closures: dict[str, Node] = {}
+
+    def at_rest(self, r: Vector) -> Moving:
+        """A point that doesn't move."""
+        return Moving(r, self.nowhere, self.nowhere)
+
+    def number(self, path: str) -> Node:
+        """A number of the scene."""
+        return self.graph.number(path)
+
+    def direction(self, path: str) -> Vector:
+        """Direction at an angle of the scene."""
+        return Vector(
+            self.graph.derived(f"cos {path}", lambda n: np.cos(n[path])),
+            self.graph.derived(f"sin {path}", lambda n: np.sin(n[path])),
+        )
+
+    def link(self, name: str, link: Turning) -> None:
+        """Add a link of a group."""
+        self.links[name] = link.called(name)
+
+    def slider(self, name: str, origin: Moving, guide: GuideLine, slide: Slide) -> None:
+        """Add a link that slides along a guide."""
+        self.links[name] = Turning(origin, guide.u, guide.carrier.w, guide.carrier.e)
+        self.slides[name] = slide.called(name)
+
+    def transmits(self, group: str, sine: Node, closure: Node) -> None:
+        """Say how well a group transmits forces, and what its loop misses of being closed."""
+        self.sines[group], self.closures[group] = named(sine, f"{group}_sine"), named(closure, f"{group}_closure")

@@ -1,0 +1,93 @@
+"""The characteristics of forces and moments as nodes: constant, by a table, against the motion, drag, brakes.
+
+With v the transfer velocity along a load and ω the input's speed the real velocity is v ω: what grows with a power of
+it is the same power of v times a number of the variant. What switches with the sign of v is held.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from engine.graph.nodes import Node
+from engine.laws.loads import acts_in_direction, constant_against_motion, power_law_drag
+from engine.machine.brakes import braking_moment
+from engine.mechanism.acting import Characteristic
+from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.paths import Along
+from engine.mechanism.tables import tabled
+from engine.scene import actions
+
+_SENSES = {"along": 1.0, "against": -1.0}
+_Action = actions.ForceAction | actions.MomentAction
+
+
+def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Along) -> Characteristic:
+    """How large a force or moment is.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    action : force or moment of the scene
+        No motor and no torsion spring.
+    at : str
+        Its path in the scene.
+    along : Along
+        Motion of what it acts on.
+    """
+    graph, v = kinematics.graph, along.velocity
+    acts = _acts(kinematics, action, along)
+    value = f"{at}.force" if at.startswith("forces.") else f"{at}.moment"
+    match action.type:
+        case "constant":
+            return Characteristic(graph.number(value, "load"), graph.held(acts))
+        case "table":
+            return Characteristic(graph.number(f"{at}.scale", "load"), tabled(kinematics, action, acts))
+        case "against_motion":
+            force = graph.derived(f"{at} at speed", lambda n: n[value] * _sense(n), "load")
+            return Characteristic(force, _against(along, acts))
+        case "linear_drag":
+            drag = graph.derived(f"{at} at speed", lambda n: n[f"{at}.coefficient"] * n["input.speed"], "load")
+            return Characteristic(drag, -v * graph.held(acts), 1)
+        case "quadratic_drag":
+            drag = graph.derived(
+                f"{at} at speed", lambda n: n[f"{at}.coefficient"] * n["input.speed"] * np.abs(n["input.speed"]), "load"
+            )
+            return Characteristic(drag, _against(along, acts) * (v * v), 2)
+        case "power_drag":
+            exponent = f"{at}.exponent"
+            growth = graph.apply(power_law_drag, -1.0, graph.number(exponent), abs(v))
+            drag = graph.derived(f"{at} at speed", lambda n: _power_drag(n, at, value), "load")
+            return Characteristic(drag, _against(along, acts) * growth, exponent)
+        case _:
+            moment = graph.derived(f"{at} at speed", lambda n: braking_moment(action, at, n) * _sense(n), "load")
+            return Characteristic(moment, _against(along, acts))
+
+
+def sense_of_input(kinematics: Kinematics) -> Node:
+    """Sign of the input's speed: which way the cycle is run through."""
+    return kinematics.graph.derived("sense of the input", lambda n: _sense(n) + 0.0)
+
+
+def _sense(numbers: Mapping) -> float | np.ndarray:
+    return np.sign(numbers["input.speed"])
+
+
+def _power_drag(numbers: Mapping, at: str, value: str) -> float | np.ndarray:
+    share = np.abs(numbers["input.speed"] / numbers[f"{at}.at_speed"]) ** numbers[f"{at}.exponent"]
+    return numbers[value] * _sense(numbers) * share
+
+
+def _acts(kinematics: Kinematics, action: _Action, along: Along) -> Node:
+    """A factor, zero where the action is limited to the other direction of motion; not held yet."""
+    sense = _SENSES.get(getattr(action, "acts", "always"))
+    if sense is None:
+        return kinematics.graph.one
+    return along.switch(acts_in_direction, sense * sense_of_input(kinematics))
+
+
+def _against(along: Along, acts: Node) -> Node:
+    """−1 along the velocity, times the factor of where it acts; held."""
+    graph = along.velocity.graph
+    if along.turning is None:
+        return graph.held(-acts)
+    return graph.held(along.switch(constant_against_motion, 1.0) * acts)

@@ -1,0 +1,22 @@
+"""The dyad RPR of a pivoted block and a slotted rocker, put together from nodes."""
+
+from engine.laws.kinematics.rpr import rpr_closure, rpr_position, rpr_rates
+from engine.mechanism.assembly import Assembly, Slide, Turning
+from engine.mechanism.vectors import Vector
+
+
+def add_rpr(assembly: Assembly, name: str) -> None:
+    """Add a group RPR of the scene to a mechanism."""
+    group, apply, number = assembly.scene.groups[name], assembly.graph.apply, assembly.number
+    a, d = assembly.points[group.first.joint], assembly.points[group.second.joint]
+    offset = number(f"groups.{name}.second.offset")
+    c, s, slide, sine = apply(rpr_position, *a.r, *d.r, offset, number(f"groups.{name}.mode"))
+    u, known = Vector(c, s), (c, s, offset, slide)
+    w, dv = apply(rpr_rates, *(a.v - d.v), *known)
+    coriolis = (w + w) * (dv * u).normal
+    e, da = apply(rpr_rates, *(a.a - d.a + (w * w) * (a.r - d.r) - coriolis), *known)
+    rocker = Turning(d, u, w, e)
+    assembly.link(group.second.link, rocker)
+    assembly.links[group.first.link] = rocker._replace(origin=a)
+    assembly.slides[group.first.link] = Slide(slide, dv, da).called(group.first.link)
+    assembly.transmits(name, sine, apply(rpr_closure, *a.r, *d.r, offset, *u, slide))

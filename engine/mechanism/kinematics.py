@@ -1,0 +1,114 @@
+"""The kinematics of an ordered mechanism as nodes, one structural group after another.
+
+Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the kinematics of structural groups.
+"""
+
+from engine.graph.nodes import Graph
+from engine.laws.elementary import direction_of
+from engine.mechanism.assembly import Assembly, GuideLine, Moving, Slide, Turning
+from engine.mechanism.groups import GROUPS
+from engine.mechanism.vectors import Vector
+from engine.scene.masses import LinkMass, masses, whole_body
+from engine.scene.parts import FRAME, CrankInput
+from engine.scene.scene import Scene
+from engine.scene.structure import Structure
+
+
+class Kinematics(Assembly):
+    """The motion of every point, link and slider of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    structure : Structure
+    graph : Graph
+    varied : frozenset of str
+        Paths of numbers that will vary.
+
+    Attributes
+    ----------
+    masses : dict of str to LinkMass
+        Bodies and the point masses that stand for bodies.
+    """
+
+    def __init__(self, scene: Scene, structure: Structure, graph: Graph, varied: frozenset[str]) -> None:
+        super().__init__(scene, graph)
+        self.varied = varied
+        self.masses: dict[str, LinkMass] = masses(scene, varied)
+        # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
+        for name, point in scene.points.items():
+            if point.link == FRAME:
+                self._point(name)
+        for name, guide in scene.guides.items():
+            if guide.link == FRAME:
+                self._guide(name)
+        add = {
+            "input": self._input,
+            "shaft": self._shaft,
+            "group": lambda name: GROUPS[scene.groups[name].type](self, name),
+            "point": self._point,
+            "guide": self._guide,
+        }
+        for element in structure.elements:
+            if element.name not in self.points and element.name not in self.guides:
+                add[element.kind](element.name)
+
+    def mass_centre(self, name: str) -> Moving:
+        """Centre of one of the `masses`: a point known before where it lies in one for every variant."""
+        return self._centre(name, self.masses[name])
+
+    def body_centre(self, name: str) -> Moving:
+        """Centre of mass of a body, whatever stands for it."""
+        return self._centre(name, whole_body(self.scene, name, self.varied))
+
+    def _centre(self, name: str, mass: LinkMass) -> Moving:
+        if mass.point is not None:
+            return self.points[mass.point]
+        link = self.links[mass.link]
+        if mass.at_origin:
+            return link.origin
+        along = self.graph.derived(f"bodies.{name}.along", mass.along)
+        across = self.graph.derived(f"bodies.{name}.across", mass.across)
+        return link.at(Vector(along, across).in_axes(link.u)).called(f"centre_of_{name}")
+
+    # Elements of the ordering
+
+    def _point(self, name: str) -> None:
+        part = self.scene.points[name]
+        place = Vector(self.number(f"points.{name}.x"), self.number(f"points.{name}.y"))
+        if part.link == FRAME:
+            self.points[name] = self.at_rest(place)
+        else:
+            link = self.links[part.link]
+            self.points[name] = link.at(place.in_axes(link.u)).called(name)
+
+    def _guide(self, name: str) -> None:
+        carrier = self.links[self.scene.guides[name].link]
+        r = Vector(self.number(f"guides.{name}.x"), self.number(f"guides.{name}.y"))
+        u = self.direction(f"guides.{name}.angle")
+        self.guides[name] = GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
+
+    def _input(self, name: str) -> None:
+        drive, g = self.scene.input, self.graph
+        if isinstance(drive, CrankInput):
+            crank = Turning(self.points[drive.pivot], Vector(g.cos_q, g.sin_q), g.one, g.zero)
+            self.links[name] = crank
+            self.points[drive.pin] = crank.at(crank.u * self.number("input.length")).called(drive.pin)
+            return
+        guide = self.guides[drive.guide]
+        point = Moving(guide.r + guide.u * g.q, guide.u, self.nowhere)
+        self.points[drive.point] = point.called(drive.point)
+        self.links[name] = Turning(point, guide.u, g.zero, g.zero)
+        self.slides[name] = Slide(g.q, g.one, g.zero)
+
+    def _shaft(self, name: str) -> None:
+        shaft, driver = self.scene.shafts[name], self.links[self.scene.shafts[name].geared_to]
+        ratio = self.number(f"shafts.{name}.ratio")
+        w, e = ratio * driver.w, ratio * driver.e
+        if shaft.pivot is None:
+            nowhere = self.links[FRAME]
+            self.links[name] = Turning(nowhere.origin, nowhere.u, w, e)
+            return
+        angle = ratio * self.graph.q + self.number(f"shafts.{name}.phase")
+        self.links[name] = Turning(self.points[shaft.pivot], Vector(*self.graph.apply(direction_of, angle)), w, e)
+        self.links[name].called(name)

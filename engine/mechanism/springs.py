@@ -1,0 +1,57 @@
+"""Springs with dampers between two points, and torsion springs, as nodes."""
+
+from collections.abc import Iterator
+
+from engine.graph.nodes import Node
+from engine.laws.loads import spring
+from engine.laws.senses import angle_on_side, side
+from engine.mechanism.acting import Characteristic, Grip, Load, load
+from engine.mechanism.kinematics import Kinematics
+from engine.scene.pairs import holder_of
+
+
+def spring_loads(kinematics: Kinematics, name: str) -> Iterator[Load]:
+    """The pull of a spring, and that of its damper if it has one.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    name : str
+        Of the spring.
+    """
+    scene, graph, at = kinematics.scene, kinematics.graph, f"springs.{name}"
+    ends = scene.springs[name].between
+    a, b = (kinematics.points[end] for end in ends)
+    length = (b.r - a.r).length
+    direction = (b.r - a.r) * (1.0 / length)
+    rate = (b.v - a.v).dot(direction)
+    holder, bearer = holder_of(scene, ends[1]), holder_of(scene, ends[0])
+    grip = Grip(holder, b, direction, (bearer, a))
+    pull = graph.apply(spring, 1.0, graph.number(f"{at}.free_length"), length)
+    yield load(name, Characteristic(graph.number(f"{at}.stiffness", "load"), pull), grip, rate, None)
+    if scene.springs[name].damping or f"{at}.damping" in kinematics.varied:
+        damping = graph.derived(f"{at} at speed", lambda n: n[f"{at}.damping"] * n["input.speed"], "load")
+        yield load(name, Characteristic(damping, -rate, 1), grip, rate, None)
+
+
+def torsion_spring(kinematics: Kinematics, name: str) -> Characteristic:
+    """The moment of a torsion spring; it jumps where its link points along −x.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    name : str
+        Of the moment.
+    """
+    graph, at = kinematics.graph, f"moments.{name}"
+    angle = _angle(kinematics, kinematics.scene.moments[name].on)
+    moment = graph.apply(spring, 1.0, graph.number(f"{at}.free_angle"), angle)
+    return Characteristic(graph.number(f"{at}.stiffness", "load"), moment)
+
+
+def _angle(kinematics: Kinematics, name: str) -> Node:
+    """Angle of a link in (−π, π]."""
+    graph, link = kinematics.graph, kinematics.links[name]
+    graph.switches(link.u.y, link.w * link.u.x)
+    above = graph.held(graph.apply(side, link.u.y))
+    return graph.apply(angle_on_side, above, *link.u)

@@ -1,0 +1,1 @@
+"""Motions that have a closed form."""

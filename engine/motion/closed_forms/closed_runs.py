@@ -1,0 +1,103 @@
+"""Runs in closed form, for machines whose reduced inertia is constant: every link turns in a fixed ratio to the crank.
+
+Variants for which a formula ends, because the machine stops or turns round on its way, or never comes to the end of
+the run, go step by step.
+"""
+
+import numpy as np
+
+from engine.motion.cases import Law
+from engine.motion.closed_forms.closed_laws import Balance, Motion, speed_motion
+from engine.motion.closed_forms.closed_time import Push, strongest, timed_motion
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.runs.run import run_to_end
+from engine.motion.runs.run_progress import Ends, Outcome, Progress
+from engine.motion.steppers.time_form import State
+from engine.verdicts import Verdict
+
+
+def run_in_closed_form(
+    law: Law,
+    dynamics: Dynamics,
+    variants: Variants,
+    start: np.ndarray,
+    omega: np.ndarray,
+    clock: np.ndarray,
+    ends: Ends,
+    steps: int,
+    half: bool,
+    doubt: float,
+) -> Outcome:
+    """Run in closed form, and step by step where that doesn't go.
+
+    Parameters
+    ----------
+    law : Law
+        Of all variants.
+    dynamics, variants, start, omega, clock, ends, steps, half
+        As of `Progress`.
+    doubt : float
+        Every moment is increased by this share of its magnitude: what changes shows how sure an answer is.
+    """
+    # What isn't reached gives NaN on its way, not a warning.
+    with np.errstate(all="ignore"):
+        balance, push = _equation(dynamics, variants, start, doubt)
+        if push is None:
+            motion = speed_motion(law, balance, omega, ends)
+        else:
+            motion = timed_motion(balance, push, omega, clock, ends.time)
+    numbers = (motion.time, motion.angle, motion.omega, motion.squares, *motion.works)
+    found = np.isfinite(numbers).all(axis=0) & (motion.slowest >= 0.0)
+    found &= (motion.time > 0.0) & (motion.angle <= ends.most_turned)
+    outcome = _outcome(balance, omega, motion)
+    left = np.flatnonzero(~found)
+    if left.size:
+        own = ends._replace(**{k: getattr(ends, k)[left] for k in ("turned", "time", "speed", "most_turned")})
+        runs = Progress(dynamics, variants.some(left), start[left], omega[left], clock[left], own, steps, half)
+        _take(outcome, left, run_to_end(runs))
+    return outcome
+
+
+def _equation(dynamics: Dynamics, variants: Variants, start: np.ndarray, doubt: float) -> tuple[Balance, Push | None]:
+    """Coefficients of the equation of motion, the moment over time apart."""
+
+    def raised(moment: np.ndarray) -> np.ndarray:
+        return moment + doubt * np.abs(moment)
+
+    moments, push = dynamics.model.moments, None
+    timed = next((n for n in dynamics.active if f"law__{n}" in moments.laws and moments.laws[f"law__{n}"].clock), None)
+    instant, value = (0.0, 1.0) if timed is None else strongest(moments.tables[timed])
+    clock = np.full((1, variants.count), instant)
+    out = dynamics.reduction.tabulation(variants.parameters, variants.ends, start[None], clock)[:, 0]
+    loads = np.zeros((len(dynamics.channels), 3, variants.count))
+    for row, channel, order in dynamics.polynomial:
+        moment = raised(out[row] * variants.direction)
+        if dynamics.reduction.keys[row - 2][0] == timed:
+            push = Push(moments.tables[timed], moment / value, channel)
+        else:
+            loads[channel, order] += moment
+    kloss = variants.drive.kloss.copy()
+    kloss[:, 0] = raised(kloss[:, 0])
+    return Balance(out[0] + variants.flywheel, raised(variants.drive.line), kloss, loads), push
+
+
+def _outcome(balance: Balance, omega: np.ndarray, motion: Motion) -> Outcome:
+    count = omega.size
+    return Outcome(
+        np.full(count, Verdict.OK, np.uint8),
+        State(motion.angle.copy(), motion.omega.copy(), motion.time.copy(), motion.works, motion.squares),
+        motion.slowest,
+        motion.fastest,
+        motion.peak,
+        0.5 * balance.inertia * omega**2,
+        0.5 * balance.inertia * motion.omega**2,
+        None,
+    )
+
+
+def _take(outcome: Outcome, who: np.ndarray, other: Outcome) -> None:
+    """Put the outcome of some variants in its place."""
+    for mine, new in zip(outcome.state, other.state, strict=True):
+        mine[..., who] = new
+    for name in ("verdict", "slowest", "fastest", "peak", "started", "ended"):
+        getattr(outcome, name)[who] = getattr(other, name)

@@ -1,0 +1,152 @@
+"""Grids in crank angle for every variant, with a node at every break of the moments.
+
+Two kinds. In one the steps over a cycle are equal but where a break cuts one in two: its nodes are wanted positions.
+In the other they are equal between one break and the next, and even in number: the grid of half the steps lies within
+it, with everything that is tabulated there.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.motion.moments.breaks import Breaks
+from engine.motion.steppers.energy_form import Tables
+
+# Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.
+JUMP = 1e-10
+# A step that is no longer lies within a jump.
+GAP = 4.0 * JUMP
+
+
+class Grid(NamedTuple):
+    """Nodes of one cycle in the direction of motion.
+
+    Attributes
+    ----------
+    places : ndarray (2·steps + 1, variants)
+        Crank angles of the nodes and the middles between them [rad].
+    steps : ndarray (steps, variants)
+        Distances of the nodes [rad].
+    even : ndarray (equal steps + 1, variants) of int, or None
+        Which nodes belong to the equal steps; None where all do.
+    """
+
+    places: np.ndarray
+    steps: np.ndarray
+    even: np.ndarray | None
+
+
+def make_grid(
+    start: np.ndarray,
+    length: float | np.ndarray,
+    direction: np.ndarray,
+    steps: int,
+    cycle: float,
+    breaks: Breaks,
+) -> Grid:
+    """Grid from a start angle over a length in the direction of motion.
+
+    Parameters
+    ----------
+    start : ndarray (variants,)
+        [rad].
+    length : float or ndarray (variants,)
+        [rad]; positive.
+    direction : ndarray (variants,)
+        +1 or −1.
+    steps : int
+        Equal steps.
+    cycle : float
+        The breaks come again after it [rad].
+    breaks : Breaks
+    """
+    share = np.arange(steps + 1)[:, None] / steps
+    turned = share * np.broadcast_to(length, start.shape)
+    even = None
+    if breaks.jumps.size:
+        every = np.concatenate((turned, _edges(start, length, direction, cycle, breaks)))
+        order = np.argsort(every, axis=0, kind="stable")
+        turned = np.take_along_axis(every, order, axis=0)
+        even = np.argsort(order, axis=0, kind="stable")[: steps + 1]
+    return Grid(start + direction * _with_middles(turned), np.diff(turned, axis=0), even)
+
+
+def _edges(
+    start: np.ndarray, length: float | np.ndarray, direction: np.ndarray, cycle: float, breaks: Breaks
+) -> np.ndarray:
+    """Angles turned at the breaks, on both sides of a jump; for a variant without a break, the whole length."""
+    turned = np.mod(direction * (breaks.angles - start), cycle)
+    turned = np.concatenate((turned - JUMP * breaks.jumps[:, None], turned[breaks.jumps] + JUMP))
+    return np.where((turned > 0.0) & (turned < length), turned, length)
+
+
+def _with_middles(turned: np.ndarray) -> np.ndarray:
+    """Nodes with the middles between them."""
+    places = np.empty((2 * turned.shape[0] - 1, turned.shape[1]))
+    places[0::2], places[1::2] = turned, 0.5 * (turned[1:] + turned[:-1])
+    # In the gap of a jump the new value holds from the middle on, as it does where its end is a coarser grid's middle.
+    places[1::2] = np.where(np.diff(turned, axis=0) < GAP, turned[1:], places[1::2])
+    return places
+
+
+class Nested(NamedTuple):
+    """Nodes of one cycle in the direction of motion, and the grid of half the steps within it.
+
+    Attributes
+    ----------
+    places, steps : ndarray
+        As of a `Grid`.
+    half : ndarray of int
+        Which nodes belong to the grid of half the steps.
+    """
+
+    places: np.ndarray
+    steps: np.ndarray
+    half: np.ndarray
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Angles turned at the nodes [rad]."""
+        return np.concatenate((np.zeros((1, self.steps.shape[1])), np.cumsum(self.steps, axis=0)))
+
+    def halved(self, tables: Tables) -> tuple[np.ndarray, Tables]:
+        """Nodes (angles turned) and tables of the grid of half the steps, from the tables of this one."""
+        nodes, half = self.nodes[self.half], self.half
+        places = np.empty(2 * half.size - 1, np.int64)
+        # A node has twice its number among the places; the middle between two lies halfway.
+        places[0::2], places[1::2] = 2 * half, half[1:] + half[:-1]
+        parts = (np.ascontiguousarray(rows[..., places, :]) for rows in tables[1:])
+        return nodes, Tables(np.diff(nodes, axis=0), *parts)
+
+
+def nested_grid(start: np.ndarray, direction: np.ndarray, steps: int, cycle: float, breaks: Breaks) -> Nested:
+    """Grid over a cycle whose steps are equal from one break to the next, and even in number.
+
+    Parameters
+    ----------
+    start : ndarray (variants,)
+        [rad].
+    direction : ndarray (variants,)
+        +1 or −1.
+    steps : int
+        Least number of steps.
+    cycle : float
+        [rad].
+    breaks : Breaks
+    """
+    edges = np.zeros((1, start.size))
+    if breaks.jumps.size:
+        edges = np.concatenate((edges, np.sort(_edges(start, cycle, direction, cycle, breaks), axis=0)))
+    edges = np.concatenate((edges, np.full((1, start.size), cycle)))
+    counts = 2 * np.ceil(np.diff(edges, axis=0) * (0.5 * steps / cycle) * (1.0 - 1e-12)).astype(np.int64)
+    counts[np.diff(edges, axis=0) < GAP] = 1
+    pieces, half, made = [edges[:1]], [0], 0
+    for near, far, count in zip(edges[:-1], edges[1:], counts, strict=True):
+        # Every variant has as many steps as it needs, whoever comes with it; what is left over has no length.
+        n, i = int(count.max()), np.arange(1, count.max() + 1)[:, None]
+        pieces.append(np.where(i < count, near + (far - near) * (i / count), far))
+        half += range(made + min(2, n), made + n + 1, 2)
+        made += n
+    turned = np.concatenate(pieces)
+    places = start + direction * _with_middles(turned)
+    return Nested(places, np.diff(turned, axis=0), np.array(half))

@@ -1,0 +1,360 @@
+"""A schedule: the regimes of a scene one after another, for many variants, with an error figure on every number.
+
+Everything is computed twice, with all steps and with half of them. The methods are of order four where the moments
+are smooth and of order two or more where they bend, so what is left of the error is at most a third of the change,
+and of order four a fifteenth; the error figure is half the change, and the rounding of the energies. A closed form
+has no steps: for the second time its moments are changed in their last digits.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.jit import on_all_threads, threads
+from engine.machine.model import Model
+from engine.machine.motors import motor_ratio
+from engine.motion.cases import case_of
+from engine.motion.closed_forms.closed_runs import run_in_closed_form
+from engine.motion.cycle import CycleAnswers, answers_of, cycle_of
+from engine.motion.loads import PairLoads
+from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
+from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
+from engine.motion.runs.run import run_to_end
+from engine.motion.runs.run_progress import Ends, Outcome, Progress
+from engine.motion.sizing import flywheel_for, speed_extremes
+from engine.motion.steady import steady_motion
+from engine.scene.regimes import RunRegime
+from engine.scene.scene import Numbers
+from engine.verdicts import Verdict
+
+SHARE_OF_CHANGE = 0.5
+# Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
+CACHE, ROWS = 16e6, 6
+WORTH_A_THREAD = 128
+# A line of the cache holds so many numbers.
+ODD = 8
+ROUNDING = 16 * np.finfo(float).eps
+# So many steps round as much as everything else: each by half a unit in the last place.
+STEPS_OF_ROUNDING = 32
+# How sure moments are, for closed forms.
+DOUBT = 16 * np.finfo(float).eps
+
+
+def share_of_change(name: str) -> float:
+    """Which share of the change from half the steps an answer may be off by."""
+    last = name.rpartition(".")[2]
+    # Of an extreme that two places share, either may be the one; what else may be missed is a step.
+    if last in ("min_at", "max_at"):
+        return 0.0
+    # Means over time are of no order at all where a steep motor catches up with a jump within a step.
+    if last in ("mean", "rms"):
+        return 2.0
+    # The multiplier is an integral of order two beside a jump, the rest of order four.
+    return 1.0 if last == "multiplier" else SHARE_OF_CHANGE
+
+
+class Standing(NamedTuple):
+    """Where every variant stands between two regimes: crank angle [rad], speed [rad/s], time [s], verdict."""
+
+    angle: np.ndarray
+    omega: np.ndarray
+    clock: np.ndarray
+    verdict: np.ndarray
+
+
+class Answers(NamedTuple):
+    """Values and error figures by name, fields by name, and the verdict on each variant."""
+
+    values: dict[str, np.ndarray]
+    errors: dict[str, np.ndarray]
+    fields: dict[str, np.ndarray]
+    verdict: np.ndarray
+
+
+class Gone(NamedTuple):
+    """What a number of variants did with one number of steps.
+
+    Attributes
+    ----------
+    values, fields : dict of str to ndarray
+    verdict : ndarray (variants,) of uint8
+    scales : dict of str to ndarray (variants,)
+        Magnitude that each value's rounding is a share of, where not its own.
+    missed : dict of str to ndarray (variants,)
+        How far extremes between nodes may be beyond those at nodes.
+    """
+
+    values: dict[str, np.ndarray]
+    fields: dict[str, np.ndarray]
+    verdict: np.ndarray
+    scales: dict[str, np.ndarray]
+    missed: dict[str, np.ndarray]
+
+
+class Schedule:
+    """The regimes of a model's scene.
+
+    Parameters
+    ----------
+    model : Model
+    asked : set of str
+        Summaries and fields, "REGIME.quantity".
+    steps : int
+        Steps a cycle; even.
+
+    Attributes
+    ----------
+    loads : PairLoads or None
+        Loads on the pairs, where any are asked.
+    """
+
+    def __init__(self, model: Model, asked: set[str], steps: int) -> None:
+        self.model, self.asked, self.steps = model, asked, steps
+        scene = model.scene
+        self.regimes = dict(scene.regimes)
+        self.needed = self._needed()
+        known, fields = {q.name for q in motion_fields(scene)}, [Asked.of(name) for name in sorted(asked)]
+        fields = [one for one in fields if f"{one.regime}.{one.field}" in known]
+        self.cycles = {name: [one for one in fields if one.regime == name] for name in self.regimes}
+        loads = {one.field for one in fields} - FIELDS.keys()
+        self.loads = PairLoads(model, loads) if loads else None
+        works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
+        sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
+        self.reduction = Reduction(model)
+        self.dynamics = {off: Dynamics(self.reduction, off, works) for off in sets}
+        self.cases = {
+            n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
+        }
+
+    def _needed(self) -> list[str]:
+        """Regimes that are asked, and those that they begin from."""
+        wanted = {name.partition(".")[0] for name in self.asked}
+        needed, pending = [], False
+        for name, regime in reversed(self.regimes.items()):
+            if name in wanted or pending:
+                needed.append(name)
+                pending = isinstance(regime, RunRegime) and regime.from_speed is None
+        return needed[::-1]
+
+    def answers(self, numbers: Numbers, count: int) -> Answers:
+        """Everything asked, of a number of variants.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        count : int
+        """
+        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1
+        pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
+        # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
+        width = -(-count // pieces)
+        width += (ODD - width) % (2 * ODD) if pieces > 1 else 0
+        cuts = [np.arange(first, min(first + width, count)) for first in range(0, count, width)]
+        return _joined(on_all_threads(lambda chosen: self._of_chunk(numbers.of_variants(chosen), chosen.size), cuts))
+
+    def _of_chunk(self, numbers: Numbers, count: int) -> Answers:
+        variants = self.variants(numbers, count)
+        driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
+        fine, coarse = self._go(driven), self._go(driven, half=True)
+        # A verdict that half the steps don't share is one of the method, not of the machine.
+        values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
+        errors = {}
+        for name, value in values.items():
+            change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
+            doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
+            errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
+        return Answers(values, errors, fine.fields, fine.verdict)
+
+    def variants(self, numbers: Numbers, count: int) -> Variants:
+        """A number of variants, with the flywheel that the scene gives them."""
+        direction = np.broadcast_to(np.sign(numbers["input.speed"]), (count,)).astype(float)
+        flywheel = np.zeros(count)
+        if "flywheel.inertia" in numbers:
+            flywheel = np.broadcast_to(numbers["flywheel.inertia"], (count,)).astype(float)
+        return self.reduction.variants(numbers, direction, flywheel)
+
+    def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> Gone:
+        """Go through the regimes."""
+        count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
+        zero = np.zeros(count)
+        standing = Standing(zero, zero, zero, np.full(count, Verdict.OK, np.uint8))
+        gone = Gone({}, {}, standing.verdict, {}, {})
+        for name in self.needed:
+            off = frozenset(self.regimes[name].off)
+            dynamics, variants = self.dynamics[off], driven[off]
+            if isinstance(self.regimes[name], RunRegime):
+                outcome, standing = self.run(name, dynamics, variants, standing, half)
+                made = outcome.state.turned / dynamics.cycle * steps
+                energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
+                found, scale = self._of_run(dynamics, outcome, energy), {}
+            else:
+                found, cycle, standing = self._steady(name, dynamics, variants, standing, steps)
+                made, energy = float(steps), found["energy"]
+                found, scale = found | cycle.values, cycle.scales
+                gone.fields.update({f"{name}.{key}": row for key, row in cycle.fields.items()})
+                gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
+            asked = {key: v for key, v in found.items() if f"{name}.{key}" in self.asked}
+            gone.values.update({f"{name}.{key}": v for key, v in asked.items()})
+            # Rounding gathers from step to step.
+            stepped = self.cases[name].law is None
+            growth = 1.0 + (np.abs(made) / STEPS_OF_ROUNDING if stepped else 0.0)
+            gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
+            gone.scales[f"{name}.energy_change"] = growth * energy
+        return gone._replace(verdict=standing.verdict)
+
+    # Runs
+
+    def run(
+        self,
+        name: str,
+        dynamics: Dynamics,
+        variants: Variants,
+        standing: Standing,
+        half: bool = False,
+        record: bool = False,
+    ) -> tuple[Outcome, Standing]:
+        """Run a regime from where the machines stand."""
+        regime, n, count = self.regimes[name], variants.numbers, variants.count
+
+        def number(key: str, otherwise: float) -> np.ndarray:
+            given = getattr(regime, key) is not None
+            return np.broadcast_to(n[f"regimes.{name}.{key}"] if given else otherwise, (count,)).astype(float)
+
+        omega = number("from_speed", 0.0) if regime.from_speed is not None else standing.omega
+        angle = number("from_angle", 0.0) if regime.from_angle is not None else standing.angle
+        ends = Ends(
+            number("cycles", np.inf) * dynamics.cycle,
+            number("time", np.inf),
+            number("speed", np.inf),
+            regime.rest is True,
+            number("at_most", np.inf) * dynamics.cycle,
+        )
+        ready = np.flatnonzero(standing.verdict == Verdict.OK)
+        part = variants.some(ready)
+        ends = ends._replace(**{k: getattr(ends, k)[ready] for k in ("turned", "time", "speed", "most_turned")})
+        begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
+        if law is None or record:
+            outcome = run_to_end(Progress(dynamics, part, *begin, ends, self.steps, half, record))
+        else:
+            doubt = DOUBT if half else 0.0
+            outcome = run_in_closed_form(law, dynamics, part, *begin, ends, self.steps, half, doubt)
+        outcome = _over_all(outcome, ready, count)
+        verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
+        turned, time = outcome.state.turned, outcome.state.time
+        after = Standing(
+            angle + variants.direction * turned, outcome.state.omega, standing.clock + time, verdict.astype(np.uint8)
+        )
+        return outcome, after
+
+    @staticmethod
+    def _of_run(dynamics: Dynamics, outcome: Outcome, energy: np.ndarray) -> dict[str, np.ndarray]:
+        state = outcome.state
+        found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
+        found |= {"speed_min": outcome.slowest, "speed_max": outcome.fastest, "motor_moment_peak": outcome.peak}
+        change = outcome.ended - outcome.started
+        return found | _work_values(dynamics, state.works, state.squares, state.time, change, energy)
+
+    # Steady motion
+
+    def _steady(
+        self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, steps: int
+    ) -> tuple[dict[str, np.ndarray], CycleAnswers, Standing]:
+        zero, asked = np.zeros(variants.count), self.cycles[name]
+        # A force may jump where its moment only bends, for want of motion: at a dead centre.
+        sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
+        grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
+        tables = dynamics.tables(variants, grid)
+        found, verdict = {}, np.full(variants.count, Verdict.OK, np.uint8)
+        if f"{name}.flywheel" in self.asked:
+            delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
+            found["flywheel"], verdict = flywheel_for(dynamics, variants, grid, tables, delta)
+            wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
+            tables = tables._replace(inertia=tables.inertia + (wheel - variants.flywheel))
+        steady = steady_motion(dynamics, variants, tables)
+        low, high = speed_extremes(dynamics, variants, grid, tables, steady)
+        period = np.where(steady.verdict == Verdict.OK, steady.time[-1], np.nan)
+        found |= {"speed_min": low, "speed_max": high, "speed_fluctuation": 2.0 * (high - low) / (high + low)}
+        found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
+        found |= {"return_residual": steady.residual, "motor_moment_peak": steady.course.peak}
+        found["energy"] = steady.energy
+        change = steady.course.energy - steady.energy
+        found |= _work_values(dynamics, steady.course.works, steady.course.squares, period, change, steady.energy)
+        found |= self._slips(name, variants, dynamics.cycle / period)
+        cycle = CycleAnswers({}, {}, {}, {})
+        if asked:
+            off = frozenset(self.regimes[name].off)
+            whole = cycle_of(dynamics, variants, grid, tables, steady, self.loads, off)
+            cycle = answers_of(whole, asked, dynamics.cycle)
+        verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
+        return found, cycle, Standing(zero, steady.omega[0], zero, verdict.astype(np.uint8))
+
+    def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
+        scene, n, slips = self.model.scene, variants.numbers, {}
+        for motor, action in scene.moments.items():
+            if action.type == "induction_motor" and motor not in self.regimes[name].off:
+                speed = mean_speed * np.abs(motor_ratio(scene, action, n))
+                slips[f"{motor}_slip"] = 1.0 - speed / n[f"moments.{motor}.synchronous_speed"]
+        return slips
+
+
+def _work_values(
+    dynamics: Dynamics,
+    works: np.ndarray,
+    squares: np.ndarray,
+    time: np.ndarray,
+    change: np.ndarray,
+    turned_over: np.ndarray,
+) -> dict[str, np.ndarray]:
+    """Everything about work and power."""
+    with np.errstate(all="ignore"):
+        found = {
+            "motor_work": works[0],
+            "motor_power": works[0] / time,
+            "motor_moment_rms": np.sqrt(squares / time),
+            "energy_change": change,
+            "work_residual": (works.sum(axis=0) - change) / (turned_over + np.abs(works).sum(axis=0)),
+        }
+        if dynamics.works:
+            by_channel = dict(zip(CHANNELS, works[1:], strict=True))
+            found |= {f"{key}_work": by_channel[key] for key in ("driving", "other")}
+            found |= {f"{key}_work": 0.0 - by_channel[key] for key in ("useful", "harmful")}
+            found["brake_heat"] = 0.0 - by_channel["braking"]
+            found["efficiency"] = found["useful_work"] / (works[0] + by_channel["driving"])
+    return found
+
+
+def _joined(parts: list[Answers]) -> Answers:
+    """Answers of several chunks as one."""
+
+    def joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+        return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
+
+    return Answers(
+        joined([part.values for part in parts]),
+        joined([part.errors for part in parts]),
+        joined([part.fields for part in parts]),
+        np.concatenate([part.verdict for part in parts]),
+    )
+
+
+def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: Outcome) -> np.ndarray:
+    """About the greatest kinetic energy of a run: at its ends, or at its greatest speed."""
+    inertia = dynamics.rows(variants, angle[None]).inertia[0]
+    fastest = np.maximum(np.abs(outcome.fastest), np.abs(outcome.slowest))
+    return np.maximum(0.5 * inertia * fastest**2, np.maximum(outcome.started, outcome.ended))
+
+
+def _over_all(outcome: Outcome, ready: np.ndarray, count: int) -> Outcome:
+    """An outcome of some variants as one of all, NaN for the others."""
+
+    def spread(values: np.ndarray) -> np.ndarray:
+        whole = np.full((*values.shape[:-1], count), np.nan)
+        whole[..., ready] = values
+        return whole
+
+    state = type(outcome.state)(*(spread(x) for x in outcome.state))
+    verdict = np.full(count, Verdict.OK, np.uint8)
+    verdict[ready] = outcome.verdict
+    names = ("slowest", "fastest", "peak", "started", "ended")
+    rest = {name: spread(getattr(outcome, name)) for name in names}
+    return Outcome(verdict, state, history=outcome.history, **rest)

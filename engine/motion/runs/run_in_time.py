@@ -1,0 +1,158 @@
+"""Runs in time: step by step near rest, backwards, and where a moment depends on time."""
+
+import numpy as np
+
+from engine.motion.moments.breaks import regula_falsi
+from engine.motion.moments.grid import JUMP
+from engine.motion.runs.run_progress import Progress
+from engine.motion.steppers.time_form import State, TimeForm
+from engine.verdicts import Verdict
+
+# Times that a machine at rest looks whether a moment over time sets it going.
+WAITS = 1000
+HALVINGS = 60
+# Of the ends that a step in time may meet, the first and the last.
+REST, BREAK = 0, 4
+
+
+def set_off(runs: Progress, who: np.ndarray) -> None:
+    """Choose the way for machines at rest; those that stay are at the end, or don't start."""
+    if not who.size:
+        return
+    runs.facing[who] = runs.form(who).at_rest(runs.absolute(runs.part(who), who))
+    stays = who[runs.facing[who] == 0.0]
+    begun = runs.state.turned[stays] != 0.0
+    if runs.ends.rest:
+        runs.done[stays[begun]] = True
+        stays = stays[~begun]
+    # It stands until a moment over time changes, or until the time is over.
+    now, instants = runs.clock[stays] + runs.state.time[stays], runs.dynamics.instants
+    last = instants[-1] if instants.size else -np.inf
+    pause = (last - instants[0]) / WAITS if instants.size else 0.0
+    later = np.where(now < last, np.maximum(np.minimum(now + pause, last), now), np.inf) - runs.clock[stays]
+    later = np.minimum(later, runs.ends.time[stays])
+    waits = np.isfinite(later)
+    runs.state.time[stays[waits]] = later[waits]
+    runs.done[stays[waits & (later >= runs.ends.time[stays])]] = True
+    if runs.ends.rest:
+        runs.done[stays[~waits]] = True
+    else:
+        runs.give_up(stays[~waits], Verdict.STALLS)
+
+
+def step(runs: Progress, who: np.ndarray) -> None:
+    """One step in time of some variants, or less of it where an end is met."""
+    form, state, facing = runs.form(who), runs.absolute(runs.part(who), who), runs.facing[who]
+    end = runs.clock[who] + runs.ends.time[who]
+    h = np.minimum(form.proper_step(state, runs.spacing, facing), _next_instant(runs, state.time, end) - state.time)
+    goal = _next_break(runs, who, state.turned, facing)
+    h, after = _short_enough(form, state, h, facing, goal)
+    lost = ~np.isfinite(after.omega)
+    runs.give_up(who[lost], Verdict.NOT_FINITE)
+    over = _overshoot(runs, after, who, facing, goal)
+    late, which = (over > 0.0).any(axis=0) & ~lost, np.full(who.size, -1)
+    if late.any():
+        sub = np.flatnonzero(late)
+        shorter, which[sub] = _first_end(runs, form, state, h, facing, goal, who, over[:, sub], sub)
+        after = _merged(after, form.step(state, _scattered(shorter, sub, h), facing, goal), late)
+    kept = ~lost
+    runs.put(who[kept], State(*(x[..., kept] for x in after))._replace(time=(after.time - runs.clock[who])[kept]))
+    runs.feel_motors(who[kept])
+    runs.note_now()
+    _after_step(runs, who[kept], which[kept])
+
+
+def _next_instant(runs: Progress, time: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The next time at which a moment over time jumps or bends, or the end."""
+    instants = np.append(runs.dynamics.instants, np.inf)
+    return np.minimum(instants[np.searchsorted(instants, time * (1.0 + 1e-15), side="right")], end)
+
+
+def _short_enough(
+    form: TimeForm, state: State, h: np.ndarray, facing: np.ndarray, goal: np.ndarray
+) -> tuple[np.ndarray, State]:
+    """A step that doesn't come back to rest where it sets off from rest: its length, and the state after it."""
+    for _ in range(HALVINGS):
+        after = form.step(state, h, facing, goal)
+        back = (state.omega == 0.0) & (after.omega * facing <= 0.0)
+        if not back.any():
+            break
+        h = np.where(back, 0.5 * h, h)
+    return h, after
+
+
+def _next_break(runs: Progress, who: np.ndarray, turned: np.ndarray, facing: np.ndarray) -> np.ndarray:
+    """Angle turned at the next edge of a break of the moments: no step goes across one."""
+    angles, cycle = runs.variants.breaks.angles[:, who], runs.dynamics.cycle
+    if not angles.size:
+        return facing * np.inf
+    here = runs.start[who] + runs.variants.direction[who] * turned
+    ahead = np.mod(runs.variants.direction[who] * facing * (angles - here), cycle)
+    edges = np.concatenate((ahead - JUMP, ahead + JUMP, ahead - cycle + JUMP))
+    edges = np.where(edges > 0.1 * JUMP, edges, np.inf)
+    return turned + facing * np.nan_to_num(edges, nan=np.inf).min(axis=0)
+
+
+def _overshoot(runs: Progress, state: State, who: np.ndarray, facing: np.ndarray, goal: np.ndarray) -> np.ndarray:
+    """How far a state is beyond rest, the end angle, the speed above and below, and a break; (5, variants)."""
+    return np.array(
+        [
+            -state.omega * facing,
+            state.turned - runs.ends.turned[who],
+            state.omega - runs.above[who],
+            runs.below[who] - state.omega,
+            (state.turned - goal) * facing,
+        ]
+    )
+
+
+def _first_end(
+    runs: Progress,
+    form: TimeForm,
+    state: State,
+    h: np.ndarray,
+    facing: np.ndarray,
+    goal: np.ndarray,
+    who: np.ndarray,
+    over: np.ndarray,
+    sub: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which end the variants `sub` meet first within the step, and the length of the step to there."""
+    shortest, first = h[sub].copy(), np.full(sub.size, -1)
+    for end in np.flatnonzero((over > 0.0).any(axis=1)):
+
+        def excess(length: np.ndarray, end: int = end) -> np.ndarray:
+            after = form.step(state, _scattered(length, sub, h), facing, goal)
+            return _overshoot(runs, after, who, facing, goal)[end, sub]
+
+        length = regula_falsi(excess, np.zeros(sub.size), h[sub])
+        sooner = (over[end] > 0.0) & ((length < shortest) | (first < 0))
+        shortest, first = np.where(sooner, length, shortest), np.where(sooner, end, first)
+    return shortest, first
+
+
+def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
+    """What follows from an end that was met: the run is over, or the machine turns round."""
+    ended = runs.state.time[who] >= runs.ends.time[who] * (1.0 - 1e-15)
+    runs.done[who[ended | ((which > REST) & (which < BREAK))]] = True
+    rest = who[which == REST]
+    runs.state.omega[rest] = 0.0
+    # What rounding left of a speed.
+    runs.slowest[rest] = np.where(np.abs(runs.slowest[rest]) < 1e-12 * runs.fastest[rest], 0.0, runs.slowest[rest])
+    if runs.ends.rest:
+        runs.done[rest] = True
+    else:
+        runs.facing[rest] = 0.0
+        set_off(runs, rest)
+    lost = who[~runs.done[who] & (np.abs(runs.state.turned[who]) >= runs.ends.most_turned[who])]
+    runs.give_up(lost, Verdict.NO_END)
+
+
+def _scattered(values: np.ndarray, places: np.ndarray, base: np.ndarray) -> np.ndarray:
+    whole = base.copy()
+    whole[places] = values
+    return whole
+
+
+def _merged(one: State, other: State, take_other: np.ndarray) -> State:
+    return State(*(np.where(take_other, b, a) for a, b in zip(one, other, strict=True)))

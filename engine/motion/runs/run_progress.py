@@ -1,0 +1,159 @@
+"""How far runs have come: where they are to end, where each stands, and what it met on its way."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.steppers.time_form import State, TimeForm, state_at
+from engine.verdicts import Verdict
+
+
+class Ends(NamedTuple):
+    """Where runs end, (variants,): angle turned from the run's begin [rad], time [s], speed [rad/s]; inf for never.
+
+    `rest` says whether the run ends at rest; `most_turned` [rad] is where it is given up.
+    """
+
+    turned: np.ndarray
+    time: np.ndarray
+    speed: np.ndarray
+    rest: bool
+    most_turned: np.ndarray
+
+
+class Outcome(NamedTuple):
+    """How runs went; arrays (variants,) unless said.
+
+    Attributes
+    ----------
+    verdict : ndarray of uint8
+    state : State
+        At the end; angle and time counted from the begin of the run.
+    slowest, fastest, peak : ndarray
+        Least and greatest speed [rad/s], greatest moment of the motors by magnitude [N·m].
+    started, ended : ndarray
+        Kinetic energy at begin and end [J].
+    history : ndarray (3, instants) or None
+        Time [s], angle turned [rad] and speed [rad/s] of the only variant, where recorded.
+    """
+
+    verdict: np.ndarray
+    state: State
+    slowest: np.ndarray
+    fastest: np.ndarray
+    peak: np.ndarray
+    started: np.ndarray
+    ended: np.ndarray
+    history: np.ndarray | None
+
+
+class Progress:
+    """Runs of a set of variants on their way: what both forms of the equation of motion carry on.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+    variants : Variants
+    start : ndarray (variants,)
+        Crank angle at the begin [rad].
+    omega : ndarray (variants,)
+        Speed at the begin, in the direction of motion [rad/s].
+    clock : ndarray (variants,)
+        Time at the begin, for moments that depend on time [s].
+    ends : Ends
+    steps : int
+        Steps a cycle.
+    half : bool
+        Whether to make half as many, for comparison.
+    record : bool
+        Whether to keep the history (of a single variant).
+
+    Attributes
+    ----------
+    state : State
+        Now; angle and time counted from the begin of the run.
+    verdict, slowest, fastest, peak : ndarray
+        As of `Outcome`, so far.
+    done : ndarray of bool
+        Whether the run is over.
+    facing : ndarray
+        +1 or −1, the way that a machine moves in time, 0 where it stands.
+    above, below : ndarray
+        The speed to be reached [rad/s], as one to come up to or to come down to; infinite where it isn't.
+    notes : list of ndarray or None
+        The history so far, where it is kept.
+    """
+
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        variants: Variants,
+        start: np.ndarray,
+        omega: np.ndarray,
+        clock: np.ndarray,
+        ends: Ends,
+        steps: int,
+        half: bool = False,
+        record: bool = False,
+    ) -> None:
+        self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
+        self.ends, self.steps, self.half = ends, steps, half
+        self.spacing = dynamics.cycle / (steps // 2 if half else steps)
+        count, channels = variants.count, len(dynamics.channels)
+        self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
+        self.verdict = np.full(count, Verdict.OK, np.uint8)
+        self.slowest, self.fastest, self.peak = self.state.omega.copy(), self.state.omega.copy(), np.zeros(count)
+        self.done = np.zeros(count, bool)
+        # A speed to be reached lies above or below the first.
+        self.above = np.where(ends.speed > omega, ends.speed, np.inf)
+        self.below = np.where(ends.speed < omega, ends.speed, -np.inf)
+        self.facing = np.sign(self.state.omega)
+        self.done |= ends.speed == omega
+        self.notes: list[np.ndarray] | None = [] if record else None
+
+    def energy(self) -> np.ndarray:
+        """Kinetic energy now [J]."""
+        return 0.5 * self._inertia() * self.state.omega**2
+
+    def _inertia(self) -> np.ndarray:
+        places = (self.start + self.variants.direction * self.state.turned)[None]
+        return self.dynamics.rows(self.variants, places, self.state.time[None]).inertia[0]
+
+    def note(self, time: np.ndarray, turned: np.ndarray, omega: np.ndarray) -> None:
+        """Write instants into the history, where one is kept."""
+        if self.notes is not None:
+            self.notes.append(np.array([np.atleast_1d(x).ravel() for x in (time, turned, omega)]))
+
+    def note_now(self) -> None:
+        """Write where it stands into the history."""
+        self.note(self.state.time, self.state.turned, self.state.omega)
+
+    def give_up(self, who: np.ndarray, verdict: Verdict) -> None:
+        """End the runs of some variants with a verdict."""
+        self.verdict[who], self.done[who] = verdict, True
+
+    def put(self, who: np.ndarray, state: State) -> None:
+        """Take over the new state of some variants."""
+        for mine, new in zip(self.state, state, strict=True):
+            mine[..., who] = new
+        self.slowest[who] = np.minimum(self.slowest[who], state.omega)
+        self.fastest[who] = np.maximum(self.fastest[who], state.omega)
+
+    def part(self, who: np.ndarray) -> State:
+        """State of some variants."""
+        return State(*(x[..., who] for x in self.state))
+
+    def form(self, who: np.ndarray) -> TimeForm:
+        """The equation of motion in time of some variants."""
+        return TimeForm(self.dynamics, self.variants.some(who), self.start[who])
+
+    def absolute(self, state: State, who: np.ndarray) -> State:
+        """A state of some variants, its time on the clock that moments over time go by."""
+        return state._replace(time=state.time + self.clock[who])
+
+    def feel_motors(self, who: np.ndarray) -> None:
+        """Note the moment of the motors where they are now."""
+        state, way = self.part(who), np.where(self.facing[who] < 0.0, -1.0, 1.0)
+        moment = self.form(who).acceleration(state.turned, state.omega, state.time + self.clock[who], way)[2]
+        self.peak[who] = np.maximum(self.peak[who], np.abs(moment))

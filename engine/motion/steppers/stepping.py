@@ -1,0 +1,69 @@
+"""A stretch of motion in the energy form: explicit where that is stable, implicit where it isn't."""
+
+import numpy as np
+
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.steppers.energy_form import NEAR_REST, STIFF, Course, Limits, Tables, energy_form, new_course
+from engine.motion.steppers.stiff import stiff_energy_form
+
+# Where a step times the decay rate of the energy exceeds this, slowing down is the method's doing, not the machine's.
+STEEP = 1.0
+
+
+def advance(
+    dynamics: Dynamics,
+    variants: Variants,
+    tables: Tables,
+    energy: np.ndarray,
+    limits: Limits,
+    record: np.ndarray | None = None,
+) -> Course:
+    """Carry every variant from its energy at the first node to the end of its stretch.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+    variants : Variants
+    tables : Tables
+        Of one cycle, over and over again.
+    energy : ndarray (variants,)
+        [J].
+    limits : Limits
+    record : ndarray (2, nodes, variants), optional
+        Receives energy and time at the nodes.
+
+    Returns
+    -------
+    Course
+    """
+    count, channels = variants.count, len(dynamics.channels)
+    record = np.empty((2, 0, count)) if record is None else record
+    course = new_course(count, channels)
+    stepper = energy_form(variants.drive.kloss.shape[0], dynamics.laws_channels)
+    stepper(count, tables, variants.drive, energy, limits, record, course)
+    stiff = np.flatnonzero(_is_steep(dynamics, variants, tables, course))
+    if stiff.size:
+        part, own = variants.some(stiff), new_course(stiff.size, channels)
+        notes = np.ascontiguousarray(record[:, :, stiff])
+        laws = np.array(dynamics.laws_channels, np.int64)
+        ends = Limits(*(limit[stiff] for limit in limits))
+        stiff_energy_form(stiff.size, tables.some(stiff), part.drive, laws, energy[stiff], ends, notes, own)
+        record[:, :, stiff] = notes
+        for whole, some in zip(course, own, strict=True):
+            whole[..., stiff] = some
+    return course
+
+
+def _is_steep(dynamics: Dynamics, variants: Variants, tables: Tables, course: Course) -> np.ndarray:
+    """Which variants stopped because the explicit method is about to become unstable."""
+    found = course.stop == STIFF
+    doubtful = np.flatnonzero(course.stop == NEAR_REST)
+    if doubtful.size:
+        part, rows = variants.some(doubtful), tables.some(doubtful)
+        k, columns = course.made[doubtful] % rows.steps.shape[0], np.arange(doubtful.size)
+        here = rows.at(2 * k, columns)
+        omega = np.sqrt(2.0 * course.energy[doubtful] / here.inertia[0])
+        slope = dynamics.moments(part, here, omega[None]).slope[0]
+        with np.errstate(all="ignore"):
+            found[doubtful] = -slope * rows.steps[k, columns] / (here.inertia[0] * omega) > STEEP
+    return found

@@ -1,0 +1,147 @@
+"""Reduced inertia and moments, the driving moment that closes the cycle, and the flywheel by three methods.
+
+Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on reduction, on the motion of a machine and on
+flywheels.
+"""
+
+from engine.graph.nodes import Node
+from engine.machine.motors import motor_moment
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.expressions import Expression, Given, SteadyCycle
+from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
+
+_USEFUL = frozenset({"useful"})
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Inertia, moments, drive, and where there is a cycle its flywheel."""
+    m, scene, graph = mechanics, mechanics.scene, mechanics.graph
+    u = InputUnits.of(scene)
+    without = ", without friction in pairs" if scene.friction else ""
+    yield Field("reduced_inertia", "reduced moment of inertia", u.inertia, lambda: m.reduced.inertia, "I")
+    yield Field(
+        "reduced_inertia_phi",
+        "derivative of the reduced moment of inertia by the input",
+        f"{u.inertia} {u.per_q}",
+        lambda: m.reduced.slope,
+        "dI/dφ",
+    )
+    yield Field(
+        "reduced_moment", f"reduced moment of all actions but the driver{without}", u.moment, lambda: m.moment_of(), "M"
+    )
+    yield Field(
+        "input_moment", f"input moment that keeps the speed uniform{without}", u.moment, lambda: m.input_moment, "M_in"
+    )
+    for action in m.loads.actions:
+        terms = [(t.coefficient, t.basis) for t in m.loads.terms if t.action == action]
+        yield Field(
+            f"{action}.moment", f"reduced moment of {action}", u.moment, lambda terms=terms: graph.combination(terms)
+        )
+    yield Summary(
+        "first_kind_inertia",
+        "constant part of the reduced moment of inertia",
+        u.inertia,
+        lambda: Given(m.reduced.first_kind),
+        symbol="I_0",
+    )
+    if m.loads.motors:
+        number = graph.derived("motor moment", lambda n: motor_moment(scene, m.loads.motors, n), "load")
+        yield Summary(
+            "motor_moment",
+            "moment of the motors at the input's speed, reduced to the input",
+            "N m",
+            lambda: Given(number),
+        )
+    if m.has_cycle:
+        yield from _drive(m)
+        yield from _flywheel(m)
+
+
+def _drive(m: Mechanics) -> Declared:
+    """The constant driving moment that closes the cycle."""
+
+    def resisting() -> Expression:
+        return -mean(m, m.moment_of())
+
+    yield Summary(
+        "mean_useful_moment",
+        "mean moment of the useful resistances over the cycle, reduced to the input",
+        "N m",
+        lambda: -mean(m, m.moment_of(_USEFUL)),
+    )
+    yield Summary(
+        "required_drive_moment", "constant driving moment that closes the cycle", "N m", resisting, symbol="M_d"
+    )
+    yield Summary(
+        "required_power",
+        "mean power of the required driving moment",
+        "W",
+        lambda: resisting() * Given(m.speed),
+        symbol="P",
+    )
+
+
+def _flywheel(m: Mechanics) -> Declared:
+    """Excess work, and the flywheel with what follows from it."""
+    flywheel = m.scene.flywheel
+    asked = flywheel is not None and flywheel.speed_fluctuation is not None
+    given = flywheel is not None and flywheel.inertia is not None
+
+    def steady(result: str) -> SteadyCycle:
+        return steady_cycle(m, result)
+
+    yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc")
+    if asked:
+        for name, words in (
+            ("flywheel_excess_work", "flywheel inertia by the excess work"),
+            ("flywheel_merzalov", "flywheel inertia by Merzalov's method"),
+            ("flywheel_wittenbauer", "flywheel inertia by Wittenbauer's method, exact"),
+        ):
+            yield Summary(name, words, "kg m2", lambda name=name: steady(name), symbol="I_F")
+        for name, method in (("excess_work", "excess work"), ("merzalov", "Merzalov")):
+            yield Summary(
+                f"{name}_difference",
+                f"flywheel by {method}, relative difference from the exact one",
+                "1",
+                lambda name=name: steady(f"flywheel_{name}") / steady("flywheel_wittenbauer") - 1.0,
+            )
+    if asked or given:
+        yield Summary(
+            "flywheel_used",
+            "flywheel inertia on the input link: as given, or as Wittenbauer asks",
+            "kg m2",
+            lambda: steady("flywheel_used"),
+        )
+        yield Summary(
+            "speed_fluctuation",
+            "coefficient of speed fluctuation with the flywheel",
+            "1",
+            lambda: steady("speed_fluctuation"),
+            symbol="δ",
+        )
+        for name, word in (("speed_min", "least"), ("speed_max", "greatest")):
+            yield Summary(
+                name,
+                f"{word} angular speed of the input link with the flywheel, by magnitude",
+                "rad s-1",
+                lambda name=name: steady(name),
+            )
+
+
+def steady_cycle(m: Mechanics, result: str) -> SteadyCycle:
+    """A result of the steady cycle with the flywheel of the scene."""
+    flywheel = m.scene.flywheel
+
+    def number(key: str) -> Node | None:
+        given = flywheel is not None and getattr(flywheel, key) is not None
+        return m.graph.number(f"flywheel.{key}", "load") if given else None
+
+    return SteadyCycle(
+        m.reduced.inertia,
+        m.moment_of(),
+        m.speed,
+        number("speed_fluctuation"),
+        m.reduced.first_kind,
+        number("inertia"),
+        result,
+    )

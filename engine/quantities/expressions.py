@@ -1,0 +1,245 @@
+"""Numbers of a variant as expressions: what is measured on its cycle, and arithmetic on that.
+
+A summary is declared as an expression, `mean(moment) * speed`. What it needs follows from it: the measurements at its
+leaves. Its value and its error figure follow together, as measured numbers carry theirs through arithmetic.
+"""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from engine.cycle import measured as numbers
+from engine.cycle.measured import Measured
+from engine.graph.nodes import Node
+
+Compute = Callable[..., Measured]
+
+
+class Expression:
+    """A number of each variant, with its error figure."""
+
+    def __add__(self, other: "Expression | float") -> "Expression":
+        return Formula(lambda a, b: a + b, (self, _expression(other)))
+
+    def __radd__(self, other: float) -> "Expression":
+        return _expression(other) + self
+
+    def __sub__(self, other: "Expression | float") -> "Expression":
+        return Formula(lambda a, b: a - b, (self, _expression(other)))
+
+    def __rsub__(self, other: float) -> "Expression":
+        return _expression(other) - self
+
+    def __mul__(self, other: "Expression | float") -> "Expression":
+        return Formula(lambda a, b: a * b, (self, _expression(other)))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: "Expression | float") -> "Expression":
+        return Formula(lambda a, b: a / b, (self, _expression(other)))
+
+    def __rtruediv__(self, other: float) -> "Expression":
+        return _expression(other) / self
+
+    def __neg__(self) -> "Expression":
+        return Formula(lambda a: -a, (self,))
+
+    def __abs__(self) -> "Expression":
+        return Formula(abs, (self,))
+
+
+@dataclass(frozen=True, eq=False)
+class Formula(Expression):
+    """A function of measured numbers applied to expressions."""
+
+    does: Compute
+    operands: tuple[Expression, ...]
+
+
+class Measurement(Expression):
+    """What is measured on a variant's cycle, or known of it beforehand; equal ones are measured once."""
+
+
+@dataclass(frozen=True)
+class Exactly(Measurement):
+    """The same number for all variants."""
+
+    value: float
+
+
+@dataclass(frozen=True)
+class Given(Measurement):
+    """A number of the variant, known before its cycle."""
+
+    number: Node
+
+
+@dataclass(frozen=True)
+class Integral(Measurement):
+    """Integral of a curve over the range of the input."""
+
+    curve: Node
+
+
+@dataclass(frozen=True)
+class Extreme(Measurement):
+    """Least or greatest value of a curve over the range of the input."""
+
+    curve: Node
+    sense: Literal["least", "greatest"]
+
+
+@dataclass(frozen=True)
+class Place(Measurement):
+    """Position of the input where a curve has its least or greatest value."""
+
+    curve: Node
+    sense: Literal["least", "greatest"]
+
+
+@dataclass(frozen=True)
+class StrokeEnd(Measurement):
+    """End of the stroke of a coordinate, or the position of the input there (dead centre)."""
+
+    coordinate: Node
+    rate: Node
+    which: Literal["low", "high", "low_at", "high_at"]
+
+
+@dataclass(frozen=True)
+class AtFirst(Measurement):
+    """Value of a curve at the first position."""
+
+    curve: Node
+
+
+@dataclass(frozen=True)
+class RunningExtreme(Measurement):
+    """Least or greatest value of a curve's integral from the first position, or its position."""
+
+    rate: Node
+    which: Literal["least", "greatest", "least_at", "greatest_at"]
+
+
+@dataclass(frozen=True)
+class SteadyCycle(Measurement):
+    """A result of the steady cycle under the constant moment that closes it: see `engine.cycle.flywheel`.
+
+    Attributes
+    ----------
+    inertia, moment : Node
+        Reduced moment of inertia, and reduced moment of all but the driver.
+    speed : Node
+        Mean speed of the input.
+    fluctuation, first_kind, wheel : Node or None
+        Coefficient of speed fluctuation asked for, constant part of the inertia, inertia of a given flywheel.
+    result : str
+        Which of its results.
+    """
+
+    inertia: Node
+    moment: Node
+    speed: Node
+    fluctuation: Node | None
+    first_kind: Node
+    wheel: Node | None
+    result: str
+
+
+def _expression(value: Expression | float) -> Expression:
+    return value if isinstance(value, Expression) else Exactly(float(value))
+
+
+def length_of_range(first: Node, last: Node) -> Expression:
+    """Length of the input's range."""
+    return Given(last - first)
+
+
+def least(curve: Node) -> Expression:
+    """Least value of a curve."""
+    return Extreme(curve, "least")
+
+
+def greatest(curve: Node) -> Expression:
+    """Greatest value of a curve."""
+    return Extreme(curve, "greatest")
+
+
+def peak(curve: Node) -> Expression:
+    """Greatest magnitude of a curve."""
+    return maximum(abs(least(curve)), abs(greatest(curve)))
+
+
+def sqrt(x: Expression) -> Expression:
+    """Root of a number."""
+    return Formula(numbers.sqrt, (x,))
+
+
+def maximum(*of: Expression) -> Expression:
+    """The greatest of some numbers."""
+    found = of[0]
+    for other in of[1:]:
+        found = Formula(numbers.maximum, (found, other))
+    return found
+
+
+def minimum(*of: Expression) -> Expression:
+    """The least of some numbers."""
+    found = of[0]
+    for other in of[1:]:
+        found = Formula(numbers.minimum, (found, other))
+    return found
+
+
+def hypot(x: Expression, y: Expression) -> Expression:
+    """Magnitude of a vector."""
+    return Formula(_hypot, (x, y))
+
+
+def _hypot(x: Measured, y: Measured) -> Measured:
+    size = np.hypot(x.value, y.value)
+    return Measured(size, np.hypot(x.error, y.error) + 2.0 * np.finfo(float).eps * size)
+
+
+def measurements(expressions: Iterable[Expression]) -> list[Measurement]:
+    """What some expressions need, each once."""
+    found: dict[Measurement, None] = {}
+    pending, seen = list(expressions), set()
+    while pending:
+        expression = pending.pop()
+        if isinstance(expression, Measurement):
+            found[expression] = None
+        elif id(expression) not in seen:
+            seen.add(id(expression))
+            pending.extend(expression.operands)
+    return list(found)
+
+
+class Evaluation:
+    """Values of expressions from what was measured.
+
+    Parameters
+    ----------
+    measured : callable
+        What was measured, for a measurement.
+    """
+
+    def __init__(self, measured: Callable[[Measurement], Measured]) -> None:
+        self._measured = measured
+        self._known: dict[int, Measured] = {}
+
+    def __call__(self, expression: Expression) -> Measured:
+        """Value and error figure of an expression."""
+        if isinstance(expression, Exactly):
+            return Measured(expression.value)
+        if isinstance(expression, Measurement):
+            return self._measured(expression)
+        if id(expression) not in self._known:
+            self._known[id(expression)] = expression.does(*(self(o) for o in expression.operands))
+        return self._known[id(expression)]
+
+
+FULL_TURN = 2.0 * math.pi

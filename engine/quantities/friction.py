@@ -1,0 +1,81 @@
+"""Friction in pairs: what it takes, what it leaves, and how near the machine is to jamming."""
+
+import numpy as np
+
+from engine.cycle.measured import Measured
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.expressions import Exactly, Expression, Formula, Integral, greatest, least, maximum, minimum
+from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
+from engine.scene.pairs import pairs
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Friction pair by pair, its moment at the input, losses, efficiency and the margin against jamming."""
+    m, scene = mechanics, mechanics.scene
+    if not scene.friction:
+        return
+    known, unit = {pair.name: pair for pair in pairs(scene)}, InputUnits.of(scene).moment
+    span = "over the cycle" if m.has_cycle else "over the input's range"
+
+    def variable(name: str, words: str, units: str) -> Field:
+        return Field(name, words, units, lambda: m.reactions.variables[name])
+
+    for friction in scene.friction.values():
+        pair = known[friction.pair]
+        where = f"in {pair.place}, pair {pair.name}"
+        if pair.kind == "revolute":
+            yield variable(f"{pair.name}.friction_moment", f"moment of friction on {pair.link} {where}", "N m")
+        else:
+            words = f"friction on {pair.link} along its own direction {where}"
+            yield variable(f"{pair.name}.friction_force", words, "N")
+        yield variable(f"{pair.name}.friction_power", f"power lost to friction {where}", "W")
+        yield Summary(
+            f"{pair.name}.friction_work",
+            f"work lost to friction in {pair.place}, {span}",
+            "J",
+            lambda name=pair.name: abs(Integral(m.reactions.lost[name])),
+        )
+    yield variable("friction_moment", "reduced moment of the friction in all pairs", unit)
+    words = "input moment at uniform speed with friction in pairs"
+    yield variable("input_moment_with_friction", words, unit)
+    yield Summary(
+        "friction_loss",
+        f"work lost to friction in all pairs {span}",
+        "J",
+        lambda: abs(Integral(m.reactions.variables["friction_moment"])),
+    )
+    yield Summary(
+        "friction_residual",
+        "greatest relative change of a pressing force in the last pass",
+        "1",
+        lambda: maximum(Exactly(0.0), *(greatest(s.residual) for s in m.reactions.settlings.values())),
+    )
+    yield Summary(
+        "jamming_margin",
+        "least determinant of friction's feedback: 1 without friction, 0 on jamming",
+        "1",
+        lambda: minimum(Exactly(1.0), *(least(s.margin) for s in m.reactions.settlings.values())),
+    )
+    if m.has_cycle:
+        of = "useful work and work given at the input, over driving work and work taken there, over the cycle"
+        yield Summary(
+            "mechanical_efficiency", f"mechanical efficiency: {of}", "1", lambda: _efficiency(m), may_be_undefined=True
+        )
+
+
+def _efficiency(m: Mechanics) -> Expression:
+    """Share of what is put into a machine that comes out of it, in the mean over a cycle."""
+    useful, driving = (mean(m, m.moment_of(frozenset({role}))) for role in ("useful", "driving"))
+    taken = -mean(m, m.moment_of()) - mean(m, m.reactions.variables["friction_moment"])
+    out = _positive(-useful) + _positive(-taken)
+    return Formula(_ratio, (out, _positive(driving) + _positive(taken)))
+
+
+def _positive(x: Expression) -> Expression:
+    return maximum(x, x * 0.0)
+
+
+def _ratio(out: Measured, put_in: Measured) -> Measured:
+    """A ratio; undefined where nothing is put in."""
+    with np.errstate(all="ignore"):
+        return out / put_in

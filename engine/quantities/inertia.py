@@ -1,0 +1,109 @@
+"""Inertia forces of bodies, the masses that stand for them, and what shakes the frame."""
+
+from engine.laws.replacement_masses import inertia_error
+from engine.mechanism.inertia import moment_centre
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.expressions import Expression, Given, Integral, hypot
+from engine.quantities.register import Declared, Field, Summary
+from engine.scene.inertia import body_inertia
+from engine.scene.masses import CENTRE, count_points, point_name, replacement
+
+ORDERS = (1, 2, 4)
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Inertia forces body by body, replacement masses, and the shaking force with its orders."""
+    for name in mechanics.scene.bodies:
+        yield from _forces(mechanics, name)
+        yield from _replacement(mechanics, name)
+    yield from _shaking(mechanics)
+
+
+def _forces(m: Mechanics, name: str) -> Declared:
+    at = "at uniform speed of the input"
+    for i, axis in enumerate("xy"):
+        yield Field(
+            f"{name}.inertia_force_{axis}",
+            f"{axis} component of the inertia force of body {name} {at}",
+            "N",
+            lambda i=i: m.inertia_forces(name).force[i],
+        )
+    yield Field(
+        f"{name}.inertia_moment",
+        f"moment of the inertia forces of body {name} about its centre {at}",
+        "N m",
+        lambda: m.inertia_forces(name).moment,
+    )
+    yield Field(
+        f"{name}.inertia_offset",
+        f"distance of the resultant of the inertia forces of body {name} from its centre of mass "
+        "(positive: passes to the right of it)",
+        "m",
+        lambda: m.inertia_forces(name).offset,
+    )
+
+
+def _replacement(m: Mechanics, name: str) -> Declared:
+    """Masses and places of the points that stand for a body, and what they miss of its moment of inertia."""
+    body, graph, count = m.scene.bodies[name], m.graph, count_points(m.scene, name)
+    for i in range(count):
+        chosen = body.replace.at[i : i + 1]
+        place = ("the centre of mass" if chosen == (CENTRE,) else chosen[0]) if chosen else "the point found"
+        whose = f"mass {i + 1} (at {place}) that stands for body {name}"
+        part = m.kinematics.masses[point_name(name, i)]
+        for key, words, unit, compute in (
+            ("mass", f"point {whose}, may be negative", "kg", part.mass),
+            ("x", f"x coordinate on the link of {whose}", "m", part.along),
+            ("y", f"y coordinate on the link of {whose}", "m", part.across),
+        ):
+            number = graph.derived(f"replacement {key} {i + 1} of {name}", compute, "load")
+            yield Summary(f"{name}.replacement_{key}_{i + 1}", words, unit, lambda number=number: Given(number))
+    if count:
+        error = graph.derived(
+            f"replacement error of {name}",
+            lambda n: inertia_error(replacement(m.scene, name, n), body_inertia(m.scene, name, n)),
+            "load",
+        )
+        words = f"moment of inertia of the point masses that stand for body {name}, less its own"
+        yield Summary(f"{name}.replacement_error", words, "kg m2", lambda: Given(error))
+
+
+def _shaking(m: Mechanics) -> Declared:
+    force, about = "shaking force at uniform speed of the input", moment_centre(m.scene)
+    for i, axis in enumerate("xy"):
+        words = f"{axis} component of the {force}"
+        yield Field(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i])
+    yield Field("shaking_force", f"magnitude of the {force}", "N", lambda: m.shaking.force.length)
+    yield Field(
+        "shaking_moment",
+        f"shaking moment about {about} at uniform speed of the input, inertia of shafts and gears in it, loads not",
+        "N m",
+        lambda: m.shaking.moment,
+    )
+    for n in ORDERS if m.has_cycle else ():
+        words = f"order {n} of the shaking force by the crank's speed, longer half axis of its ellipse"
+        yield Summary(f"shaking_force.order_{n}", words, "N", lambda n=n: order_of_force(m, n))
+
+
+def order_of_force(m: Mechanics, n: int) -> Expression:
+    """Longer half axis of the ellipse that order n of the shaking force draws.
+
+    With the complex force z = F_x + i F_y, order n is c₊ e^{inφ} + c₋ e^{−inφ}, c± = 1/T ∫ z e^{∓inφ} dφ, and the half
+    axes are ||c₊| ± |c₋||.
+    """
+    cosine, sine = _multiple_angle(m, n)
+    x, y = m.shaking.force
+    xc, xs, yc, ys = (Integral(part * turn) for part in (x, y) for turn in (cosine, sine))
+    length = Given(m.last - m.first)
+    forward = hypot(xc + ys, yc - xs)
+    backward = hypot(xc - ys, yc + xs)
+    return (forward + backward) / length
+
+
+def _multiple_angle(m: Mechanics, n: int) -> tuple:
+    """Cosine and sine of n times the crank's angle."""
+    cosine, sine = m.graph.cos_q, m.graph.sin_q
+    c, s = cosine, sine
+    for _ in range(n - 1):
+        c, s = c * cosine - s * sine, s * cosine + c * sine
+    return c, s

@@ -1,0 +1,69 @@
+"""Positions, velocities and accelerations: what may be asked of the motion of points, links and sliders."""
+
+from collections.abc import Callable
+
+from engine.graph.nodes import Node
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.register import Angle, Declared, Field, InputUnits
+from engine.scene.parts import FRAME, CrankInput
+
+_WORDS = ("", "first derivative by the input of the ", "second derivative by the input of the ")
+_SUFFIXES = ("", "_phi", "_phiphi")
+_RATES = {
+    "x": ("vx", "ax"),
+    "y": ("vy", "ay"),
+    "angle": ("angular_velocity", "angular_acceleration"),
+    "slide": ("velocity", "acceleration"),
+}
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Fields of every moving point, link, slider and group."""
+    k, scene = mechanics.kinematics, mechanics.scene
+    for name in _moving_points(mechanics):
+        point = k.points[name]
+        for i, axis in enumerate("xy"):
+            nodes = (point.r[i], point.v[i], point.a[i])
+            yield from _coordinate(mechanics, name, axis, f"{axis} coordinate of point {name}", "m", nodes)
+    for name in mechanics.structure.links:
+        link = k.links[name]
+        nodes = (Angle(link.u, link.w), link.w, link.e)
+        yield from _coordinate(mechanics, name, "angle", f"angle of link {name}", "rad", nodes)
+    for name in mechanics.structure.sliders:
+        words = f"displacement of slider {name}"
+        yield from _coordinate(mechanics, name, "slide", words, "m", tuple(k.slides[name]))
+    for name in scene.groups:
+        words = f"sine of the transmission angle of group {name}"
+        yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
+
+
+def _moving_points(mechanics: Mechanics) -> list[str]:
+    scene = mechanics.scene
+    names = [name for name, point in scene.points.items() if point.link != FRAME]
+    names += [group.inner for group in scene.groups.values() if hasattr(group, "inner")]
+    return [*names, scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point]
+
+
+def _known(node: Node | Angle) -> Callable[[], Node | Angle]:
+    return lambda: node
+
+
+def _coordinate(
+    mechanics: Mechanics, owner: str, kind: str, words: str, unit: str, nodes: tuple[Node | Angle, Node, Node]
+) -> Declared:
+    """A coordinate, its derivatives by the input, and its derivatives by time at the input's uniform speed."""
+    q, graph = InputUnits.of(mechanics.scene).q, mechanics.graph
+    for order, (suffix, word, node) in enumerate(zip(_SUFFIXES, _WORDS, nodes, strict=True)):
+        units = f"{unit} {q}-{order}" if order else unit
+        yield Field(f"{owner}.{kind}{suffix}", f"{word}{words}", units, _known(node))
+    first, second = _RATES[kind]
+    speed, squared = mechanics.speed, mechanics.speed_squared
+    yield Field(
+        f"{owner}.{first}", f"velocity of the {words}", f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])])
+    )
+    yield Field(
+        f"{owner}.{second}",
+        f"acceleration of the {words} at uniform speed of the input",
+        f"{unit} s-2",
+        lambda: graph.combination([(squared, nodes[2])]),
+    )

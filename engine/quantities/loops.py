@@ -1,0 +1,71 @@
+"""The loops of the structural groups: how they transmit forces, whether they close, how they magnify inaccuracies.
+
+An error dr of a link's length, or of a guide's offset, moves the inner joint B of a dyad so that it keeps to the other
+link or guide: u₁·dB = dr, u₂·dB = 0, with u₁ and u₂ along the links or across the guides. So B moves across u₂ by
+|dB| = dr/|sin γ|, γ the angle between u₁ and u₂: the transmission angle of RRR, that of the rod and the normal of the
+guide in RRP, of the two guides in PRP. In RPR the slot's point that lies at the pin moves so by an error of the slot's
+offset, in RPP the crossing of slot and guide by an error across the slot. Errors are magnified without bound in dead
+centres and change points of the group, where γ is 0.
+
+Source: any course of the theory of mechanisms, chapter on the accuracy of mechanisms.
+"""
+
+import numpy as np
+
+from engine.cycle.measured import Measured
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.expressions import Expression, Formula, greatest, least, maximum
+from engine.quantities.register import Declared, Summary
+
+MAGNIFICATION, RESIDUAL = "error_magnification", "loop_closure_residual"
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Transmission angles, error magnifications, and what the loops miss of being closed."""
+    m, groups = mechanics, tuple(mechanics.scene.groups)
+    words = "displacement of the joint or block by an error of a length or offset, in its worst position, as a multiple"
+    for group in groups:
+        yield Summary(
+            f"{group}.transmission_angle",
+            f"least transmission angle of group {group} over the cycle",
+            "rad",
+            lambda group=group: Formula(_angle_of, (least_sine(m, group),)),
+            symbol="γ",
+        )
+        yield Summary(
+            f"{group}.{MAGNIFICATION}", f"group {group}: {words}", "1", lambda group=group: 1.0 / least_sine(m, group)
+        )
+    if groups:
+        yield Summary(
+            MAGNIFICATION,
+            f"of the worst group: {words}",
+            "1",
+            lambda: maximum(*(1.0 / least_sine(m, g) for g in groups)),
+        )
+        yield Summary(
+            RESIDUAL,
+            "lengths, guides and directions that positions miss by, as a share of the links' lengths, at worst",
+            "1",
+            lambda: maximum(*(greatest(m.kinematics.closures[g]) for g in groups)),
+        )
+
+
+def least_sine(m: Mechanics, group: str) -> Expression:
+    """Least quality of force transmission of a group by magnitude; the quality never changes its sign."""
+    sine = m.kinematics.sines[group]
+    return Formula(_least_magnitude, (least(sine), greatest(sine)))
+
+
+def _least_magnitude(low: Measured, high: Measured) -> Measured:
+    positive = low.value > 0.0
+    value = np.where(positive, low.value, np.maximum(-high.value, 0.0))
+    known = np.isfinite(low.value) & np.isfinite(high.value)
+    return Measured(np.where(known, value, np.nan), np.where(positive, low.error, high.error))
+
+
+def _angle_of(sine: Measured) -> Measured:
+    """Angle from its sine, and how much less it may be."""
+    with np.errstate(invalid="ignore"):
+        angle = np.arcsin(np.minimum(sine.value, 1.0))
+        lower = np.arcsin(np.clip(sine.value - sine.error, 0.0, 1.0))
+    return Measured(angle, angle - lower)

@@ -1,0 +1,12 @@
+"""All quantities of a machine, chapter by chapter."""
+
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities import dynamics, friction, inertia, kinematics, loops, reactions, strokes, wheel
+from engine.quantities.register import Register
+
+CHAPTERS = (kinematics, strokes, loops, dynamics, wheel, inertia, reactions, friction)
+
+
+def register_of(mechanics: Mechanics) -> Register:
+    """The register of a machine: to add a quantity, declare it in the file of its chapter."""
+    return Register(mechanics, (quantity for chapter in CHAPTERS for quantity in chapter.declare(mechanics)))

@@ -1,0 +1,147 @@
+"""Reactions in the pairs, what the machine does to its frame, the forces that load its links, and checks of them."""
+
+import math
+
+import numpy as np
+
+from engine.cycle.measured import Measured, atan2
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.expressions import Expression, Formula, greatest, hypot, maximum, peak
+from engine.quantities.register import Angle, Declared, Field, InputUnits, Summary, mean
+from engine.scene.actions import Brake, DCMotor, InductionMotor
+from engine.scene.pairs import Pair, pairs
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Fields of all pairs and of the frame, forces of the scene, and the checks of equilibrium."""
+    m, unit = mechanics, InputUnits.of(mechanics.scene).moment
+    for pair in pairs(m.scene):
+        yield from _fields_of(m, pair)
+        if pair.kind == "revolute":
+            for link in (pair.link, pair.other):
+                yield from _load_direction(m, pair, link)
+    on_frame = "of all that the machine does to its frame, drive included"
+    yield _variable(m, "frame.reaction_x", f"x component of the force {on_frame}", "N")
+    yield _variable(m, "frame.reaction_y", f"y component of the force {on_frame}", "N")
+    yield _variable(m, "frame.reaction_moment", f"moment about the origin {on_frame}", "N m")
+    kept = "input moment that keeps the speed uniform"
+    rubbing = ", friction in pairs among them" if m.scene.friction else ""
+    yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link", unit)
+    words = f"{kept}, by virtual power of all forces{rubbing} (Zhukovsky's lever)"
+    yield _variable(m, "input_moment_by_power", words, unit)
+    yield from _acting(m)
+    yield from _checks(m)
+
+
+def _variable(m: Mechanics, name: str, words: str, unit: str) -> Field:
+    return Field(name, words, unit, lambda: m.reactions.variables[name])
+
+
+def _fields_of(m: Mechanics, pair: Pair) -> Declared:
+    other = pair.other if pair.other == "frame" else f"link {pair.other}"
+    force = f"force on link {pair.link} from {other} in {pair.place}"
+    if pair.name in m.scene.shafts:
+        force += " (without forces between teeth)"
+    yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N")
+    yield _variable(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N")
+    if pair.kind == "prismatic":
+        where = "about the slider's joint" if pair.name != "input" else "about the input's point"
+        yield _variable(m, f"{pair.name}.reaction", f"{force}, positive to the left of its direction", "N")
+        yield _variable(m, f"{pair.name}.reaction_moment", f"moment of the {force}, {where}", "N m")
+        return
+    yield _variable(m, f"{pair.name}.reaction", force, "N")
+    words = f"direction of the {force}, continuous over the range"
+    yield Field(f"{pair.name}.reaction_direction", words, "rad", lambda: _direction(m, pair))
+    yield _variable(m, f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N")
+    words = f"component to the left across link {pair.link} of the {force}"
+    yield _variable(m, f"{pair.name}.reaction_across", words, "N")
+
+
+def _direction(m: Mechanics, pair: Pair) -> Angle:
+    """Direction of a reaction; its rate isn't known as a node."""
+    return Angle(m.reactions.force_in(pair.name), None)
+
+
+def _acting(m: Mechanics) -> Declared:
+    """Forces and moments of the scene as they act on its links; the drive and released brakes are none of them."""
+    scene = m.scene
+    for name in (*scene.forces, *scene.springs, *scene.cylinders):
+        on = f" on point {scene.springs[name].between[1]}" if name in scene.springs else ""
+        for axis in "xy":
+            yield _variable(m, f"{name}.force_{axis}", f"{axis} component of the force {name}{on}", "N")
+    for name, moment in scene.moments.items():
+        if not isinstance(moment, (Brake, DCMotor, InductionMotor)):
+            yield _variable(m, f"{name}.acting_moment", f"moment {name} on link {moment.on}", "N m")
+
+
+def _checks(m: Mechanics) -> Declared:
+    yield Summary(
+        "input_moment_disagreement",
+        "greatest difference between the input moment by equilibrium, by virtual power and by change of kinetic "
+        "energy, relative to its greatest magnitude",
+        "1",
+        lambda: _disagreement(m),
+    )
+    yield Summary(
+        "equilibrium_residual",
+        "greatest force or moment left without balance on the whole machine, inertia included, relative to the "
+        "reactions at their greatest, their magnitudes summed",
+        "1",
+        lambda: _residual(m),
+    )
+
+
+def _share(part: Measured, whole: Measured) -> Measured:
+    """Part of a whole; 0 where there is nothing of either."""
+    with np.errstate(all="ignore"):
+        share = np.where(part.value == 0.0, 0.0 * whole.value, part.value / whole.value)
+    return Measured(share, np.zeros_like(share))
+
+
+def _disagreement(m: Mechanics) -> Expression:
+    found = m.reactions.variables
+    energy = m.input_moment - found["friction_moment"] if m.scene.friction else m.input_moment
+    ways = (energy, found["input_moment_by_equilibrium"], found["input_moment_by_power"])
+    apart = maximum(peak(ways[1] - ways[0]), peak(ways[2] - ways[0]), peak(ways[2] - ways[1]))
+    return Formula(_share, (apart, maximum(*(peak(way) for way in ways))))
+
+
+def _residual(m: Mechanics) -> Expression:
+    checks = m.reactions.checks
+    force = Formula(_share, (greatest(checks["force"]), greatest(checks["forces"])))
+    moment = Formula(_share, (peak(checks["moment"]), greatest(checks["moments"])))
+    return maximum(force, moment)
+
+
+def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
+    """Where a bearing is loaded, in the axes of a link."""
+    load = f"load on {link} in {pair.place}, in its own axes"
+
+    def means() -> tuple[Expression, Expression, Expression]:
+        along, across = m.reactions.in_axes[pair.name, link]
+        return mean(m, along), mean(m, across), mean(m, m.reactions.variables[f"{pair.name}.reaction"])
+
+    def direction() -> Expression:
+        x, y, _ = means()
+        return Formula(_defined_direction, (x, y))
+
+    def spread() -> Expression:
+        x, y, whole = means()
+        return 1.0 - hypot(x, y) / whole
+
+    yield Summary(
+        f"{pair.name}.load_direction_of_{link}",
+        f"direction of the mean {load}",
+        "rad",
+        direction,
+        may_be_undefined=True,
+    )
+    words = f"spread of the {load}: 0 in one direction, 1 all around (1 less mean vector over mean magnitude)"
+    yield Summary(f"{pair.name}.load_spread_of_{link}", words, "1", spread, may_be_undefined=True)
+
+
+def _defined_direction(x: Measured, y: Measured) -> Measured:
+    """Direction of a mean vector; undefined where the vector is no greater than what it may be off by."""
+    angle, size = atan2(y, x), np.hypot(x.value, y.value)
+    unknown = ~(size > np.hypot(x.error, y.error))
+    return Measured(np.where(unknown, np.nan, angle.value), np.where(unknown, np.nan, np.minimum(angle.error, math.pi)))

@@ -1,0 +1,130 @@
+"""What may be asked of a machine: fields, curves over the positions, and summaries, one number for each variant."""
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple
+
+from engine.graph.nodes import Node
+from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.vectors import Vector
+from engine.quantities.expressions import (
+    Expression,
+    Integral,
+    Place,
+    greatest,
+    least,
+    length_of_range,
+    peak,
+    sqrt,
+)
+from engine.quantities.quantity import STATISTICS, InputUnits
+
+
+class Angle(NamedTuple):
+    """A direction as an angle, continuous over the range, and its rate by the input."""
+
+    direction: Vector
+    rate: Node
+
+
+class Field(NamedTuple):
+    """A curve one may ask: its name, its meaning, its unit (SI, spelt as CF does), and what it is.
+
+    Attributes
+    ----------
+    name, long_name, units : str
+    curve : callable
+        Makes the node, or the angle, when it is asked for.
+    symbol : str
+        As textbooks write it.
+    """
+
+    name: str
+    long_name: str
+    units: str
+    curve: Callable[[], Node | Angle]
+    symbol: str = ""
+
+
+class Summary(NamedTuple):
+    """A number of each variant one may ask.
+
+    Attributes
+    ----------
+    name, long_name, units : str
+    expression : callable
+        Makes what it is computed from when it is asked for.
+    may_be_undefined : bool
+        Whether NaN is an answer and not a failure.
+    symbol : str
+        As textbooks write it.
+    """
+
+    name: str
+    long_name: str
+    units: str
+    expression: Callable[[], Expression]
+    may_be_undefined: bool = False
+    symbol: str = ""
+
+
+Declared = Iterator[Field | Summary]
+
+
+def mean(mechanics: Mechanics, curve: Node) -> Expression:
+    """Mean of a curve over the range of the input."""
+    return Integral(curve) / length_of_range(mechanics.first, mechanics.last)
+
+
+def statistics_of(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
+    """Summaries that are statistics of a field: FIELD.min, FIELD.max, FIELD.mean and so on."""
+    q = InputUnits.of(mechanics.scene).q
+    curve = field.curve()
+    declared = {
+        "min": ("least value of", field.units, lambda: least(curve)),
+        "max": ("greatest value of", field.units, lambda: greatest(curve)),
+        "range": ("range of", field.units, lambda: greatest(curve) - least(curve)),
+        "peak": ("greatest magnitude of", field.units, lambda: peak(curve)),
+        "mean": ("mean of", field.units, lambda: mean(mechanics, curve)),
+        "rms": ("root mean square of", field.units, lambda: sqrt(mean(mechanics, curve * curve))),
+        "min_at": ("crank angle of the least value of", q, lambda: Place(curve, "least")),
+        "max_at": ("crank angle of the greatest value of", q, lambda: Place(curve, "greatest")),
+    }
+    return [
+        Summary(f"{field.name}.{key}", f"{words} the {field.long_name}", units, expression)
+        for key, (words, units, expression) in declared.items()
+    ]
+
+
+class Register:
+    """Everything that may be asked of a machine, by name.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    declared : iterable of Field or Summary
+
+    Attributes
+    ----------
+    fields, summaries : dict
+        By name; statistics of fields aren't among the summaries, but `summary` makes them.
+    """
+
+    def __init__(self, mechanics: Mechanics, declared: Iterable[Field | Summary]) -> None:
+        self.mechanics = mechanics
+        self.fields: dict[str, Field] = {}
+        self.summaries: dict[str, Summary] = {}
+        for quantity in declared:
+            known = self.fields if isinstance(quantity, Field) else self.summaries
+            known[quantity.name] = quantity
+        self._statistics: dict[str, Summary] = {}
+
+    def summary(self, name: str) -> Summary | None:
+        """A summary, or a statistic of a field; None where there is none of that name."""
+        if name in self.summaries:
+            return self.summaries[name]
+        field, _, statistic = name.rpartition(".")
+        if statistic not in STATISTICS or field not in self.fields:
+            return None
+        if name not in self._statistics:
+            self._statistics |= {s.name: s for s in statistics_of(self.fields[field], self.mechanics)}
+        return self._statistics[name]

@@ -1,0 +1,73 @@
+"""Strokes of sliders and swings of links: their ends, the dead centres, and the quick-return ratio."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from engine.cycle.measured import Measured, atan2
+from engine.mechanism.kinematics import Turning
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.expressions import FULL_TURN, AtFirst, Expression, Formula, Integral, RunningExtreme, StrokeEnd
+from engine.quantities.register import Declared, InputUnits, Summary
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Stroke of every slider, swing of every link that may swing."""
+    k = mechanics.kinematics
+    for name in mechanics.structure.sliders:
+        slide = k.slides[name]
+        yield from _ends(mechanics, name, "stroke", "m", lambda which, s=slide: StrokeEnd(s.d, s.v, which))
+    for name in swinging_links(mechanics):
+        link = k.links[name]
+        yield from _ends(mechanics, name, "swing", "rad", lambda which, u=link: _swing_end(mechanics, u, which))
+
+
+def swinging_links(mechanics: Mechanics) -> list[str]:
+    """Links that turn, but not uniformly: those that may swing."""
+    zero, links = mechanics.graph.zero, mechanics.kinematics.links
+    return [n for n in mechanics.structure.links if links[n].w is not zero and links[n].e is not zero]
+
+
+def _swing_end(mechanics: Mechanics, link: Turning, which: str) -> Expression:
+    """End of the swing of a link, or the position there; undefined for a link that turns all the way round."""
+    if which.endswith("_at"):
+        found: Expression = RunningExtreme(link.w, "least_at" if which == "low_at" else "greatest_at")
+    else:
+        begin = Formula(atan2, (AtFirst(link.u.y), AtFirst(link.u.x)))
+        found = begin + RunningExtreme(link.w, "least" if which == "low" else "greatest")
+    return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found
+
+
+def _unless_turning(value: Measured, turned: Measured) -> Measured:
+    turns = np.abs(turned.value) > math.pi
+    return Measured(np.where(turns, np.nan, value.value), np.where(turns, np.nan, value.error))
+
+
+def _ends(mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[str], Expression]) -> Declared:
+    of = f"{'slider' if kind == 'stroke' else 'link'} {name}"
+    q = InputUnits.of(mechanics.scene).q
+    swings = kind == "swing"
+    yield Summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), swings)
+    for side in ("low", "high"):
+        words = f"{side} end of the {kind} of {of}"
+        yield Summary(f"{name}.{kind}_{side}", words, unit, lambda side=side: end(side), swings)
+        words = f"input position at the {side} end of the {kind} of {name}"
+        yield Summary(f"{name}.{kind}_{side}_at", words, q, lambda side=side: end(f"{side}_at"), swings)
+    if mechanics.has_cycle:
+        yield Summary(
+            f"{name}.{kind}_time_ratio",
+            f"quick-return ratio of the {kind} of {name}",
+            "1",
+            lambda: Formula(quick_return_ratio, (end("low_at"), end("high_at"))),
+            swings,
+        )
+
+
+def quick_return_ratio(low_at: Measured, high_at: Measured) -> Measured:
+    """Crank angle of the slow stroke over that of the fast one, R = α/(2π − α), at least 1."""
+    up = np.mod(high_at.value - low_at.value, FULL_TURN)
+    slow = np.maximum(up, FULL_TURN - up)
+    ratio = slow / (FULL_TURN - slow)
+    # dR = (1 + R)²/(2π) dα.
+    return Measured(ratio, (1.0 + ratio) ** 2 / FULL_TURN * (low_at.error + high_at.error))

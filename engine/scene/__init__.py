@@ -1,0 +1,1 @@
+"""What a machine is: its parts, units, names, and their structural order."""

@@ -1,0 +1,78 @@
+"""Mass and moment of inertia of the bodies of a scene, given or from their shapes."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from engine.scene.scene import Scene
+
+Value = float | np.ndarray
+
+
+def rod_inertia(mass: Value, length: Value) -> Value:
+    """Uniform thin rod about its middle, mL²/12 [kg·m²]."""
+    return mass * length**2 / 12
+
+
+def disc_inertia(mass: Value, diameter: Value) -> Value:
+    """Uniform disc about its axis, mR²/2 [kg·m²]."""
+    return mass * (diameter / 2) ** 2 / 2
+
+
+def ring_inertia(mass: Value, diameter: Value, inner_diameter: Value) -> Value:
+    """Uniform ring about its axis, m(R² + r²)/2 [kg·m²]."""
+    return mass * ((diameter / 2) ** 2 + (inner_diameter / 2) ** 2) / 2
+
+
+def plate_inertia(mass: Value, length: Value, width: Value) -> Value:
+    """Uniform rectangular plate about its centre, m(a² + b²)/12 [kg·m²]."""
+    return mass * (length**2 + width**2) / 12
+
+
+def _volume(kind: str, at: str, n: Mapping[str, Value]) -> Value:
+    match kind:
+        case "rod":
+            return n[f"{at}.area"] * n[f"{at}.length"]
+        case "disc":
+            return math.pi / 4 * n[f"{at}.diameter"] ** 2 * n[f"{at}.thickness"]
+        case "ring":
+            ring = n[f"{at}.diameter"] ** 2 - n[f"{at}.inner_diameter"] ** 2
+            return math.pi / 4 * ring * n[f"{at}.thickness"]
+        case _:
+            return n[f"{at}.length"] * n[f"{at}.width"] * n[f"{at}.thickness"]
+
+
+def body_mass(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
+    """Mass of a body [kg], given or from density and shape, for every variant."""
+    body = scene.bodies[name]
+    if body.mass is not None:
+        return numbers[f"bodies.{name}.mass"]
+    return numbers[f"bodies.{name}.density"] * _volume(body.shape.type, f"bodies.{name}.shape", numbers)
+
+
+def body_inertia(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
+    """Moment of inertia of a body about its centre of mass [kg·m²], for every variant; 0 where none is given."""
+    body, at = scene.bodies[name], f"bodies.{name}.shape"
+    if body.shape is None:
+        return 0.0 if body.inertia is None else numbers[f"bodies.{name}.inertia"]
+    mass = body_mass(scene, name, numbers)
+    match body.shape.type:
+        case "rod":
+            return rod_inertia(mass, numbers[f"{at}.length"])
+        case "disc":
+            return disc_inertia(mass, numbers[f"{at}.diameter"])
+        case "ring":
+            return ring_inertia(mass, numbers[f"{at}.diameter"], numbers[f"{at}.inner_diameter"])
+        case _:
+            return plate_inertia(mass, numbers[f"{at}.length"], numbers[f"{at}.width"])
+
+
+def centre_along(scene: Scene, body: str, numbers: Mapping[str, Value]) -> Value:
+    """Coordinate of a body's centre of mass along its link: as given; otherwise a rod's middle, or the origin."""
+    part = scene.bodies[body]
+    if part.x is not None:
+        return numbers[f"bodies.{body}.x"]
+    if part.shape is not None and part.shape.type == "rod":
+        return numbers[f"bodies.{body}.shape.length"] / 2
+    return 0.0

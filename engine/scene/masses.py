@@ -1,0 +1,219 @@
+"""The masses of a machine as its dynamics take them: each body, or the point masses that stand for it."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.laws.replacement_masses import (
+    CONDITIONS,
+    PointMasses,
+    Vector,
+    coincident,
+    dynamic_four,
+    dynamic_in_line,
+    dynamic_three,
+    dynamic_two,
+    static_three,
+    static_two,
+)
+from engine.scene.inertia import body_inertia, body_mass, centre_along
+from engine.scene.names import Problem, did_you_mean
+from engine.scene.parts import CrankInput, Hinged, Sliding, Yoke
+from engine.scene.scene import Numbers, Scene, scene_numbers
+
+Compute = Callable[[Numbers], float | np.ndarray]
+
+CENTRE = "centre"
+
+
+class LinkMass(NamedTuple):
+    """A mass on a link, its numbers computed from those of the variants.
+
+    Attributes
+    ----------
+    link : str
+    mass : callable
+        [kg].
+    inertia : callable or None
+        Moment of inertia about its centre [kg·m²]; None where there is none for any variant.
+    along, across : callable
+        Its centre in the link's axes [m].
+    point : str or None
+        The point of the scene that it lies in, if it does for every variant.
+    at_origin : bool
+        Whether it lies at the link's origin for every variant.
+    """
+
+    link: str
+    mass: Compute
+    inertia: Compute | None
+    along: Compute
+    across: Compute
+    point: str | None
+    at_origin: bool
+
+
+def masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
+    """The masses of a scene: a body under its own name, replacement masses under BODY__1, BODY__2 and so on.
+
+    Parameters
+    ----------
+    scene : Scene
+    varied : frozenset of str
+        Paths of numbers that will vary.
+    """
+    found = {}
+    for name, body in scene.bodies.items():
+        if body.replace is None:
+            found[name] = whole_body(scene, name, varied)
+        else:
+            found |= {point_name(name, i): _part(scene, name, i) for i in range(count_points(scene, name))}
+    return found
+
+
+def whole_body(scene: Scene, name: str, varied: frozenset[str]) -> LinkMass:
+    """A body itself, whatever stands for it.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+    varied : frozenset of str
+        Paths of numbers that will vary.
+    """
+    body, at = scene.bodies[name], f"bodies.{name}"
+    rod = body.shape is not None and body.shape.type == "rod"
+    placed = body.x or body.y or (rod and body.x is None) or {f"{at}.x", f"{at}.y"} & varied
+    turns = body.shape is not None or body.inertia or f"{at}.inertia" in varied
+    return LinkMass(
+        body.link,
+        lambda n: body_mass(scene, name, n),
+        (lambda n: body_inertia(scene, name, n)) if turns else None,
+        lambda n: centre_along(scene, name, n),
+        lambda n: n[f"{at}.y"],
+        None,
+        not placed,
+    )
+
+
+def _part(scene: Scene, name: str, i: int) -> LinkMass:
+    body = scene.bodies[name]
+    chosen = body.replace.at[i] if i < len(body.replace.at) else CENTRE
+    return LinkMass(
+        body.link,
+        lambda n: replacement(scene, name, n).masses[i],
+        None,
+        lambda n: centre_along(scene, name, n) + replacement(scene, name, n).points[i][0],
+        lambda n: n[f"bodies.{name}.y"] + replacement(scene, name, n).points[i][1],
+        None if chosen == CENTRE else chosen,
+        False,
+    )
+
+
+def point_name(body: str, i: int) -> str:
+    """Name of a replacement mass of a body, from 0. Names of a scene can't hold two underscores in a row."""
+    return f"{body}__{i + 1}"
+
+
+def count_points(scene: Scene, body: str) -> int:
+    """How many point masses stand for a body, those found with those chosen; 0 where none do."""
+    replace = scene.bodies[body].replace
+    if replace is None:
+        return 0
+    return len(replace.at) + (replace.type == "dynamic" and len(replace.at) < 3)
+
+
+def replacement(scene: Scene, name: str, numbers: Numbers) -> PointMasses:
+    """The point masses that stand for a body, for every variant.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        A body with `replace`.
+    numbers : Numbers
+    """
+    body = scene.bodies[name]
+    x, y = centre_along(scene, name, numbers), numbers[f"bodies.{name}.y"]
+    places = places_on(scene, body.link)
+    points: list[Vector] = []
+    for at in body.replace.at:
+        along, across = places.get(at, (None, None))
+        place = (_number(along, numbers) - x, _number(across, numbers) - y)
+        points.append((0.0, 0.0) if at == CENTRE else place)
+    mass = body_mass(scene, name, numbers)
+    match _method(scene, name):
+        case "static_two":
+            return static_two(mass, *points)
+        case "static_three":
+            return static_three(mass, *points)
+        case "dynamic_two":
+            return dynamic_two(mass, body_inertia(scene, name, numbers), *points)
+        case "dynamic_three":
+            first_mass = numbers[f"bodies.{name}.replace.mass"]
+            return dynamic_three(mass, body_inertia(scene, name, numbers), points[0], first_mass, points[1])
+        case "dynamic_in_line":
+            return dynamic_in_line(mass, body_inertia(scene, name, numbers), *points)
+        case _:
+            return dynamic_four(mass, body_inertia(scene, name, numbers), *points)
+
+
+def _number(path: str | None, numbers: Numbers) -> float | np.ndarray:
+    return 0.0 if path is None else numbers[path]
+
+
+def _method(scene: Scene, name: str) -> str:
+    replace = scene.bodies[name].replace
+    names = {
+        "static": ("static_two", "static_three"),
+        "dynamic": ("dynamic_two", "dynamic_three", "dynamic_in_line", "dynamic_four"),
+    }[replace.type]
+    return names[len(replace.at) - (2 if replace.type == "static" else 1)]
+
+
+def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None]]:
+    """Points that belong to a link: the paths of their coordinates in the link's axes, None for zero."""
+    origin, found = (None, None), {}
+    drive = scene.input
+    if link == drive.link:
+        crank = isinstance(drive, CrankInput)
+        found |= {drive.pivot: origin, drive.pin: ("input.length", None)} if crank else {drive.point: origin}
+    if link in scene.shafts and scene.shafts[link].pivot is not None:
+        found[scene.shafts[link].pivot] = origin
+    for name, group in scene.groups.items():
+        for side in ("first", "second"):
+            part = getattr(group, side)
+            if part.link != link or isinstance(part, Yoke):
+                continue
+            if isinstance(part, Sliding):
+                found[group.inner] = origin
+                continue
+            found[part.joint] = origin
+            if isinstance(part, Hinged):
+                found[group.inner] = (f"groups.{name}.{side}.length", None)
+    found |= {p: (f"points.{p}.x", f"points.{p}.y") for p, part in scene.points.items() if part.link == link}
+    return found
+
+
+def replacement_problems(scene: Scene) -> list[Problem]:
+    """Bodies whose replacement names points of other links, or can't be made of the scene's numbers."""
+    found: list[Problem] = []
+    for name, body in scene.bodies.items():
+        if body.replace is None:
+            continue
+        at, known = f"bodies.{name}.replace", {*places_on(scene, body.link), CENTRE}
+        unknown = [place for place in body.replace.at if place not in known]
+        if unknown:
+            hint = did_you_mean(unknown[0], known)
+            found.append((f"{at}.at", f"{unknown[0]!r} is not a point of link {body.link!r}; {hint}"))
+            continue
+        points = replacement(scene, name, Numbers(scene_numbers(scene), {}))
+        chosen, named = len(body.replace.at), ", ".join(body.replace.at)
+        same = coincident(points.points[:chosen])
+        if same is not None:
+            i, j = (body.replace.at[k] for k in same)
+            found.append((f"{at}.at", f"{i!r} and {j!r} lie in one place; name points that lie apart"))
+        elif not points.possible:
+            found.append((f"{at}.at", f"{named}: {CONDITIONS[_method(scene, name)]}"))
+    return found

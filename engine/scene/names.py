@@ -1,0 +1,276 @@
+"""The names in a scene: what each one is, what refers to it, and what may carry what."""
+
+import difflib
+from collections.abc import Iterable
+
+from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
+from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
+from engine.scene.scene import Scene, SceneError
+
+Problem = tuple[str, str]
+
+
+def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
+    """Names most like a misspelt one, whatever the case of its letters."""
+    lowered: dict[str, str] = {}
+    for candidate in known:
+        lowered.setdefault(candidate.lower(), candidate)
+    return [lowered[match] for match in difflib.get_close_matches(name.lower(), lowered, n=count)]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
+    known = sorted(known)
+    near = nearest(name, known)
+    listed = ", ".join(known) if known else "none"
+    return f"known are: {listed}" + (f"; did you mean {near[0]!r}?" if near else "")
+
+
+def input_point(scene: Scene) -> str:
+    """Name of the point that the input link moves: the crank's pin, or the sliding input's point."""
+    return scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point
+
+
+def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
+    """Where each point, guide and link is defined.
+
+    Raises
+    ------
+    SceneError
+        A name is defined twice, or a link is moved by two groups (over-constrained).
+    """
+    problems: list[tuple[str, str]] = []
+    points: dict[str, str] = {}
+    guides: dict[str, str] = {}
+    links: dict[str, str] = {FRAME: FRAME}
+    everything: dict[str, str] = {FRAME: "the frame"}
+
+    def define(kind: dict[str, str], name: str, path: str) -> None:
+        if kind is links and name in links and name != FRAME:
+            problems.append(
+                (
+                    path,
+                    f"link {name!r} is already moved by {links[name]}: over-constrained (W < 1); "
+                    "a link belongs to one group",
+                )
+            )
+        elif name in everything:
+            problems.append((path, f"the name {name!r} is already taken by {everything[name]}; choose another"))
+        kind.setdefault(name, path)
+        everything.setdefault(name, path)
+
+    define(links, scene.input.link, "input.link")
+    define(points, input_point(scene), "input.pin" if isinstance(scene.input, CrankInput) else "input.point")
+    for name, group in scene.groups.items():
+        for side in ("first", "second"):
+            define(links, getattr(group, side).link, f"groups.{name}.{side}.link")
+        if hasattr(group, "inner"):
+            define(points, group.inner, f"groups.{name}.inner")
+    for name in scene.shafts:
+        define(links, name, f"shafts.{name}")
+    for name in scene.points:
+        define(points, name, f"points.{name}")
+    for name in scene.guides:
+        define(guides, name, f"guides.{name}")
+    for table in ("forces", "moments", "springs", "cylinders", "elements"):
+        for name in getattr(scene, table):
+            define({}, name, f"{table}.{name}")
+    if problems:
+        raise SceneError(problems)
+    return points, guides, links
+
+
+def references(scene: Scene) -> list[tuple[str, str, str]]:
+    """Every name a scene refers to, as (path, kind, name)."""
+    refs: list[tuple[str, str, str]] = []
+    drive = scene.input
+    if isinstance(drive, CrankInput):
+        refs.append(("input.pivot", "point", drive.pivot))
+    else:
+        refs.append(("input.guide", "guide", drive.guide))
+    for name, group in scene.groups.items():
+        for side in ("first", "second"):
+            part, path = getattr(group, side), f"groups.{name}.{side}"
+            if isinstance(part, (Sliding, Yoke)):
+                refs.append((f"{path}.guide", "guide", part.guide))
+            else:
+                refs.append((f"{path}.joint", "point", part.joint))
+    for table in ("points", "guides", "bodies"):
+        for name, part in getattr(scene, table).items():
+            refs.append((f"{table}.{name}.link", "link", part.link))
+    for name, shaft in scene.shafts.items():
+        refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
+        if shaft.pivot is not None:
+            refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    for name, force in scene.forces.items():
+        refs.append((f"forces.{name}.on", "point", force.on))
+        refs.append((f"forces.{name}.turns_with", "link", force.turns_with))
+    for name, moment in scene.moments.items():
+        refs.append((f"moments.{name}.on", "link", moment.on))
+    for table in ("forces", "moments"):
+        for name, action in getattr(scene, table).items():
+            if isinstance(action, Tabled) and action.slider is not None:
+                refs.append((f"{table}.{name}.slider", "link", action.slider))
+    for name, spring in scene.springs.items():
+        refs += [(f"springs.{name}.between", "point", end) for end in spring.between]
+    for name, cylinder in scene.cylinders.items():
+        refs.append((f"cylinders.{name}.piston", "link", cylinder.piston))
+    if scene.balance is not None:
+        refs.append(("balance.about", "point", scene.balance.about))
+    for name, regime in scene.regimes.items():
+        refs += [(f"regimes.{name}.off", "action", action) for action in regime.off]
+    return refs
+
+
+def acting(scene: Scene) -> set[str]:
+    """Names of everything that acts on the machine and that a regime may switch off."""
+    return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders}
+
+
+def sliders(scene: Scene) -> tuple[str, ...]:
+    """Links with a slide coordinate: on a guide, or (a block) in the slot of the other link of its group."""
+    found = [] if isinstance(scene.input, CrankInput) else [scene.input.link]
+    for group in scene.groups.values():
+        found += [part.link for part in (group.first, group.second) if isinstance(part, (Sliding, Yoke))]
+        if group.type in ("RPR", "RPP"):
+            found.append(group.first.link)
+    return tuple(found)
+
+
+def misplaced(scene: Scene) -> list[Problem]:
+    """Everything that hangs on something that can't carry it."""
+    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle, _wrong_regimes)
+    return [problem for check in checks for problem in check(scene)]
+
+
+def _geared_to_input(scene: Scene) -> set[str]:
+    return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
+
+
+def _off_the_frame(scene: Scene) -> list[Problem]:
+    on_frame = {name for name, point in scene.points.items() if point.link == FRAME}
+    pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
+    pivots += [(f"shafts.{n}.pivot", s.pivot) for n, s in scene.shafts.items() if s.pivot is not None]
+    pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
+    problems = [
+        (path, f"{name!r} is not on the frame; " + did_you_mean(name, on_frame))
+        for path, name in pivots
+        if name not in on_frame
+    ]
+    if not isinstance(scene.input, CrankInput) and scene.guides[scene.input.guide].link != FRAME:
+        problems.append(
+            ("input.guide", f"{scene.input.guide!r} is on a moving link; the input's guide must be on the frame")
+        )
+    return problems
+
+
+def _wrong_shafts(scene: Scene) -> list[Problem]:
+    problems, geared = [], _geared_to_input(scene)
+    for name, shaft in scene.shafts.items():
+        if shaft.geared_to == FRAME:
+            problems.append((f"shafts.{name}.geared_to", "a shaft can't be geared to 'frame'; name a turning link"))
+        if shaft.pivot is not None and name not in geared:
+            problems.append(
+                (f"shafts.{name}.pivot", "only a shaft geared to the input crank can carry points; leave pivot out")
+            )
+        if name in geared and not isinstance(scene.input, CrankInput):
+            problems.append(
+                (f"shafts.{name}.geared_to", "a shaft can't be geared to a sliding input; name a turning link")
+            )
+    return problems
+
+
+def _loose_shafts(scene: Scene) -> set[str]:
+    return {n for n, s in scene.shafts.items() if s.pivot is None}
+
+
+def _wrong_bodies(scene: Scene) -> list[Problem]:
+    problems, loose = [], _loose_shafts(scene)
+    for table in ("points", "guides", "bodies"):
+        for name, part in getattr(scene, table).items():
+            path = f"{table}.{name}.link"
+            if part.link in loose:
+                problems.append((path, f"shaft {part.link!r} has no pivot; give it one, or use the shaft's inertia"))
+            if table == "bodies" and part.link == FRAME:
+                problems.append((path, "a body on the frame doesn't move and has no effect; name a moving link"))
+    return problems
+
+
+def _still_links(scene: Scene) -> set[str]:
+    """Links that never turn: the frame, and what slides on guides of links that never turn."""
+    still = {FRAME} if isinstance(scene.input, CrankInput) else {FRAME, scene.input.link}
+    grown = True
+    while grown:
+        found = set(still)
+        for group in scene.groups.values():
+            for part in (group.first, group.second):
+                if isinstance(part, (Sliding, Yoke)) and scene.guides[part.guide].link in still:
+                    found.add(part.link)
+            if group.type == "RPP" and group.second.link in still:
+                found.add(group.first.link)
+        grown, still = found != still, found
+    return still
+
+
+def _wrong_moments(scene: Scene) -> list[Problem]:
+    problems, loose, still = [], _loose_shafts(scene), _still_links(scene)
+    turning = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
+    driven = turning | _geared_to_input(scene)
+    for name, moment in scene.moments.items():
+        path = f"moments.{name}.on"
+        if isinstance(moment, (DCMotor, InductionMotor)) and moment.on not in driven:
+            allowed = ", ".join(sorted(driven)) or "none, as the input slides"
+            problems.append(
+                (path, f"a motor drives the crank or a shaft geared to it, not {moment.on!r}; allowed: {allowed}")
+            )
+        elif moment.on in still:
+            problems.append((path, f"{moment.on!r} doesn't turn: a moment on it does no work; name a turning link"))
+        elif isinstance(moment, TorsionSpring) and moment.on in loose:
+            problems.append((path, f"shaft {moment.on!r} has no angle; give it a pivot, or name another link"))
+    return problems
+
+
+def _no_stroke(scene: Scene) -> list[Problem]:
+    slide = set(sliders(scene))
+    named = [(f"cylinders.{n}.piston", c.piston) for n, c in scene.cylinders.items()]
+    for table in ("forces", "moments"):
+        for name, action in getattr(scene, table).items():
+            if isinstance(action, Tabled) and action.slider is not None:
+                named.append((f"{table}.{name}.slider", action.slider))
+        for name, action in getattr(scene, table).items():
+            if isinstance(action, Tabled) and action.over_angle is not None and not isinstance(scene.input, CrankInput):
+                path = f"{table}.{name}.over_angle"
+                return [(path, "a sliding input has no crank angle; give over_stroke or over_time")]
+    listed = ", ".join(sorted(slide)) or "none"
+    return [(path, f"{link!r} doesn't slide; sliders are: {listed}") for path, link in named if link not in slide]
+
+
+def _no_cycle(scene: Scene) -> list[Problem]:
+    """What needs an input that turns fully, or two revolutions a cycle."""
+    drive, problems = scene.input, []
+    turns = isinstance(drive, CrankInput) and drive.start is None
+    if scene.flywheel is not None and not turns:
+        problems.append(("flywheel", "needs a crank that turns fully; leave it out, or input.start and input.stop"))
+    for name, cylinder in scene.cylinders.items():
+        path = f"cylinders.{name}.type"
+        if cylinder.type == "four_stroke" and not (turns and drive.revolutions == 2):
+            problems.append((path, "a four-stroke engine's cycle is two turns of a crank: set input.revolutions = 2"))
+    return problems
+
+
+def _wrong_regimes(scene: Scene) -> list[Problem]:
+    drive, problems = scene.input, []
+    if scene.regimes and not (isinstance(drive, CrankInput) and drive.start is None):
+        return [("regimes", "true motion needs a crank that turns fully; leave regimes, or input.start and input.stop")]
+    timed = {
+        n for t in (scene.forces, scene.moments) for n, a in t.items() if getattr(a, "over_time", None) is not None
+    }
+    for name, regime in scene.regimes.items():
+        at = f"regimes.{name}"
+        left = sorted(timed - set(regime.off))
+        if regime.type == "steady" and left:
+            message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
+            problems.append((f"{at}.off", message))
+        if name in scene.forces or name in scene.moments or name in {*scene.groups, *scene.points, *scene.elements}:
+            problems.append((at, f"the name {name!r} is already taken; choose another"))
+    return problems

@@ -1,0 +1,49 @@
+"""Friction in the pairs of a mechanism as a scene describes it, `[friction.NAME]`."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
+from engine.scene.parts import Angle, Length, Number, Part, Speed
+
+# Kinetic coefficients; of a range its middle.
+MATERIALS = {name: (pair.low + pair.high) / 2 for name, pair in SLIDING.items()}
+MATERIALS |= {name: pair.kinetic for name, pair in STATIC_AND_KINETIC.items()}
+
+Positive = Annotated[Length, Field(gt=0)]
+
+
+class PairFriction(Part):
+    """Friction in a pair, dry or of a `coefficient` that stands for what lubrication there is.
+
+    `pair` is GROUP.first, GROUP.inner or GROUP.second, input, or a shaft with a pivot. A revolute pair has the
+    `diameter` of its journal, in `contact` with its bush on a line, or on half of it, new or worn in. A prismatic pair
+    may have a `form` of its guide and the `length` of its slider, whose middle lies in the slider's joint: where the
+    moment on it is large it tilts and bears with its edges; without a length the normal force alone presses.
+
+    `static_coefficient` with `stribeck_speed` raises the coefficient at low speeds of sliding.
+    """
+
+    pair: str
+    coefficient: Annotated[Number, Field(ge=0)] | None = None
+    material: str | None = None
+    diameter: Positive | None = None
+    contact: Literal["line", "new", "worn in"] | None = None
+    form: Literal["flat", "vee", "half-round, new", "half-round, worn in"] | None = None
+    vee_angle: Annotated[Angle, Field(gt=0, le=3.141592653589793)] | None = None
+    length: Positive | None = None
+    static_coefficient: Annotated[Number, Field(ge=0)] | None = None
+    stribeck_speed: Annotated[Speed, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _coefficient_is_known(self) -> "PairFriction":
+        if (self.coefficient is None) == (self.material is None):
+            raise ValueError("give coefficient or material, one of the two")
+        if self.material is not None and self.material not in MATERIALS:
+            raise ValueError(f"material {self.material!r} is not known; known are: {', '.join(sorted(MATERIALS))}")
+        if (self.static_coefficient is None) != (self.stribeck_speed is None):
+            raise ValueError("static_coefficient and stribeck_speed belong together: give both, or neither")
+        if (self.form == "vee") != (self.vee_angle is not None):
+            raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
+        return self

@@ -1,0 +1,121 @@
+"""The lower pairs of a machine, with which link each acts on and from what."""
+
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
+
+from engine.scene.names import Problem, did_you_mean
+from engine.scene.pair_friction import PairFriction
+from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
+from engine.scene.scene import Scene
+
+OF_JOURNALS = ("diameter", "contact")
+OF_GUIDES = ("form", "vee_angle", "length")
+
+
+class Pair(NamedTuple):
+    """A pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `input`, or a shaft in its pivot.
+
+    Attributes
+    ----------
+    name : str
+    kind : {"revolute", "prismatic"}
+    link : str
+        Link on which its reaction acts.
+    other : str
+        Link from which it acts.
+    place : str
+        Where, in words: "joint A", "guide way", "the slot of rocker".
+    """
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    link: str
+    other: str
+    place: str
+
+
+def holder_of(scene: Scene, point: str) -> str:
+    """Link that takes a force on a point: of two in an inner joint the one that slides, otherwise the first."""
+    if point in scene.points:
+        return scene.points[point].link
+    for group in scene.groups.values():
+        if getattr(group, "inner", None) == point:
+            return group.second.link if group.type == "RRP" else group.first.link
+    return scene.input.link
+
+
+def bearer_of(scene: Scene, slider: str) -> str:
+    """Link that carries the guide or slot of a slider."""
+    for group in scene.groups.values():
+        for part in (group.first, group.second):
+            if part.link == slider:
+                return scene.guides[part.guide].link if isinstance(part, (Sliding, Yoke)) else group.second.link
+    return FRAME
+
+
+def pairs(scene: Scene) -> list[Pair]:
+    """All pairs of a scene: the input's, those of shafts, and those of groups."""
+    drive = scene.input
+    if isinstance(drive, CrankInput):
+        found = [_joint(scene, "input", drive.link, drive.pivot)]
+    else:
+        found = [_on_guide(scene, "input", drive.link, drive.guide)]
+    found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
+    for name in scene.groups:
+        found += pairs_of_group(scene, name)
+    return found
+
+
+def pairs_of_group(scene: Scene, name: str) -> tuple[Pair, Pair, Pair]:
+    """First, inner and second pair of a group."""
+    group = scene.groups[name]
+    one, two = group.first, group.second
+    first, second = (
+        _on_guide(scene, f"{name}.{side}", part.link, part.guide)
+        if isinstance(part, (Sliding, Yoke))
+        else _joint(scene, f"{name}.{side}", part.link, part.joint)
+        for side, part in (("first", one), ("second", two))
+    )
+    if hasattr(group, "inner"):
+        inner = Pair(f"{name}.inner", "revolute", one.link, two.link, f"joint {group.inner}")
+    else:
+        inner = Pair(f"{name}.inner", "prismatic", one.link, two.link, f"the slot of {two.link}")
+    return first, inner, second
+
+
+def _joint(scene: Scene, name: str, link: str, point: str) -> Pair:
+    return Pair(name, "revolute", link, holder_of(scene, point), f"joint {point}")
+
+
+def _on_guide(scene: Scene, name: str, link: str, guide: str) -> Pair:
+    return Pair(name, "prismatic", link, scene.guides[guide].link, f"guide {guide}")
+
+
+def friction_problems(scene: Scene) -> list[Problem]:
+    """Frictions of pairs that don't exist, or have one already, and keys that don't belong to their kind of pair."""
+    known = {pair.name: pair for pair in pairs(scene)}
+    problems: list[Problem] = []
+    first: dict[str, str] = {}
+    for name, friction in scene.friction.items():
+        path = f"friction.{name}"
+        if friction.pair not in known:
+            message = f"{friction.pair!r} is not a pair of this scene; " + did_you_mean(friction.pair, known)
+            problems.append((f"{path}.pair", message))
+            continue
+        if friction.pair in first:
+            message = f"{friction.pair!r} has its friction already in friction.{first[friction.pair]}; keep one"
+            problems.append((f"{path}.pair", message))
+        first.setdefault(friction.pair, name)
+        problems += _wrong_keys(path, friction, known[friction.pair])
+    return problems
+
+
+def _wrong_keys(path: str, friction: PairFriction, pair: Pair) -> Iterator[Problem]:
+    turns = pair.kind == "revolute"
+    own = OF_JOURNALS if turns else OF_GUIDES
+    for key in OF_GUIDES if turns else OF_JOURNALS:
+        if getattr(friction, key) is not None:
+            message = f"doesn't belong to {pair.name!r}, which is {pair.kind}: leave it out; allowed: {', '.join(own)}"
+            yield f"{path}.{key}", message
+    if turns and friction.diameter is None:
+        yield f"{path}.diameter", f"is missing: the moment in {pair.name!r} depends on its journal, such as '40 mm'"

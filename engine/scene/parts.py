@@ -1,0 +1,393 @@
+"""The parts of a machine as a scene describes them: points, guides, the input, structural groups, bodies, shafts.
+
+Conventions
+-----------
+A point, a guide and a body belong to a link; the frame is the link called "frame". Coordinates on a link are in
+its own axes: origin and x axis of
+
+- a crank or shaft: its pivot, towards the pin (a shaft: along its angle);
+- a link of RRR and the rod of RRP: its outer joint, towards the inner joint;
+- a slider: its joint (the outer joint of a block of RPR or RPP), along the guide or slot it slides on;
+- the rocker of RPR: its pivot, along the slot;
+- the sliding link of RPP: the crossing of slot and guide, along the guide.
+
+Numbers are SI when given as numbers and take units when given as text ("80 mm").
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from engine.scene.units import in_text, to_si
+
+FRAME = "frame"
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
+
+
+class Dimension(str):
+    """Marks a number of a scene with its dimension, a key of `engine.scene.dimensions.DIMENSIONS`."""
+
+
+def quantity(dimension: str) -> type:
+    """Type of a number of the given dimension: SI as a number, any known unit as text."""
+
+    def read(value: object, info: ValidationInfo) -> float:
+        from_text = bool(info.context and info.context.get("text"))
+        return in_text(value, dimension) if from_text else to_si(value, dimension)
+
+    return Annotated[float, BeforeValidator(read), Dimension(dimension)]
+
+
+Length = quantity("length")
+Angle = quantity("angle")
+Mass = quantity("mass")
+Inertia = quantity("inertia")
+Density = quantity("density")
+Area = quantity("area")
+Speed = quantity("speed")
+AngularSpeed = quantity("angular_speed")
+Acceleration = quantity("acceleration")
+Number = quantity("number")
+Mode = Literal[1, -1]
+
+
+class Part(BaseModel):
+    """Base of everything in a scene: unknown keys are refused, values can't be changed afterwards."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Point(Part):
+    """A point of a link (of the frame when no link is named), in the link's axes."""
+
+    link: Name = FRAME
+    x: Length
+    y: Length
+
+
+class Guide(Part):
+    """A straight guide on a link (the frame when none is named), through a point, at an angle to the link's x axis."""
+
+    link: Name = FRAME
+    x: Length = 0.0
+    y: Length = 0.0
+    angle: Angle = 0.0
+
+
+def _not_at_rest(speed: float) -> float:
+    if speed == 0.0:
+        raise ValueError("the input is at rest: give its mean speed, such as '60 rpm' (negative: the other way)")
+    return speed
+
+
+class CrankInput(Part):
+    """Rotating input link: a crank from a pivot on the frame to a pin; the generalised coordinate is its angle.
+
+    `start` and `stop` limit a crank that doesn't turn fully; without them a cycle is `revolutions` turns.
+    """
+
+    type: Literal["crank"]
+    link: Name = "crank"
+    pivot: Name
+    pin: Name
+    length: Annotated[Length, Field(gt=0)]
+    speed: AngularSpeed
+    revolutions: Literal[1, 2] = 1
+    start: Angle | None = None
+    stop: Angle | None = None
+
+    @field_validator("speed")
+    @classmethod
+    def _runs(cls, speed: float) -> float:
+        return _not_at_rest(speed)
+
+    @model_validator(mode="after")
+    def _limits_come_together(self) -> "CrankInput":
+        if (self.start is None) != (self.stop is None):
+            raise ValueError("start and stop belong together: give both, or neither for full revolutions")
+        if self.start is not None and not self.stop > self.start:
+            raise ValueError("stop must be greater than start")
+        return self
+
+
+class SliderInput(Part):
+    """Sliding input link on a guide of the frame; the generalised coordinate is its displacement along the guide."""
+
+    type: Literal["slider"]
+    link: Name
+    guide: Name
+    point: Name
+    start: Length
+    stop: Length
+    speed: Speed
+
+    @field_validator("speed")
+    @classmethod
+    def _runs(cls, speed: float) -> float:
+        return _not_at_rest(speed)
+
+    @model_validator(mode="after")
+    def _travels(self) -> "SliderInput":
+        if self.start == self.stop:
+            raise ValueError("start and stop are the same: give the two ends of its travel")
+        return self
+
+
+class Hinged(Part):
+    """A link of a group between its outer joint (a known point) and the inner joint, at a distance of `length`."""
+
+    link: Name
+    joint: Name
+    length: Annotated[Length, Field(gt=0)]
+
+
+class Sliding(Part):
+    """A slider of a group on a known guide, its joint at `offset` to the left of the guide."""
+
+    link: Name
+    guide: Name
+    offset: Length = 0.0
+
+
+class Block(Part):
+    """A sliding block of a group, pivoted at a known point."""
+
+    link: Name
+    joint: Name
+
+
+class Rocker(Part):
+    """The slotted link of RPR, pivoted at a known point; the block's pivot lies `offset` to the left of the slot."""
+
+    link: Name
+    joint: Name
+    offset: Length = 0.0
+
+
+class Yoke(Part):
+    """The slotted link of RPP: slides on a known guide, its slot at `slot_angle` to that guide."""
+
+    link: Name
+    guide: Name
+    slot_angle: Angle
+
+
+class RRR(Part):
+    """Dyad of two bars; mode +1: the inner joint lies to the left of the line first joint → second joint."""
+
+    type: Literal["RRR"]
+    inner: Name
+    first: Hinged
+    second: Hinged
+    mode: Mode = 1
+
+
+class RRP(Part):
+    """Dyad of a rod and a slider; mode +1: of two places for the slider, the one farther along the guide."""
+
+    type: Literal["RRP"]
+    inner: Name
+    first: Hinged
+    second: Sliding
+    mode: Mode = 1
+
+
+class RPR(Part):
+    """Dyad of a pivoted block and a slotted rocker; mode +1: the rocker points from its pivot to the block."""
+
+    type: Literal["RPR"]
+    first: Block
+    second: Rocker
+    mode: Mode = 1
+
+
+class PRP(Part):
+    """Dyad of two sliders on two guides, hinged together; it has a single assembly."""
+
+    type: Literal["PRP"]
+    inner: Name
+    first: Sliding
+    second: Sliding
+
+
+class RPP(Part):
+    """Dyad of a pivoted block in the slot of a link that slides on a guide (Scotch yoke); a single assembly."""
+
+    type: Literal["RPP"]
+    first: Block
+    second: Yoke
+
+
+Group = Annotated[RRR | RRP | RPR | PRP | RPP, Field(discriminator="type")]
+
+
+class Rod(Part):
+    """Uniform thin rod along the link's x axis from the origin: J = mL²/12 about its middle; mass = ρAL."""
+
+    type: Literal["rod"]
+    length: Annotated[Length, Field(gt=0)]
+    area: Annotated[Area, Field(gt=0)] | None = None
+
+
+class Disc(Part):
+    """Uniform disc: J = mR²/2; mass = ρπR²t."""
+
+    type: Literal["disc"]
+    diameter: Annotated[Length, Field(gt=0)]
+    thickness: Annotated[Length, Field(gt=0)] | None = None
+
+
+class Ring(Part):
+    """Uniform ring: J = m(R² + r²)/2; mass = ρπ(R² − r²)t."""
+
+    type: Literal["ring"]
+    diameter: Annotated[Length, Field(gt=0)]
+    inner_diameter: Annotated[Length, Field(gt=0)]
+    thickness: Annotated[Length, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _inner_inside_outer(self) -> "Ring":
+        if not self.inner_diameter < self.diameter:
+            raise ValueError("inner_diameter must be less than diameter")
+        return self
+
+
+class Plate(Part):
+    """Uniform rectangular plate: J = m(a² + b²)/12; mass = ρabt."""
+
+    type: Literal["plate"]
+    length: Annotated[Length, Field(gt=0)]
+    width: Annotated[Length, Field(gt=0)]
+    thickness: Annotated[Length, Field(gt=0)] | None = None
+
+
+Shape = Annotated[Rod | Disc | Ring | Plate, Field(discriminator="type")]
+
+
+class Replacement(Part):
+    """Point masses that stand for a body, at named points of its link; "centre" is the body's centre of mass.
+
+    `static` keeps the mass and the centre: two points on a line through the centre, or any three. `dynamic` keeps
+    the moment of inertia too: one point, its conjugate is found; two and the `mass` at the first, a third is found;
+    three on a line through the centre; or four.
+    """
+
+    type: Literal["static", "dynamic"]
+    at: tuple[Name, ...]
+    mass: Mass | None = None
+
+    @model_validator(mode="after")
+    def _points_suffice(self) -> "Replacement":
+        allowed = {"static": (2, 3), "dynamic": (1, 2, 3, 4)}[self.type]
+        if len(self.at) not in allowed:
+            listed = f"{', '.join(map(str, allowed[:-1]))} or {allowed[-1]}"
+            raise ValueError(f"at names {len(self.at)} points; a {self.type} replacement takes {listed}")
+        if len(set(self.at)) < len(self.at):
+            raise ValueError(f"at names a point twice: {', '.join(self.at)}; name each once")
+        by_mass = self.type == "dynamic" and len(self.at) == 2
+        if by_mass and self.mass is None:
+            raise ValueError(f"two points need the mass at the first, {self.at[0]!r}: give mass; or name one point")
+        if self.mass is not None and not by_mass:
+            raise ValueError("mass belongs to a dynamic replacement at two points; leave it out, masses are found")
+        return self
+
+
+class Body(Part):
+    """A mass on a link: mass, centre of mass in the link's axes and moment of inertia about it, or a shape.
+
+    With a shape, the inertia follows from it; the mass is given, or follows from `density` and the shape's
+    thickness (a rod's area). A rod's centre is its middle unless x, y say otherwise. With `replace`, point masses
+    stand for the body in everything that is computed.
+    """
+
+    link: Name
+    mass: Annotated[Mass, Field(ge=0)] | None = None
+    x: Length | None = None
+    y: Length = 0.0
+    inertia: Annotated[Inertia, Field(ge=0)] | None = None
+    shape: Shape | None = None
+    density: Annotated[Density, Field(gt=0)] | None = None
+    replace: Replacement | None = None
+
+    @model_validator(mode="after")
+    def _mass_is_known(self) -> "Body":
+        if self.shape is None:
+            if self.density is not None:
+                raise ValueError("density needs a shape; give shape, or mass instead of density")
+            if self.mass is None:
+                raise ValueError("give mass (with inertia), or a shape with density")
+            return self
+        if self.inertia is not None:
+            raise ValueError("inertia follows from the shape; give one of the two")
+        if (self.mass is None) == (self.density is None):
+            raise ValueError("with a shape, give either mass or density")
+        thickness = "area" if self.shape.type == "rod" else "thickness"
+        if self.density is not None and getattr(self.shape, thickness) is None:
+            raise ValueError(f"density needs shape.{thickness}; give it, or give mass instead of density")
+        return self
+
+
+class Balance(Part):
+    """How the machine's shaking is reckoned: the point of the frame about which its moment is taken."""
+
+    about: Name
+
+
+class Shaft(Part):
+    """A shaft geared to a link that turns about the frame: its speed is `ratio` times that link's (negative: reversed).
+
+    A shaft geared to the crank may have a pivot on the frame; it is then a link like another, at the angle
+    ratio·φ + phase, and can carry points and bodies.
+    """
+
+    geared_to: Name
+    ratio: Number
+    inertia: Annotated[Inertia, Field(ge=0)] = 0.0
+    pivot: Name | None = None
+    phase: Angle = 0.0
+
+
+class WheelForm(Part):
+    """What the flywheel is to be made as.
+
+    `rim`: a rim of radial thickness `thickness_ratio` × diameter; `disc`: a solid disc; `arms`: a rim with
+    `arms` straight arms of section `arm_area` and a hub. Without a diameter, the largest that the rim speed
+    allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link.
+    """
+
+    type: Literal["rim", "disc", "arms"]
+    material: Literal["cast iron", "steel"] = "cast iron"
+    density: Annotated[Density, Field(gt=0)] | None = None
+    rim_speed_limit: Annotated[Speed, Field(gt=0)] | None = None
+    diameter: Annotated[Length, Field(gt=0)] | None = None
+    thickness_ratio: Annotated[Number, Field(gt=0, lt=0.5)] = 0.1
+    ratio: Annotated[Number, Field(gt=0)] = 1.0
+    arms: Annotated[int, Field(ge=2)] = 6
+    arm_area: Annotated[Area, Field(gt=0)] | None = None
+    hub_diameter: Annotated[Length, Field(gt=0)] | None = None
+    hub_width: Annotated[Length, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _arms_are_described(self) -> "WheelForm":
+        missing = [k for k in ("arm_area", "hub_diameter", "hub_width") if getattr(self, k) is None]
+        if self.type == "arms" and missing:
+            raise ValueError(f"a wheel with arms needs {', '.join(missing)}")
+        return self
+
+
+class Flywheel(Part):
+    """The flywheel: `inertia` on the input link if there is one, `speed_fluctuation` δ asked for, and its make."""
+
+    inertia: Annotated[Inertia, Field(ge=0)] | None = None
+    speed_fluctuation: Annotated[Number, Field(gt=0, lt=2)] | None = None
+    wheel: WheelForm | None = None

@@ -1,0 +1,194 @@
+"""A scene: one machine, whole, and the numbers in it by their paths."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, NamedTuple, get_args
+
+import numpy as np
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import Field, model_validator
+from pydantic.fields import FieldInfo
+
+from engine.scene.actions import ForceAction, MomentAction, Spring
+from engine.scene.cylinders import CylinderAction
+from engine.scene.elements import MachineElement
+from engine.scene.pair_friction import PairFriction
+from engine.scene.parts import (
+    Acceleration,
+    Balance,
+    Body,
+    CrankInput,
+    Dimension,
+    Flywheel,
+    Group,
+    Guide,
+    Mode,
+    Name,
+    Part,
+    Point,
+    Shaft,
+    SliderInput,
+)
+from engine.scene.regimes import Regime
+
+
+class SceneError(ValueError):
+    """A scene that is refused; `problems` holds (path, message) pairs in the mechanic's words."""
+
+    def __init__(self, problems: list[tuple[str, str]]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(f"{path}: {message}" if path else message for path, message in problems))
+
+
+# What a scene of machine elements alone may have.
+_ALONE = {"title", "source", "elements"}
+
+
+class Scene(Part):
+    """One machine: geometry, input, structural groups, bodies, and what acts on it.
+
+    Groups may stand in any order. `gravity` acts along −y. `source` says where the numbers come from. A scene of
+    machine elements alone has no input.
+    """
+
+    title: str = ""
+    source: str = ""
+    gravity: Acceleration = 0.0
+    points: dict[Name, Point] = {}
+    guides: dict[Name, Guide] = {}
+    input: Annotated[CrankInput | SliderInput, Field(discriminator="type")] | None
+    groups: dict[Name, Group] = {}
+    shafts: dict[Name, Shaft] = {}
+    bodies: dict[Name, Body] = {}
+    forces: dict[Name, ForceAction] = {}
+    moments: dict[Name, MomentAction] = {}
+    springs: dict[Name, Spring] = {}
+    cylinders: dict[Name, CylinderAction] = {}
+    flywheel: Flywheel | None = None
+    friction: dict[Name, PairFriction] = {}
+    balance: Balance | None = None
+    regimes: dict[Name, Regime] = {}
+    elements: dict[Name, MachineElement] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _may_be_elements_alone(cls, data: object) -> object:
+        if isinstance(data, dict) and data.get("elements") and data.keys() <= _ALONE:
+            return {**data, "input": None}
+        return data
+
+    @model_validator(mode="after")
+    def _mechanism_has_an_input(self) -> "Scene":
+        fields = {key: field for key, field in type(self).model_fields.items() if key not in {*_ALONE, "input"}}
+        rest = any(getattr(self, key) != field.default for key, field in fields.items())
+        if self.input is None and (rest or not self.elements):
+            raise ValueError("input is missing: only machine elements do without a mechanism")
+        return self
+
+
+class SceneNumber(NamedTuple):
+    """A number of a scene: its value (SI), its dimension, and the limits or choices it must keep."""
+
+    value: float
+    dimension: str
+    limits: tuple[Gt | Ge | Lt | Le, ...]
+    choices: tuple[float, ...] = ()
+
+
+def _marks(annotation: object, metadata: list) -> list:
+    """All marks in a field's annotation, those inside optionals too."""
+    found = []
+    for mark in metadata:
+        found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
+    for inner in get_args(annotation):
+        found += _marks(inner, list(getattr(inner, "__metadata__", ())))
+    return found
+
+
+def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
+    for key, field in type(part).model_fields.items():
+        value = getattr(part, key)
+        here = f"{path}.{key}" if path else key
+        if isinstance(value, Part):
+            yield from _walk(value, here)
+        elif isinstance(value, dict):
+            for name, inner in value.items():
+                yield from _walk(inner, f"{here}.{name}")
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
+            marks = _marks(field.annotation, field.metadata)
+            dimension = next((str(m) for m in marks if isinstance(m, Dimension)), None)
+            limits = tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
+            if dimension is not None:
+                yield here, SceneNumber(float(value), dimension, limits)
+            elif field.annotation == Mode:
+                yield here, SceneNumber(float(value), "number", (), get_args(Mode))
+
+
+def scene_numbers(scene: Scene) -> dict[str, SceneNumber]:
+    """Every number of a scene that a study may vary, by its path, such as "groups.rod.first.length".
+
+    Entries of tables, counts (revolutions, arms) and numbers that the scene doesn't give are not among them.
+    """
+    return dict(_walk(scene, ""))
+
+
+def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
+    """Which values keep the number's limits and are finite; an assembly mode must be +1 or −1.
+
+    Parameters
+    ----------
+    number : SceneNumber
+    values : ndarray
+        Values in SI units, any shape.
+    """
+    keep = np.isin(values, number.choices) if number.choices else np.isfinite(values)
+    for limit in number.limits:
+        match limit:
+            case Gt(gt=bound):
+                keep &= values > bound
+            case Ge(ge=bound):
+                keep &= values >= bound
+            case Lt(lt=bound):
+                keep &= values < bound
+            case Le(le=bound):
+                keep &= values <= bound
+    return keep
+
+
+class Numbers(Mapping[str, float | np.ndarray]):
+    """The numbers of a scene for a set of variants: those that vary as arrays, all others as floats.
+
+    Parameters
+    ----------
+    fixed : mapping of path to SceneNumber
+        All numbers of the scene, from `scene_numbers`.
+    varied : mapping of path to ndarray (variants,)
+        Values in SI units; every path must be a number of the scene.
+    """
+
+    def __init__(self, fixed: Mapping[str, SceneNumber], varied: Mapping[str, np.ndarray]) -> None:
+        self._fixed, self._varied = fixed, varied
+
+    def __getitem__(self, path: str) -> float | np.ndarray:
+        if path in self._varied:
+            return self._varied[path]
+        return self._fixed[path].value
+
+    def with_values(self, values: Mapping[str, np.ndarray]) -> "Numbers":
+        """The same numbers with some of them replaced."""
+        return Numbers(self._fixed, {**self._varied, **values})
+
+    def of_variants(self, chosen: np.ndarray) -> "Numbers":
+        """The numbers of some of the variants.
+
+        Parameters
+        ----------
+        chosen : ndarray of int or bool
+            Index into the variants.
+        """
+        return Numbers(self._fixed, {path: values[chosen] for path, values in self._varied.items()})
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fixed)
+
+    def __len__(self) -> int:
+        return len(self._fixed)

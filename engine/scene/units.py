@@ -1,0 +1,347 @@
+"""Quantities with units in texts: "80 mm", "1450 rpm", "12 kN" become SI numbers.
+
+A text is one number and one unit. Both are read by a strict grammar of our own, so that a text is never
+evaluated and never guessed at; Pint, loaded only with the definitions below, checks the dimension and
+supplies the factor. Pint's default registry is not used: it reads "7 Nm" as 7000 m/kg, "1,5 mm" as 15 mm
+and "60 1/min" as 1 rad/s without a word.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import math
+import numbers
+import re
+from collections import deque
+from collections.abc import Mapping
+from decimal import Context, Decimal, localcontext
+from typing import TYPE_CHECKING
+
+from engine.scene.dimensions import DIMENSIONS, common_units, in_words, with_example
+
+if TYPE_CHECKING:
+    import pint
+
+__all__ = ["UnitError", "any_quantity", "base_powers", "in_text", "recognised", "to_si"]
+
+
+class UnitError(ValueError):
+    """A quantity that cannot be read, or whose unit does not fit; the message says how to mend it."""
+
+
+_TWO_PI = "6.283185307179586476925286766559005768394"
+
+# hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s.
+_DEFINITIONS = f"""
+m = [length]
+um = 1e-6 m
+mm = 1e-3 m
+cm = 1e-2 m
+dm = 0.1 m
+km = 1e3 m
+in = 0.0254 m
+l = 1e-3 m**3
+L = 1e-3 m**3
+rad = [angle]
+mrad = 1e-3 rad
+rev = {_TWO_PI} rad
+deg = {_TWO_PI} / 360 rad
+s = [time]
+us = 1e-6 s
+ms = 1e-3 s
+min = 60 s
+h = 3600 s
+Hz = 1 / s
+rpm = {_TWO_PI} / 60 rad / s
+kg = [mass]
+mg = 1e-6 kg
+g = 1e-3 kg
+t = 1e3 kg
+N = kg m / s**2
+mN = 1e-3 N
+kN = 1e3 N
+MN = 1e6 N
+Nmm = 1e-3 N m
+Nm = N m
+kNm = 1e3 N m
+MNm = 1e6 N m
+Pa = N / m**2
+kPa = 1e3 Pa
+MPa = 1e6 Pa
+GPa = 1e9 Pa
+bar = 1e5 Pa
+J = N m
+kJ = 1e3 J
+MJ = 1e6 J
+W = J / s
+kW = 1e3 W
+MW = 1e6 W
+hp = 745.69987158227022 W
+PS = 735.49875 W
+percent = 0.01
+""".strip().splitlines()
+
+_NAMES = tuple(line.partition(" ")[0] for line in _DEFINITIONS)
+
+# Every legitimate quantity is far shorter; the bound keeps hostile texts cheap.
+_LONGEST = 100
+# Decimal arithmetic keeps "9 mm" at 0.009, where binary 9 * 1e-3 gives 0.009000000000000001; 40 digits leave
+# the one rounding to float64 as the only error.
+_DIGITS = 40
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
+_FRACTION = re.compile(rf"({_NUMBER})\s*/\s*([0-9]+\.?[0-9]*)")
+_FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
+_TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
+_SPELLINGS = str.maketrans(
+    {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
+    | dict(zip("⁻¹²³⁴⁵⁶⁷⁸⁹", "-123456789", strict=True))
+)
+
+
+def to_si(value: str | float | int, dimension: str) -> float:
+    """Convert a quantity to SI.
+
+    Parameters
+    ----------
+    value : str, float or int
+        A number is taken as SI already. A text is a number and a unit: ``"80 mm"``, ``"0.5 kg*m^2"``,
+        ``"40 N s/m"``, ``"40 N/(m/s)"``. For ``"number"`` a text is a plain number, a fraction ``"1/30"`` or
+        a percentage ``"2 %"``. As a speed of rotation, ``1/min`` means revolutions per minute.
+    dimension : str
+        A key of `DIMENSIONS`.
+
+    Returns
+    -------
+    float
+        The value in ``DIMENSIONS[dimension].unit``, finite and correctly rounded.
+
+    Raises
+    ------
+    UnitError
+        If the value is neither number nor text, is not finite, cannot be read, or its unit does not fit.
+    KeyError
+        If `dimension` is not a key of `DIMENSIONS`.
+    """
+    if dimension not in DIMENSIONS:
+        raise KeyError(f"unknown dimension {dimension!r}; known are {', '.join(DIMENSIONS)}")
+    if isinstance(value, str):
+        return _read_text(value, dimension)
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise UnitError(f"expected {with_example(dimension)}, got a value of type {type(value).__name__}")
+    return _in_range(value, "the number", dimension)
+
+
+def in_text(value: str | float | int, dimension: str) -> float:
+    """Convert a value read from a text file to SI; a bare number is refused unless it needs no unit.
+
+    Parameters
+    ----------
+    value : str, float or int
+        As in `to_si`, but a number is accepted only for the dimension ``"number"`` or if it is exactly 0.
+    dimension : str
+        A key of `DIMENSIONS`.
+
+    Returns
+    -------
+    float
+        The value in ``DIMENSIONS[dimension].unit``.
+
+    Raises
+    ------
+    UnitError
+        As `to_si`, and for a bare number; the message proposes texts with a unit.
+    KeyError
+        If `dimension` is not a key of `DIMENSIONS`.
+    """
+    number = to_si(value, dimension)
+    if not isinstance(value, str) and number != 0 and dimension != "number":
+        raise _no_unit(str(value), dimension)
+    return number
+
+
+def _read_text(text: str, dimension: str) -> float:
+    if len(text) > _LONGEST:
+        begin = text[:20] + "..."
+        raise UnitError(f"expected {with_example(dimension)}, got a text of {len(text)} characters: {begin!r}")
+    stripped = text.strip().replace("\N{MINUS SIGN}", "-")
+    with localcontext(Context(prec=_DIGITS)):
+        try:
+            return _in_range(_evaluate(stripped, dimension), f"{text!r}", dimension)
+        except ArithmeticError:
+            raise UnitError(f"{text!r} is not a finite {in_words(dimension)}") from None
+
+
+def _evaluate(text: str, dimension: str) -> Decimal:
+    if dimension == "number" and (fraction := _FRACTION.fullmatch(text)):
+        return Decimal(fraction[1]) / Decimal(fraction[2])
+    quantity = _QUANTITY.fullmatch(text)
+    if quantity is None:
+        raise UnitError(f"expected {with_example(dimension)}, got {text!r}, which does not begin with a number")
+    number, unit = Decimal(quantity[1]), quantity[2]
+    if unit.startswith(","):
+        raise UnitError(f"{text!r}: use a decimal point, not a comma, as in '1.5'")
+    if re.match(r"[0-9.](?!\s*/)", unit):
+        raise UnitError(f"{text!r}: write the number in one piece, without gaps, as in '1000'")
+    if unit:
+        return number * _factor(unit, dimension)
+    if number != 0 and dimension != "number":
+        raise _no_unit(text, dimension)
+    return number
+
+
+def _in_range(value: numbers.Real | Decimal, shown: str, dimension: str) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number) or (number == 0 and value != 0):
+        raise UnitError(f"{shown} is not a finite {in_words(dimension)} within the range of float64")
+    return number
+
+
+def _factor(unit: str, dimension: str) -> Decimal:
+    """Return what 1 `unit` is in the SI unit of `dimension`."""
+    powers = _read_unit(unit, dimension)
+    if dimension == "angular_speed" and powers == {"min": -1}:
+        powers = {"rpm": 1}
+    factor, kind = _factor_and_kind(powers)
+    target = {} if dimension == "number" else _read_unit(DIMENSIONS[dimension].unit, dimension)
+    _, wanted = _factor_and_kind(target)
+    if kind == wanted:
+        return factor
+    if "[angle]" in wanted and kind == {base: power for base, power in wanted.items() if base != "[angle]"}:
+        units = " or ".join(common_units(dimension))
+        raise UnitError(f"{unit!r} is ambiguous for {in_words(dimension, article=True)}: write {units}")
+    raise UnitError(f"expected {with_example(dimension)}, got {unit!r}")
+
+
+def _factor_and_kind(powers: Mapping[str, int]) -> tuple[Decimal, dict[str, int]]:
+    """Return the SI value of a product of units and its powers of length, mass, time and angle."""
+    registry = _registry()
+    units = registry.UnitsContainer({name: power for name, power in powers.items() if power})
+    factor, _ = registry.get_root_units(units)
+    return Decimal(factor), dict(registry.get_dimensionality(units))
+
+
+@functools.cache
+def _registry() -> pint.UnitRegistry:
+    import pint
+
+    return pint.UnitRegistry(_DEFINITIONS, non_int_type=Decimal)
+
+
+def _read_unit(unit: str, dimension: str) -> dict[str, int]:
+    """Read "N m/rad" as {"N": 1, "m": 1, "rad": -1}."""
+    rest, tokens = unit.translate(_SPELLINGS), deque()
+    while rest:
+        token = _TOKEN.match(rest)
+        if token is None:
+            raise _unreadable(unit, dimension)
+        tokens.append(token[1])
+        rest = rest[token.end() :]
+    powers = _read_product(tokens, unit, dimension)
+    if tokens or ("percent" in powers and powers != {"percent": 1}):
+        raise _unreadable(unit, dimension)
+    return powers
+
+
+def _read_product(tokens: deque[str], unit: str, dimension: str) -> dict[str, int]:
+    """Consume tokens up to a closing bracket or the end; return the power of each unit name."""
+    powers: dict[str, int] = {}
+    divided = False
+    if tokens and tokens[0] == "1":
+        tokens.popleft()
+    while tokens and tokens[0] != ")":
+        divides = tokens[0] == "/"
+        if divided and not divides:
+            # UDUNITS would read "N/m s" as (N/m)*s, a hand-written formula often means N/(m s).
+            raise UnitError(f"{unit!r} is ambiguous after the '/': use brackets, as in 'N/(m s)'")
+        divided = divides
+        if divides or tokens[0] == "*":
+            tokens.popleft()
+        for name, power in _read_factor(tokens, unit, dimension).items():
+            powers[name] = powers.get(name, 0) + (-power if divides else power)
+    if not powers:
+        raise _unreadable(unit, dimension)
+    return powers
+
+
+def _read_factor(tokens: deque[str], unit: str, dimension: str) -> dict[str, int]:
+    token = tokens.popleft() if tokens else ""
+    if token == "(":
+        powers = _read_product(tokens, unit, dimension)
+        if not tokens:
+            raise _unreadable(unit, dimension)
+        tokens.popleft()
+        return powers
+    factor = _FACTOR.fullmatch(token)
+    if factor is None:
+        raise _unreadable(unit, dimension)
+    name, power = factor.groups()
+    if name not in _NAMES:
+        raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {with_example(dimension)})")
+    return {name: int(power or 1)}
+
+
+def _did_you_mean(name: str) -> str:
+    folded = [known.lower() for known in _NAMES]
+    # Of "mN" and "MN" for "mn" neither is likelier, so every spelling of a match is shown.
+    close = [name.lower()] if name.lower() in folded else difflib.get_close_matches(name.lower(), folded, n=2)
+    names = [repr(known) for match in dict.fromkeys(close) for known in _NAMES if known.lower() == match]
+    return f": did you mean {' or '.join(names)}?" if names else ""
+
+
+def _unreadable(unit: str, dimension: str) -> UnitError:
+    return UnitError(f"cannot read the unit {unit!r}; expected {with_example(dimension)}")
+
+
+def _no_unit(number: str, dimension: str) -> UnitError:
+    common, *si = common_units(dimension)
+    other = f', or "{number} {si[0]}" if the SI unit is meant' if si else ""
+    return UnitError(f'{number} has no unit: write "{number} {common}"{other}')
+
+
+def base_powers(unit: str) -> dict[str, int]:
+    """Powers of length, mass, time and angle in a unit.
+
+    Parameters
+    ----------
+    unit : str
+        As texts or the CF conventions spell it: "N m", "kg m2 rad-1", "1" for plain numbers.
+
+    Returns
+    -------
+    dict of str to int
+        For instance {"[mass]": 1, "[length]": 2, "[time]": -2}; empty for plain numbers.
+
+    Raises
+    ------
+    UnitError
+        The unit is not known.
+    """
+    powers = {} if unit == "1" else _read_unit(unit, "number")
+    return {base: int(power) for base, power in _factor_and_kind(powers)[1].items()}
+
+
+def recognised(value: float | str) -> tuple[float, str]:
+    """SI value and dimension of a quantity of whatever dimension; of several that fit the unit, the plainest.
+
+    Raises
+    ------
+    UnitError
+        The text is not a number with a known unit.
+    """
+    for dimension in ("number", *DIMENSIONS):
+        try:
+            return in_text(value, dimension), dimension
+        except UnitError:
+            continue
+    raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+
+
+def any_quantity(text: str) -> float:
+    """SI value of a quantity of whatever dimension, in an expression."""
+    return recognised(text)[0]

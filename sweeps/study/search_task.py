@@ -1,0 +1,288 @@
+"""What a search is after: objectives, conditions, what it may change and where it begins; read from a study."""
+
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from pint.util import UnitsContainer
+
+from engine import AskError, UnitError, any_quantity, in_text, made_ready, recognised, scene_numbers
+from sweeps.study.search_variables import Variables
+from sweeps.study.study_text import Optimise
+from sweeps.study.tolerances import Tolerance, read_tolerances
+from sweeps.text.conditions import Condition
+from sweeps.text.dimension_check import dimension_of, dimensions_by_unit, unit_of_dimension
+from sweeps.text.engineer_units import quantity_text
+from sweeps.text.expressions import ExpressionError, TextExpression, parse
+from sweeps.text.input_files import InputError
+from sweeps.text.names import unknown_name_message
+from sweeps.text.toml_text import line_of
+
+if TYPE_CHECKING:
+    from sweeps.study.study import Study
+
+EVOLUTION, GENETIC, LOCAL = "differential evolution", "NSGA-II", "local"
+
+
+class Objective(NamedTuple):
+    """What should be small (sign +1) or great (−1): an expression, its SI unit, and the column that holds it."""
+
+    name: str
+    expression: TextExpression
+    sign: float
+    units: str
+
+    @property
+    def way(self) -> str:
+        """The key under which it was given."""
+        return "minimise" if self.sign > 0 else "maximise"
+
+    @property
+    def is_column(self) -> bool:
+        """Whether it is a column of the result by itself."""
+        return self.name == self.expression.tree
+
+
+@dataclass(frozen=True, eq=False)
+class SearchTask:
+    """A search, ready to begin.
+
+    Attributes
+    ----------
+    study : Study
+        With all that the search needs among its summaries, and without fields.
+    variables : Variables
+    objectives : tuple of Objective
+    conditions : tuple of Condition
+        What results must meet, besides what the study requires of parameters.
+    method : {"differential evolution", "NSGA-II", "local"}
+    population, generations, seed : int
+    start : ndarray (variables,)
+        Coordinates of the candidate to begin with.
+    tolerances : tuple of Tolerance
+    """
+
+    study: "Study"
+    variables: Variables
+    objectives: tuple[Objective, ...]
+    conditions: tuple[Condition, ...]
+    method: str
+    population: int
+    generations: int
+    seed: int
+    start: np.ndarray
+    tolerances: tuple[Tolerance, ...]
+
+    @property
+    def digest(self) -> str:
+        """Name of the search's content."""
+        content = [self.study.digest, search_record(self), self.tolerances]
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def search_record(task: SearchTask) -> dict[str, Any]:
+    """What a search is after, in types that JSON has: for its result file.
+
+    Parameters
+    ----------
+    task : SearchTask
+
+    Returns
+    -------
+    dict
+        `objectives` (column, way and expression of each), `subject_to` (conditions as written), `ranges` (name, low,
+        high and whether by logarithm), `method`, `population`, `generations`, `seed`, and coordinates of the `start`.
+    """
+    return {
+        "objectives": [
+            {"name": o.name, "way": o.way, "expression": " ".join(o.expression.text.split())} for o in task.objectives
+        ],
+        "subject_to": [condition.text for condition in task.conditions],
+        "ranges": [span._asdict() for span in task.variables.spans],
+        "method": task.method,
+        "population": task.population,
+        "generations": task.generations,
+        "seed": task.seed,
+        "start": task.start.tolist(),
+    }
+
+
+def task_of(study: "Study") -> SearchTask:
+    """What a study has to be searched for: its [optimise], or its [best] over all that varies.
+
+    Raises
+    ------
+    InputError
+        All that is wrong with it.
+    """
+    return _TaskReader(study).task()
+
+
+class _TaskReader:
+    """Reads the search out of a study, collecting problems with their lines."""
+
+    def __init__(self, study: "Study") -> None:
+        self.study, self.raw = study, study.optimise or Optimise()
+        self.problems: list[tuple[int | None, str, str]] = []
+        self.units = {name: study.unit(name) for name in study.parameters}
+        self.units |= {name: q.units for name, q in study.machine().available_summaries.items()}
+        self.fixed_summaries = dict.fromkeys(study.summaries)
+
+    def task(self) -> SearchTask:
+        texts = [
+            (key, text, sign) for key, sign in (("minimise", 1.0), ("maximise", -1.0)) for text in self._goals(key)
+        ]
+        objectives = [o for i, (key, text, sign) in enumerate(texts, 1) if (o := self._objective(key, text, sign, i))]
+        conditions = [c for text in self._conditions() if (c := self._condition(text))]
+        variables = Variables.of(self.study.design)
+        method = self.raw.method or (EVOLUTION if len(texts) < 2 else GENETIC)
+        self._check_method(method, len(texts), variables)
+        start, tolerances = self._start(variables), self._tolerances()
+        if self.problems:
+            raise InputError(f"{self.study.name}.toml", self.problems)
+        study = replace(self.study, summaries=tuple(self.fixed_summaries), fields=(), derivatives=(), tolerances={})
+        found = (tuple(objectives), tuple(conditions), method)
+        numbers = (self.raw.population, self.raw.generations, self.raw.seed)
+        return SearchTask(study, variables, *found, *numbers, start, tolerances)
+
+    def _problem(self, keys: list[str], message: str) -> None:
+        line = line_of(self.study.text, keys) or line_of(self.study.text, keys[:1])
+        self.problems.append((line, ".".join(keys), message))
+
+    # Objectives and conditions
+
+    def _goals(self, key: str) -> list[str]:
+        raw, best = self.raw, self.study.best
+        if raw.minimise or raw.maximise:
+            return getattr(raw, key)
+        if best is not None:
+            return [goal] if (goal := getattr(best, key)) else []
+        if key == "minimise":
+            message = "nothing to search for: give minimise or maximise, expressions over summaries and parameters"
+            self._problem(["optimise"], message)
+        return []
+
+    def _conditions(self) -> list[str]:
+        best, own = self.study.best, self.raw.minimise or self.raw.maximise
+        inherited = [best.where] if best and best.where and not own else []
+        return [*inherited, *self.raw.subject_to]
+
+    def _objective(self, key: str, text: str, sign: float, number: int) -> Objective | None:
+        expression = self._expression(key, text)
+        if expression is None:
+            return None
+        plain = isinstance(expression.tree, str)
+        units = self.units[expression.tree] if plain else self._units_of(expression)
+        return Objective(expression.tree if plain else f"objective_{number}", expression, sign, units)
+
+    def _units_of(self, expression: TextExpression) -> str:
+        known = self._dimensions(expression)
+        return unit_of_dimension(dimension_of(expression, known)) or "1" if None not in known.values() else ""
+
+    def _dimensions(self, expression: TextExpression) -> dict[str, UnitsContainer | None]:
+        return dimensions_by_unit({name: self.units[name] for name in expression.names})
+
+    def _expression(self, key: str, text: str) -> TextExpression | None:
+        """An expression that yields a number, if all of its names can be had."""
+        keys = ["optimise", key]
+        try:
+            expression = parse(text, any_quantity)
+            if expression.is_condition:
+                raise ExpressionError(f"{text!r} is a condition; a number is needed here")
+            if not self._are_known(expression, keys):
+                return None
+            known = self._dimensions(expression)
+            if None not in known.values():
+                dimension_of(expression, known)
+        except ExpressionError as error:
+            self._problem(keys, str(error))
+            return None
+        return expression
+
+    def _condition(self, text: str) -> Condition | None:
+        keys = ["optimise", "subject_to"]
+        try:
+            condition = Condition(parse(text, any_quantity))
+            if not self._are_known(condition.expression, keys):
+                return None
+            condition.check(self._dimensions(condition.expression))
+        except ExpressionError as error:
+            self._problem(keys, str(error))
+            return None
+        return condition
+
+    def _are_known(self, expression: TextExpression, keys: list[str]) -> bool:
+        unknown = [name for name in expression.names if not self._is_known(name, keys)]
+        return not unknown
+
+    def _is_known(self, name: str, keys: list[str]) -> bool:
+        """Whether a name is a parameter or can be asked of the machine; what can, is asked."""
+        if name in self.study.parameters or name in self.fixed_summaries:
+            return True
+        try:
+            machine = made_ready(self.study.scene, [name])
+        except AskError:
+            self._problem(keys, unknown_name_message(name, self.units))
+            return False
+        self.units[name] = machine.available_summaries[name].units
+        self.fixed_summaries[name] = None
+        return True
+
+    # Method, start, tolerances
+
+    def _check_method(self, method: str, objectives: int, variables: Variables) -> None:
+        keys = ["optimise", "method"]
+        if not variables.varies or not self.study.paths:
+            self._problem(["vary"], "nothing of the scene varies; give ranges or lists of what may be changed")
+        elif method == LOCAL and not variables.free.any():
+            message = f"{LOCAL!r} goes along ranges, but only lists vary: give low and high, or take {EVOLUTION!r}"
+            self._problem(keys, message)
+        if method == GENETIC and objectives == 1:
+            self._problem(keys, f"{GENETIC!r} weighs several objectives, here is one: take {EVOLUTION!r}")
+        if method != GENETIC and objectives > 1:
+            message = f"{method!r} follows one objective, here are {objectives}: take {GENETIC!r}, or join them in one"
+            self._problem(keys, message)
+
+    def _start(self, variables: Variables) -> np.ndarray:
+        """Coordinates of the start: as given, else of the scene as it is."""
+        given = {}
+        for name, value in self.raw.start.items():
+            keys = ["optimise", "start", name]
+            if name not in variables.names:
+                self._problem(keys, unknown_name_message(name, variables.names))
+            elif (number := self._quantity(name, value, keys)) is not None:
+                given[name] = number
+        place = variables.coordinates(self.study.fixed | given)
+        found = variables.values(place[None])
+        for name, value in given.items():
+            # Going to a coordinate and back costs some roundings.
+            if not np.isclose(found[name][0], value, rtol=1e-12, atol=0):
+                keys, text = ["optimise", "start", name], quantity_text(value, self.units[name])
+                self._problem(keys, f"{text} is not among what vary.{name} allows; {self._allowed(name, variables)}")
+        return place
+
+    def _allowed(self, name: str, variables: Variables) -> str:
+        span = next((s for s in variables.spans if s.name == name), None)
+        if span is not None:
+            low, high = (quantity_text(end, self.units[name]) for end in (span.low, span.high))
+            return f"allowed is {low} to {high}"
+        axis = next(a for a in variables.choices if name in a.names)
+        listed = axis.values(np.arange(axis.size))[name]
+        return f"allowed are {', '.join(quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
+
+    def _quantity(self, name: str, value: float | str, keys: Iterable[str]) -> float | None:
+        number = scene_numbers(self.study.scene).get(name)
+        try:
+            return recognised(value)[0] if number is None else in_text(value, number.dimension)
+        except UnitError as error:
+            self._problem(list(keys), str(error))
+            return None
+
+    def _tolerances(self) -> tuple[Tolerance, ...]:
+        found, problems = read_tolerances(self.study.scene, self.study.tolerances)
+        for path, message in problems:
+            self._problem(["tolerances", path], message)
+        return found

@@ -1,0 +1,444 @@
+"""Counterweights against closed forms, brute force and the conditions of Karush, Kuhn and Tucker."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from machines import crank, frame, on, rrp, rrr
+from oracle import EPS
+from scipy.optimize import nnls
+
+from engine import Machine, Scene, Verdict, scene_numbers
+from engine.balancing import least_shaking
+from engine.balancing.counterweights import BalanceError, Place, balance
+from engine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
+from sweeps.optimising.optimum import front, objectives
+from sweeps.optimising.runner import optimise_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
+
+SPEED = 5.0
+SHAKING = ("shaking_force_x", "shaking_force_y", "shaking_moment")
+
+
+def shaking_of(scene: Scene, positions: int = 360) -> np.ndarray:
+    """Shaking of a scene by the engine, (3, positions)."""
+    outcome = Machine(scene, fields=SHAKING, positions=positions).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    return np.stack([outcome.fields[name][0] for name in SHAKING])
+
+
+# Least root mean square and least peak
+
+
+def problem(seed: int) -> tuple[np.ndarray, np.ndarray, list[Unknown]]:
+    """Balancing vectors and masses on what turns and swings, with and without limits, some of which are reached."""
+    rng = np.random.default_rng(seed)
+    phi = 2 * np.pi * np.arange(120) / 120
+    columns, unknowns = [], []
+    for i in range(rng.integers(1, 4)):
+        angle = (phi, 0.7 * np.sin(phi + 1), -2 * phi)[i]
+        way = np.exp(1j * (angle + rng.uniform(0, 6))) * rng.uniform(0.1, 10)
+        size = int(rng.integers(1, 3))
+        columns += [way, 1j * way][:size]
+        unknowns.append(Unknown(size, float(rng.choice([np.inf, 0.05, 0.5]) * 10 / abs(way[0]))))
+    orders = np.arange(-3, 4)[:, None]
+    b = (rng.normal(size=7) + 1j * rng.normal(size=7)) * 5 @ np.exp(1j * orders * phi)
+    a = np.stack([np.stack((c.real, c.imag), -1) for c in columns], -1)
+    return a, np.stack((b.real, b.imag), -1), unknowns
+
+
+def places_of(unknowns: list[Unknown]) -> list[slice]:
+    ends = np.cumsum([u.size for u in unknowns])
+    return [slice(end - u.size, end) for u, end in zip(unknowns, ends, strict=True)]
+
+
+def allowed(z: np.ndarray, unknowns: list[Unknown]) -> np.ndarray:
+    """Points within the limits, from any ones (points, unknowns)."""
+    z = z.copy()
+    for u, place in zip(unknowns, places_of(unknowns), strict=True):
+        if u.size == 1:
+            z[:, place] = np.clip(z[:, place], 0, u.most)
+        else:
+            z[:, place] *= np.minimum(1, u.most / np.linalg.norm(z[:, place], axis=1, keepdims=True))
+    return z
+
+
+def left(z: np.ndarray, a: np.ndarray, b: np.ndarray, peak: bool) -> np.ndarray:
+    squares = ((np.einsum("kpn,zn->zkp", a, z) + b) ** 2).sum(axis=2)
+    return np.sqrt(squares.max(axis=1) if peak else squares.mean(axis=1))
+
+
+def normals(z: np.ndarray, unknowns: list[Unknown]) -> list[np.ndarray]:
+    """Outward directions of the limits that are reached."""
+    found = []
+    for u, place in zip(unknowns, places_of(unknowns), strict=True):
+        size = np.linalg.norm(z[place])
+        for reached, sign in ((size >= u.most * (1 - 1e-9), 1), (u.size == 1 and z[place][0] <= 0, -1)):
+            if reached:
+                normal = np.zeros(z.size)
+                normal[place] = sign * (z[place] / size if size > 0 else 1.0)
+                found.append(normal)
+    return found
+
+
+@pytest.mark.parametrize("peak", [False, True])
+@settings(deadline=None, max_examples=20)
+@given(seed=st.integers(0, 10**6))
+def test_optimum__surpasses_brute_force_and_brute_force_its_bound(peak, seed):
+    a, b, unknowns = problem(seed)
+    found = (least_peak if peak else least_rms)(a, b, unknowns)
+    z = found.unknowns
+    np.testing.assert_allclose(allowed(z[None], unknowns)[0], z, rtol=8 * EPS)
+    assert found.value == pytest.approx(left(z[None], a, b, peak)[0], rel=1e-13)
+    before = left(0 * z[None], a, b, peak)[0]
+    # By construction; the least squares' bound misses by roundings of what was there before, squared under a root.
+    assert -1e-12 * before <= found.value - found.bound <= (GAP if peak else 1e-7) * before
+    rng = np.random.default_rng(seed)
+    scale = np.abs(z).max() + before / np.sqrt((a**2).sum(axis=1).mean(axis=0).max())
+    for spread in (1.0, 1e-2, 1e-4):
+        tried = left(allowed(z + spread * scale * rng.normal(size=(300, z.size)), unknowns), a, b, peak)
+        assert tried.min() >= found.value - (GAP if peak else 1e-14) * before
+
+
+@settings(deadline=None, max_examples=30)
+@given(seed=st.integers(0, 10**6))
+def test_least_rms__meets_the_conditions_of_karush_kuhn_and_tucker(seed):
+    a, b, unknowns = problem(seed)
+    z = least_rms(a, b, unknowns).unknowns
+    scale = np.sqrt((a**2).sum(axis=1).mean(axis=0))
+    gradient = np.einsum("kpn,kp->n", a, a @ z + b) / len(b) / scale
+    pushes = np.array(normals(z, unknowns)).reshape(-1, z.size) / scale
+    _, residual = nnls(pushes.T, -gradient) if len(pushes) else (0, np.linalg.norm(gradient))
+    # Projected gradients stop at a step of rounding; conditions of some tens multiply it.
+    assert residual <= 1e-12 * np.sqrt((b**2).sum(axis=1).mean())
+
+
+@settings(deadline=None, max_examples=20)
+@given(seed=st.integers(0, 10**6))
+def test_least_peak__meets_the_conditions_of_karush_kuhn_and_tucker(seed):
+    a, b, unknowns = problem(seed)
+    found = least_peak(a, b, unknowns)
+    z = found.unknowns
+    vectors = a @ z + b
+    sizes = np.sqrt((vectors**2).sum(axis=1))
+    # Within the gap of the optimum a smooth peak's multipliers turn by its root.
+    active = sizes >= found.value - 1e-6 * sizes.max()
+    scale = np.sqrt((a**2).sum(axis=1).mean(axis=0))
+    pulls = np.einsum("kpn,kp->kn", a[active], vectors[active] / sizes[active, None]) / scale
+    pushes = np.array(normals(z, unknowns)).reshape(-1, z.size) / scale
+    # Multipliers of the active vectors add up to 1.
+    matrix = np.vstack((pulls, pushes)).T
+    ones = np.append(np.ones(len(pulls)), np.zeros(len(pushes)))
+    _, residual = nnls(np.vstack((matrix, ones)), np.append(np.zeros(z.size), 1.0))
+    assert residual <= 1e-3
+
+
+@settings(deadline=None, max_examples=30)
+@given(seed=st.integers(0, 10**6), steps=st.integers(0, 8))
+def test_bound_of_a_search_that_is_cut_short__holds_nevertheless(seed, steps):
+    a, b, unknowns = problem(seed)
+    best = least_rms(a, b, unknowns)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(least_shaking, "MOST_STEPS", steps)
+        rough = least_rms(a, b, unknowns)
+    assert rough.bound <= best.value * (1 + 1e-12)
+    assert rough.value >= best.value * (1 - 1e-12)
+
+
+def test_limit_that_is_reached__proves_the_optimum():
+    # A kilogram takes one newton away, of ten; two kilograms are allowed.
+    a, b = np.ones((4, 1, 1)), np.full((4, 1), -10.0)
+    found = least_rms(a, b, [Unknown(1, 2.0)])
+    assert found == (2.0, 8.0, 8.0)
+
+
+def test_peak_of_opposite_vectors__is_the_radius_of_their_circle():
+    # Masses at the corners of a triangle: least peak about the centre of the smallest circle around them.
+    corners = np.array([[0.0, 0.0], [4.0, 0.0], [1.0, 3.0]])
+    a = np.repeat(-np.eye(2)[None], 3, axis=0)
+    found = least_peak(a, corners, [Unknown(2)])
+    np.testing.assert_allclose(found.unknowns, [2.0, 1.0], rtol=1e-4)
+    # The radius of its circumscribed circle: all three angles are sharp.
+    assert found.value == pytest.approx(math.sqrt(5), rel=2 * GAP)
+
+
+def test_nothing_that_shakes__needs_nothing():
+    a, b, unknowns = problem(3)
+    for solve in (least_rms, least_peak):
+        found = solve(a, 0 * b, unknowns)
+        assert not found.unknowns.any()
+        assert found.value == found.bound == 0.0
+
+
+def test_unknowns_of_the_same_effect__are_refused():
+    a, b, _ = problem(1)
+    with pytest.raises(DependentError) as refusal:
+        least_rms(np.concatenate((a[:, :, :1], a[:, :, :1]), axis=2), b, [Unknown(1), Unknown(1)])
+    assert refusal.value.columns.tolist() == [0, 1]
+
+
+# Full balance
+
+fraction = st.floats(-1.0, 1.0)
+
+
+@st.composite
+def four_bars(draw):
+    """Crank-rockers of all proportions that transmit well, with three bodies anywhere on their links."""
+    crank_length = draw(st.floats(0.05, 0.4))
+    coupler, rocker = (draw(st.floats(0.9, 1.2)) for _ in range(2))
+    x, y = 1.0 + draw(fraction) * 0.1, draw(fraction) * 0.2
+    bodies = {}
+    for link in ("crank", "coupler", "rocker"):
+        mass, inertia = draw(st.floats(0.1, 10)), draw(st.floats(0.01, 1))
+        place = {"x": 0.05 + draw(st.floats(0.0, 1.0)), "y": 0.01 + draw(st.floats(0.0, 0.5))}
+        bodies[f"{link}_body"] = {"link": link, "mass": mass, "inertia": inertia, **place}
+    return {
+        "points": {"O": frame(0.1, -0.2), "D": frame(0.1 + x, -0.2 + y)},
+        "input": crank(length=crank_length),
+        "groups": {"bars": rrr("B", ("coupler", "A", coupler), ("rocker", "D", rocker))},
+        "bodies": bodies,
+    }
+
+
+@settings(deadline=None, max_examples=25)
+@given(four_bars())
+def test_full_balance_of_a_four_bar__is_that_of_berkof_and_lowen(data):
+    scene = Scene.model_validate(data)
+    found = balance(scene, ["crank", "rocker"])
+    b = {name.removesuffix("_body"): body for name, body in scene.bodies.items()}
+    moment = {link: body.mass * complex(body.x, body.y) for link, body in b.items()}
+    bars = scene.groups["bars"]
+    share = moment["coupler"] / bars.first.length
+    # What the coupler's linearly dependent vector leaves on the two others.
+    on_crank = moment["crank"] + (b["coupler"].mass - share) * scene.input.length
+    on_rocker = moment["rocker"] + share * bars.second.length
+    for weight, closed in zip(found.counterweights, (on_crank, on_rocker), strict=True):
+        # Roundings of the rows, times the condition of the two links' effects: rockers that swing little are alike.
+        size = abs(on_crank) + abs(on_rocker) + b["coupler"].mass
+        assert abs(weight.mass * complex(weight.x, weight.y) + closed) <= 1e-11 * size
+        assert math.hypot(weight.x, weight.y) == pytest.approx(scene.input.length, rel=4 * EPS)
+        assert weight.unbalance == pytest.approx(abs(closed), abs=1e-11 * size)
+    peaks = [np.hypot(*shaking_of(s)[:2]).max() for s in (scene, found.scene)]
+    # Terms of the sum are at most those of all masses at the ends of their links.
+    terms = SPEED**2 * sum(abs(m) for m in moment.values()) * 10
+    assert peaks[1] <= 1e-13 * terms
+    assert found.before == pytest.approx(np.sqrt((shaking_of(scene)[:2] ** 2).sum(axis=0).mean()), rel=1e-12)
+
+
+def slider_crank(**parts) -> Scene:
+    """Crank, rod and piston, moments taken about Q."""
+    return Scene.model_validate(
+        {
+            "points": {"O": frame(0.0, 0.0), "Q": frame(0.2, 0.3)},
+            "guides": {"way": {}},
+            "input": crank(),
+            "groups": {"g": rrp("B", ("rod", "A", 1.2), "piston", "way")},
+            "bodies": {"piston_body": {"link": "piston", "mass": 2.0}},
+            **parts,
+        }
+    )
+
+
+def test_full_balance_of_a_slider_crank__takes_a_place_beyond_the_crank_pin():
+    rod = {"link": "rod", "mass": 1.5, "x": 0.4, "inertia": 0.1}
+    scene = slider_crank(bodies={"piston_body": {"link": "piston", "mass": 2.0}, "rod_body": rod})
+    found = balance(scene, ["crank"], [Place("rod", -0.5)], radius=0.25)
+    on_crank, on_rod = found.counterweights
+    beyond = (2.0 * 1.2 + 1.5 * 0.4) / 0.5
+    assert on_rod.mass == pytest.approx(beyond, rel=1e-12)
+    assert on_crank.mass == pytest.approx((2.0 + 1.5 + beyond) * 0.3 / 0.25, rel=1e-12)
+    assert on_crank.x == pytest.approx(-0.25, rel=1e-12)
+    assert np.hypot(*shaking_of(found.scene)[:2]).max() <= 1e-13 * found.before * 10
+
+
+# Partial balance
+
+PULL = 2.0 * 0.3 * SPEED**2
+
+
+def test_least_rms_of_a_slider_crank__takes_half_of_the_reciprocating_mass():
+    found = balance(slider_crank(), ["crank"], criterion="rms")
+    (weight,) = found.counterweights
+    # Of the first order, m r cos φ, half turns with the crank: it alone can be taken away.
+    assert weight.mass == pytest.approx(2.0 / 2, rel=1e-12)
+    assert weight.x == pytest.approx(-0.3, rel=1e-12)
+    assert abs(weight.y) < 1e-12
+    assert found.after == pytest.approx(found.bound, rel=1e-9)
+    assert found.before**2 - found.after**2 == pytest.approx((PULL / 2) ** 2, rel=1e-12)
+
+
+def test_least_peak_of_a_slider_crank__is_that_of_brute_force():
+    found = balance(slider_crank(), ["crank"], criterion="peak")
+    phi = 2 * np.pi * np.arange(360) / 360
+    fx = shaking_of(slider_crank())[0]
+    masses = np.linspace(0, 2, 20001)[:, None]
+    peaks = np.hypot(fx - masses * 0.3 * SPEED**2 * np.cos(phi), masses * 0.3 * SPEED**2 * np.sin(phi)).max(axis=1)
+    (weight,) = found.counterweights
+    assert weight.unbalance / 0.3 == pytest.approx(masses[peaks.argmin(), 0], abs=1e-3)
+    # A grid of a ten-thousandth of the mass is off by its step times the slope of the peak, at most 1.
+    assert peaks.min() - 1e-4 * PULL <= found.after <= peaks.min() + GAP * PULL
+    assert 0 <= found.after - found.bound <= GAP * found.before
+
+
+def test_lanchester_shafts__leave_the_fourth_order_alone():
+    shafts = {
+        name: {"geared_to": "crank", "ratio": ratio, "pivot": "O"}
+        for name, ratio in (("first", -1.0), ("second", 2.0), ("against", -2.0))
+    }
+    found = balance(slider_crank(shafts=shafts), ["crank", *shafts], criterion="rms")
+    names = [f"shaking_force.order_{n}" for n in (1, 2, 4)]
+    before, after = (Machine(s, names).evaluate({}).summaries for s in (slider_crank(), found.scene))
+    np.testing.assert_allclose([after[n][0] for n in names], [0, 0, before[names[2]][0]], rtol=0, atol=1e-12 * PULL)
+    sizes = [weight.unbalance for weight in found.counterweights]
+    # Half of an order on each of two shafts; one that turns twice as fast pulls four times as much.
+    second = before[names[1]][0] / SPEED**2 / 2 / 4
+    np.testing.assert_allclose(sizes, [0.3, 0.3, second, second], rtol=1e-11)
+
+
+def test_limits__are_kept_and_reached():
+    found = balance(slider_crank(), ["crank"], criterion="rms", most={"crank": 0.12})
+    assert found.counterweights[0].unbalance == pytest.approx(0.12, rel=1e-12)
+    assert found.after == pytest.approx(found.bound, rel=1e-9)
+    placed = balance(slider_crank(), [], [Place("crank", -0.3, most=0.5), Place("crank", 0.3, 0.3)], criterion="rms")
+    assert [w.mass for w in placed.counterweights] == [0.5, 0.0]
+
+
+@pytest.mark.parametrize("criterion", ["rms", "peak"])
+def test_moment_with_its_weight__is_that_of_the_balanced_machine(criterion):
+    data = {
+        "points": {"O": frame(0.1, -0.2), "D": frame(1.15, -0.3), "Q": frame(0.5, 0.4)},
+        "input": crank(),
+        "groups": {"bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.8))},
+        "shafts": {"wheel": {"geared_to": "rocker", "ratio": -3.0, "inertia": 0.05}},
+        "bodies": {"b": {"link": "coupler", "mass": 2.0, "x": 0.45, "y": -0.12, "inertia": 0.15}},
+        "balance": {"about": "Q"},
+    }
+    scene, weight = Scene.model_validate(data), 3.0
+    places = [Place("rocker", -0.3), Place("rocker", 0.1, 0.3)]
+    found = balance(scene, ["crank"], places, criterion, moment_weight=weight)
+    rows = [shaking_of(s) * np.array([[1.0], [1.0], [weight]]) for s in (scene, found.scene)]
+    size = {"rms": lambda r: np.sqrt((r**2).sum(axis=0).mean()), "peak": lambda r: np.sqrt((r**2).sum(axis=0)).max()}
+    assert found.before == pytest.approx(size[criterion](rows[0]), rel=1e-12)
+    assert found.after == pytest.approx(size[criterion](rows[1]), rel=1e-12)
+    assert found.after < 0.7 * found.before
+    assert found.after - found.bound <= 2 * GAP * found.before
+
+
+def test_counterweights__are_bodies_of_the_scene_under_free_names():
+    once = balance(slider_crank(), ["crank"], criterion="rms", radius=0.1).scene
+    twice = balance(once, [], [Place("crank", 0.2), Place("crank", 0.0, 0.1)], criterion="rms").scene
+    assert list(twice.bodies) == ["piston_body", *(f"crank_counterweight{end}" for end in ("", "_2", "_3"))]
+    assert math.hypot(once.bodies["crank_counterweight"].x, once.bodies["crank_counterweight"].y) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("settings_", "message"),
+    [
+        ({"links": ["crank"]}, r"on crank don't balance this machine fully: .* N are left"),
+        ({"links": ["cramk"]}, r"'cramk' is not a link of this scene; .* did you mean 'crank'\?"),
+        ({"links": ["rod"]}, "'rod' doesn't turn about a fixed axis: give a Place on it; or choose from crank"),
+        ({}, "no link may have a counterweight"),
+        ({"links": ["crank"], "criterion": "least"}, "criterion = 'least': allowed are 'full', 'rms' and 'peak'"),
+        ({"links": ["crank"], "most": {"rod": 1.0}}, r"most\['rod'\] = 1.0: a positive mass times radius"),
+        ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: counterweights sit at a positive"),
+        ({"links": ["crank"], "places": [Place("crank", 0.1)]}, "counterweights on crank have the same effect"),
+    ],
+)
+def test_what_cannot_be_balanced__is_said(settings_, message):
+    with pytest.raises(BalanceError, match=message):
+        balance(slider_crank(), **settings_)
+
+
+def test_moment_on_a_link_that_swings__asks_for_a_place():
+    scene = Scene.model_validate(
+        {
+            "points": {"O": frame(0.1, -0.2), "D": frame(1.15, -0.3)},
+            "input": crank(),
+            "groups": {"bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.8))},
+            "bodies": {"b": {"link": "coupler", "mass": 2.0, "x": 0.45}},
+        }
+    )
+    with pytest.raises(BalanceError, match="on 'rocker' depends on its radius: give a Place on it"):
+        balance(scene, ["crank", "rocker"], criterion="rms", moment_weight=1.0)
+
+
+def test_machine_that_does_not_turn__has_no_balance():
+    with pytest.raises(BalanceError, match="the crank must turn fully"):
+        balance(slider_crank(input=crank(start=0.0, stop=1.0)), ["crank"])
+    with pytest.raises(BalanceError, match="can't be assembled"):
+        balance(slider_crank(groups={"g": rrp("B", ("rod", "A", 0.2), "piston", "way")}), ["crank"])
+
+
+def test_linkage_of_two_loops__is_balanced_by_masses_in_three_places():
+    scene = Scene.model_validate(
+        {
+            "points": {"O": frame(0.0, 0.0), "D": frame(1.05, -0.1), "E": on("rocker", 0.5, 0.2)},
+            "guides": {"way": {"x": 0.5, "y": 1.0}},
+            "input": crank(),
+            "groups": {
+                "bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.8)),
+                "g": rrp("S", ("rod", "E", 1.4), "ram", "way"),
+            },
+            "bodies": {
+                "c": {"link": "coupler", "mass": 1.0, "x": 0.5},
+                "r": {"link": "ram", "mass": 0.6},
+            },
+        }
+    )
+    found = balance(scene, ["crank", "rocker"], [Place("rod", -0.7)])
+    # The rod's centre comes to rest in its hinge on the rocker: 0.6 kg at 1.4 m against 1.2 kg at 0.7 m.
+    assert found.counterweights[2].mass == pytest.approx(1.2, rel=1e-11)
+    on_rocker = found.counterweights[1]
+    closed = -(1.0 * 0.5 * 0.8 + 1.8 * complex(0.5, 0.2))
+    assert on_rocker.mass * complex(on_rocker.x, on_rocker.y) == pytest.approx(closed, rel=1e-11)
+
+
+# The bundled study
+
+
+def test_study_of_a_four_bar__has_full_balance_as_it_is():
+    study = read_study(bundled_studies()["four_bar_counterweights"])
+    names = ["shaking_force.rms", "shaking_force.peak"]
+    machine = Machine(study.scene, study.summaries, varied=study.paths)
+    weights = {path: [scene_numbers(study.scene)[path].value, 0.0] for path in study.paths}
+    outcome = machine.evaluate({path: np.array(pair) for path, pair in weights.items()})
+    for name in names:
+        balanced, bare = outcome.summaries[name]
+        assert balanced <= 1e-13 * bare
+    # Mass times radius of bar and coupler's half, bars of 7850 kg/m3 and 160 mm2, over 60 mm.
+    bar = 7850 * 160e-6
+    assert weights["bodies.crank_weight.mass"][0] == pytest.approx(bar * (0.06 / 2 + 0.2 / 2), rel=1e-12)
+    swinging = bar * 0.14**2 / 2 + (bar * 0.2 / 2 + 0.5) * 0.14
+    assert weights["bodies.rocker_weight.mass"][0] == pytest.approx(swinging / 0.07, rel=1e-12)
+
+
+def test_study_of_a_four_bar__asks_one_question_and_chooses_by_columns_that_it_has():
+    study = read_study(bundled_studies()["four_bar_counterweights"])
+    assert study.question.count("?") == 1
+    assert study.best.goal in study.summaries
+    assert set(study.optimise.minimise) <= set(study.summaries)
+
+
+def test_front_of_a_four_bar__begins_at_full_balance_and_no_grid_surpasses_it(tmp_path):
+    pytest.importorskip("pymoo")
+    study = read_study(bundled_studies()["four_bar_counterweights"])
+    result = SweepResult(optimise_study(study, tmp_path / "front.h5"))
+    on_front = front(result)
+    names = [name for name, _ in objectives(result)]
+    force, load = (result.columns[name][on_front] for name in names)
+    order = np.argsort(force)
+    assert force[order[0]] <= 1e-12 * force.max()
+    assert (np.diff(load[order]) <= 0).all()
+    masses = np.meshgrid(np.linspace(0, 1, 41), np.linspace(0, 1.6, 41))
+    machine = Machine(study.scene, study.summaries, varied=study.paths)
+    tried = machine.evaluate(dict(zip(study.paths, (m.ravel() for m in masses), strict=True))).summaries
+    # By how much a machine of the grid is better than the nearest of the front, as shares of the front's two ranges:
+    # no more than half of the gap between neighbours on it.
+    pairs = zip((force, load), names, strict=True)
+    ahead = np.maximum(*((column[:, None] - tried[name]) / np.ptp(column) for column, name in pairs)).min(axis=0)
+    assert ahead.max() <= 0.01

@@ -1,0 +1,394 @@
+"""Balancing of rotors: unbalance, its kinds, correction, holes, bearings, grades and knife edges."""
+
+import math
+from itertools import product
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine.balancing.rotors.bearings import peak_forces, rotating_forces, static_forces
+from engine.balancing.rotors.correction import as_masses, correct, corrected, misplaced_share
+from engine.balancing.rotors.grades import (
+    GRADES,
+    grade_needed,
+    grade_reached,
+    permissible_unbalance,
+    tolerance_shares,
+)
+from engine.balancing.rotors.hole_pattern import PatternError, best_holes, split_on_neighbours
+from engine.balancing.rotors.knife_edges import angle_error, residual_unbalance
+from engine.balancing.rotors.unbalance import Kind, about, in_two_planes, kind, quasi_static_plane, resultant, unbalance
+
+EPS = np.finfo(float).eps
+
+few = settings(deadline=None, max_examples=60)
+angles = st.floats(-10, 10)
+places = st.floats(-3, 3)
+sizes = st.floats(-6, 3).map(lambda e: 10.0**e)
+masses_on_rotor = st.lists(st.tuples(sizes, sizes, angles, places), min_size=1, max_size=8)
+
+
+def rotor_of(masses):
+    m, e, alpha, z = np.array(masses).T
+    return unbalance(m, e, alpha), z
+
+
+def force_and_moment(unbalances, positions, omega, plane, phi):
+    """Force and moment vectors of masses on a turning rotor in space, at 50 digits: Newton's law for each mass."""
+    with mpmath.workdps(50):
+        force, moment = mpmath.matrix([0, 0, 0]), mpmath.matrix([0, 0, 0])
+        for u, z in zip(unbalances, positions, strict=True):
+            turned = mpmath.mpc(u) * mpmath.expj(phi) * mpmath.mpf(omega) ** 2
+            fx, fy, arm = turned.real, turned.imag, mpmath.mpf(z) - mpmath.mpf(plane)
+            force += mpmath.matrix([fx, fy, 0])
+            # (0, 0, arm) × (fx, fy, 0)
+            moment += mpmath.matrix([-arm * fy, arm * fx, 0])
+        return np.array(force.tolist(), float).ravel(), np.array(moment.tolist(), float).ravel()
+
+
+# What unbalances amount to
+
+
+def test_rotor_of_the_source__pulls_with_1000_newton_ten_times_its_weight():
+    u = unbalance(10.0, 0.0001, 0.0)
+    forces = rotating_forces(resultant([u], [0.5]), 0.0, 1.0, 1000.0)
+    # Two products and a quotient.
+    assert abs(sum(forces)) == pytest.approx(1000.0, rel=4 * EPS)
+    assert abs(forces.first) == pytest.approx(500.0, rel=4 * EPS)
+    assert abs(sum(forces)) / sum(static_forces(10.0, 0.5, 0.0, 1.0)) == pytest.approx(10.2, abs=0.01)
+
+
+@few
+@given(masses_on_rotor, places, angles)
+def test_resultant__is_force_and_moment_of_the_masses_in_space(masses, plane, phi):
+    unbalances, z = rotor_of(masses)
+    found = resultant(unbalances, z, plane)
+    force, moment = force_and_moment(unbalances, z, 7.0, plane, phi)
+    turn = 49 * complex(math.cos(phi), math.sin(phi))
+    # Sums of up to 8 terms: each loses a rounding of the sum of magnitudes.
+    scale = 49 * np.abs(unbalances).sum()
+    assert force == pytest.approx(
+        [(turn * found.unbalance).real, (turn * found.unbalance).imag, 0], abs=20 * EPS * scale
+    )
+    couple = turn * found.moment
+    assert moment == pytest.approx([-couple.imag, couple.real, 0], abs=120 * EPS * scale)
+
+
+@few
+@given(masses_on_rotor, places, places)
+def test_moment__about_another_plane_is_the_one_summed_there(masses, plane, other):
+    unbalances, z = rotor_of(masses)
+    moved, direct = about(resultant(unbalances, z, plane), other), resultant(unbalances, z, other)
+    # Arms up to 6, up to 8 terms.
+    scale = np.abs(unbalances).sum()
+    assert abs(moved.moment - direct.moment) <= 120 * EPS * scale
+    assert moved.unbalance == direct.unbalance
+
+
+def test_kinds__as_the_standard_defines_them_by_the_principal_axis():
+    """Each against the principal axis itself: least inertia of a slender body with the masses on it."""
+    cases = {
+        Kind.BALANCED: [0, 0],
+        Kind.STATIC: [1e-5, 1e-5],
+        Kind.COUPLE: [1e-5, -1e-5],
+        Kind.QUASI_STATIC: [1e-5, 3e-5],
+        Kind.DYNAMIC: [1e-5, 1e-5j],
+    }
+    for expected, unbalances in cases.items():
+        assert kind(resultant(unbalances, [-0.2, 0.2]), 0.0, 1e-9, 1e-9) == expected
+        offset, tilt = principal_axis(unbalances, [-0.2, 0.2])
+        parallel, through = abs(tilt) < 1e-7, abs(offset) < 1e-7
+        crosses = abs((np.conj(offset) * tilt).imag) < 1e-6 * abs(offset * tilt)
+        by_axis = {
+            Kind.BALANCED: parallel and through,
+            Kind.STATIC: parallel and not through,
+            Kind.COUPLE: through and not parallel,
+            Kind.QUASI_STATIC: crosses and not through and not parallel,
+            Kind.DYNAMIC: not (crosses or through or parallel),
+        }
+        assert [k for k, holds in by_axis.items() if holds] == [expected]
+
+
+def principal_axis(unbalances, positions, mass=1.0):
+    """Offset of the centre of mass and slope of the axis of least inertia of a long body with unbalances, complex."""
+    offset = sum(unbalances) / mass
+    tensor = np.diag([1.0, 1.0, 0.01])
+    for u, z in zip(unbalances, positions, strict=True):
+        u = complex(u)
+        tensor[0, 2] -= u.real * z
+        tensor[1, 2] -= u.imag * z
+    tensor[2, :2] = tensor[:2, 2]
+    axis = np.linalg.eigh(tensor)[1][:, 0]
+    return offset, complex(axis[0], axis[1]) / axis[2]
+
+
+def test_kinds__of_many_rotors_at_once():
+    rotors = resultant(np.array([[1, 1], [1, -1], [0, 0]]), [-1.0, 1.0])
+    assert kind(rotors, np.zeros(3), 0.1, 0.1).tolist() == [Kind.STATIC, Kind.COUPLE, Kind.BALANCED]
+
+
+@few
+@given(sizes, angles, places, places)
+def test_quasi_static_plane__of_one_mass_is_its_own(size, angle, z, plane):
+    found = quasi_static_plane(resultant([unbalance(size, 1.0, angle)], [z], plane))
+    # z - plane cancels against plane.
+    assert found == pytest.approx(z, abs=10 * EPS * 6)
+
+
+# Correction
+
+
+@few
+@given(masses_on_rotor, st.lists(places, min_size=2, max_size=6, unique=True), st.floats(0.1, 10), angles)
+def test_correction__in_two_and_more_planes_leaves_no_force_and_no_moment(masses, planes, radius, phi):
+    unbalances, z = rotor_of(masses)
+    planes = np.array(planes)
+    span = np.ptp(planes)
+    # Two planes at the distance b take unbalances of 6/b times those given; below a millimetre nobody corrects.
+    if span < 1e-3:
+        return
+    corrections = correct(resultant(unbalances, z), planes, radius)
+    everything, at = np.concatenate([unbalances, corrections]), np.concatenate([z, planes])
+    force, moment = force_and_moment(everything, at, 1.0, 0.3, phi)
+    bound = 200 * EPS * (np.abs(everything) * (1 + np.abs(at))).sum()
+    assert np.abs(force).max() <= bound
+    assert np.abs(moment).max() <= bound
+
+
+@few
+@given(masses_on_rotor, places)
+def test_correction__in_one_plane_leaves_a_couple_alone(masses, plane):
+    unbalances, z = rotor_of(masses)
+    rotor = resultant(unbalances, z, 0.5)
+    left = corrected(rotor, correct(rotor, [plane]), [plane])
+    assert left.unbalance == 0
+    directly = resultant([*unbalances, -unbalances.sum()], [*z, plane], 0.5)
+    # Arms up to 4, up to 9 terms.
+    assert abs(left.moment - directly.moment) <= 100 * EPS * np.abs(unbalances).sum()
+    # Without a resultant the couple is the same about every plane.
+    assert left.moment == about(left, 2.0).moment
+
+
+@few
+@given(masses_on_rotor, st.lists(st.tuples(places, st.floats(0.1, 3)), min_size=3, max_size=5))
+def test_correction__in_many_planes_has_the_least_sum_of_squared_masses(masses, planes):
+    """Against NumPy's least-norm solution of the two equations in the masses."""
+    unbalances, z = rotor_of(masses)
+    at, radii = np.array(planes).T
+    if np.ptp(at) < 0.1:
+        return
+    found = correct(resultant(unbalances, z), at, radii) / radii
+    equations = np.stack([radii, radii * at]).astype(complex)
+    wanted = -np.array([unbalances.sum(), (unbalances * z).sum()])
+    least = np.linalg.lstsq(equations, wanted, rcond=None)[0]
+    # lstsq loses the condition number of the two equations, up to about (max r/min r) (3/0.1) = 900.
+    assert found == pytest.approx(least, abs=1e4 * EPS * np.abs(unbalances).sum() / 0.01)
+
+
+def test_correction__of_many_rotors_is_that_of_each():
+    rng = np.random.default_rng(1)
+    unbalances = rng.normal(size=(50, 3)) + 1j * rng.normal(size=(50, 3))
+    z, planes = rng.normal(size=(50, 3)), rng.normal(size=(50, 2))
+    together = correct(resultant(unbalances, z), planes)
+    alone = [correct(resultant(u, a), p) for u, a, p in zip(unbalances, z, planes, strict=True)]
+    assert np.array_equal(together, alone)
+
+
+def test_correction__in_planes_that_are_one_is_not_a_number():
+    assert not np.isfinite(correct(resultant([1.0, 2.0], [0.0, 1.0]), [0.5, 0.5])).any()
+
+
+@few
+@given(masses_on_rotor, places, st.floats(0.01, 5))
+def test_two_planes__amount_to_the_same(masses, first, span):
+    unbalances, z = rotor_of(masses)
+    rotor = resultant(unbalances, z)
+    parts = in_two_planes(rotor, first, first + span)
+    back = resultant(np.array(parts), [first, first + span])
+    scale = 100 * EPS * np.abs(unbalances).sum() * (1 + 6 / span) * 8
+    assert abs(back.unbalance - rotor.unbalance) <= scale
+    assert abs(back.moment - rotor.moment) <= scale
+
+
+# R. S. Khurmi and J. K. Gupta, Theory of Machines, examples 21.1 and 21.2. The book reads the answers from polygons
+# drawn to scale: a line of half a millimetre on ten centimetres, 0.5 percent of each polygon's longest side.
+
+
+def test_khurmi_21_1__balance_mass_of_four_masses_in_one_plane():
+    u = unbalance([200, 300, 240, 260], [0.2, 0.15, 0.25, 0.3], np.radians([0, 45, 120, 255]))
+    mass, angle = as_masses(correct(resultant(u, np.zeros(4)), [0.0]), [0.2])
+    assert mass == pytest.approx(116, rel=0.005)
+    assert np.degrees(angle) == pytest.approx(201.48, abs=0.5)
+
+
+def test_khurmi_21_2__balance_masses_of_a_shaft_in_two_planes():
+    u = unbalance([200, 300, 400, 200], [0.08, 0.07, 0.06, 0.08], np.radians([0, 45, 115, 235]))
+    planes = [0.0, 0.4]
+    masses, angle = as_masses(correct(resultant(u, [-0.1, 0.2, 0.3, 0.6]), planes), 0.1)
+    assert masses == pytest.approx([355, 182.5], rel=0.01)
+    # The book counts these clockwise from A: 145 and 12 degrees.
+    assert 360 - np.degrees(angle) == pytest.approx([145, 12], abs=2)
+
+
+@few
+@given(st.floats(0, 0.5), st.floats(0, math.pi), st.floats(-1, 1), st.floats(-1, 1))
+def test_misplaced_share__is_the_greatest_that_errors_of_either_sign_leave(mu, delta, part, turn):
+    share = misplaced_share(mu, delta)
+    # The difference of two numbers near 1 is good to their roundings.
+    assert share == pytest.approx(abs((1 + mu) * np.exp(1j * delta) - 1), abs=8 * EPS)
+    assert abs((1 + part * mu) * np.exp(1j * turn * delta) - 1) <= share + 8 * EPS
+
+
+# Holes
+
+
+@few
+@given(st.complex_numbers(min_magnitude=1e-6, max_magnitude=1e3), st.integers(3, 40), angles)
+def test_split__on_neighbouring_holes_makes_the_correction_with_nothing_taken_away(correction, holes, first):
+    split = split_on_neighbours(correction, holes, first)
+    at = [first + math.tau * k / holes for k in (split.hole, split.next_hole)]
+    made = split.amount * np.exp(1j * at[0]) + split.next_amount * np.exp(1j * at[1])
+    # The sines of a step of tau/40 stretch roundings of the angle by its reciprocal.
+    assert abs(made - correction) <= 60 * EPS * abs(correction) / math.sin(math.tau / holes)
+    assert min(split.amount, split.next_amount) >= 0
+    assert split.next_hole == (split.hole + 1) % holes
+
+
+def test_split__on_two_holes_is_refused():
+    with pytest.raises(PatternError, match=r"holes = 2: .* at least 3"):
+        split_on_neighbours(1.0, 2)
+
+
+@few
+@given(
+    st.complex_numbers(max_magnitude=6),
+    st.integers(1, 5),
+    st.integers(1, 2),
+    st.integers(1, 3),
+    st.floats(0.1, 2) | st.floats(-2, -0.1),
+)
+def test_best_holes__are_the_best_of_all_ways_counted_one_by_one(correction, holes, most, used, piece):
+    pieces, made = best_holes(correction, holes, most, used, piece, 0.3)
+    directions = piece * np.exp(1j * (0.3 + math.tau / holes * np.arange(holes)))
+    ways = [w for w in product(range(most + 1), repeat=holes) if np.count_nonzero(w) <= used]
+    least = min(abs(np.dot(w, directions) - correction) for w in ways)
+    # Equal ways differ by roundings of the sums.
+    assert abs(made - correction) == pytest.approx(least, abs=1e-8 * abs(piece))
+    assert np.dot(pieces, directions) == pytest.approx(made, abs=1e-13)
+    equal = [sum(w) for w in ways if abs(np.dot(w, directions) - made) < 1e-9 * abs(piece)]
+    assert pieces.sum() == min(equal)
+
+
+def test_best_holes__of_many_rotors_and_none_for_what_is_no_number():
+    pieces, made = best_holes(np.array([1.0, 1j, math.nan]), 4, 2, 2, np.array([0.5, 0.5, 0.5]))
+    assert pieces.tolist() == [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 0, 0]]
+    assert np.isnan(made).tolist() == [False, False, True]
+    assert np.isnan(best_holes(1.0, 4, 2, 2, 0.0)[1])
+
+
+def test_best_holes__with_too_many_ways_says_so():
+    with pytest.raises(PatternError, match="48 holes with up to 20 pieces in 4 of them"):
+        best_holes(1.0, 48, 20, 4, 1.0)
+    with pytest.raises(PatternError, match="holes = 0"):
+        best_holes(1.0, 0, 2, 2, 1.0)
+
+
+# Bearings
+
+
+@few
+@given(masses_on_rotor, places, st.floats(0.05, 5), st.floats(1e-3, 1e4))
+def test_bearings__hold_the_rotor_in_equilibrium(masses, first, span, omega):
+    unbalances, z = rotor_of(masses)
+    forces = rotating_forces(resultant(unbalances, z), first, first + span, omega)
+    reactions = -np.array(forces) / omega**2
+    force, moment = force_and_moment([*unbalances, *reactions], [*z, first, first + span], 1.0, 0.0, 0.4)
+    bound = 200 * EPS * np.abs(unbalances).sum() * (1 + 6 / span) * 8
+    assert np.abs(force).max() <= bound
+    assert np.abs(moment).max() <= bound
+
+
+def test_bearings__of_an_overhung_rotor_lift_the_far_end():
+    weight = static_forces(20.0, 0.75, 0.0, 0.5, 10.0)
+    # Moments about the second bearing: 200 N · 0.25 m = -F · 0.5 m.
+    assert weight == pytest.approx((-100.0, 300.0), rel=4 * EPS)
+    peak = peak_forces(rotating_forces(resultant([1e-3j], [0.0]), 0.0, 0.5, 300.0), weight)
+    assert peak == pytest.approx((190.0, 300.0), rel=8 * EPS)
+
+
+# Grades
+
+
+def test_grades__are_the_eleven_of_the_standard():
+    assert list(GRADES) == ["G0.4", "G1", "G2.5", "G6.3", "G16", "G40", "G100", "G250", "G630", "G1600", "G4000"]
+    assert [1000 * g for g in GRADES.values()] == pytest.approx([float(name[1:]) for name in GRADES])
+
+
+def test_permissible_unbalance__is_the_standards_formula_in_its_units():
+    mass, rpm = 3600.0, 3000.0
+    omega = rpm * math.tau / 60
+    # U_per [g·mm] = 1000 (e_per omega) [mm/s] m [kg]/omega [rad/s]
+    standard = 1000 * 2.5 * mass / omega
+    assert permissible_unbalance(GRADES["G2.5"], mass, omega) * 1e6 == pytest.approx(standard, rel=4 * EPS)
+    assert permissible_unbalance(GRADES["G2.5"], mass, -omega) * 1e6 == pytest.approx(standard, rel=4 * EPS)
+
+
+@pytest.mark.parametrize(
+    ("centre", "shares"),
+    [
+        (1.5, (0.375, 0.625)),
+        (1.2, (0.5, 0.5)),
+        # Near a bearing: not more than 0.7, not less than 0.3.
+        (0.1, (0.7, 0.3)),
+        (2.3, (0.3, 0.7)),
+        # Beyond a bearing: not more than 1.3, not less than 0.3.
+        (2.64, (0.3, 1.1)),
+        (3.6, (0.5, 1.3)),
+        (-0.24, (1.1, 0.3)),
+    ],
+)
+def test_shares__of_the_tolerance_planes(centre, shares):
+    assert tolerance_shares(centre, 0.0, 2.4) == pytest.approx(shares)
+    assert tolerance_shares(2.4 - centre, 2.4, 0.0) == pytest.approx(shares)
+
+
+def test_shares__of_bearings_in_one_place_are_no_number():
+    assert np.isnan(tolerance_shares(0.3, 1.0, 1.0)).all()
+
+
+@few
+@given(st.sampled_from(list(GRADES)), sizes, st.floats(1, 1e4), st.floats(-0.5, 1.5), st.sampled_from([0.3, 0.99, 1.0]))
+def test_grade_needed__is_the_one_whose_tolerances_the_residuals_fill(name, mass, omega, centre, filled):
+    shares = tolerance_shares(centre, 0.0, 1.0)
+    permissible = permissible_unbalance(GRADES[name], mass, omega)
+    residuals = (0.2j * shares[0] * permissible, filled * shares[1] * permissible)
+    needed = grade_needed(residuals, shares, mass, omega)
+    # A dozen roundings.
+    assert needed == pytest.approx(filled * GRADES[name], rel=16 * EPS)
+    # Neighbouring grades are 2.5 apart: 0.3 of one lies within the next finer.
+    expected = float(name[1:])
+    finer = next(float(n[1:]) for n in GRADES if float(n[1:]) >= 0.3 * expected * (1 - 1e-9))
+    assert grade_reached(needed) == (finer if filled == 0.3 else expected)
+
+
+def test_grade_reached__beyond_the_coarsest_is_infinite():
+    assert grade_reached([4.1, 4.0, 0.0, math.nan]).tolist()[:3] == [math.inf, 4000.0, 0.4]
+    assert math.isnan(grade_reached(math.nan))
+
+
+# Knife edges
+
+
+@few
+@given(st.floats(0.1, 1e4), st.floats(1e-6, 1e-3), st.floats(1.001, 1e3))
+def test_knife_edges__rotor_stays_where_rolling_friction_holds_it(mass, arm, ratio):
+    residual = residual_unbalance(mass, arm)
+    heavy = ratio * residual
+    error = angle_error(heavy, mass, arm)
+    g = 9.81
+    # Equilibrium of moments at the limit: D g sin(theta) = m g k.
+    assert heavy * g * math.sin(error) == pytest.approx(mass * g * arm, rel=8 * EPS)
+    assert angle_error(residual / ratio, mass, arm) == math.pi

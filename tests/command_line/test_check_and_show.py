@@ -1,0 +1,173 @@
+"""`sweeps check`, `sweeps show` and `sweeps export`: what they tell before a run and after it."""
+
+import ast
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import STUDY, refused, said
+from press_texts import PRESS
+
+from sweeps.report.sweep_result import SweepResult
+
+# check
+
+
+def test_check__tells_what_is_computed_and_what_it_costs_and_writes_nothing(press_folder):
+    before = sorted(press_folder.rglob("*"))
+    answer = said("check", "study.toml")
+    assert answer.exit_code == 0
+    assert answer.stderr == ""
+    for words in (
+        "Which crank?",
+        "group slide: RRP of rod and ram",
+        "W = 3n − 2p₁ = 3·3 − 2·4 = 1",
+        "assembles over the whole cycle",
+        "8 = input.length [4] × bodies.ram.mass [2]",
+        "Computed at each of 48 positions",
+        "Left out, as nothing asked needs it",
+        "acceleration",
+        "MB beside the program's own",
+        "free",
+    ):
+        assert words in answer.stdout
+    # In line, the stroke is twice the crank of 50 mm.
+    assert any(line.split()[:2] == ["ram.stroke", "100"] for line in answer.stdout.splitlines())
+    assert sorted(press_folder.rglob("*")) == before
+
+
+def test_check_of_a_machine_that_turns_in_part__names_the_ranges(press_folder):
+    Path("press.toml").write_text(PRESS.replace('"50 mm"', '"250 mm"'))
+    answer = said("check", "press.toml")
+    assert answer.exit_code == 0
+    # Upright guide: the rod of 200 mm reaches while |250 cos φ| < 200, from 36.87° to 143.13° and opposite.
+    line = next(line for line in answer.stdout.splitlines() if "assembles only" in line)
+    assert "36.9" in line
+    assert "143.1" in line
+    assert "input.start and input.stop" in line
+
+
+def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
+    text = PRESS.replace('guide = "way"}', 'guide = "way", offset = "2 m"}')
+    Path("press.toml").write_text(text)
+    answer = said("check", "press.toml")
+    assert answer.exit_code == 0
+    assert "can't be assembled at any position" in answer.stdout
+
+
+def test_check_source__is_python_to_read(press_folder):
+    answer = said("check", "study.toml", "--source")
+    assert answer.exit_code == 0
+    module = ast.parse(answer.stdout)
+    assert "kernel" in [node.name for node in module.body if isinstance(node, ast.FunctionDef)]
+    assert "rrp_position(" in answer.stdout
+
+
+def test_check_of_nothing__is_refused(press_folder):
+    assert "nothing.toml" in refused("check", "nothing.toml")
+
+
+# show
+
+
+def table_of(stdout: str) -> list[list[str]]:
+    """Rows of the table of variants: below its two lines of heads."""
+    lines = stdout.splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("variant "))
+    rows = itertools.takewhile(lambda line: line[:1].isdigit(), lines[first + 2 :])
+    return [row.split() for row in rows]
+
+
+def test_show__lists_what_meets_the_study_s_condition_the_best_first(press_result):
+    answer = said("show", press_result)
+    assert answer.exit_code == 0
+    assert answer.stderr == ""
+    assert answer.stdout.splitlines()[0] == "Which crank?: 8 variants, all done"
+    assert [row[0] for row in table_of(answer.stdout)] == ["6", "7", "2", "3"]
+    assert [row[1] for row in table_of(answer.stdout)] == ["50", "50", "60", "60"]
+    assert "Answer: the least excess_work" in answer.stdout
+
+
+def test_show_where_sort_limit_and_columns__choose(press_result):
+    answer = said("show", press_result, "--where", "bodies.ram.mass > '60 kg'", "--sort", "ram.stroke", "--descending")
+    assert [row[0] for row in table_of(answer.stdout)] == ["3", "7", "1"]
+    assert "3 variants meet the condition" in answer.stdout
+    answer = said("show", press_result, "--where", "ram.stroke > 0", "--sort", "ram.stroke", "--limit", "2")
+    assert [row[0] for row in table_of(answer.stdout)] == ["0", "1"]
+    answer = said("show", press_result, "--columns", "excess_work, status")
+    head = next(line for line in answer.stdout.splitlines() if line.startswith("variant "))
+    assert head.split() == ["variant", "input.length", "bodies.ram.mass", "excess_work", "status"]
+
+
+def test_show__counts_what_its_error_figures_leave_open(press_result):
+    # A crank of 40 mm has a stroke of 80 mm, found from 48 positions but for some error.
+    answer = said("show", press_result, "--where", "ram.stroke > '80 mm'")
+    result = SweepResult(Path(press_result))
+    stroke, figure = result.columns["ram.stroke"], result.columns["ram.stroke_error"]
+    assert (np.abs(stroke - 0.08) <= figure).tolist() == [True, True, *[False] * 6]
+    assert "4 variants meet the condition, 2 more can't be told to: their error figures reach across its limit" in (
+        answer.stdout
+    )
+    assert "can't be told" not in said("show", press_result, "--where", "ram.stroke > '79 mm'").stdout
+
+
+def test_show__says_so_of_the_study_s_own_condition(press_folder):
+    Path("study.toml").write_text(STUDY.replace("> '90 mm'", ">= '80 mm'"))
+    assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    answer = said("show", "r.h5").stdout
+    assert "\n4 variants meet the condition, 2 more can't be told to:" in answer
+
+
+def test_show_where_nothing_fits__shows_an_empty_table(press_result):
+    answer = said("show", press_result, "--where", "ram.stroke > '9 m'")
+    assert answer.exit_code == 0
+    assert "0 variants meet the condition" in answer.stdout
+    assert table_of(answer.stdout) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--sort", "ram.strok"], ("sort", "did you mean 'ram.stroke'")),
+        (["--columns", "ram.strok"], ("columns", "'ram.strok'", "ram.stroke")),
+        (["--where", "ram.strok > 1"], ("where", "did you mean 'ram.stroke'")),
+        (["--where", "ram.stroke >"], ("where", "ram.stroke >")),
+        (["--where", "ram.stroke"], ("where", "condition")),
+        (["--where", "ram.stroke > '3 foo'"], ("where", "3 foo")),
+        (["--where", "__import__('os').system('touch stolen')"], ("where", "allowed")),
+        (["--limit", "0"], ("--limit",)),
+        (["--limit", "x"], ("--limit",)),
+        (["--colour", "red"], ("--colour",)),
+    ],
+)
+def test_show_with_a_bad_option__is_refused(options, words, press_result):
+    message = refused("show", press_result, *options)
+    assert all(word in message for word in words), message
+    assert not Path("stolen").exists()
+
+
+def test_condition_of_another_dimension__is_refused_by_show_and_export(press_result):
+    for command in (("show", press_result), ("export", press_result, "--to", "r.csv")):
+        message = refused(*command, "--where", "ram.stroke > '2 kg'")
+        assert "compares a length with a mass" in message
+        assert "no unit: write '2 m'" in refused(*command, "--where", "ram.stroke > 2")
+
+
+SLIDING = PRESS.replace(
+    'type = "crank"\npivot = "O"\npin = "A"\nlength = "50 mm"\nspeed = "60 rpm"',
+    'type = "slider"\nlink = "bar"\npoint = "A"\nguide = "bed"\nstart = "10 mm"\nstop = "50 mm"\nspeed = "1 m/s"',
+).replace("[input]", 'bed = {angle = "0 deg"}\n\n[input]')
+
+
+@pytest.mark.parametrize(
+    ("scene", "head", "first", "second"),
+    # A full turn in 360 steps; 40 mm in 360 steps from 10 mm on.
+    [(PRESS, "phi [rad]", 0.0, 0.017453292519943295), (SLIDING, "q [m]", 0.01, 0.01 + 0.04 / 360)],
+)
+def test_export_of_positions__begins_with_the_input_and_its_unit(scene, head, first, second, press_folder):
+    Path("press.toml").write_text(scene)
+    assert said("export", "press.toml", "--to", "p.csv").exit_code == 0
+    header, *rows = (line.split(",") for line in Path("p.csv").read_text().splitlines())
+    assert header[0] == head
+    assert [float(rows[0][0]), float(rows[1][0])] == pytest.approx([first, second], rel=1e-12)

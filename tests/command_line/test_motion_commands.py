@@ -1,0 +1,389 @@
+"""What the commands say of motion: regimes in words, grouped answers, reasons and mends where it fails, refusals."""
+
+import csv
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import refused, said
+from press_texts import PRESS
+
+from engine import Machine, Scene, Verdict
+from engine.machine.model import Model
+from sweeps.report.regime_words import by_regime, regime_words
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run import cost
+from sweeps.run.runner import block_size
+from sweeps.study.default_summaries import telling_summaries
+from sweeps.study.study import read_study
+from sweeps.text.scene_text import read_scene
+
+MOTION = (
+    PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
+    + """
+[flywheel]
+inertia = "30 kg m2"
+
+[moments.motor]
+type = "dc_motor"
+on = "crank"
+stall_moment = "800 N m"
+no_load_speed = "66 rpm"
+
+[moments.brake]
+type = "block_brake"
+on = "crank"
+force = "2 kN"
+friction = 0.3
+radius = "200 mm"
+
+[regimes.start]
+type = "run"
+off = ["punch", "brake"]
+speed = "60 rpm"
+at_most = 20
+
+[regimes.work]
+type = "steady"
+off = ["brake"]
+
+[regimes.stop]
+type = "run"
+off = ["motor", "punch"]
+rest = true
+"""
+)
+
+STUDY = """\
+scene = "press.toml"
+positions = 120
+
+[vary]
+"moments.motor.stall_moment" = {values = ["800 N m", "60 N m", "1 kN m"]}
+
+[outputs]
+summaries = ["start.time", "work.speed_fluctuation"]
+
+[best]
+minimise = "start.time"
+where = "work.speed_fluctuation < 0.1"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("press.toml").write_text(MOTION)
+    Path("study.toml").write_text(STUDY)
+    return tmp_path
+
+
+def changed(old: str, new: str) -> None:
+    """Write the scene with something replaced."""
+    assert old in MOTION
+    Path("press.toml").write_text(MOTION.replace(old, new))
+
+
+def indented_under(text: str, head: str) -> list[str]:
+    """Lines below one that begins so, as long as they are indented more."""
+    lines = text.splitlines()
+    at = next(i for i, line in enumerate(lines) if line.lstrip().startswith(head))
+    deep = len(lines[at]) - len(lines[at].lstrip())
+    return list(itertools.takewhile(lambda line: len(line) - len(line.lstrip()) > deep, lines[at + 1 :]))
+
+
+# check
+
+
+def test_check__tells_what_each_regime_does_its_case_its_method_and_its_numbers(folder):
+    text = said("check", "press.toml").stdout
+    start = indented_under(text, "start: run from rest until 60 rpm; off: punch, brake")
+    assert start[0].strip() == "case 5: I(φ), M(ω) of motor (DC motor); energy form"
+    work = indented_under(text, "work: the motion that repeats itself every cycle; off: brake")
+    stop = indented_under(text, "stop: run from where work ended to rest; off: motor, punch")
+    assert stop[0].strip() == "case 3: I(φ), M constant of brake (block brake); energy form"
+    scene = read_scene("press.toml")
+    for lines, name in ((start, "start.time"), (work, "work.efficiency"), (stop, "stop.time")):
+        shown = next(line.split() for line in lines if line.split()[0] == name)
+        exact = Machine(scene, [name]).evaluate({}).summaries[name][0]
+        assert float(shown[1]) == pytest.approx(exact, rel=1e-4)
+
+
+def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
+    vary = '"flywheel.inertia" = {from = "10 kg m2", to = "90 kg m2", count = 400}\n\n[outputs]'
+    Path("study.toml").write_text(STUDY.replace("[outputs]", vary))
+    study = read_study("study.toml")
+    found = cost.probe(study, study.machine())
+    # Numbers of a block on their own: values and error figures of two summaries.
+    assert found.motion_bytes > study.design.size * 4 * 8
+    assert 0 < found.seconds < 1
+    text = said("check", "study.toml").stdout
+    assert "saved after every 1200 variants" in text
+    assert "the first time up to a minute more, to compile" in text
+
+
+def test_variants_saved_together__are_fewer_where_motion_is_asked(folder):
+    many = '"flywheel.inertia" = {from = "10 kg m2", to = "90 kg m2", count = 40_000}\n\n[outputs]'
+    Path("study.toml").write_text(STUDY.replace("[outputs]", many))
+    Path("still.toml").write_text(Path("study.toml").read_text().split("summaries")[0] + 'summaries = ["excess_work"]')
+    moving, still = (read_study(name) for name in ("study.toml", "still.toml"))
+    assert block_size(moving, moving.machine()) == 4096
+    assert block_size(still, still.machine()) > 30_000
+
+
+def test_probe__looks_at_variants_from_all_over_the_study(folder):
+    study = read_study("study.toml")
+    values, drop = cost._spread(study, 2)
+    assert values["moments.motor.stall_moment"].tolist() == [800, 1000]
+    assert not drop.any()
+    assert cost._spread(read_study("press.toml"), 5) == ({}, None)
+
+
+# run
+
+
+def test_run_of_a_scene__groups_its_answers_by_regime(folder):
+    text = said("run", "press.toml", "--no-plots").stdout
+    heads = [line for line in text.splitlines() if line and not line.startswith(" ")]
+    assert [line.partition(":")[0] for line in heads] == [
+        "Crank press",
+        "1  ok",
+        "cycle at 60 rpm, driven by a constant moment, everything acting but brakes",
+        "start",
+        "work",
+        "stop",
+        "Files (" + heads[-1].partition("(")[2].partition(":")[0],
+    ]
+    rows = [line.split()[0] for line in indented_under(text, "work: ")]
+    assert rows[0] == "work.mean_speed"
+    assert {"work.speed_fluctuation", "work.efficiency", "work.motor_moment_rms", "work.multiplier"} <= set(rows)
+    assert "brake_heat" not in " ".join(rows)
+    assert "stop.brake_heat" in text
+
+
+def test_run__draws_the_history_and_the_steady_cycle(folder):
+    files = said("run", "press.toml").stdout.split("Files")[1].split()
+    assert [Path(f).name for f in files if "press" in f] == [
+        "press.h5",
+        "press.png",
+        "press_diagrams.png",
+        "press_history.png",
+        "press_work.png",
+    ]
+
+
+FAILURES = [
+    (
+        'stall_moment = "800 N m"',
+        'stall_moment = "60 N m"',
+        "STALLS",
+        ("regime work", "motors can't carry the loads", "stronger motor"),
+    ),
+    (
+        "[moments.brake]",
+        '[moments.rub]\ntype = "against_motion"\non = "crank"\nmoment = "900 N m"\n\n[moments.brake]',
+        "STALLS",
+        ("regime start", "does not start at φ = 0 °", "800 N·m drive it there, 900 N·m hold it", "a stronger motor"),
+    ),
+    (
+        'speed = "60 rpm"\nat_most',
+        'speed = "80 rpm"\nat_most',
+        "NO_END",
+        (
+            "regime start",
+            "the speed of 80 rpm isn't reached",
+            "rpm after 20 cycles",
+            "ask for a speed that its",
+            "regimes.start.at_most",
+        ),
+    ),
+    (
+        'off = ["motor", "punch"]\nrest',
+        'off = ["brake", "punch"]\nat_most = 5\nrest',
+        "NO_END",
+        ("regime stop", "it doesn't come to rest", "switch off what drives it", "regimes.stop.at_most"),
+    ),
+    (
+        'speed = "60 rpm"\nat_most = 20',
+        "cycles = 30\nat_most = 20",
+        "NO_END",
+        ("regime start", "regimes.start.at_most comes before its end", "raise it"),
+    ),
+    (
+        'type = "dc_motor"\non = "crank"\nstall_moment = "800 N m"\nno_load_speed = "66 rpm"',
+        'type = "constant"\non = "crank"\nmoment = "800 N m"\nrole = "driving"',
+        "RUNS_AWAY",
+        ("regime work", "at no speed do the loads hold the drive", "add a load"),
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "verdict", "words"), FAILURES)
+def test_motion_that_fails__is_explained_with_its_regime_and_a_mend(old, new, verdict, words, folder):
+    changed(old, new)
+    checked, ran = said("check", "press.toml").stdout, said("run", "press.toml", "--no-plots").stdout
+    assert SweepResult(Path("results/press.h5")).columns["status"][0] == Verdict[verdict]
+    for text in (checked, ran):
+        line = next(line for line in text.splitlines() if f"{words[0]}: " in line)
+        assert all(word in line for word in words), line
+    # What is known without the motion is told all the same.
+    assert "required_drive_moment" in ran
+
+
+def test_run_of_a_study__counts_what_stalls_and_says_where_to_look(folder):
+    text = said("run", "study.toml", "--no-plots").stdout
+    assert any(line.split()[:2] == ["2", "ok"] for line in text.splitlines())
+    assert any(line.split()[:2] == ["1", "stalls"] for line in text.splitlines())
+    shown = next(line for line in text.splitlines() if "the motion of the first of them" in line)
+    command = shown.split(": sweeps ")[1].split()
+    assert command == ["plot", "results/study.h5", "--variant", "1"]
+    made = said(*command).stdout
+    assert "study_1_history.png" in made
+    assert "work" not in made
+    assert "start.time" in said("show", "results/study.h5", "--where", "work.speed_fluctuation < 0.1").stdout
+
+
+# export
+
+
+def test_export_history__is_the_motion_instant_by_instant(folder):
+    assert said("export", "press.toml", "--history", "--to", "h.csv").stdout == "Wrote h.csv of press\n"
+    header, *rows = csv.reader(Path("h.csv").read_text().splitlines())
+    assert header[:2] == ["regime", "time [s]"]
+    assert list(dict.fromkeys(row[0] for row in rows)) == ["start", "work", "stop"]
+    time = np.array([float(row[1]) for row in rows])
+    assert time[0] == 0
+    assert (np.diff(time) >= 0).all()
+    scene = read_scene("press.toml")
+    parts = ["start.time", "work.period", "stop.time"]
+    summaries = Machine(scene, parts).evaluate({}).summaries
+    # Of order four by 360 steps a cycle: far below a millionth.
+    assert time[-1] == pytest.approx(sum(summaries[name][0] for name in parts), rel=1e-6)
+
+
+def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(folder):
+    changed('speed = "60 rpm"\nat_most', 'speed = "80 rpm"\nat_most')
+    answer = said("export", "press.toml", "--history", "--to", "h.csv")
+    assert answer.exit_code == 0
+    assert "The history ends early: regime start: the speed of 80 rpm isn't reached" in answer.stderr
+    assert {line.partition(",")[0] for line in Path("h.csv").read_text().splitlines()[1:]} == {"start"}
+
+
+def test_export_history_of_what_has_none__is_refused(folder):
+    Path("press.toml").write_text(PRESS)
+    assert "regimes: the scene has none" in refused("export", "press.toml", "--history", "--to", "h.csv")
+    assert "writes .csv, not '.svg'" in refused("export", "press.toml", "--history", "--to", "h.svg")
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            '"punch", "brake"]',
+            '"punhc", "brake"]',
+            "line {}: regimes.start.off: 'punhc' is not an action of this scene; known are: brake, gravity, "
+            "motor, punch; "
+            "did you mean 'punch'?",
+        ),
+        (
+            "at_most = 20",
+            'time = "3 s"',
+            "line {}: regimes.start: a run ends after cycles, after a time, at a speed or at rest: time and speed are "
+            "given; give exactly one of cycles, time, speed, rest = true",
+        ),
+        (
+            "rest = true",
+            "",
+            "line {}: regimes.stop: a run ends after cycles, after a time, at a speed or at rest: none",
+        ),
+        ("at_most = 20", "at_mots = 20", "line {}: regimes.start.at_mots: unknown key; allowed: type, off,"),
+        ("at_most = 20", "at_mots = 20", "did you mean 'at_most'?"),
+        (
+            'type = "steady"',
+            'type = "stedy"',
+            "type 'stedy' is not known; allowed: steady, run; did you mean 'steady'?",
+        ),
+        ('speed = "60 rpm"\nat', 'speed = "60 N"\nat', "line {}: regimes.start.speed: expected an angular speed"),
+        ("[regimes.work]", "[regimes.punch]", "line {}: regimes.punch: the name 'punch' is already taken"),
+        ("[regimes.work]", "[regime.work]", "line {}: regime: unknown key; allowed: title"),
+    ],
+)
+def test_wrong_regime__is_refused_with_file_line_key_and_mend(old, new, message, folder):
+    changed(old, new)
+    said_ = refused("check", "press.toml")
+    assert said_.startswith("Error: press.toml, line ")
+    if "{}" in message:
+        number = int(said_.split("line ")[1].split(":")[0])
+        key = message.split(": ")[1].split(".")[-1]
+        line = Path("press.toml").read_text().splitlines()[number - 1]
+        assert line.startswith((key, "[regime")), line
+        message = message.format(number)
+    assert message in said_
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('["start.time",', '["strat.time",', ("outputs", "'strat.time' is not a summary", "did you mean 'start.time'")),
+        ('"work.speed_fl', '"work.sped_fl', ("outputs", "'work.speed_fluctuation'")),
+        ('minimise = "start.time"', 'minimise = "strat.time"', ("best.minimise", "did you mean 'start.time'")),
+        ('minimise = "start.time"', 'minimise = "start.tme"', ("best.minimise", "did you mean 'start.time'")),
+        ('where = "work.', 'where = "wrok.', ("best.where", "did you mean 'work.speed_fluctuation'")),
+        ('"moments.motor.stall_moment"', '"regimes.start.sped"', ("line 5", "did you mean 'regimes.start.speed'")),
+    ],
+)
+def test_unknown_quantity_of_a_regime__is_refused_with_the_near_one(old, new, words, folder):
+    assert old in STUDY
+    Path("study.toml").write_text(STUDY.replace(old, new))
+    message = refused("check", "study.toml")
+    assert message.startswith("Error: study.toml, line ")
+    assert all(word in message for word in words), message
+
+
+# Words
+
+
+def scene_with(regimes: dict) -> Scene:
+    data = read_scene("press.toml").model_dump(exclude_none=True)
+    return Scene.model_validate(data | {"regimes": regimes})
+
+
+def test_regime_words__tell_begin_end_and_what_is_off(folder):
+    run = {"type": "run"}
+    scene = scene_with(
+        {
+            "a": run | {"cycles": 1},
+            "b": run | {"cycles": 2.5, "from_angle": 1.5707963267948966},
+            "c": run | {"time": 3.0, "from_speed": 0.0, "off": ("gravity",)},
+            "d": run | {"speed": 6.283185307179586, "from_speed": 3.141592653589793},
+        }
+    )
+    assert [regime_words(scene, name) for name in scene.regimes] == [
+        "run from rest for 1 cycle",
+        "run from where a ended at φ = 90 ° for 2.5 cycles",
+        "run from rest for 3 s; off: gravity",
+        "run from 30 rpm until 60 rpm",
+    ]
+
+
+def test_telling_summaries__exist_and_leave_out_what_does_not_act(folder):
+    model = Model(read_scene("press.toml"))
+    names = telling_summaries(model)
+    assert set(names) <= set(Machine(model.scene).available_summaries)
+    of = by_regime(model.scene, names)
+    assert list(of) == ["start", "work", "stop"]
+    assert not any("useful" in name or "brake" in name or "final" in name for name in of["start"])
+    assert {"work.useful_work", "work.efficiency", "work.multiplier"} <= set(of["work"])
+    assert of["stop"] == ["stop.time", "stop.angle", "stop.brake_heat"]
+    assert by_regime(model.scene, ["ram.stroke", "stop.time"]) == {"": ["ram.stroke"], "stop": ["stop.time"]}
+
+
+def test_telling_summaries__ask_for_the_flywheel_where_none_is_given(folder):
+    asked = 'speed_fluctuation = "1/20"'
+    for wheel, told in ((asked, True), (f'{asked}\ninertia = "30 kg m2"', False)):
+        changed('inertia = "30 kg m2"', wheel)
+        assert ("work.flywheel" in telling_summaries(Model(read_scene("press.toml")))) == told

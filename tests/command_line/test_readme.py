@@ -1,0 +1,72 @@
+"""The README's texts and commands are run as they stand."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from engine import Machine, Verdict
+from sweeps import read_scene
+from sweeps.cli import main
+
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf8")
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.S)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with the README's scene and study, and the study run."""
+    path = tmp_path_factory.mktemp("readme")
+    scene, study, motion, friction = blocks("toml")
+    (path / "compressor.toml").write_text(scene, encoding="utf8")
+    (path / "compressor_friction.toml").write_text(scene + friction, encoding="utf8")
+    (path / "compressor_motion.toml").write_text(scene + motion, encoding="utf8")
+    (path / "study.toml").write_text(study, encoding="utf8")
+    (runs,) = blocks("csv")
+    (path / "runs.csv").write_text(runs, encoding="utf8")
+    (path / "torque.csv").write_text("phi [deg], moment [N m]\n0,0\n90,1000\n180,0\n270,-200\n360,0\n", encoding="utf8")
+    return path
+
+
+def commands():
+    """Every `sweeps` command of the README, without its comment."""
+    lines = [line.split("  #")[0].strip() for block in blocks("sh") for line in block.splitlines()]
+    return [line for line in lines if line.startswith("sweeps ")]
+
+
+def test_commands__run_in_the_order_written(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    ran = commands()
+    assert len(ran) >= 12
+    for command in ran:
+        words = shlex.split(command)[1:]
+        # The bundled studies have tests of their own.
+        if words in (["run", "crank_press"], ["optimise", "four_bar_counterweights"]):
+            continue
+        result = CliRunner().invoke(main, words)
+        assert result.exit_code == 0, f"{command}\n{result.output}"
+    for name in ("results/study.h5", "study.csv", "variant.toml", "offset_slider_crank.gif"):
+        assert (folder / name).stat().st_size > 0
+
+
+def test_python__runs(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    names = {"lengths_in_metres": np.linspace(0.04, 0.06, 5)}
+    (text,) = blocks("python")
+    exec(compile(text.replace('run_study(read_study("study.toml"), "results/study.h5")', ""), "README", "exec"), names)
+    assert names["outcome"].summaries["flywheel_wittenbauer"].shape == (5,)
+    assert dict(names["data"].sizes)["variant"] == 21 * 3 * 256
+
+
+def test_friction__works_as_the_readme_says(folder):
+    scene = read_scene(folder / "compressor_friction.toml")
+    asked = ["friction_loss", "drive.inner.friction_work", "mechanical_efficiency", "input.reaction.max"]
+    outcome = Machine(scene, [*asked, "shaking_force.order_1", "jamming_margin"]).evaluate({})
+    assert outcome.status == [Verdict.OK]
+    assert outcome.summaries["friction_loss"] > 0.0

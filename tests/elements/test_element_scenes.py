@@ -1,0 +1,229 @@
+"""Machine elements in scenes, alone and beside a mechanism, and in studies and commands."""
+
+import math
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from element_samples import BELT, EVERY, GUIDE, JACK, one, scene
+from machines import slider_crank
+from numpy.testing import assert_allclose, assert_array_equal
+
+from engine import AskError, ElementsAlone, Machine, Scene, SceneError, Verdict, made_ready, scene_numbers
+from sweeps import InputError, SweepResult, read_study, run_study
+from sweeps.cli import main
+from sweeps.study.bundled import bundled_studies
+from sweeps.text.scene_text import read_scene, scene_from, write_scene
+from sweeps.text.toml_text import parse_toml
+
+EPS = np.finfo(float).eps
+
+
+# Scenes: alone, beside a mechanism, refused
+
+
+def test_scene_of_elements_alone__is_made_ready_without_a_machine():
+    assert isinstance(made_ready(scene(jack=JACK)), ElementsAlone)
+    with pytest.raises(SceneError, match=r"input: is missing.*machine elements alone"):
+        Machine(scene(jack=JACK))
+
+
+def test_elements_beside_a_mechanism__are_what_they_are_alone():
+    both = Scene.model_validate(slider_crank(elements={"jack": JACK}))
+    varied = {"elements.jack.friction": np.array([0.05, 0.1, -1.0])}
+    machine = made_ready(both, ["ram.stroke", "jack.raise_moment"], ["B.x"], varied)
+    outcome = machine.evaluate(varied)
+    assert_array_equal(outcome.status, [Verdict.OK, Verdict.OK, Verdict.OUTSIDE_LIMITS])
+    alone = ElementsAlone(scene(jack=JACK), ["jack.raise_moment"], varied=varied).evaluate(varied)
+    for table in ("summaries", "errors"):
+        assert_array_equal(getattr(outcome, table)["jack.raise_moment"], getattr(alone, table)["jack.raise_moment"])
+    assert_allclose(outcome.summaries["ram.stroke"][:2], 0.1, rtol=1e-12)
+    # With nothing asked of the mechanism, too.
+    outcome = made_ready(both, ["jack.raise_moment"]).evaluate({})
+    assert_allclose(outcome.summaries["jack.raise_moment"], one(JACK, "raise_moment"), rtol=0)
+
+
+def test_element_that_jams_beside_a_mechanism__is_the_verdict():
+    both = Scene.model_validate(slider_crank(elements={"bed": {**GUIDE, "overhang": 2.0}}))
+    outcome = made_ready(both, ["ram.stroke", "bed.drive_force"]).evaluate({})
+    assert outcome.status[0] == Verdict.JAMS
+    assert made_ready(both, ["ram.stroke"]).evaluate({}).status[0] == Verdict.OK
+
+
+def test_element_with_a_name_that_is_taken__is_refused():
+    both = Scene.model_validate(slider_crank(elements={"rod": JACK}))
+    with pytest.raises(SceneError, match=r"elements\.rod: the name 'rod' is already taken"):
+        Machine(both)
+
+
+TEXT = """
+[elements.jack]
+type = "screw"
+load = "6.4 kN"
+mean_diameter = "30 mm"
+pitch = "4 mm"
+starts = 2
+thread = "square"
+friction = 0.08
+collar_diameter = "40 mm"
+collar_friction = 0.08
+"""
+
+
+def refusal(text):
+    with pytest.raises(InputError) as error:
+        read(text)
+    return str(error.value)
+
+
+def read(text):
+    return scene_from(parse_toml(text, "jack.toml"), text, "jack.toml", None)
+
+
+def test_text_of_an_element__reads_and_writes():
+    assert read(TEXT).elements["jack"] == scene(jack=JACK).elements["jack"]
+    again = write_scene(scene(**EVERY), {"elements.jack.pitch": 0.005})
+    numbers = {path: number.value for path, number in scene_numbers(scene(**EVERY)).items()}
+    found = {path: number.value for path, number in scene_numbers(read(again)).items()}
+    assert found == {**numbers, "elements.jack.pitch": 0.005}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"screw"', '"scrow"', ("type 'scrow' is not known", "did you mean 'screw'?", "line 2")),
+        ("pitch =", "pich =", ("unknown key", "did you mean 'pitch'?")),
+        ('"4 mm"', '"4 kg"', ("elements.jack.pitch", "a length such as '80 mm'", "line 6")),
+        ('"4 mm"', '"-4 mm"', ("must be greater than 0",)),
+        ("0.08\ncollar_d", "-0.08\ncollar_d", ("elements.jack.friction", "must be at least 0")),
+        ('thread = "square"\n', "", ("thread ('square', 'trapezoidal' or 'metric') or thread_angle",)),
+        ('"square"', '"sqare"', ("did you mean 'square'?",)),
+        ("starts = 2", "starts = 0", ("must be at least 1",)),
+        ("[elements.jack]", '[points.P]\nx = "0 mm"\ny = "0 mm"\n\n[elements.jack]', ("input: is missing",)),
+    ],
+)
+def test_wrong_text__is_refused_with_the_mend(old, new, words):
+    assert TEXT.count(old) == 1
+    message = refusal(TEXT.replace(old, new))
+    assert all(word in message for word in words), message
+
+
+@pytest.mark.parametrize(
+    ("element", "changes", "words"),
+    [
+        (BELT, {"moment": 3.0}, "give tension (of the tight strand) or moment"),
+        (BELT, {"linear_density": 0.2}, "give speed"),
+        (GUIDE, {"form": "vee"}, "vee_angle goes with form = 'vee'"),
+        (GUIDE, {"vee_angle": 1.0}, "vee_angle goes with form = 'vee'"),
+        (JACK, {"thread_angle": 0.5}, "one of the two"),
+    ],
+)
+def test_numbers_that_contradict__are_refused(element, changes, words):
+    with pytest.raises(ValueError, match=words.replace("(", r"\(").replace(")", r"\)")):
+        scene(it={**element, **changes})
+
+
+def test_scene_without_input_or_elements__is_refused():
+    with pytest.raises(ValueError, match="input"):
+        Scene.model_validate({"elements": {}})
+    with pytest.raises(ValueError, match="input is missing"):
+        Scene.model_validate({"input": None, "elements": {"jack": JACK}, "gravity": 9.81})
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        ({"summaries": ["crank.swing"]}, r"'crank.swing' is not a summary.*machine elements alone"),
+        ({"summaries": ["jack.raise_momnt"]}, "did you mean 'jack.raise_moment'"),
+        ({"fields": ["B.x"]}, r"'B.x': machine elements have no fields.*\[input\]"),
+        ({"varied": ["elements.jack.load", "input.speed"]}, "'input.speed' is not a number of this scene"),
+    ],
+)
+def test_what_only_a_mechanism_has__is_refused(ask, words):
+    with pytest.raises(AskError, match=words):
+        made_ready(scene(jack=JACK), **ask)
+
+
+def test_wrong_variants__are_refused():
+    with pytest.raises(AskError, match=r"varied must hold exactly \['elements.jack.pitch'\]"):
+        ElementsAlone(scene(jack=JACK), varied=["elements.jack.pitch"]).evaluate({})
+
+
+# Studies and commands
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    """Result of the bundled study of a screw jack."""
+    path = tmp_path_factory.mktemp("jack") / "screw_jack.h5"
+    return SweepResult(run_study(read_study(bundled_studies()["screw_jack"]), path))
+
+
+def test_screw_jack_study__locks_where_the_angles_say(result):
+    c = result.columns
+    assert (c["status"] == Verdict.OK).all()
+    slope = c["elements.jack.pitch"] / (math.pi * c["elements.jack.mean_diameter"])
+    reduced = c["elements.jack.friction"] / math.cos(math.radians(15.0))
+    # The bearing's moment over Q r is about 0.003: the band where it decides.
+    margin = np.arctan(reduced) - np.arctan(slope)
+    assert (c["jack.self_locking"][margin > 0] == 1).all()
+    assert (c["jack.self_locking"][margin < -0.004] == 0).all()
+    assert_array_equal(c["jack.self_locking"], c["jack.locking_friction"] <= c["elements.jack.friction"])
+    assert_allclose(c["jack.friction_angle"] - c["jack.lead_angle"], margin, atol=1e-15)
+
+
+def test_screw_jack_study__has_the_moments_of_its_angles(result):
+    c = result.columns
+    arm = 20e3 * c["elements.jack.mean_diameter"] / 2
+    bearing = 0.002 * 20e3 * 0.0225
+    up = arm * np.tan(c["jack.lead_angle"] + c["jack.friction_angle"]) + bearing
+    down = arm * np.tan(c["jack.friction_angle"] - c["jack.lead_angle"]) + bearing
+    # Sums of angles, tangents: a few roundings of terms of the size of the upper moment.
+    assert_allclose(c["jack.raise_moment"], up, rtol=16 * EPS)
+    assert_allclose(c["jack.lower_moment"], down, rtol=0, atol=32 * EPS * up.max())
+    lifted = 20e3 * c["elements.jack.pitch"] / (2 * math.pi)
+    assert_allclose(c["jack.raise_efficiency"], lifted / up, rtol=16 * EPS)
+
+
+def test_screw_jack_study__answers_its_question(result):
+    best, c = result.best(), result.columns
+    assert_allclose(c["elements.jack.pitch"][best], 0.006, rtol=1e-12)
+    # 1.5 times the limit of 0.0533, on the grid of 0.004.
+    assert_allclose(c["elements.jack.friction"][best], 0.08, rtol=1e-12)
+    assert 0.4 < c["jack.raise_efficiency"][best] < 0.41
+
+
+def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "jack.toml").write_text(TEXT, encoding="utf8")
+
+    def run(*words):
+        done = CliRunner().invoke(main, list(words))
+        assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+        return done.exit_code, done.output
+
+    code, out = run("check", "jack.toml")
+    assert code == 0
+    assert "machine elements alone" in out
+    assert "jack.raise_moment" in out
+    code, out = run("run", "jack.toml", "--quiet")
+    assert code == 0
+    assert "26.177" in out
+    assert run("show", "results/jack.h5")[0] == 0
+    assert run("export", "results/jack.h5", "--to", "jack.csv")[0] == 0
+    assert run("export", "results/jack.h5", "--variant", "0", "--to", "again.toml")[0] == 0
+    assert read_scene("again.toml").elements == read(TEXT).elements
+    for words in (("plot", "jack.toml"), ("animate", "jack.toml"), ("export", "jack.toml", "--to", "a.svg")):
+        code, out = run(*words)
+        assert code == 2
+        assert "machine elements alone" in out
+    code, out = run("check", "jack.toml", "--source")
+    assert "def kernel" in out
+
+
+def test_plot_of_a_sweep_of_elements__is_made_without_a_drawing(result):
+    from sweeps.pictures.picture_files import result_pictures
+
+    made = result_pictures(result.path)
+    assert [path.name for path in made] == ["screw_jack.png"]
+    assert made[0].stat().st_size > 10_000

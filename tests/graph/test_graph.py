@@ -1,0 +1,222 @@
+"""Graphs of nodes: arithmetic as on paper, stages, and printed functions against the same graph worked out by NumPy."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine.compiling.jit import load_kernel, run_kernel, scalar
+from engine.compiling.tiles import LANES, PANEL_POSITIONS
+from engine.graph.functions import field_function, functions_of
+from engine.graph.nodes import (
+    Constant,
+    Graph,
+    Held,
+    Node,
+    Number,
+    Operation,
+    Position,
+    Result,
+    Stage,
+    Sum,
+    depends_on_loads,
+    reached,
+)
+
+
+@scalar
+def turned(x: float, y: float, c: float, s: float) -> tuple[float, float]:
+    """A vector turned by an angle."""
+    return x * c - y * s, x * s + y * c
+
+
+@scalar
+def step_of(x: float) -> float:
+    """1 above zero, else 0."""
+    return 1.0 if x > 0.0 else 0.0
+
+
+def test_arithmetic__is_simplified_as_on_paper():
+    g = Graph()
+    x = g.q
+    assert x + 0 is x
+    assert x - 0 is x
+    assert x * 1 is x
+    assert x / 1 is x
+    assert x * 0 is g.zero
+    assert 0 / x is g.zero
+    assert x - x is g.zero
+    opposite = -x
+    assert -opposite is x
+    assert (0 - x) is -x
+    assert (g.constant(2) + g.constant(3)).value == 5
+    assert g.combination([(g.zero, x), (g.one, g.zero)]) is g.zero
+
+
+def test_same_operation__is_the_same_node():
+    g = Graph()
+    assert g.q * g.cos_q is g.q * g.cos_q
+    assert g.apply(turned, g.q, 1, g.cos_q, g.sin_q)[1] is g.apply(turned, g.q, 1, g.cos_q, g.sin_q)[1]
+    assert g.number("a") * g.number("b") is g.number("a") * g.number("b")
+
+
+def test_stages__are_the_latest_of_what_a_node_depends_on():
+    g = Graph()
+    a, b = g.number("a"), g.number("b", "load")
+    assert isinstance(a * b, Number)
+    assert (a * b).role == "load"
+    assert (a * b).compute({"a": 3.0, "b": 2.0}) == 6.0
+    low = g.found(g.q * a, a, "low")
+    assert (low.stage, (low + b).stage) == (Stage.CYCLE, Stage.CYCLE)
+    held = g.held(g.apply(step_of, g.q - a))
+    assert held.stage == Stage.PANEL
+    assert (held * a).stage == Stage.PANEL
+    assert (held * g.q).stage == Stage.POSITION
+    # What doesn't change within a cycle isn't found, nor held.
+    assert g.found(a, g.zero, "high") is a
+    assert g.held(low) is low
+
+
+def test_linearity__is_seen_in_the_graph():
+    g = Graph()
+    mass, length = g.number("mass", "load"), g.number("length")
+    curve = g.cos_q * length
+    assert not depends_on_loads(curve)
+    assert not depends_on_loads(g.combination([(mass, curve)]))
+    assert depends_on_loads(g.cos_q * mass)
+
+
+def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) -> list[np.ndarray]:
+    """The same mathematics, node by node in NumPy."""
+    laws = {"turned": lambda x, y, c, s: (x * c - y * s, x * s + y * c), "step_of": lambda x: (x > 0) * 1.0}
+    known: dict[Node, object] = {}
+    for node in reached(nodes):
+        of = [known[o] for o in node.operands if o in known]
+        match node:
+            case Constant():
+                known[node] = node.value
+            case Number():
+                known[node] = node.compute(numbers)
+            case Position():
+                known[node] = {"q": q, "cos_q": np.cos(q), "sin_q": np.sin(q)}[node.which]
+            case Operation():
+                known[node] = {
+                    "+": lambda a, b: a + b,
+                    "-": lambda a, b: a - b,
+                    "*": lambda a, b: a * b,
+                    "/": lambda a, b: a / b,
+                    "sqrt": np.sqrt,
+                    "abs": np.abs,
+                    "neg": np.negative,
+                }[node.symbol](*of)
+            case Sum():
+                known[node] = sum(known[c] * known[b] for c, b in node.terms)
+            case Held():
+                known[node] = of[0]
+            case Result():
+                known[node] = of[0] if node.index is None else of[0][node.index]
+            case _:
+                known[node] = laws[node.law.py_func.__name__](*of)
+    return [np.broadcast_to(known[node], q.shape) for node in nodes]
+
+
+def some_graph() -> tuple[Graph, list[Node]]:
+    """A graph with every kind of node, and what is asked of it."""
+    g = Graph()
+    a, b, load = g.number("a"), g.number("b"), g.number("load", "load")
+    x, y = g.apply(turned, a + g.q, b, g.cos_q, g.sin_q)
+    shared = x * y - a / (2 + g.cos_q)
+    root = g.function("sqrt", shared * shared + 1.0)
+    deep = shared
+    for i in range(9):
+        deep = deep * 0.9 + (g.sin_q if i % 2 else b)
+    switch = g.held(g.apply(step_of, x - b))
+    moment = g.combination([(load, root), (g.one, deep), (a * load, g.one)])
+    return g, [x, shared, root, deep, moment, switch * x, abs(y), -root, a * g.q]
+
+
+NUMBERS = {"a": np.linspace(0.5, 2, LANES), "b": np.linspace(-1, 1, LANES), "load": np.linspace(3, 9, LANES)}
+
+
+def prepared(graph: Graph, asked: list[Node]) -> tuple[object, np.ndarray]:
+    """Functions of a graph and its numbers in lanes."""
+    first, last = graph.derived("first", lambda n: 0.0), graph.derived("last", lambda n: 2 * math.pi)
+    functions = functions_of(graph, "A test.", first, last, asked)
+    numbers = np.zeros((len(functions.rows), LANES))
+    for row, node in enumerate(functions.numbers):
+        numbers[row] = node.value if isinstance(node, Constant) else node.compute(NUMBERS)
+    return functions, numbers
+
+
+def test_printed_tile__is_the_graph_worked_out_by_numpy():
+    graph, asked = some_graph()
+    functions, numbers = prepared(graph, asked)
+    module = load_kernel(functions.text)
+    q = np.linspace(0, 6, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
+    middle = q[8:9].copy()
+    held = np.empty((len(functions.held_rows), 1, LANES))
+    module.states(numbers, functions.memory, middle, np.cos(middle), np.sin(middle), held)
+    for row, values in zip(functions.held_rows, held, strict=True):
+        numbers[row] = values[0]
+    tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
+    module.curves(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    expected = values_of(asked, NUMBERS, q)
+    # What switches keeps the value of the panel's middle.
+    switched = values_of([asked[0] - graph.number("b")], NUMBERS, middle)[0] > 0
+    expected[5] = switched * expected[0]
+    for found, value in zip(tile, expected, strict=True):
+        np.testing.assert_allclose(found, value, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_printed_fields__are_the_graph_worked_out_by_numpy(dtype):
+    graph, asked = some_graph()
+    functions, numbers = prepared(graph, asked)
+    nodes = np.linspace(0, 6, 700)
+    fields = np.empty((len(asked), 5, nodes.size), dtype)
+    text = field_function("A test.", asked, functions.rows, dtype)
+    arguments = (numbers[:, :5].astype(dtype), functions.memory, *(f.astype(dtype) for f in places(nodes)), fields)
+    run_kernel(text, "fields", 5, *arguments)
+    # Sums of some twenty terms of up to a hundred.
+    tolerance = 2e3 * np.finfo(dtype).eps
+    for v in range(5):
+        own = {name: values[v] for name, values in NUMBERS.items()}
+        for found, value in zip(fields[:, v], values_of(asked, own, nodes), strict=True):
+            np.testing.assert_allclose(found, value, rtol=tolerance, atol=tolerance)
+
+
+def places(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return nodes, np.cos(nodes), np.sin(nodes)
+
+
+def test_crossings__are_those_of_curves_that_what_is_asked_depends_on():
+    g = Graph()
+    a = g.number("a")
+    g.switches(g.q, g.one, a)
+    g.switches(g.cos_q, -g.sin_q)
+    within = g.held(g.apply(step_of, g.q - a))
+    assert prepared(g, [within * g.sin_q])[0].crossings == ((0, prepared(g, [within * g.sin_q])[0].rows[a]),)
+    assert prepared(g, [g.sin_q])[0].crossings == ()
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.sampled_from("+-*/"), min_size=1, max_size=12), st.randoms(use_true_random=False))
+def test_any_expression__is_printed_as_it_is_meant(symbols, random):
+    g = Graph()
+    nodes: list[Node] = [g.q, g.cos_q, g.sin_q, g.number("a"), g.constant(2.5)]
+    for symbol in symbols:
+        a, b = random.choice(nodes), random.choice(nodes)
+        divisor = g.function("sqrt", b * b + 1.0)
+        nodes.append(g.operation(symbol, a, divisor if symbol == "/" else b))
+    asked = nodes[-3:]
+    functions, numbers = prepared(g, asked)
+    scope: dict = {}
+    # The text alone, uncompiled: what is printed must mean the same to Python.
+    exec(compile(functions.text.replace("@njit(TILE_SIGNATURE, **TILE_OPTIONS)", ""), "printed", "exec"), scope)
+    q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
+    tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
+    scope["curves"](numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    for found, value in zip(tile, values_of(asked, NUMBERS, q), strict=True):
+        np.testing.assert_allclose(found, value, rtol=1e-12, atol=1e-12)

@@ -1,0 +1,287 @@
+"""Inclines, wedges and screws against equilibrium solved as it stands and published problems."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from friction_ranges import frictions, quick, sizes, slopes
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mpf
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+
+from engine.laws.friction.inclines import (
+    incline_down,
+    incline_up,
+    push_down,
+    push_up,
+    self_locking,
+    wedge_drive,
+    wedge_withdraw,
+    within_friction_cone,
+)
+from engine.laws.friction.screws import (
+    collar_moment,
+    flank_friction,
+    locking_friction,
+    lower_efficiency,
+    lower_moment,
+    normal_half_angle,
+    raise_efficiency,
+    raise_moment,
+    thread_slope,
+)
+
+EPS = np.finfo(float).eps
+
+# Inclines and wedges
+
+
+def equilibrium(columns, forces):
+    """Solution of two equations of equilibrium at 50 digits."""
+    with mpmath.workdps(50):
+        return mpmath.lu_solve(mpmath.matrix(columns).T, mpmath.matrix(forces))
+
+
+@quick
+@given(st.floats(0.0, 1.5), st.floats(-1.5, 1.5), frictions, sizes)
+def test_incline__is_in_equilibrium_both_ways(angle, pull_angle, friction, load):
+    with mpmath.workdps(50):
+        a, b, f, q = (mpf(v) for v in (angle, pull_angle, friction, load))
+        weight = [q * mpmath.sin(a), q * mpmath.cos(a)]
+        for law, way in ((incline_up, 1), (incline_down, -1)):
+            # Unknown: the pull along the slope and across it, and the normal force with friction against the motion.
+            columns = [[way * mpmath.cos(b), way * mpmath.sin(b)], [-way * f, mpf(1)]]
+            left = mpmath.cos(b) + way * f * mpmath.sin(b)
+            if abs(mpmath.cos(a + b)) < 1e-12 or abs(left) < 1e-12:
+                continue
+            force, normal = equilibrium(columns, weight)
+            got = law(load, angle, friction, pull_angle)
+            if mpmath.cos(a + b) <= 0:
+                assert math.isnan(got)
+            elif left <= 0:
+                assert math.isnan(got) if (way < 0 and f < mpmath.tan(a)) else got == math.inf
+            else:
+                assert normal > 0
+                # Numerator and denominator may cancel, each from terms no greater than 1 + f.
+                allowed = 8 * EPS * (1 + f) * (q + abs(force)) / left
+                assert abs(mpf(got) - force) <= allowed
+
+
+@quick
+@given(slopes, sizes)
+def test_incline_and_thread__without_friction_are_the_frictionless_ones(slope, load):
+    assert push_up(load, slope, 0.0) == load * slope
+    assert push_down(load, slope, 0.0) == -load * slope
+    assert raise_moment(load, 2.0, slope, 0.0) == 2.0 * load * slope
+    # tan of arctan: sine and cosine, each correct to 1 ulp.
+    angle = math.atan(slope)
+    assert_allclose(incline_up(load, angle, 0.0, -angle), load * slope, rtol=8 * EPS * (1 + slope * slope))
+
+
+@quick
+@given(slopes, frictions)
+def test_push__is_the_tangent_of_the_sum_of_the_angles(slope, friction):
+    with mpmath.workdps(50):
+        alpha, phi = mpmath.atan(mpf(slope)), mpmath.atan(mpf(friction))
+        up, down = mpmath.tan(alpha + phi), mpmath.tan(phi - alpha)
+    left = 1 - slope * friction
+    if abs(left) > 1e-9:
+        expected = float(up) if left > 0 else math.inf
+        assert_allclose(push_up(1.0, slope, friction), expected, rtol=(4 + 2 / abs(left)) * EPS)
+    assert_allclose(push_down(1.0, slope, friction), float(down), rtol=0, atol=4 * EPS * (1 + abs(float(down))))
+
+
+@pytest.mark.parametrize("friction", [0.01, 0.1, 0.35, 1.0])
+def test_self_locking_of_an_incline__begins_at_the_friction_angle(friction):
+    found = brentq(lambda angle: incline_down(1.0, angle, friction, 0.0), 0.0, 1.5, xtol=1e-15)
+    # sin(phi - alpha) passes 0 with a slope of about 1: the root is as good as its argument.
+    assert_allclose(found, math.atan(friction), atol=4 * EPS)
+    assert self_locking(math.tan(found * (1 - 1e-9)), friction) == 1.0
+    assert self_locking(math.tan(found * (1 + 1e-9)), friction) == 0.0
+    assert push_down(1.0, friction, friction) == 0.0
+
+
+@quick
+@given(st.floats(-3.0, 3.0), sizes, frictions)
+def test_friction_cone__holds_any_force_within_its_angle(angle, force, friction):
+    normal, tangential = force * math.cos(angle), force * math.sin(angle)
+    if abs(abs(angle) - math.atan(friction)) > 1e-12:
+        expected = abs(angle) < math.atan(friction)
+        assert within_friction_cone(normal, tangential, friction) == expected
+
+
+@quick
+@given(frictions, sizes, st.floats(0.0, 1.0))
+def test_least_pull_up_an_incline__is_at_the_friction_angle(friction, load, angle):
+    phi = math.atan(friction)
+    if angle + phi > 1.5:
+        return
+    least = incline_up(load, angle, friction, phi)
+    assert_allclose(least, load * math.sin(angle + phi), rtol=8 * EPS, atol=1e-300)
+    for other in (phi - 0.05, phi + 0.05):
+        if angle + other < 1.5:
+            assert incline_up(load, angle, friction, other) > least
+
+
+def wedge_by_equilibrium(way, load, slope, face, base, guide):
+    """Force on a wedge and powers in it, from equations of equilibrium of wedge and load; side: of the guide."""
+    with mpmath.workdps(50):
+        t, f1, f2, f3, q = (mpf(v) for v in (slope, face, base, guide, load))
+        cosine = 1 / mpmath.sqrt(1 + t * t)
+        sine = t * cosine
+        for side in (1, -1):
+            # Of the load: across the guide and along it. Unknown: normal forces of the face n1 and of the guide n3.
+            columns = [[sine + way * f1 * cosine, cosine - way * f1 * sine], [mpf(-side), -way * f3]]
+            n1, n3 = equilibrium(columns, [mpf(0), q])
+            if n1 > 0 and n3 >= 0:
+                thrust, pressed = n1 * (sine + way * f1 * cosine), n1 * (cosine - way * f1 * sine)
+                force = way * thrust + f2 * pressed
+                # The wedge moves 1, the load rises t, the face slides 1/cos.
+                lost = f1 * n1 / cosine + f2 * pressed + f3 * n3 * t
+                return force, lost
+        return None
+
+
+@quick
+@given(sizes, slopes, frictions, frictions, st.floats(0.0, 1.2))
+def test_wedge__is_in_equilibrium_and_loses_what_friction_takes(load, slope, face, base, guide):
+    for law, way in ((wedge_drive, 1), (wedge_withdraw, -1)):
+        left = (1 - slope * face) - guide * (slope + face) if way > 0 else 1.0
+        if min(abs(left), abs(1 - slope * face)) < 1e-12:
+            continue
+        got, expected = law(load, slope, face, base, guide), wedge_by_equilibrium(way, load, slope, face, base, guide)
+        if expected is None:
+            assert got == math.inf
+            continue
+        force, lost = expected
+        # Relative errors of the two denominators that near jamming approach 0, and cancelling in the withdrawal.
+        allowed = (12 + 8 / abs(left)) * EPS * (abs(force) + load * (1 + slope + base))
+        assert abs(mpf(got) - force) <= allowed
+        with mpmath.workdps(30):
+            assert abs(force - way * mpf(load) * mpf(slope) - lost) <= mpf(10) ** -20 * (abs(force) + load * slope)
+
+
+def test_wedge__slips_out_by_itself_beyond_both_friction_angles():
+    face, base = 0.12, 0.08
+    limit = math.atan(face) + math.atan(base)
+    found = brentq(lambda angle: wedge_withdraw(1.0, math.tan(angle), face, base, 0.0), 0.0, 1.0, xtol=1e-15)
+    assert_allclose(found, limit, atol=4 * EPS)
+    # The guide carries a part of the load, but doesn't move the limit.
+    found = brentq(lambda angle: wedge_withdraw(1.0, math.tan(angle), face, base, 0.3), 0.0, 1.0, xtol=1e-15)
+    assert_allclose(found, limit, atol=4 * EPS)
+
+
+def test_wedge_without_friction__does_the_work_of_its_load():
+    assert wedge_drive(300.0, 0.25, 0.0, 0.0, 0.0) == 75.0
+    assert wedge_withdraw(300.0, 0.25, 0.0, 0.0, 0.0) == -75.0
+
+
+# Screws
+
+
+def test_power_screw_with_collar__shigley():
+    # Budynas & Nisbett, Shigley's, example 8-1: 32 mm square double thread of pitch 4 mm, f = 0.08 in thread and
+    # collar of 40 mm, 6.4 kN: 26.18 and 9.77 N·m, efficiency 0.311.
+    slope = thread_slope(0.008, 0.030)
+    collar = collar_moment(6400.0, 0.020, 0.08)
+    up = raise_moment(6400.0, 0.015, slope, 0.08) + collar
+    assert round(up, 2) == 26.18
+    assert round(lower_moment(6400.0, 0.015, slope, 0.08) + collar, 2) == 9.77
+    assert round(raise_efficiency(6400.0, 0.015, slope, up), 3) == 0.311
+
+
+def thread_by_equilibrium(way, load, radius, slope, friction, half_angle):
+    """Moment and power lost in a turn of 1 rad, from forces on a helical flank, its normal taken in space."""
+    with mpmath.workdps(50):
+        t, f, gamma, q, r = (mpf(v) for v in (slope, friction, half_angle, load, radius))
+        # Tangents of the flank: along the helix, and along its trace in the axial section (radial, axial).
+        helix = mpmath.matrix([mpf(0), 1, t]) / mpmath.sqrt(1 + t * t)
+        trace = mpmath.matrix([mpmath.cos(gamma), 0, -mpmath.sin(gamma)])
+        normal = mpmath.matrix(
+            [
+                trace[1] * helix[2] - trace[2] * helix[1],
+                trace[2] * helix[0] - trace[0] * helix[2],
+                trace[0] * helix[1] - trace[1] * helix[0],
+            ]
+        )
+        normal = normal / mpmath.norm(normal)
+        # On the nut that rises or sinks along the helix, friction against it.
+        force = normal - way * f * helix
+        pressed = q / force[2]
+        return way * -pressed * force[1] * r, f * pressed * r * mpmath.sqrt(1 + t * t), pressed
+
+
+@quick
+@given(sizes, sizes, slopes, frictions, st.floats(0.0, 0.8))
+def test_thread__is_in_equilibrium_on_its_helix(load, radius, slope, friction, half_angle):
+    reduced = flank_friction(friction, normal_half_angle(half_angle, slope))
+    for law, way in ((raise_moment, 1), (lower_moment, -1)):
+        moment, lost, pressed = thread_by_equilibrium(way, load, radius, slope, friction, half_angle)
+        got, left = law(load, radius, slope, reduced), abs(1 - way * slope * reduced)
+        if left < 1e-6:
+            continue
+        if pressed < 0:
+            assert got == math.inf
+            continue
+        # The cosine of gamma_n is good to 2 eps, its share is at most tan² gamma.
+        allowed = 16 * EPS * (1 + 1 / left) * (abs(moment) + load * radius * (slope + reduced) / (1 + left))
+        assert abs(mpf(got) - moment) <= allowed
+        # Power in = power out + loss, in a turn of 1 rad.
+        work = way * mpf(load) * mpf(radius) * mpf(slope)
+        assert abs(mpf(got) - work - lost) <= allowed + 4 * EPS * abs(work)
+
+
+@quick
+@given(st.floats(0.001, 0.2), frictions, st.floats(0.0, 0.6))
+def test_flank_friction__of_the_axial_section_is_as_near_as_stated(slope, friction, half_angle):
+    axial = flank_friction(friction, half_angle)
+    exact = flank_friction(friction, normal_half_angle(half_angle, slope))
+    stated = friction * math.sin(half_angle) * math.tan(half_angle) * slope**2 / 2
+    # The next term of the series is less than slope² of this one.
+    assert_allclose(axial - exact, stated, rtol=slope**2, atol=4 * EPS * axial)
+
+
+@pytest.mark.parametrize("half_angle", [0.0, math.radians(15.0), math.radians(30.0)])
+@pytest.mark.parametrize("collar", [0.0, 0.03])
+def test_self_locking_of_a_screw__begins_at_the_analytic_friction(half_angle, collar):
+    load, radius, collar_radius, slope = 5e3, 0.012, 0.02, thread_slope(0.006, 0.024)
+
+    def lowering(friction):
+        thread = lower_moment(load, radius, slope, flank_friction(friction, half_angle))
+        return thread + collar_moment(load, collar_radius, collar)
+
+    limit = locking_friction(radius, slope, half_angle, collar_radius, collar)
+    found = brentq(lowering, 0.0, 1.0, xtol=1e-16, rtol=4 * EPS)
+    # The moment's rounding, 8 eps Q r (slope + f), over its derivative, about Q r.
+    assert_allclose(found, limit, atol=8 * EPS)
+    if collar == 0.0:
+        assert_allclose(limit, slope * math.cos(half_angle), rtol=4 * EPS)
+
+
+def test_collar_that_holds_the_load_alone__needs_no_friction_in_the_thread():
+    assert locking_friction(0.01, 0.05, 0.2, 0.02, 0.03) == 0.0
+
+
+@quick
+@given(sizes, slopes, frictions)
+def test_efficiencies_of_a_thread__are_those_of_the_angles(load, slope, friction):
+    with mpmath.workdps(50):
+        beta, phi = mpmath.atan(mpf(slope)), mpmath.atan(mpf(friction))
+        up, down = mpmath.tan(beta) / mpmath.tan(beta + phi), mpmath.tan(beta - phi) / mpmath.tan(beta)
+    left = 1 - slope * friction
+    if left > 1e-6:
+        got = raise_efficiency(load, 2.0, slope, raise_moment(load, 2.0, slope, friction))
+        assert_allclose(got, float(up), rtol=(8 + 2 / left) * EPS)
+    got = lower_efficiency(load, 2.0, slope, lower_moment(load, 2.0, slope, friction))
+    # Near the limit of self-locking slope - f cancels; its error is a rounding of the slope.
+    assert_allclose(got, max(float(down), 0.0), rtol=0, atol=8 * EPS)
+
+
+def test_self_locking_thread__raises_with_less_than_half():
+    # At beta = phi the efficiency is (1 - tan²(phi))/2, less than half; any self-locking thread does worse.
+    for friction in (0.02, 0.1, 0.3):
+        moment = raise_moment(1.0, 1.0, friction, friction)
+        assert_allclose(raise_efficiency(1.0, 1.0, friction, moment), (1 - friction**2) / 2, rtol=8 * EPS)

@@ -1,0 +1,214 @@
+"""Motors against the equivalent circuit, mpmath's solution of the nameplate equations and energy."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from engine.laws.motor_characteristics import (
+    dc_motor,
+    dc_motor_from_nameplate,
+    induction_motor,
+    kloss_from_nameplate,
+    nameplate_trouble,
+)
+
+EPS = np.finfo(float).eps
+SYNCHRONOUS = 157.07963267948966
+
+
+def circuit_torque(stator, rotor, reactance, slip):
+    """Torque of the equivalent circuit with the magnetising branch left out, per (phases V^2/omega_s)."""
+    return (rotor / slip) / ((stator + rotor / slip) ** 2 + reactance**2)
+
+
+@settings(deadline=None, max_examples=100)
+@given(
+    st.floats(0.0, 3.0),
+    st.floats(0.01, 3.0),
+    st.floats(0.1, 3.0),
+    st.floats(-3.0, 3.0).filter(lambda s: abs(s) > 1e-6),
+)
+def test_kloss__is_the_equivalent_circuit(stator, rotor, reactance, slip):
+    omega = SYNCHRONOUS * (1.0 - slip)
+    with mpmath.workdps(50):
+        r1, r2, x = map(mpmath.mpf, (stator, rotor, reactance))
+        impedance = mpmath.sqrt(r1**2 + x**2)
+        breakdown = float(1 / (2 * (r1 + impedance)))
+        breakdown_slip = float(r2 / impedance)
+        exact_slip = (mpmath.mpf(SYNCHRONOUS) - mpmath.mpf(omega)) / mpmath.mpf(SYNCHRONOUS)
+        expected = float(circuit_torque(r1, r2, x, exact_slip))
+    torque = induction_motor(breakdown, breakdown_slip, 2.0 * stator / rotor, SYNCHRONOUS, omega)
+    # Generating, (R1 + R2/s)^2 cancels against X^2 at worst as (R1/X)^2 < 900, a s_b stays below 2; some ten
+    # roundings of EPS enter each term of the denominator.
+    assert_allclose(torque, expected, rtol=20 * 900 * EPS)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.floats(0.01, 0.9), st.floats(0.0, 2.0))
+def test_kloss__peaks_at_breakdown_and_vanishes_at_synchronous_speed(slip, ratio):
+    def torque(s):
+        return induction_motor(300.0, slip, ratio, SYNCHRONOUS, SYNCHRONOUS * (1.0 - s))
+
+    # At the peak an error in the slip has no first-order effect.
+    assert_allclose(torque(slip), 300.0, rtol=20 * EPS)
+    assert torque(slip * 0.9) < 300.0
+    assert torque(slip * 1.1) < 300.0
+    assert torque(0.0) == 0.0
+    assert torque(1.5) > 0.0
+    assert torque(-slip) < -300.0 * (1.0 - 1e-12)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.floats(0.01, 0.9), st.floats(-3.0, 3.0))
+def test_simple_kloss__is_odd_in_the_slip(breakdown_slip, slip):
+    above = induction_motor(1.0, breakdown_slip, 0.0, 1.0, 1.0 + slip)
+    below = induction_motor(1.0, breakdown_slip, 0.0, 1.0, 1.0 - slip)
+    # 1 - slip is rounded once, an absolute error of EPS (1 + |slip|) in the slip; the slope is at most 2/s_b.
+    assert_allclose(above, -below, rtol=0, atol=8 * EPS * 4 * 2 / breakdown_slip)
+
+
+def test_kloss_between_its_poles__is_nan_not_a_driving_generator():
+    # a s_b = 4: poles where s^2 + 4 s_b s + s_b^2 = 0, s = -s_b (2 -+ sqrt 3) = -0.0536 and -0.746.
+    torque = [induction_motor(1.0, 0.2, 20.0, 1.0, 1.0 - s) for s in (-0.05, -0.06, -0.74, -0.75)]
+    assert torque[0] < 0.0
+    assert np.isnan(torque[1:3]).all()
+    assert torque[3] < 0.0
+
+
+def test_dc_motor__does_the_power_of_its_line():
+    # M = M0 (1 - w/w0) has its greatest power M0 w0/4 at half speed; halves and quarters are exact.
+    assert dc_motor(8.0, 64.0, 32.0) * 32.0 == 8.0 * 64.0 / 4
+    assert dc_motor(8.0, 64.0, 0.0) == 8.0
+    assert dc_motor(8.0, 64.0, 64.0) == 0.0
+    assert dc_motor(8.0, 64.0, 80.0) == -2.0
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.floats(1.0, 1e6), st.floats(1.0, 1e4), st.floats(1e-3, 0.9), st.sampled_from([1.0, -1.0]))
+def test_dc_nameplate__runs_through_the_rated_point(power, rated, droop, turn):
+    no_load = rated / (1.0 - droop)
+    stall = dc_motor_from_nameplate(power, turn * rated, turn * no_load)
+    # The same difference of speeds enters both ways; ten roundings remain.
+    assert_allclose(dc_motor(float(stall), turn * no_load, turn * rated) * turn * rated, power, rtol=10 * EPS)
+
+
+def test_dc_nameplate__is_nan_where_it_is_no_motor():
+    stall = dc_motor_from_nameplate([1e3, -1.0, 1e3, 1e3, 1e3], [100.0, 100.0, 120.0, 110.0, -5.0], 110.0)
+    np.testing.assert_array_equal(np.isnan(stall), [False, True, True, True, True])
+
+
+slips = st.floats(0.002, 0.15)
+ratios = st.floats(1.2, 5.0)
+
+
+@settings(deadline=None, max_examples=60)
+@given(slips, ratios, st.sampled_from([1.0, -1.0]))
+def test_simple_nameplate__runs_through_the_rated_point(rated_slip, most, turn):
+    rated = turn * SYNCHRONOUS * (1.0 - rated_slip)
+    constants = kloss_from_nameplate(7500.0, rated, turn * SYNCHRONOUS, most)
+    torque = induction_motor(*map(float, constants), turn * SYNCHRONOUS, rated)
+    assert_allclose(torque, 7500.0 / rated, rtol=50 * EPS)
+    assert_allclose(constants[0], most * 7500.0 / rated, rtol=4 * EPS)
+    assert constants[1] > rated_slip * (1 - 1e-12)
+    assert nameplate_trouble(7500.0, rated, turn * SYNCHRONOUS, most) is None
+
+
+@settings(deadline=None, max_examples=100)
+@given(slips, ratios, st.floats(0.001, 0.999))
+def test_nameplate_with_start__runs_through_rated_and_starting_point(rated_slip, most, part):
+    rated = SYNCHRONOUS * (1.0 - rated_slip)
+    simple = rated_slip * (most + math.sqrt(most**2 - 1.0))
+    assume(simple < 0.95)
+    least = 2.0 * most / (simple + 1.0 / simple)
+    start = least + part * (most - least)
+    breakdown, slip, ratio = map(float, kloss_from_nameplate(7500.0, rated, SYNCHRONOUS, most, start))
+    assert rated_slip < slip < 1.0
+    assert ratio >= 0.0
+    # a s_b follows from s_b by the rated point's equation, so that point holds to the rounding of its terms,
+    # and the starting point to that of the root: some ten EPS (worst of 400 000 nameplates: 2e-15).
+    assert_allclose(induction_motor(breakdown, slip, ratio, SYNCHRONOUS, rated), 7500.0 / rated, rtol=50 * EPS)
+    assert_allclose(induction_motor(breakdown, slip, ratio, SYNCHRONOUS, 0.0), start * 7500.0 / rated, rtol=50 * EPS)
+
+
+@pytest.mark.parametrize(
+    ("rated_slip", "most", "start"),
+    # A wound rotor that starts below its rated torque; a cage motor; the quadratic with hardly a square term.
+    [(0.02, 2.2, 0.6), (0.04, 2.6, 2.1), (0.04, 2.5, 2.5 / 1.06)],
+)
+def test_nameplate_with_start__agrees_with_fifty_digits(rated_slip, most, start):
+    def misses(s, a):
+        def torque(x):
+            return most * (2 + a * s) / (x / s + s / x + a * s)
+
+        return [torque(mpmath.mpf(rated_slip)) - 1, torque(mpmath.mpf(1)) - start]
+
+    got = [float(number) for number in kloss_from_nameplate(1.0, 1.0 - rated_slip, 1.0, most, start)[1:]]
+    with mpmath.workdps(50):
+        expected = [float(number) for number in mpmath.findroot(misses, tuple(got), tol=1e-40)]
+    # 1 - (1 - s_n) carries an error of EPS/s_n in the rated slip.
+    assert_allclose(got, expected, rtol=20 * EPS / rated_slip)
+
+
+@settings(deadline=None, max_examples=60)
+@given(slips, ratios)
+def test_nameplate_with_the_simple_start__finds_no_stator_resistance(rated_slip, most):
+    rated = SYNCHRONOUS * (1.0 - rated_slip)
+    _, simple, _ = kloss_from_nameplate(7500.0, rated, SYNCHRONOUS, most)
+    assume(simple < 0.95)
+    start = 2.0 * most / (simple + 1.0 / simple)
+    _, slip, ratio = kloss_from_nameplate(7500.0, rated, SYNCHRONOUS, most, start)
+    # The excess over the simple formula cancels terms of the size of 2 lambda/s_n/s_b.
+    assert_allclose(slip, simple, rtol=1e-9)
+    assert 0.0 <= ratio * slip <= 1e-8
+
+
+TROUBLES = [
+    ((-5.0, 150.0, 157.0, 2.5, None), "power = -5.0 W"),
+    ((7500.0, 160.0, 157.0, 2.5, None), "rated_speed = 160.0 rad/s"),
+    ((7500.0, 0.0, 157.0, 2.5, None), "rated_speed = 0.0"),
+    ((7500.0, 150.0, 0.0, 2.5, None), "synchronous speed (0.0 rad/s)"),
+    ((7500.0, 150.0, 157.0, 1.0, None), "breakdown_ratio = 1.0"),
+    ((7500.0, 150.0, 157.0, math.nan, None), "breakdown_ratio = nan"),
+    ((7500.0, 150.0, 157.0, 2.5, 2.5), "starting_ratio = 2.5: the starting torque is below"),
+    ((7500.0, 150.0, 157.0, 2.5, 0.3), "starting_ratio = 0.3: with this slip"),
+    ((7500.0, 100.0, 157.0, 3.0, 1.5), "at or below standstill"),
+]
+
+
+@pytest.mark.parametrize(("nameplate", "text"), TROUBLES)
+def test_impossible_nameplate__is_nan_and_says_why(nameplate, text):
+    assert np.isnan(kloss_from_nameplate(*nameplate)).all()
+    assert text in nameplate_trouble(*nameplate)
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    st.floats(-1.0, 1e4),
+    st.floats(-10.0, 200.0),
+    st.floats(-10.0, 200.0),
+    st.floats(0.5, 5.0),
+    st.none() | st.floats(0.0, 6.0),
+)
+def test_trouble__is_told_exactly_where_the_answer_is_nan(power, rated, synchronous, most, start):
+    constants = np.array(kloss_from_nameplate(power, rated, synchronous, most, start))
+    trouble = nameplate_trouble(power, rated, synchronous, most, start)
+    assert np.isnan(constants).all() == (trouble is not None)
+    assert np.isnan(constants).any() == (trouble is not None)
+
+
+def test_nameplates__broadcast_over_variants():
+    constants = kloss_from_nameplate(np.array([[1e3], [2e3]]), 150.0, SYNCHRONOUS, np.array([2.0, 2.5, 3.0]), 1.9)
+    assert all(constant.shape == (2, 3) for constant in constants)
+    one = kloss_from_nameplate(2e3, 150.0, SYNCHRONOUS, 2.5, 1.9)
+    for constant, single in zip(constants, one, strict=True):
+        assert constant[1, 1] == single
+
+
+def test_unknown_speed__gives_nan():
+    assert math.isnan(dc_motor(1.0, 1.0, math.nan))
+    assert math.isnan(induction_motor(1.0, 0.2, 0.5, 1.0, math.nan))

@@ -1,0 +1,333 @@
+"""Indicator diagrams against the closed-form work of their cycles and the efficiency of the Otto cycle."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from numba import njit
+from numpy.testing import assert_allclose
+from packed import assert_packed
+from scipy.integrate import quad
+
+from engine.compiling.jit import KERNEL_OPTIONS
+from engine.laws.indicator_diagrams import (
+    COMPRESSION,
+    EXPANSION,
+    INFLOW,
+    OUTFLOW,
+    branch_pressure,
+    compressor_branch,
+    compressor_opening_travels,
+    compressor_peak,
+    four_stroke_branch,
+    four_stroke_engine,
+    line_pressure,
+    polytropic_compressor,
+    pump,
+    pump_branch,
+    two_stroke_branch,
+    two_stroke_engine,
+)
+
+EPS = np.finfo(float).eps
+STROKE = 0.08
+ATMOSPHERE = 101325.0
+
+clearances = st.floats(0.01, 0.3)
+exponents = st.floats(1.05, 1.67)
+
+
+def work(pressure, *corners):
+    """Integral of p over the travel per unit of piston area, from piece to smooth piece of the diagram."""
+    ends = [0.0, *sorted(corner for corner in corners if 0.0 < corner < STROKE), STROKE]
+    # Gauss-Kronrod on a smooth power law: 1e-12 is reached without subdivision trouble.
+    return sum(quad(pressure, low, high, epsabs=0.0, epsrel=1e-12)[0] for low, high in pairwise(ends))
+
+
+@settings(deadline=None, max_examples=30)
+@given(clearances, st.floats(1.5, 8.0), exponents, exponents)
+def test_compressor_cycle__takes_the_work_of_the_closed_form(clearance, ratio, n, m):
+    suction, discharge = ATMOSPHERE, ratio * ATMOSPHERE
+    least, most = clearance * STROKE, (1.0 + clearance) * STROKE
+    delivery, opening = most * ratio ** (-1.0 / n), least * ratio ** (1.0 / m)
+    if delivery <= least or opening >= most:
+        return
+
+    def pressure(travel, toward_head):
+        return polytropic_compressor(travel, STROKE, clearance, toward_head, suction, discharge, n, m)
+
+    got = work(lambda x: pressure(x, True), delivery - least) - work(lambda x: pressure(x, False), opening - least)
+    # W = n/(n-1) p_s V_1 (r^((n-1)/n) - 1) - m/(m-1) p_s V_4 (r^((m-1)/m) - 1), V_4 = V_min r^(1/m).
+    expected = suction * (
+        n / (n - 1.0) * most * (ratio ** ((n - 1.0) / n) - 1.0)
+        - m / (m - 1.0) * opening * (ratio ** ((m - 1.0) / m) - 1.0)
+    )
+    # The two strokes are each of size discharge * most and good to 1e-12; the corners are rounded in quad.
+    assert_allclose(got, expected, rtol=0, atol=1e-11 * discharge * most)
+
+
+def test_compressor_without_clearance__takes_in_the_whole_stroke():
+    # W = n/(n-1) p_s V_s (r^((n-1)/n) - 1), also with the piston at the head itself.
+    n, ratio = 1.3, 4.0
+    pressures = [
+        polytropic_compressor(x, STROKE, 0.0, toward, 1e5, 4e5, n, n) for x in (0.0, -1e-18) for toward in (True, False)
+    ]
+    assert pressures == [4e5, 1e5, 4e5, 1e5]
+    got = work(
+        lambda x: polytropic_compressor(x, STROKE, 0.0, True, 1e5, 4e5, n, n), STROKE * ratio ** (-1 / n)
+    ) - work(lambda x: polytropic_compressor(x, STROKE, 0.0, False, 1e5, 4e5, n, n))
+    assert_allclose(got, n / (n - 1) * 1e5 * STROKE * (ratio ** ((n - 1) / n) - 1), rtol=1e-11)
+
+
+@settings(deadline=None, max_examples=60)
+@given(clearances, st.floats(1.01, 50.0), exponents, exponents, st.floats(0.0, 1.0), st.booleans())
+def test_compressor__stays_between_its_lines(clearance, ratio, n, m, fraction, toward_head):
+    pressure = polytropic_compressor(
+        fraction * STROKE, STROKE, clearance, toward_head, ATMOSPHERE, ratio * ATMOSPHERE, n, m
+    )
+    # travel + clearance of a full stroke may round an ulp above V_max, hence p an ulp or two below suction.
+    assert ATMOSPHERE * (1 - 8 * EPS) <= pressure <= ratio * ATMOSPHERE
+
+
+def test_compressor_that_never_delivers__gives_its_work_back():
+    # 1 + 1/c = 3, 3^1.3 = 4.17 < 6: both strokes follow the same polytrope, so the cycle takes no work.
+    def pressure(travel, toward_head):
+        return polytropic_compressor(travel, STROKE, 0.5, toward_head, 1e5, 6e5, 1.3, 1.3)
+
+    for travel in np.linspace(0.0, STROKE, 9):
+        assert_allclose(pressure(travel, False), pressure(travel, True), rtol=20 * EPS)
+
+
+def test_compressor_dead_centres__have_the_value_of_their_stroke():
+    def at(travel, toward_head):
+        return polytropic_compressor(travel, STROKE, 0.05, toward_head, 1e5, 4e5, 1.3, 1.2)
+
+    # pow of a ratio of exactly 1 is exact; (travel + c s)/(s + c s) may be an ulp off 1.
+    assert_allclose([at(STROKE, True), at(STROKE, False)], [1e5, 1e5], rtol=8 * EPS)
+    assert [at(0.0, True), at(0.0, False)] == [4e5, 4e5]
+
+
+def test_pump__has_the_rectangular_diagram():
+    assert pump(True, 0.6e5, 9e5) == 9e5
+    assert pump(False, 0.6e5, 9e5) == 0.6e5
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.floats(1.0 / 14.0, 0.3), st.floats(1.2, 4.0), exponents)
+def test_otto_cycle__has_the_efficiency_of_its_compression(clearance, explosion, n):
+    compressed = ATMOSPHERE * (1.0 + 1.0 / clearance) ** n
+    peak = explosion * compressed
+
+    def net(*strokes):
+        return sum(
+            sign
+            * work(
+                lambda x, number=number: four_stroke_engine(
+                    x, STROKE, clearance, number, ATMOSPHERE, ATMOSPHERE, peak, n, n
+                )
+            )
+            for number, sign in strokes
+        )
+
+    # eta = 1 - (compression ratio)^(1 - gamma); the heat at constant volume is V_min (p3 - p2)/(gamma - 1).
+    heat = clearance * STROKE * (peak - compressed) / (n - 1.0)
+    efficiency = 1.0 - (1.0 + 1.0 / clearance) ** (1.0 - n)
+    got = net((0, 1), (1, -1), (2, 1), (3, -1))
+    # Each stroke is good to 1e-12 of at most peak * V_min/(n - 1); explosion - 1 and the efficiency divide
+    # that by 0.2 * 0.07.
+    assert_allclose(got, efficiency * heat, rtol=1e-9)
+
+
+def test_gas_exchange__takes_the_pumping_work():
+    # (exhaust - intake) * swept volume: constants integrate exactly.
+    args = (STROKE, 0.12)
+    pressures = (0.4e5, 1.1e5, 50e5, 1.3, 1.3)
+    got = work(lambda x: four_stroke_engine(x, *args, 2, *pressures)) - work(
+        lambda x: four_stroke_engine(x, *args, 1, *pressures)
+    )
+    assert_allclose(got, -0.7e5 * STROKE, rtol=1e-12)
+
+
+def test_four_stroke_dead_centres__have_the_value_of_their_stroke():
+    at = [four_stroke_engine(0.0, STROKE, 0.125, number, 1e5, 1.2e5, 60e5, 1.35, 1.25) for number in range(4)]
+    # (V_max/V_min)^n = 9^1.35; V_max/V_min carries two roundings, pow one.
+    assert_allclose(at, [60e5, 1.2e5, 1e5, 1e5 * 9.0**1.35], rtol=8 * EPS)
+
+
+@settings(deadline=None, max_examples=30)
+@given(clearances, exponents, st.floats(0.5, 0.95))
+def test_two_stroke_cycle__has_the_otto_efficiency_of_its_closed_part(clearance, n, port):
+    ratio = (port + clearance) / clearance
+    compressed = ATMOSPHERE * ratio**n
+    peak = 3.0 * compressed
+
+    def pressure(x, number):
+        return two_stroke_engine(x, STROKE, clearance, number, ATMOSPHERE, ATMOSPHERE, peak, n, n, port)
+
+    corner = port * STROKE
+    got = work(lambda x: pressure(x, 0), corner) - work(lambda x: pressure(x, 1), corner)
+    heat = clearance * STROKE * (peak - compressed) / (n - 1.0)
+    # As for the Otto cycle; the port's corner is rounded in the same way here and in the function.
+    assert_allclose(got, (1.0 - ratio ** (1.0 - n)) * heat, rtol=1e-9)
+
+
+def test_two_stroke_ports__are_open_beyond_their_edge():
+    def at(travel, number):
+        return two_stroke_engine(travel, 0.5, 0.125, number, 1.5e5, 1e5, 40e5, 1.3, 1.3, 0.75)
+
+    # 0.375 = 0.75 * 0.5 exactly: (V_port/V)^n is 1 there.
+    assert at(np.nextafter(0.375, 1.0), 0) == 1e5
+    assert at(np.nextafter(0.375, 1.0), 1) == 1e5
+    assert at(0.375, 1) == 1.5e5
+    assert_allclose(at(0.375, 0), 40e5 * (1.0 / 7.0) ** 1.3, rtol=8 * EPS)
+    assert at(0.0, 0) == 40e5
+
+
+@pytest.mark.parametrize("toward_head", [True, False])
+@pytest.mark.parametrize("clearance", [0.0, 0.1])
+def test_unknown_travel__gives_nan(toward_head, clearance):
+    pressure = polytropic_compressor(math.nan, STROKE, clearance, toward_head, 1e5, 4e5, 1.3, 1.2)
+    assert math.isnan(pressure)
+    assert math.isnan(four_stroke_engine(math.nan, STROKE, 0.1, 3, 1e5, 1e5, 4e5, 1.3, 1.2))
+    assert math.isnan(two_stroke_engine(math.nan, STROKE, 0.1, 0, 1e5, 1e5, 4e5, 1.3, 1.2, 0.7))
+
+
+# Branches, and the pressure along them
+
+shares = st.one_of(st.floats(0.0, 1.0), st.sampled_from([0.0, 1.0]))
+# A power of a ratio that is rounded twice: so many eps of the exponent, and of the products with it. Clearance and
+# stroke enter V_max, V_min and V once each.
+ROUNDINGS = 16 * EPS
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.floats(1e-3, 3.0), st.floats(1.01, 50.0), exponents, exponents, shares, st.booleans())
+def test_compressor_by_branches__is_the_diagram(clearance, ratio, n, m, share, toward_head):
+    lines = ATMOSPHERE, ratio * ATMOSPHERE
+    travel, rate = share * STROKE, -2.0 if toward_head else 0.0
+    opens = [float(x) for x in compressor_opening_travels(clearance, *lines, n, m)]
+    peak = float(compressor_peak(clearance, *lines, n))
+    branch = compressor_branch(travel, STROKE, rate, *opens)
+    pressure = branch_pressure(branch, travel, STROKE, clearance, *lines, peak, 1.0, n, m)
+    # Near an opening valve the two sides agree but for the travel's rounding over the length of the gas, n times.
+    allowed = ROUNDINGS + 4.0 * EPS * (1.0 + clearance) / (share + clearance)
+    expected = polytropic_compressor(travel, STROKE, clearance, toward_head, *lines, n, m)
+    assert_allclose(pressure, expected, rtol=allowed)
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.floats(1e-3, 3.0), st.floats(1.01, 50.0), exponents, exponents)
+def test_valves__open_where_the_polytropes_reach_the_lines(clearance, ratio, n, m):
+    suction, discharge = ATMOSPHERE, ratio * ATMOSPHERE
+    discharge_opens, suction_opens = compressor_opening_travels(clearance, suction, discharge, n, m)
+    peak = compressor_peak(clearance, suction, discharge, n)
+    if discharge_opens > 0.0:
+        assert peak == discharge
+        compressed = suction * ((1.0 + clearance) / (discharge_opens + clearance)) ** n
+        # The travel is a difference of terms of about 1 + c, with a rounding each.
+        assert_allclose(compressed, discharge, rtol=16 * EPS * (1.0 + clearance) / (discharge_opens + clearance))
+    else:
+        assert peak <= discharge
+    expanded = peak * (clearance / (suction_opens + clearance)) ** m
+    assert_allclose(expanded, suction, rtol=32 * EPS)
+
+
+def test_opening_travels__of_many_variants():
+    clearance = np.array([0.05, 0.5])
+    found = compressor_opening_travels(clearance, 1e5, [4e5, 6e5], 1.3, [1.3, 1.1])
+    one = [compressor_opening_travels(0.05, 1e5, 4e5, 1.3, 1.3), compressor_opening_travels(0.5, 1e5, 6e5, 1.3, 1.1)]
+    assert_allclose(found, np.transpose(one), rtol=8 * EPS)
+    # 3^1.3 = 4.17 < 6: the second never delivers; with its smaller exponent the gas never expands to suction.
+    assert found[0][1] < 0.0
+    assert found[1][1] > 1.0
+
+
+@settings(deadline=None, max_examples=150)
+@given(clearances, exponents, exponents, shares, st.floats(0.0, 4.0 * math.pi), st.floats(-7.0, 7.0), st.booleans())
+def test_four_stroke_by_branches__is_the_diagram(clearance, n, m, share, phi, firing, forward):
+    # A slider-crank at its simplest: a head-end dead centre at 0.3 rad and after every turn; it fires at the first one
+    # that follows, in the crank's own way.
+    way = 1.0 if forward else -1.0
+    centres = [0.3 + way * 2.0 * math.pi * k for k in range(-5, 6)]
+    fires_at = next(centre for centre in centres if way * (centre - firing) >= 0.0)
+    strokes = way * (phi - fires_at) / math.pi
+    assume(abs(strokes - round(strokes)) > 1e-9)
+    branch = four_stroke_branch(way * math.sin(phi - 0.3), phi, 0.3, firing, way)
+    assert branch == (EXPANSION, OUTFLOW, INFLOW, COMPRESSION)[math.floor(strokes) % 4]
+    pressures = (0.9e5, 1.1e5, 45e5)
+    found = branch_pressure(branch, share * STROKE, STROKE, clearance, *pressures, 1.0, n, m)
+    expected = four_stroke_engine(share * STROKE, STROKE, clearance, int(branch), *pressures, n, m)
+    assert_allclose(found, expected, rtol=ROUNDINGS)
+
+
+@pytest.mark.parametrize("missed", [-1e-9, 0.0, 1e-9])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_firing_angle_within_rounding_of_a_dead_centre__is_that_one(missed, way):
+    # Just after it the piston leaves the head, whichever way the crank turns.
+    assert four_stroke_branch(1.0, 0.3 + way * 0.1, 0.3, 0.3 + missed, way) == EXPANSION
+
+
+@settings(deadline=None, max_examples=150)
+@given(clearances, exponents, exponents, shares, st.booleans(), st.floats(0.5, 1.0))
+def test_two_stroke_by_branches__is_the_diagram(clearance, n, m, share, toward_head, port):
+    for travel in (share * STROKE, port * STROKE, np.nextafter(port * STROKE, 1.0)):
+        branch = two_stroke_branch(travel, STROKE, -0.1 if toward_head else 0.1, port)
+        pressures = (1.4e5, 1.1e5, 45e5)
+        found = branch_pressure(branch, travel, STROKE, clearance, *pressures, port, n, m)
+        expected = two_stroke_engine(travel, STROKE, clearance, int(toward_head), *pressures, n, m, port)
+        assert_allclose(found, expected, rtol=ROUNDINGS)
+
+
+def test_pump_by_branches__is_the_diagram():
+    assert line_pressure(pump_branch(-1.0), 0.6e5, 9e5) == pump(True, 0.6e5, 9e5)
+    assert line_pressure(pump_branch(1.0), 0.6e5, 9e5) == pump(False, 0.6e5, 9e5)
+
+
+@pytest.mark.parametrize("branch", [EXPANSION, OUTFLOW, INFLOW, COMPRESSION])
+def test_branch__goes_on_beyond_its_ends(branch):
+    # Along the whole stroke the pressure is a polytrope, or constant: p V^n is.
+    travels = np.linspace(0.0, STROKE, 9)
+    pressure = np.array([branch_pressure(branch, x, STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25) for x in travels])
+    exponent = {EXPANSION: 1.25, COMPRESSION: 1.35}.get(branch, 0.0)
+    constant = pressure * (travels + 0.1 * STROKE) ** exponent
+    assert_allclose(constant, constant[0], rtol=ROUNDINGS)
+    start = {EXPANSION: 50e5, OUTFLOW: 4e5, INFLOW: 1e5, COMPRESSION: 1e5 * 9.0**1.35}[branch]
+    assert_allclose(pressure[0], start, rtol=ROUNDINGS)
+
+
+def test_unknown_motion__has_no_branch_and_no_pressure():
+    nan = math.nan
+    branches = [compressor_branch(nan, STROKE, 1.0, 0.5, 0.2), compressor_branch(0.01, STROKE, nan, 0.5, 0.2)]
+    branches += [pump_branch(nan), two_stroke_branch(nan, STROKE, 1.0, 0.8), two_stroke_branch(0.01, STROKE, nan, 0.8)]
+    branches += [four_stroke_branch(nan, 1.0, 0.0, 0.0, 1.0), four_stroke_branch(1.0, nan, 0.0, 0.0, 1.0)]
+    assert np.isnan(branches).all()
+    numbers = (STROKE, 0.1, 1e5, 4e5, 50e5, 1.0, 1.3, 1.3)
+    pressures = [branch_pressure(nan, 0.01, *numbers), line_pressure(nan, 1e5, 4e5)]
+    pressures += [branch_pressure(branch, nan, *numbers) for branch in (EXPANSION, OUTFLOW, INFLOW, COMPRESSION)]
+    assert np.isnan(pressures).all()
+
+
+@pytest.mark.parametrize("branch", [EXPANSION, COMPRESSION])
+def test_travel_rounded_below_the_dead_centre__is_the_dead_centre(branch):
+    numbers = (STROKE, 0.1, 1e5, 4e5, 50e5, 1.0, 1.3, 1.3)
+    assert branch_pressure(branch, -1e-17, *numbers) == branch_pressure(branch, 0.0, *numbers)
+
+
+def test_a_loop_over_positions_of_all_branches__is_compiled_to_packed_instructions():
+    @njit(**{**KERNEL_OPTIONS, "cache": False})
+    def loop(branch, travel, out):
+        for i in range(travel.size):
+            out[i] = branch_pressure(branch[i], travel[i], STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25)
+
+    branch, travel = np.arange(37.0) % 4.0, np.linspace(0.0, STROKE, 37)
+    out = np.empty(37)
+    loop(branch, travel, out)
+    alone = [
+        branch_pressure(b, x, STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25) for b, x in zip(branch, travel, strict=True)
+    ]
+    # Sums of products may be fused in one of the two.
+    assert_allclose(out, alone, rtol=ROUNDINGS)
+    assert_packed(loop, 1)

@@ -1,0 +1,241 @@
+"""How groups magnify inaccuracies of their links, against differences and closed forms; whether their loops close."""
+
+import math
+from collections.abc import Callable
+
+import mpmath
+import numpy as np
+import pytest
+from drawn_machines import geared_five_bar, quick_return, scotch_yoke, slider_crank, sliding_input
+from exact import assert_within, exactly
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from machines import chain
+
+from engine import Machine, Scene, Verdict
+from engine.equal_positions import equilibrium
+from engine.laws.kinematics import closure, links, rpr, rrp, rrr, vectors
+from engine.laws.kinematics.closure import direction_gap, guide_gap, link_gap, unit_gap
+from engine.laws.kinematics.vectors import distance
+from engine.machine.model import Model
+
+EPS = np.finfo(float).eps
+POSITIONS = 720
+CHAIN = Scene.model_validate(chain(0, 5, False))
+
+# Of each dyad of the chain: numbers of its own, and fields that they displace.
+DISPLACED = {
+    "g0": (["groups.g0.first.length", "groups.g0.second.length"], ["B0.x", "B0.y"]),
+    "g1": (["groups.g1.first.length", "groups.g1.second.offset"], ["B1.x", "B1.y"]),
+    "g2": (["groups.g2.second.offset"], ["v2.angle"]),
+    "g3": (["groups.g3.first.offset", "groups.g3.second.offset"], ["B3.x", "B3.y"]),
+    "g4": (["points.T2.x", "points.T2.y"], ["v4.slide"]),
+}
+NUMBERS = [path for paths, _ in DISPLACED.values() for path in paths]
+FIELDS = [field for _, fields in DISPLACED.values() for field in fields]
+STEP = 1e-3
+
+
+@pytest.fixture(scope="module")
+def displaced() -> dict[str, np.ndarray]:
+    """Derivative of every field by every number (numbers, positions), by differences of the fourth order."""
+    machine = Machine(CHAIN, (), [*FIELDS, "T1.x", "T1.y"], NUMBERS, POSITIONS)
+    nominal = machine.model.numbers({})
+    moved = {path: np.full(4 * len(NUMBERS), nominal[path]) for path in NUMBERS}
+    for i, path in enumerate(NUMBERS):
+        moved[path][4 * i : 4 * i + 4] += STEP * np.array([1, -1, 2, -2])
+    outcome = machine.evaluate(moved)
+    assert (outcome.status == Verdict.OK).all()
+    found = {}
+    for name, rows in outcome.fields.items():
+        one, other, far, beyond = rows.reshape(len(NUMBERS), 4, -1).transpose(1, 0, 2)
+        found[name] = (8 * (one - other) - (far - beyond)) / (12 * STEP)
+    # The last number moves nothing before the pin of the last dyad.
+    x, y = (outcome.fields[f"T1.{axis}"][-1] for axis in "xy")
+    pivot = CHAIN.points["D2"]
+    return found | {"arm": np.hypot(x - pivot.x, y - pivot.y)}
+
+
+@pytest.fixture(scope="module")
+def magnified() -> dict[str, float]:
+    names = [*(f"{group}.error_magnification" for group in CHAIN.groups), "error_magnification"]
+    outcome = Machine(CHAIN, [*names, "loop_closure_residual"], positions=POSITIONS).evaluate({})
+    return {name: float(values[0]) for name, values in outcome.summaries.items()}
+
+
+@pytest.mark.parametrize("group", DISPLACED)
+def test_magnification__displacement_of_the_joint_by_an_error_of_a_length(group, displaced, magnified):
+    paths, fields = DISPLACED[group]
+    rows = [NUMBERS.index(path) for path in paths]
+    by_number = np.sqrt(sum(displaced[field][rows] ** 2 for field in fields))
+    if group == "g2":
+        # An error of the slot's offset turns the rocker; its point at the pin moves by the angle times its arm.
+        by_number = by_number * displaced["arm"]
+    if group == "g4":
+        # The crossing of slot and guide follows the pin's displacement across the slot, whatever its direction.
+        by_number = np.hypot(*by_number)[None]
+    # Truncation is of the order of (STEP/sin γ)⁴, γ no less than 1/2; rounding EPS/STEP, angles and slides of order 1.
+    # A quartic through the highest five of 720 misses harmonics m by some (m h)⁵/1000, 1e-8 of the tenth.
+    for row in by_number:
+        assert top_between(row) == pytest.approx(magnified[f"{group}.error_magnification"], rel=1e-8)
+
+
+def top_between(row: np.ndarray) -> float:
+    """Greatest value of the quartic through the highest position and two on either side."""
+    places = np.arange(-2, 3)
+    quartic = np.polynomial.Polynomial.fit(places, np.roll(row, 2 - row.argmax())[:5], 4)
+    tops = quartic.deriv().roots()
+    return quartic(tops[np.argmin(abs(tops))].real)
+
+
+def test_magnification_of_the_machine__that_of_its_worst_group(magnified):
+    of_groups = [value for name, value in magnified.items() if name.endswith(".error_magnification")]
+    assert len(of_groups) == len(CHAIN.groups)
+    assert magnified["error_magnification"] == max(of_groups)
+
+
+@pytest.mark.parametrize("short", [0.5, 1e-3, 1e-6, 1e-10])
+def test_magnification_near_a_change_point__closed_form(short):
+    # Crank and rod all but equal: across the guide the rod stands at asin(r/l).
+    machine = Machine(slider_crank(), ["g.error_magnification"], varied=["groups.g.first.length"], positions=POSITIONS)
+    length = 0.05 * (1 + short)
+    made = machine.evaluate({"groups.g.first.length": np.array([length])}).summaries["g.error_magnification"][0]
+    expected = length / math.sqrt((length - 0.05) * (length + 0.05))
+    # Coordinates are good to an EPS or two of the crank, what the rod leaves over to that by its own size.
+    assert made == pytest.approx(expected, rel=8 * EPS * (1 + 1 / short))
+
+
+def test_magnification__its_error_figure_covers_other_positions():
+    few, many = (Machine(CHAIN, ["error_magnification"], positions=n).evaluate({}) for n in (24, 768))
+    gap = abs(few.summaries["error_magnification"][0] - many.summaries["error_magnification"][0])
+    assert gap <= few.errors["error_magnification"][0] + many.errors["error_magnification"][0]
+
+
+# Loops
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        CHAIN,
+        Scene.model_validate(chain(4, 10, True)),
+        geared_five_bar(),
+        sliding_input(),
+        quick_return(0.01),
+        scotch_yoke(),
+    ],
+    ids=["chain", "series", "five-bar", "sliding input", "quick return", "yoke"],
+)
+def test_loops__close_to_rounding(scene):
+    made = (
+        Machine(scene, ["loop_closure_residual"], positions=POSITIONS).evaluate({}).summaries["loop_closure_residual"]
+    )
+    # Some ten roundings of coordinates up to ten times as great as a link.
+    assert 0 < made[0] < 100 * EPS
+
+
+def test_loops_in_single_precision__close_to_its_rounding():
+    machine = Machine(CHAIN, ["loop_closure_residual"], positions=POSITIONS, dtype=np.float32)
+    made = machine.evaluate({}).summaries["loop_closure_residual"][0]
+    assert 10 * EPS < made < 100 * np.finfo(np.float32).eps
+
+
+def test_crank_alone__has_no_loop():
+    scene = slider_crank().model_dump(exclude_none=True) | {"groups": {}, "bodies": {}}
+    available = Machine(Scene.model_validate(scene)).available_summaries
+    assert not {"loop_closure_residual", "error_magnification"} & available.keys()
+
+
+def added(place: int, by: float) -> Callable:
+    return lambda found: (*found[:place], found[place] + by, *found[place + 1 :])
+
+
+def turned(by: float) -> Callable:
+    return lambda vector: links.arm(math.cos(by), math.sin(by), *vector)
+
+
+def closures(spoilt: str = "", change: Callable | None = None) -> dict[str, float]:
+    """What the loops of the chain miss at one position, with the results of one function changed."""
+    model = Model(CHAIN)
+    names = {"math": math, "one": 1.0, "zero": 0.0}
+    for module in (closure, equilibrium, links, rpr, rrp, rrr, vectors):
+        names |= vars(module)
+    if spoilt:
+        whole = names[spoilt]
+        names[spoilt] = lambda *numbers: change(whole(*numbers))
+    q = 0.7
+    names |= {"q": q, "cos_q": math.cos(q), "sin_q": math.sin(q)}
+    names |= {slot.variable: float(slot.compute(model.numbers({}))) for slot in model.program.slots.values()}
+    exec("\n".join(step.line for step in model.program.needed(model.closures.values())), names)
+    return {group: names[variable] for group, variable in model.closures.items()}
+
+
+@pytest.mark.parametrize(
+    ("function", "places", "groups"),
+    [
+        ("rrr_position", range(6), ["g0"]),
+        ("rrp_position", range(5), ["g1"]),
+        ("rpr_position", range(3), ["g2"]),
+        ("oblique_components", range(2), ["g3", "g4", "y3"]),
+    ],
+)
+def test_wrong_position__is_what_the_loop_misses(function, places, groups):
+    assert max(closures().values()) < 100 * EPS
+    for place in places:
+        found = closures(function, added(place, 1e-6))
+        # Links are some metres long at most; a spoilt direction or place is missed by 1e-6, over that.
+        assert all(1e-8 < found[group] < 1e-4 for group in groups), (place, found)
+
+
+def test_slot_at_a_wrong_angle__is_what_the_loop_misses():
+    # All points of links are turned with it, so that nothing else is missed.
+    found = closures("arm", turned(1e-6))
+    assert found["g4"] == pytest.approx(1e-6, rel=1e-6)
+    assert found["y3"] == pytest.approx(1e-6, rel=1e-6)
+    assert max(found["g0"], found["g1"], found["g2"]) < 100 * EPS
+
+
+numbers = st.floats(-10, 10)
+directions = st.floats(-math.pi, math.pi)
+
+
+@given(numbers, numbers, numbers, numbers, st.floats(0.01, 10), directions)
+@settings(deadline=None, max_examples=50)
+def test_link_gap__mpmath(ax, ay, bx, by, r, angle):
+    c, s = math.cos(angle), math.sin(angle)
+    with mpmath.workdps(50):
+        a, b, d, e, length, cosine, sine = exactly(ax, ay, bx, by, r, c, s)
+        x, y = d - a, e - b
+        aside = mpmath.hypot(x - length * cosine, y - length * sine)
+        expected = max(abs(mpmath.hypot(x, y) - length), aside) / length
+        # Differences of coordinates up to 10, and a few operations on them.
+        assert_within(link_gap(ax, ay, bx, by, r, c, s), expected, 8 * EPS * (20 + r) / r)
+
+
+@given(numbers, numbers, numbers, numbers, directions, numbers, numbers, st.floats(0.01, 10))
+@settings(deadline=None, max_examples=50)
+def test_guide_gap__mpmath(x, y, gx, gy, angle, offset, slide, size):
+    c, s = math.cos(angle), math.sin(angle)
+    with mpmath.workdps(50):
+        mx, my, ox, oy, cosine, sine, e, d = exactly(x, y, gx, gy, c, s, offset, slide)
+        across = (my - oy) * cosine - (mx - ox) * sine - e
+        along = (mx - ox) * cosine + (my - oy) * sine - d
+        expected = max(abs(across), abs(along)) / size
+        assert_within(guide_gap(x, y, gx, gy, c, s, offset, slide, size), expected, 400 * EPS / size)
+
+
+@given(directions, directions, directions, st.floats(0.5, 2))
+@settings(deadline=None, max_examples=50)
+def test_direction_gap__chord_of_the_angle_missed(angle, other, between, length):
+    c, s = length * math.cos(angle), length * math.sin(angle)
+    missed = direction_gap(c, s, math.cos(other), math.sin(other), math.cos(between), math.sin(between))
+    # The chord between the directions where it is, and where it is to be.
+    turned = other + between
+    expected = math.hypot(c - math.cos(turned), s - math.sin(turned))
+    assert missed == pytest.approx(expected, abs=16 * EPS * (1 + length))
+    assert unit_gap(c, s) == pytest.approx(abs(length - 1), abs=8 * EPS)
+    assert distance(1.0, 2.0, 1.0 + c, 2.0 + s) == pytest.approx(length, abs=16 * EPS)
+
+
+def test_guide_gap_of_a_machine_in_a_point__none():
+    assert guide_gap(1.0, 2.0, 1.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0) == 0.0

@@ -1,0 +1,363 @@
+"""Friction in the pairs of mechanisms against closed forms, the law of energy, and a dense non-linear solution.
+
+ROUNDINGS: reactions are sums of some ten products and quotients of numbers of their own size, each good to EPS; near
+jamming the error grows with the reciprocal of the margin.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from drawn_machines import geared_five_bar, sliding_input
+from loaded_machines import asked, loaded
+from machines import chain, places, prp
+from rubbing import with_friction
+from rubbing_machines import RHO, L, Q, R, press, yoke
+from scipy.optimize import brentq
+
+from engine import Machine, Scene, SceneError, Verdict
+from engine.laws.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, stribeck
+from engine.laws.friction.guides import overhung_drive, vee_friction
+from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
+from engine.laws.friction.journals import friction_circle
+from engine.scene.pairs import pairs
+from engine.scene.structure import order
+
+EPS = np.finfo(float).eps
+ROUNDINGS = 100
+
+
+def in_all_pairs(scene: dict, seed: int, most: float) -> dict:
+    """A scene with friction in all of its pairs, some sliders long enough to tilt."""
+    rng, friction = np.random.default_rng(seed), {}
+    for i, pair in enumerate(pairs(Scene.model_validate(scene))):
+        own = friction[f"f{i}"] = {"pair": pair.name, "coefficient": rng.uniform(0.2, 1) * most}
+        if pair.kind == "revolute":
+            own |= {"diameter": rng.uniform(0.02, 0.1)} | ({"contact": "worn in"} if i % 2 else {})
+        elif i % 2:
+            own["length"] = rng.uniform(0.1, 0.5)
+    return {**scene, "friction": friction}
+
+
+# Crank and rocker, with a slider hung on the rocker.
+RANDOM = in_all_pairs(loaded(chain(0, 2, True), 0), 0, 0.3)
+
+
+def outcome_of(scene: dict, fields: list[str], summaries: list[str] = (), **settings: object) -> tuple:
+    machine = Machine(Scene.model_validate(scene), fields=fields, summaries=summaries, **settings)
+    return machine, machine.evaluate({})
+
+
+# Whole machines
+
+
+# RRR and RRP; RRP and RPR; RPP and PRP; a shaft in its pivot; a sliding input.
+MACHINES = [chain(0, 2, True), chain(1, 2, True), chain(3, 1, True)]
+MACHINES += [scene.model_dump(exclude_unset=True) for scene in (geared_five_bar(), sliding_input())]
+
+
+@pytest.mark.parametrize("plain", MACHINES)
+def test_friction__agrees_with_a_dense_non_linear_solution(plain):
+    scene = in_all_pairs(loaded(plain, 1), 1, 0.3)
+    names = [name for name in asked(Scene.model_validate(scene)) if not name.startswith("frame")]
+    fields = [*(n for n in names if "input_moment" not in n), "friction_moment", "input_moment_with_friction"]
+    checks = ["input_moment_disagreement", "equilibrium_residual", "friction_residual"]
+    machine, outcome = outcome_of(scene, fields, checks, positions=8)
+    assert outcome.status[0] == Verdict.OK
+    expected = with_friction(machine.scene, places(machine, machine.scene))
+    for name in fields:
+        scale = np.abs(expected[name]).max()
+        # The reference solves in float64: condition of the equations, some 10, and xtol of fsolve, which is quadratic.
+        assert np.abs(outcome.fields[name][0] - expected[name]).max() <= 10 * ROUNDINGS * EPS * scale, name
+    assert outcome.summaries["input_moment_disagreement"][0] < ROUNDINGS * EPS
+    assert outcome.summaries["equilibrium_residual"][0] < ROUNDINGS * EPS
+    assert outcome.summaries["friction_residual"][0] <= 1e-10
+
+
+def test_friction__costs_at_every_position_what_the_input_supplies_more():
+    scene = RANDOM
+    powers = [f"{friction['pair']}.friction_power" for friction in scene["friction"].values()]
+    fields = ["input_moment", "input_moment_with_friction", "friction_moment", *powers]
+    machine, outcome = outcome_of(scene, fields, ["friction_loss", "friction_passes"])
+    rows = {name: row[0] for name, row in outcome.fields.items()}
+    lost = sum(rows[name] for name in powers)
+    more = (rows["input_moment_with_friction"] - rows["input_moment"]) * machine.scene.input.speed
+    scale = np.abs(rows["input_moment_with_friction"]).max() * abs(machine.scene.input.speed)
+    assert all((rows[name] >= 0).all() for name in powers)
+    np.testing.assert_allclose(more, lost, rtol=0, atol=ROUNDINGS * EPS * scale)
+    np.testing.assert_allclose(-rows["friction_moment"] * machine.scene.input.speed, lost, rtol=ROUNDINGS * EPS)
+    # Work over a turn: the mean of the power times the time of the turn.
+    turn = 2 * math.pi / abs(machine.scene.input.speed)
+    assert outcome.summaries["friction_loss"][0] == pytest.approx(lost.mean() * turn, rel=ROUNDINGS * EPS)
+    # Errors fall with their squares.
+    assert 2 <= outcome.summaries["friction_passes"][0] <= 7
+
+
+def test_friction__goes_over_into_none():
+    scene = RANDOM
+    plain = {key: part for key, part in scene.items() if key != "friction"}
+    paths = [f"friction.{name}.coefficient" for name in scene["friction"]]
+    names = asked(Scene.model_validate(scene))
+    fields = [name for name in names if "input_moment" not in name]
+    machine = Machine(Scene.model_validate(scene), fields=fields, varied=paths, positions=16)
+    outcome = machine.evaluate(dict.fromkeys(paths, np.array([0.0, 1e-6])))
+    _, without = outcome_of(plain, fields, positions=16)
+    for name in fields:
+        expected = without.fields[name][0]
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(outcome.fields[name][0], expected, rtol=0, atol=ROUNDINGS * EPS * scale)
+        # Of first order in the coefficient: forces of this machine feel its thousandfold at most.
+        np.testing.assert_allclose(outcome.fields[name][1], expected, rtol=0, atol=1e-3 * scale)
+
+
+def test_friction__in_float32_is_that_of_float64():
+    scene = in_all_pairs(press(0.0), 2, 0.3)
+    _, fine = outcome_of(scene, ["friction_moment"], positions=16)
+    _, rough = outcome_of(scene, ["friction_moment"], positions=16, dtype=np.float32)
+    expected = fine.fields["friction_moment"]
+    error = np.abs(rough.fields["friction_moment"] - expected).max() / np.abs(expected).max()
+    assert error < ROUNDINGS * np.finfo(np.float32).eps
+
+
+# Slider-crank, by friction circles and friction angle
+
+
+def by_friction_circles(phi: float, f_guide: float) -> tuple[float, float]:
+    """Force in the rod and moment on the crank, φ rising from 0 to π: the slider moves to the left, Q with it.
+
+    The force in the rod is tangent to the circles in A and B; in the guide it leans by the friction angle.
+    """
+    beta = math.asin(R * math.sin(phi) / L)
+    # Rotations: crank +1 against the frame, rod −cos φ, so that the rod turns clockwise from the crank up to there.
+    rod = -R * math.cos(phi) / (L * math.cos(beta))
+    turn_a, turn_b = np.sign(rod - 1.0), np.sign(rod)
+    # Sum of the friction couples on the rod, per newton of its force, over the length of the rod.
+    lean = math.asin((-turn_a * RHO["A"] - turn_b * RHO["B"]) / L)
+
+    def slider(force: float, angle: float) -> float:
+        # On the slider: force of the rod, Q to the left, friction to the right.
+        return force * math.cos(angle) - Q + f_guide * abs(force * math.sin(angle))
+
+    # The rod pushes the slider to the right against Q: along from A to B, which falls by beta, turned by the lean.
+    angle = -beta + lean
+    force = brentq(slider, 0.0, 10 * Q, (angle,), xtol=1e-12)
+    fx, fy = force * math.cos(angle), force * math.sin(angle)
+    # On the crank in A the rod gives −f; the friction couple of the rod on the crank follows the rod's motion.
+    on_crank = -(R * math.cos(phi) * fy - R * math.sin(phi) * fx) + turn_a * RHO["A"] * force
+    return force, -on_crank + RHO["O"] * force
+
+
+@pytest.mark.parametrize("f_guide", [0.0, 0.15])
+def test_slider_crank__agrees_with_friction_circles_and_friction_angle(f_guide):
+    fields = ["drive.first.reaction", "input_moment_with_friction"]
+    machine, outcome = outcome_of(press(f_guide), fields, positions=72)
+    for k in range(1, 36):
+        if k == 18:
+            # The rod is at rest for the moment: friction in B may be anything there.
+            continue
+        expected = by_friction_circles(machine.nodes[k], f_guide)
+        for name, value in zip(fields, expected, strict=True):
+            assert outcome.fields[name][0, k] == pytest.approx(value, rel=1e-12), (name, k)
+
+
+def test_slider_crank__loses_its_gain_of_force_near_the_dead_centre():
+    # Within these few degrees: friction takes Q ((1 + r/l) rho_A + r/l rho_B + rho_O) there, to the first order.
+    most = 0.02
+    machine, outcome = outcome_of(
+        press(0.0, start=-most, stop=most), ["input_moment_with_friction", "input_moment"], positions=40
+    )
+    lost = outcome.fields["input_moment_with_friction"][0] - outcome.fields["input_moment"][0]
+    classic = Q * ((1 + R / L) * RHO["A"] + R / L * RHO["B"] + RHO["O"])
+    # Of second order: (rho/l)², and rho φ.
+    np.testing.assert_allclose(lost, classic, rtol=0.03)
+    # Without friction a moment raises any force at the dead centre; with it the crank is held on both sides of it.
+    alone = outcome.fields["input_moment"][0]
+    assert abs(alone[20]) < 1e-12 * Q
+    held = np.abs(alone) < lost
+    reach = machine.nodes[held].max() - machine.nodes[held].min()
+    assert reach > 0.02
+
+
+def test_slider_crank__has_the_efficiency_of_its_works():
+    names = ["mechanical_efficiency", "friction_loss", "drive.second.friction_work", "required_drive_moment"]
+    _, outcome = outcome_of(press(0.2, journals=False), ["ram.slide"], names)
+    value = {name: outcome.summaries[name][0] for name in names}
+    assert value["drive.second.friction_work"] == value["friction_loss"] > 0
+    # A force that stays the same gives back what it took: nothing comes out.
+    assert value["mechanical_efficiency"] == pytest.approx(0.0, abs=1e-12)
+    scene = press(0.2, journals=False)
+    scene["forces"]["work"] |= {"acts": "against"}
+    _, outcome = outcome_of(scene, [], names)
+    value = {name: (outcome.summaries[name][0], outcome.errors[name][0]) for name in names}
+    useful = Q * 2 * R
+    found, error = value["mechanical_efficiency"]
+    loss, doubt = value["friction_loss"]
+    assert abs(found - useful / (useful + loss)) <= error + doubt / useful
+
+
+# Wedge: two guides
+
+
+def wedge(angle: float, face: float, base: float, guide: float, speed: float = 1.0) -> dict:
+    """A wedge that slides on its base and lifts a load of Q, guided upright, by a shoe on its inclined face."""
+    coefficients = {"input": base, "lift.first": face, "lift.second": guide}
+    friction = {f"f{i}": {"pair": pair, "coefficient": f} for i, (pair, f) in enumerate(coefficients.items())}
+    # Shoe and load don't turn on each other: nothing is lost there.
+    friction["hinge"] = {"pair": "lift.inner", "coefficient": 0.3, "diameter": 0.05}
+    return {
+        "guides": {
+            "base": {},
+            "face": {"link": "wedge", "angle": math.pi - angle},
+            "up": {"x": 0.3, "angle": math.pi / 2},
+        },
+        "input": {"type": "slider", "link": "wedge", "guide": "base", "point": "W"}
+        | {"start": 0.0, "stop": 0.1, "speed": speed},
+        "groups": {"lift": prp("B", ("shoe", "face", 0.0), ("load", "up", 0.0))},
+        "forces": {"weight": {"type": "constant", "on": "B", "angle": -math.pi / 2, "force": Q}},
+        "friction": friction,
+    }
+
+
+@pytest.mark.parametrize(
+    ("angle", "face", "base", "guide"), [(0.3, 0.2, 0.1, 0.15), (0.8, 0.5, 0.2, 0.3), (0.1, 0.2, 0.0, 0.4)]
+)
+def test_wedge__takes_the_force_of_its_closed_form_both_ways(angle, face, base, guide):
+    fields = ["input_moment_with_friction", "lift.inner.friction_power"]
+    _, inwards = outcome_of(wedge(angle, face, base, guide), fields, ["jamming_margin"], positions=8)
+    expected = wedge_drive(Q, math.tan(angle), face, base, guide)
+    margin = inwards.summaries["jamming_margin"][0]
+    np.testing.assert_allclose(inwards.fields[fields[0]][0], expected, rtol=ROUNDINGS * EPS / margin)
+    assert (inwards.fields[fields[1]] == 0).all()
+    _, outwards = outcome_of(wedge(angle, face, base, guide, -1.0), fields, positions=8)
+    # Where the wedge locks by itself it has to be pulled out: that is no jamming.
+    assert outwards.status[0] == Verdict.OK
+    held = wedge_withdraw(Q, math.tan(angle), face, base, guide)
+    np.testing.assert_allclose(outwards.fields[fields[0]][0], -held, rtol=0, atol=ROUNDINGS * EPS * Q)
+
+
+@pytest.mark.parametrize(("face", "guide"), [(0.2, 0.3), (0.05, 1.5), (0.9, 0.4)])
+def test_wedge__jams_at_the_sum_of_its_angles(face, guide):
+    # alpha + phi + phi_3 = 90 deg.
+    limit = math.pi / 2 - math.atan(face) - math.atan(guide)
+    machine = Machine(
+        Scene.model_validate(wedge(0.3, face, 0.1, guide)), ["jamming_margin"], ["input_moment"], ["guides.face.angle"]
+    )
+    angles = limit + np.array([-0.3, -1e-3, -1e-9, 1e-9, 1e-3, 0.5 * (math.pi / 2 - limit)])
+    outcome = machine.evaluate({"guides.face.angle": math.pi - angles})
+    assert list(outcome.status) == [Verdict.OK] * 3 + [Verdict.JAMS] * 3
+    assert list(outcome.status_group) == [-1, -1, -1, 0, 0, 0]
+    assert (outcome.status_at[3:] == 0.0).all()
+    assert np.isfinite(outcome.fields["input_moment"]).all()
+    # The margin falls to zero in proportion to what is left of the angle.
+    margins = outcome.summaries["jamming_margin"][:3]
+    assert margins[1] / 1e-3 == pytest.approx(margins[2] / 1e-9, rel=0.01)
+
+
+def test_jammed_results__are_undefined_and_no_numbers():
+    fields = ["input_moment_with_friction", "lift.first.reaction"]
+    _, outcome = outcome_of(wedge(1.2, 0.6, 0.1, 0.3), fields, ["friction_loss"], positions=8)
+    assert outcome.status[0] == Verdict.JAMS
+    assert all(np.isnan(row).all() for row in outcome.fields.values())
+    assert np.isnan(outcome.summaries["friction_loss"][0])
+
+
+# Scotch yoke: a slider that tilts
+
+
+def test_yoke__is_pushed_as_an_overhung_slider():
+    length, f = 0.12, 0.3
+    machine, outcome = outcome_of(yoke(length, f), ["g.first.reaction", "g.second.reaction_moment"], positions=32)
+    for k in range(1, 16):
+        overhang = R * math.sin(machine.nodes[k])
+        expected = overhung_drive(Q, 0.0, overhang, length / 2, f)
+        assert outcome.fields["g.first.reaction"][0, k] == pytest.approx(expected, rel=ROUNDINGS * EPS)
+
+
+def test_yoke__jams_where_its_overhang_reaches_half_its_length_over_f():
+    length, f = 0.12, 0.9
+    machine, outcome = outcome_of(yoke(length, f), ["g.first.reaction"], positions=360)
+    first = next(q for q in machine.nodes if R * math.sin(q) >= length / 2 / f)
+    assert outcome.status[0] == Verdict.JAMS
+    assert outcome.status_at[0] == first
+
+
+# What friction there is in a pair
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"contact": "new"}, friction_circle(0.02, 0.2, NEW)),
+        ({"contact": "worn in"}, friction_circle(0.02, 0.2, WORN_IN)),
+        ({}, friction_circle(0.02, 0.2, 1.0)),
+        (
+            {"coefficient": None, "material": "steel on steel, oiled"},
+            friction_circle(0.02, STATIC_AND_KINETIC["steel on steel, oiled"].kinetic, 1.0),
+        ),
+        (
+            {"static_coefficient": 0.5, "stribeck_speed": 0.03},
+            friction_circle(0.02, stribeck(0.5, 0.2, 0.02 * 2.0, 0.03, 2.0), 1.0),
+        ),
+    ],
+)
+def test_journal__has_the_friction_circle_of_its_bush(given, expected):
+    scene = press(0.0, journals=False)
+    own = {"pair": "input", "coefficient": 0.2, "diameter": 0.04} | given
+    scene["friction"] = {"main": {key: value for key, value in own.items() if value is not None}}
+    _, outcome = outcome_of(scene, ["input.friction_moment", "input.reaction"], positions=8)
+    circle = -outcome.fields["input.friction_moment"][0] / outcome.fields["input.reaction"][0]
+    np.testing.assert_allclose(circle, expected, rtol=8 * EPS)
+
+
+def test_guide__of_v_form_presses_harder():
+    scene = press(0.0, journals=False)
+    scene["friction"]["way"] = {"pair": "drive.second", "coefficient": 0.1, "form": "vee", "vee_angle": 1.2}
+    _, outcome = outcome_of(scene, ["drive.second.friction_force", "drive.second.reaction"], positions=16)
+    force, normal = (row[0, 1:8] for row in outcome.fields.values())
+    np.testing.assert_allclose(np.abs(force), vee_friction(0.1, 0.6) * np.abs(normal), rtol=8 * EPS)
+    assert (force > 0).all()
+
+
+# Only what is asked
+
+
+def test_friction__is_left_out_where_nothing_asked_feels_it():
+    text = (
+        Machine(Scene.model_validate(RANDOM), fields=["B1.x", "reduced_inertia", "input_moment"]).source("whole").text
+    )
+    assert "prs__" not in text
+
+
+def test_friction__is_settled_in_the_groups_that_are_asked_alone():
+    # Groups are settled last first: the last one feels no other.
+    text = Machine(Scene.model_validate(RANDOM), fields=["g1.first.friction_power"]).source("whole").text
+    assert "prs__g1__first" in text
+    assert "prs__g0__first" not in text
+
+
+# Refused
+
+
+@pytest.mark.parametrize(
+    ("friction", "words"),
+    [
+        ({"pair": "drive.frist", "coefficient": 0.1}, "friction.x.pair.*did you mean 'drive.first'"),
+        ({"pair": "drive.first", "coefficient": 0.1}, "friction.x.diameter.*is missing"),
+        ({"pair": "drive.second", "coefficient": 0.1, "diameter": 0.1}, "friction.x.diameter.*leave it out"),
+        ({"pair": "drive.second"}, "give coefficient or material"),
+        ({"pair": "drive.second", "material": "cheese"}, "cheese.*known are.*steel on steel"),
+        ({"pair": "drive.second", "coefficient": 0.1, "form": "vee"}, "vee_angle goes with"),
+        ({"pair": "drive.second", "coefficient": 0.1, "stribeck_speed": 1.0}, "belong together"),
+    ],
+)
+def test_wrong_friction__is_refused_with_its_mend(friction, words):
+    scene = press(0.1, journals=False) | {"friction": {"x": friction}}
+    with pytest.raises((SceneError, ValueError), match=f"(?s){words}"):
+        order(Scene.model_validate(scene))
+
+
+def test_second_friction_of_a_pair__is_refused():
+    scene = press(0.1)
+    scene["friction"]["again"] = scene["friction"]["way"]
+    with pytest.raises(SceneError, match=r"friction\.again\.pair.*friction\.way"):
+        order(Scene.model_validate(scene))

@@ -1,0 +1,173 @@
+"""Where bearings are loaded: closed forms of an unbalanced wheel, and directions sorted by NumPy."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from loaded_machines import loaded
+from machines import chain, crank, frame
+from press import actions, bodies, press
+from scipy.special import ellipe
+
+from engine import Machine, Scene, Verdict
+from engine.equal_positions.load_directions import LEAST_LOAD, unloaded_arc
+from engine.scene.pairs import Pair, pairs
+
+EPS = np.finfo(float).eps
+TURN = 2 * math.pi
+
+
+def summaries_of(pair: str, link: str) -> list[str]:
+    kinds = ("load_direction", "load_spread", "unloaded_arc", "unloaded_middle")
+    return [f"{pair}.{kind}_of_{link}" for kind in kinds]
+
+
+def answers(scene: dict, names: list[str], **settings: object) -> dict[str, tuple[float, float]]:
+    outcome = Machine(Scene.model_validate(scene), names, **settings).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    return {name: (float(outcome.summaries[name][0]), float(outcome.errors[name][0])) for name in names}
+
+
+def close(answer: tuple[float, float], expected: float) -> bool:
+    """Whether an angle is the expected one within its error figure and some roundings."""
+    value, error = answer
+    return abs(math.remainder(value - expected, TURN)) <= error + 8 * EPS
+
+
+# An unbalanced wheel
+
+WEIGHT, FORCES, RADIUS = 30.0, ["crank", "frame"], 0.1
+
+
+def wheel(share: float) -> dict:
+    """A wheel whose unbalance pulls by so much of its weight."""
+    return {
+        "points": {"O": frame(0.0, 0.0)},
+        "gravity": 10.0,
+        "input": crank(speed=math.sqrt(share * 10.0 / RADIUS)),
+        "bodies": {"disc": {"link": "crank", "mass": WEIGHT / 10.0, "x": RADIUS}},
+    }
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.9])
+@pytest.mark.parametrize("positions", [24, 96, 720])
+def test_wheel_heavier_than_its_unbalance_pulls__loads_its_bush_below(share, positions):
+    found = answers(wheel(share), summaries_of("input", "frame"), positions=positions)
+    direction, spread, arc, middle = found.values()
+    assert close(direction, -math.pi / 2)
+    assert close(middle, math.pi / 2)
+    assert abs(arc[0] - (TURN - 2 * math.asin(share))) <= arc[1]
+    # The mean of |W + U e^(i phi)| is an elliptic integral, the mean vector W.
+    mean = 2 / math.pi * (1 + share) * ellipe(4 * share / (1 + share) ** 2)
+    assert abs(spread[0] - (1 - 1 / mean)) <= spread[1] + 8 * EPS
+
+
+@pytest.mark.parametrize("share", [0.02, 0.9])
+def test_wheel_heavier_than_its_unbalance_pulls__loads_its_shaft_all_around(share):
+    direction, spread, arc, middle = answers(wheel(share), summaries_of("input", "crank")).values()
+    # The mean force on the shaft, in its axes, is what holds the unbalance.
+    assert close(direction, math.pi)
+    mean = 2 / math.pi * (1 + share) * ellipe(4 * share / (1 + share) ** 2)
+    assert abs(spread[0] - (1 - share / mean)) <= spread[1] + 8 * EPS
+    assert 0 < arc[0] <= arc[1]
+    assert middle[1] == math.pi
+
+
+def test_wheel_lighter_than_its_unbalance_pulls__loads_its_shaft_on_one_side():
+    share = 4.0
+    _, _, arc, middle = answers(wheel(share), summaries_of("input", "crank")).values()
+    assert abs(arc[0] - (TURN - 2 * math.asin(1 / share))) <= arc[1]
+    assert close(middle, 0.0)
+
+
+def test_steady_load__in_one_direction():
+    direction, spread, arc, middle = answers(wheel(1e-12), summaries_of("input", "frame")).values()
+    assert close(direction, -math.pi / 2)
+    assert abs(spread[0]) <= spread[1] + 8 * EPS
+    assert arc[0] == pytest.approx(TURN, rel=1e-11)
+    assert close(middle, math.pi / 2)
+
+
+def test_no_load__no_direction():
+    scene = wheel(1.0) | {"bodies": {}}
+    found = answers(scene, summaries_of("input", "frame"))
+    assert [math.isnan(value) for value, _ in found.values()] == [False, True, False, True]
+    assert found["input.unloaded_arc_of_frame"][0] == TURN
+
+
+# Any machine
+
+
+def bearings(scene: Scene, *names: str) -> list[Pair]:
+    return [pair for pair in pairs(scene) if pair.name in names]
+
+
+def sorted_arc(force: np.ndarray) -> tuple[float, float]:
+    """Widest gap between sorted directions, and its middle."""
+    angles = np.sort(np.angle(force[np.abs(force) >= LEAST_LOAD * np.abs(force).max()]))
+    gaps = np.diff(angles, append=angles[0] + TURN)
+    widest = gaps.argmax()
+    return gaps[widest], angles[widest] + gaps[widest] / 2
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_bearings_of_a_chain__as_sorted_by_numpy(dtype):
+    scene = Scene.model_validate(loaded(chain(0, 2, True), 0))
+    revolute = bearings(scene, "input", "g0.inner")
+    names = [n for pair in revolute for link in (pair.link, pair.other) for n in summaries_of(pair.name, link)]
+    fields = [f"{pair.name}.reaction_{axis}" for pair in revolute for axis in "xy"]
+    links = {link for pair in revolute for link in (pair.link, pair.other)} - {"frame"}
+    fields += [f"{link}.angle" for link in links]
+    outcome = Machine(scene, names, fields, positions=360, dtype=dtype).evaluate({})
+    rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
+    rounding = 100 * float(np.finfo(dtype).eps)
+    for pair in revolute:
+        force = rows[f"{pair.name}.reaction_x"] + 1j * rows[f"{pair.name}.reaction_y"]
+        for link, sign in ((pair.link, 1), (pair.other, -1)):
+            own = sign * force * np.exp(-1j * rows.get(f"{link}.angle", 0.0))
+            found = [float(outcome.summaries[name][0]) for name in summaries_of(pair.name, link)]
+            arc, middle = sorted_arc(own)
+            assert found[2] == pytest.approx(arc, abs=rounding)
+            assert abs(math.remainder(found[3] - middle, TURN)) < rounding
+            assert found[1] == pytest.approx(1 - abs(own.mean()) / np.abs(own).mean(), abs=rounding)
+            assert abs(math.remainder(found[0] - np.angle(own.mean()), TURN)) < rounding / (1.01 - found[1])
+
+
+def test_error_figures__hold_what_many_more_positions_give():
+    # Forces of this press jump where its ram turns back.
+    scene = press(bodies=bodies(), forces={"cut": actions()["forces"]["cut"]})
+    revolute = bearings(Scene.model_validate(scene), "input", "drive.inner")
+    names = [n for pair in revolute for link in (pair.link, pair.other) for n in summaries_of(pair.name, link)]
+    few, many = (answers(scene, names, positions=positions) for positions in (180, 14_400))
+    for name, (value, error) in few.items():
+        gap = value - many[name][0]
+        gap = gap if "spread" in name or "arc" in name else math.remainder(gap, TURN)
+        assert abs(gap) <= error + many[name][1], (name, value, error, many[name])
+
+
+def test_direction_of_a_reaction__continuous_angle_of_its_components():
+    scene = Scene.model_validate(wheel(4.0))
+    fields = [f"input.reaction{part}" for part in ("_direction", "_x", "_y")]
+    rows = Machine(scene, fields=fields, positions=72).evaluate({}).fields
+    angle, x, y = (rows[name][0] for name in fields)
+    np.testing.assert_allclose(np.exp(1j * angle), (x + 1j * y) / np.hypot(x, y), rtol=0, atol=1e-13)
+    # The force turns with the unbalance, once around.
+    assert np.abs(np.diff(angle)).max() < math.pi
+    assert angle[-1] - angle[0] == pytest.approx(TURN * 71 / 72, abs=0.1)
+
+
+@given(st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=2, max_size=60))
+@settings(deadline=None, max_examples=200)
+def test_unloaded_arc__of_any_forces_is_the_widest_gap(forces):
+    x, y = (np.array(part) for part in zip(*forces, strict=True))
+    if np.hypot(x, y).max() < 1e-100:
+        return
+    arc, middle, doubt = unloaded_arc(x, y, np.empty_like(x), np.empty_like(x), True)
+    expected, _ = sorted_arc(x + 1j * y)
+    assert arc == pytest.approx(expected, abs=16 * EPS)
+    assert doubt >= 0
+    loaded_ones = np.hypot(x, y) >= (1 + 1e-9) * LEAST_LOAD * np.hypot(x, y).max()
+    nearest = np.abs(np.angle(np.exp(1j * (np.arctan2(y, x) - middle))))[loaded_ones].min()
+    assert nearest >= arc / 2 - 16 * EPS if arc < TURN else nearest == pytest.approx(math.pi)

@@ -1,0 +1,341 @@
+"""Worked problems with printed answers, from textbooks; the tolerance is half a unit of the last printed digit.
+
+Khurmi: R. S. Khurmi and J. K. Gupta, Theory of Machines; inputs and answers as in the public notebooks of its
+examples (FOSSEE Textbook Companions, "Theory Of Machines", chapters 5 and 16). Where a problem gives its diagram as
+a figure, areas and shapes are those that reproduce the energies printed there.
+Norton: R. L. Norton, Design of Machinery. Meriam: J. L. Meriam and L. G. Kraige, Engineering Mechanics: Dynamics.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from engine import Machine, Scene
+from engine.flywheels.turning_moment import fluctuation, from_areas, from_table
+
+DEGREE = math.pi / 180
+
+
+def rpm(n):
+    return n * math.pi / 30
+
+
+# Flywheels by areas
+
+
+@pytest.mark.parametrize(
+    ("areas", "energy", "speed", "delta", "inertia"),
+    [
+        # Khurmi 16.4: 36 kg at 0.15 m, 5 N·m and 1° a mm; printed δ = 0.3 %.
+        ([295, -685, 40, -340, 960, -270], 5 * DEGREE, 1800, (0.003, 5e-4), 36 * 0.15**2),
+        # Khurmi 16.1: 6500 kg at 1.8 m and 56 kJ; printed 121 and 119 rpm, δ = 2/120.
+        ([1, -1], 56e3, 120, (2 / 120, 1 / 120), 6500 * 1.8**2),
+    ],
+    ids=["Khurmi 16.4", "Khurmi 16.1"],
+)
+def test_fluctuation_by_areas__is_the_printed_one(areas, energy, speed, delta, inertia):
+    found = from_areas(areas, energy, rpm(speed), 0.02)
+    printed, tolerance = delta
+    assert fluctuation(found.excess_work, inertia, rpm(speed)) == pytest.approx(printed, abs=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("areas", "energy", "speed", "delta", "printed", "tolerance"),
+    [
+        # Khurmi 16.5: 600 N·m and 3° a mm, radius 0.5 m; printed 183 kg (182 where it is cut off).
+        ([52, -124, 92, -140, 85, -72, 107], 600 * 3 * DEGREE, 600, 0.03, 0.25 * 182.5, 0.25),
+        # Khurmi 16.16: 250 N·m and 3° a mm; printed 32.7 kg·m².
+        ([160, -172, 168, -191, 197, -162], 250 * 3 * DEGREE, 600, 0.02, 32.7, 0.05),
+        # Khurmi 16.3: coefficient of fluctuation of energy 0.1 of 300 kW at 90 rpm, radius 2 m; printed 5628 kg.
+        ([1, -1], 0.1 * 300e3 * 60 / 90, 90, 0.01, 4 * 5628, 4),
+    ],
+    ids=["Khurmi 16.5", "Khurmi 16.16", "Khurmi 16.3"],
+)
+def test_flywheel_by_areas__is_the_printed_one(areas, energy, speed, delta, printed, tolerance):
+    found = from_areas(areas, energy, rpm(speed), delta)
+    assert found.flywheel_inertia == pytest.approx(printed, abs=tolerance)
+
+
+# Flywheels by straight lines
+
+
+def test_khurmi_16_6__three_turns_a_cycle():
+    # Printed P = 49.087 kW, δ = 0.072 with 500 kg at 0.6 m, 250 rpm.
+    phi = np.array([0, 360, 540, 900, 1080]) * DEGREE
+    found = from_table(phi, [750, 750, 3000, 3000, 750], rpm(250), 0.072)
+    assert found.mean_moment * rpm(250) == pytest.approx(49_087, abs=0.5)
+    assert fluctuation(found.excess_work, 500 * 0.36, rpm(250)) == pytest.approx(0.072, abs=5e-4)
+
+
+def test_khurmi_16_7__two_triangles():
+    # Printed 197.3 kg at 1.75 m, fluctuation of energy 18 %, least and greatest speed at 35° and 136°.
+    phi = np.array([0, 80, 180, 260, 360]) * DEGREE
+    found = from_table(phi, [0, 2000, 0, 1500, 0], rpm(100), 0.015)
+    assert found.flywheel_inertia / 1.75**2 == pytest.approx(197.3, abs=0.05)
+    assert found.excess_work / (found.mean_moment * 2 * math.pi) == pytest.approx(0.18, abs=5e-3)
+    assert found.slowest_at / DEGREE == pytest.approx(35, abs=0.5)
+    assert found.fastest_at / DEGREE == pytest.approx(136, abs=0.5)
+
+
+def test_khurmi_16_9__four_strokes_as_triangles():
+    # 20 kW at 300 rpm, expansion three times the compression's work; printed 255.4 kg·m² for ±2 %.
+    cycle = 20e3 * 60 / 150
+    power, compression = 2 * 1.5 * cycle / math.pi, 2 * 0.5 * cycle / math.pi
+    phi = np.array([0, 90, 180, 540, 630, 720]) * DEGREE
+    found = from_table(phi, [0, power, 0, 0, -compression, 0], rpm(300), 0.04)
+    assert found.mean_moment * rpm(300) == pytest.approx(20e3, rel=1e-12)
+    assert found.flywheel_inertia == pytest.approx(255.4, abs=0.05)
+
+
+# Bevan, The Theory of Machines, ch. 12 example 10 (FOSSEE companion): 25 hp at 300 rpm, one triangle of expansion
+# 2.3 times the compression's work, δ = 2 %; printed 13 710 lb·ft².
+def test_bevan_12_10__in_feet_and_pounds():
+    cycle = 25 * 33_000 / 150
+    expansion = cycle / (1 - 1 / 2.3)
+    phi = np.array([0, 90, 180, 540, 630, 720]) * DEGREE
+    peak = 2 * expansion / math.pi
+    found = from_table(phi, [0, peak, 0, 0, -peak / 2.3, 0], rpm(300), 0.02)
+    assert 32.2 * found.flywheel_inertia == pytest.approx(13_710, abs=5)
+
+
+# Flywheels of scenes: a crank with an engine's and a load's moment over its angle
+
+
+def crank(engine, load, speed, wheel):
+    """A crank with two moments as splines over its angle, by 2° from 0 to 360°."""
+    phi = np.linspace(0, 360, 181)
+
+    def table(moment, role):
+        values = (moment(phi * DEGREE) * np.ones(181)).tolist()
+        return {"type": "table", "on": "crank", "over_angle": [f"{a} deg" for a in phi], "moment": values,
+                "interpolation": "spline", "role": role}  # fmt: skip
+
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": f"{speed} rpm"},
+            "moments": {"engine": table(engine, "driving"), "load": table(load, "useful")},
+            "flywheel": wheel,
+        }
+    )
+
+
+def solve(scene, *asked):
+    outcome = Machine(scene, asked, positions=3600).evaluate({})
+    assert outcome.status[0] == 0
+    return [outcome.summaries[name][0] for name in asked]
+
+
+def test_khurmi_16_11__engine_by_harmonics():
+    # T = 20 000 + 9500 sin 2θ − 5700 cos 2θ at 180 rpm; printed 377 kW, 11 078 J (cut off from 11 078.8), and
+    # 3121 kg·m² for ±0.5 %, after rounding δω² from 3.553 to 3.55.
+    scene = crank(lambda t: 20_000 + 9500 * np.sin(2 * t) - 5700 * np.cos(2 * t), lambda t: 0, 180,
+                  {"speed_fluctuation": 0.01})  # fmt: skip
+    power, excess, wheel = solve(scene, "required_power", "excess_work", "flywheel_wittenbauer")
+    assert -power == pytest.approx(377e3, abs=500)
+    assert excess == pytest.approx(11_078.8, abs=0.5)
+    assert wheel == pytest.approx(3121 * 3.55 / (0.01 * rpm(180) ** 2), abs=1)
+
+
+def test_khurmi_16_12__engine_against_a_varying_load():
+    # T = 5000 + 600 sin 2θ against 5000 + 500 sin θ, 500 kg at 0.4 m, 150 rpm; printed 1204 J and δ = 6.1 %.
+    scene = crank(lambda t: 5000 + 600 * np.sin(2 * t), lambda t: -5000 - 500 * np.sin(t), 150,
+                  {"inertia": 500 * 0.16})  # fmt: skip
+    excess, delta, useful = solve(scene, "excess_work", "speed_fluctuation", "mean_useful_moment")
+    assert excess == pytest.approx(1204, abs=0.5)
+    assert delta == pytest.approx(0.061, abs=5e-4)
+    assert useful == pytest.approx(5000, rel=1e-9)
+
+
+def test_khurmi_16_13__three_cranks():
+    # T = 5000 + 1500 sin 3θ at 300 rpm, 1000 kg·m², constant load; printed 157.1 kW and δ = 0.1 %.
+    scene = crank(lambda t: 5000 + 1500 * np.sin(3 * t), lambda t: 0, 300, {"inertia": 1000})
+    power, delta = solve(scene, "required_power", "speed_fluctuation")
+    assert -power == pytest.approx(157.1e3, abs=50)
+    assert delta == pytest.approx(0.001, abs=5e-4)
+
+
+def test_sarkar_10__engine_against_a_varying_load():
+    # B. K. Sarkar, Theory of Machines, ch. 6 illustration 10 (FOSSEE companion, which corrects the book's energy):
+    # 15 000 + 8000 sin 2θ against 15 000 − 6000 cos θ, 200 rpm; 314.1 kW and, with π of four digits, 15 124 J.
+    scene = crank(lambda t: 15_000 + 8000 * np.sin(2 * t), lambda t: -15_000 + 6000 * np.cos(t), 200,
+                  {"speed_fluctuation": 0.02})  # fmt: skip
+    useful, excess = solve(scene, "mean_useful_moment", "excess_work")
+    assert useful * rpm(200) == pytest.approx(314.1e3, abs=100)
+    assert excess == pytest.approx(15_124, abs=1.5)
+
+
+# Four-bar linkages
+
+
+def four_bar(ground, crank_length, coupler, rocker, mode):
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}, "D": {"x": ground, "y": 0}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": crank_length, "speed": 1.0},
+            "groups": {
+                "g": {
+                    "type": "RRR",
+                    "inner": "B",
+                    "mode": mode,
+                    "first": {"link": "coupler", "joint": "A", "length": coupler},
+                    "second": {"link": "rocker", "joint": "D", "length": rocker},
+                }
+            },
+        }
+    )
+
+
+def motion(scene, name, degrees, omega, epsilon=0.0):
+    """Position, velocity and acceleration of an angle or slide at a crank angle, at 360 positions."""
+    fields = [name, *(f"{name}_{d}" for d in ("phi", "phiphi"))]
+    outcome = Machine(scene, fields=fields, positions=360).evaluate({})
+    value, first, second = (outcome.fields[f][0, degrees] for f in fields)
+    return value, first * omega, second * omega**2 + first * epsilon
+
+
+@pytest.mark.parametrize(
+    ("mode", "link", "angle", "omega", "epsilon"),
+    [
+        (1, "coupler", 20.298, -4.121, 296.089),
+        (1, "rocker", 57.325, 6.998, 470.134),
+        (-1, "coupler", -60.98, None, None),
+        (-1, "rocker", -98.01, None, None),
+    ],
+)
+def test_norton_four_bar__moves_as_printed(mode, link, angle, omega, epsilon):
+    # As given in Norton, examples 4-1, 6-7 and 7-1: 100, 40, 120, 80 mm at 40°, ω = 25, ε = 15; open and crossed.
+    found = motion(four_bar(0.1, 0.04, 0.12, 0.08, mode), f"{link}.angle", 40, 25.0, 15.0)
+    assert math.remainder(found[0], 2 * math.pi) / DEGREE == pytest.approx(angle, abs=0.0051)
+    if omega is not None:
+        assert found[1] == pytest.approx(omega, abs=5.1e-4)
+        assert found[2] == pytest.approx(epsilon, abs=5.1e-4)
+
+
+@pytest.mark.parametrize(
+    ("mode", "link", "angle", "omega", "epsilon"),
+    [
+        (1, "coupler", 88.8, -5.99, 26.1),
+        (1, "rocker", 117.3, -3.99, 53.3),
+        (-1, "coupler", -115.2, -0.66, 77.9),
+        (-1, "rocker", -143.6, -2.66, 50.7),
+    ],
+)
+def test_norton_problem_row_a__has_the_printed_answers(mode, link, angle, omega, epsilon):
+    # As given in Norton, tables P4-1, P6-1 and P7-1 row a: 6, 2, 7, 9 at 30°, ω = 10; 143.6596° is printed cut off.
+    found = motion(four_bar(6, 2, 7, 9, mode), f"{link}.angle", 30, 10.0)
+    assert math.remainder(found[0], 2 * math.pi) / DEGREE == pytest.approx(angle, abs=0.06)
+    assert found[1] == pytest.approx(omega, abs=0.005)
+    assert found[2] == pytest.approx(epsilon, abs=0.05)
+
+
+# Slider-cranks
+
+
+def slider_crank(crank_length, rod, offset=0.0):
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}},
+            "guides": {"way": {}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": crank_length, "speed": 1.0},
+            "groups": {
+                "g": {
+                    "type": "RRP",
+                    "inner": "B",
+                    "first": {"link": "rod", "joint": "A", "length": rod},
+                    "second": {"link": "ram", "guide": "way", "offset": offset},
+                }
+            },
+        }
+    )
+
+
+def test_meriam_5_15__engine_at_60_degrees():
+    # Meriam, sample problem 5/15: 5 in and 14 in at 1500 rpm; printed 67.3 ft/s, 29.5 rad/s, 3310 ft/s², 7740 rad/s²,
+    # a rod angle of 18.02°.
+    scene = slider_crank(5 / 12, 14 / 12)
+    _, velocity, acceleration = motion(scene, "ram.slide", 60, rpm(1500))
+    angle, omega, epsilon = motion(scene, "rod.angle", 60, rpm(1500))
+    assert -velocity == pytest.approx(67.3, abs=0.05)
+    assert -omega == pytest.approx(29.5, abs=0.05)
+    assert -acceleration == pytest.approx(3310, abs=5)
+    assert epsilon == pytest.approx(7740, abs=5)
+    assert -math.remainder(angle, 2 * math.pi) / DEGREE == pytest.approx(18.02, abs=0.005)
+
+
+def test_norton_slider_crank__has_the_printed_offset_position():
+    # As given in Norton, examples 4-2 and 6-8: 40 and 120 mm, offset −20 mm, 60°, ω = −30; the rod's angle is
+    # counted from the slider to the crank.
+    scene = slider_crank(0.04, 0.12, -0.02)
+    assert motion(scene, "ram.slide", 60, -30.0)[0] == pytest.approx(0.12684, abs=5e-6)
+    angle, omega, _ = motion(scene, "rod.angle", 60, -30.0)
+    assert math.remainder(angle, 2 * math.pi) / DEGREE + 180 == pytest.approx(152.91, abs=0.005)
+    assert omega == pytest.approx(5.616, abs=5e-4)
+
+
+def test_norton_slider_problem_row_a__has_the_printed_answers():
+    # As given in Norton, tables P4-2 and P6-2 row a: 1.4, 4, offset 1, 45°, ω = 10.
+    scene = slider_crank(1.4, 4.0, 1.0)
+    slide, velocity, _ = motion(scene, "ram.slide", 45, 10.0)
+    assert slide == pytest.approx(4.99, abs=0.005)
+    assert velocity == pytest.approx(-9.87, abs=0.005)
+    assert motion(scene, "rod.angle", 45, 10.0)[1] == pytest.approx(-2.47, abs=0.005)
+
+
+# Quick returns
+
+
+def slotted_lever(distance, radius, lever=0.45):
+    """A crank at O drives a slotted lever pivoted below it; P is the lever's end."""
+    return Scene.model_validate(
+        {
+            "points": {
+                "O": {"x": 0, "y": 0},
+                "C": {"x": 0, "y": -distance},
+                "P": {"link": "lever", "x": lever, "y": 0},
+            },
+            "guides": {"way": {"y": -distance}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": radius, "speed": 1.0},
+            "groups": {
+                "g": {
+                    "type": "RPR",
+                    "first": {"link": "block", "joint": "A"},
+                    "second": {"link": "lever", "joint": "C"},
+                },
+                "out": {
+                    "type": "RRP",
+                    "inner": "B",
+                    "first": {"link": "rod", "joint": "P", "length": 4 * lever},
+                    "second": {"link": "ram", "guide": "way"},
+                },
+            },
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("distance", "radius", "ratio", "tolerance"),
+    [(0.3, 0.12, 1.7, 0.05), (0.24, 0.12, 2, 1e-5), (0.3, 0.15, 2, 1e-5), (0.0757, 0.03, 1.7, 2e-3)],
+    ids=["Khurmi 5.1", "Khurmi 5.2", "Sarkar 1.2", "Khurmi 5.3"],
+)
+def test_slotted_lever__has_the_printed_time_ratio(distance, radius, ratio, tolerance):
+    assert solve(slotted_lever(distance, radius), "lever.swing_time_ratio") == [pytest.approx(ratio, abs=tolerance)]
+
+
+@pytest.mark.parametrize(
+    ("distance", "radius", "lever", "stroke"),
+    [(0.24, 0.12, 0.45, 0.45), (0.2, 0.1, 0.4, 0.4), (0.0757, 0.03, 0.15148, 0.12)],
+    ids=["Khurmi 5.2", "Sarkar 1.1", "Khurmi 5.3"],
+)
+def test_slotted_lever__has_the_printed_stroke(distance, radius, lever, stroke):
+    # 450, 400 and 120 mm; the last from lengths printed to 0.1 and 0.01 mm.
+    assert solve(slotted_lever(distance, radius, lever), "P.x.range") == [pytest.approx(stroke, abs=1e-4)]
+
+
+def test_whitworth_khurmi_5_4__has_the_printed_time_ratio():
+    # Centres 50 mm, driving crank 75 mm, the slotted link's pivot on the line of stroke; printed 2.735.
+    scene = slotted_lever(0.05, 0.075, 0.04)
+    found, turning = solve(scene, "ram.stroke_time_ratio", "lever.angle.range")
+    assert found == pytest.approx(2.735, abs=5e-4)
+    assert turning == pytest.approx(2 * math.pi, abs=0.01)

@@ -1,0 +1,233 @@
+"""Reactions of whole machines against the equations of Newton and Euler, solved densely, and against closed forms.
+
+Tolerances: see `machines.compare`, the sensitivity of the reference itself to a rounding of the data.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from drawn_machines import geared_five_bar, quick_return, scotch_yoke, sliding_input
+from loaded_machines import asked, loaded
+from machines import chain, compare, crank, evaluated, frame, places, rrp, variants_of
+from newton_euler import external, momentum, reactions
+from oracle import EPS, Motion
+from press import actions, bodies, press
+
+from engine import Machine, Scene
+from engine.equal_positions.text.demand import describe
+from engine.laws import inertia_forces
+from engine.laws.kinematics import links, prp, rpp, rpr, rrr, vectors
+from engine.laws.kinematics import rrp as rrp_laws
+from engine.machine.input_motion import InputMotion
+from engine.machine.model import Model
+from engine.machine.reactions import Reactions
+from engine.scene.pairs import pairs
+
+CHECKS = ("input_moment_disagreement", "equilibrium_residual")
+
+
+def rows_of(scene: Scene, q: np.ndarray) -> dict[str, np.ndarray]:
+    rows = reactions(scene, q)
+    return rows | {f"input_moment_by_{way}": rows["input_moment"] for way in ("equilibrium", "power")}
+
+
+def check(scene: dict, positions: int = 16, some: slice = slice(None)) -> None:
+    fields = asked(Scene.model_validate(scene))
+    machine, outcome = evaluated(scene, fields, {}, positions=positions)
+    found = {field: outcome.fields[field][0, some] for field in fields}
+    compare(found, scene, lambda of: rows_of(of, places(machine, of)[some]))
+
+
+# Against Newton and Euler
+
+
+@pytest.mark.parametrize(("seed", "dyads", "in_series"), [(0, 5, False), (4, 10, True)])
+def test_random_chains_of_dyads__newton_euler(seed, dyads, in_series):
+    check(loaded(chain(seed, dyads, in_series), seed))
+
+
+@pytest.mark.parametrize("machine", [geared_five_bar(), sliding_input(), quick_return(0.01), scotch_yoke()])
+def test_machines_of_all_kinds__newton_euler(machine):
+    check(loaded(machine.model_dump(exclude_none=True), 7))
+
+
+@pytest.fixture(scope="module")
+def pressed() -> tuple:
+    """A press with every action, run both ways; its machine, outcome and variants."""
+    scene, varied = press(bodies=bodies(), **actions()), {"input.speed": [7.0, -3.0]}
+    fields = [*asked(Scene.model_validate(scene)), "drive.second.reaction_x", "drive.second.reaction_y"]
+    fields += ["input_moment_by_power", "input_moment"]
+    machine, outcome = evaluated(scene, fields, varied, positions=360, summaries=CHECKS)
+    return machine, outcome, variants_of(scene, varied)
+
+
+def test_press_with_every_action__newton_euler(pressed):
+    machine, outcome, variants = pressed
+    # The ends of the stroke come from cubics between positions, (h⁴/384) max|d⁗| [m]; a table's slope of 2000 N/m
+    # makes a force of it, and reactions are at most some ten times a force on the ram.
+    ends = (2 * math.pi / 360) ** 4 / 384 * 20 * 2000
+    # Each of these lies well between the positions at which resistances change their sign.
+    some = slice(5, None, 24)
+    for i, variant in enumerate(variants):
+        found = {field: row[i, some] for field, row in outcome.fields.items()}
+        compare(found, variant, lambda of: rows_of(of, machine.nodes[some]), truncation=dict.fromkeys(found, 10 * ends))
+
+
+def test_input_moment_three_ways__agree(pressed):
+    _, outcome, _ = pressed
+    for name in CHECKS:
+        # Each way sums some hundred products; their parts are at most ten times the sum at its peak.
+        assert (outcome.summaries[name] > 0.0).all()
+        assert (outcome.summaries[name] < 1000 * EPS).all()
+
+
+def test_piston_in_a_slot__cylinder_is_borne_by_the_rocker():
+    scene = loaded(quick_return().model_dump(exclude_none=True), 2)
+    cylinder = {"type": "pump", "piston": "stone", "bore": 0.05, "suction": 9e4, "discharge": 4e5}
+    check(scene | {"cylinders": {"pump": cylinder}}, 32, slice(1, None, 3))
+
+
+def test_accelerated_input__newton_euler():
+    scene, omega, epsilon, q = press(bodies=bodies()), 11.0, -35.0, 0.7
+    model = Model(Scene.model_validate(scene))
+    p = model.program
+    motion = InputMotion(repr(omega**2), repr(epsilon))
+    moved = Reactions(model.scene, model.structure, model.mechanism, model.moments, p, motion).variables
+    steps = p.needed(moved.values())
+    names = {"math": math, "one": 1.0, "zero": 0.0}
+    for module in (prp, rpp, rpr, rrp_laws, rrr, inertia_forces, links, vectors):
+        names |= vars(module)
+    names |= {"q": q, "cos_q": math.cos(q), "sin_q": math.sin(q)}
+    names |= {slot.variable: float(slot.compute(model.numbers({}))) for slot in p.slots.values()}
+    exec("\n".join(step.line for step in steps), names)
+    expected = reactions(model.scene, np.array([q]), omega, epsilon)
+    expected["input_moment_by_equilibrium"] = expected["input_moment_by_power"] = expected.pop("input_moment")
+    for field, row in expected.items():
+        # A hundred operations on forces of the order of the greatest one.
+        assert names[moved[field]] == pytest.approx(float(row[0]), abs=100 * EPS * 1e4), field
+
+
+# Checks that the engine makes itself
+
+
+def test_checks_of_a_machine_without_loads__zero():
+    scene = {**chain(0, 1, True), "gravity": 0.0}
+    outcome = Machine(Scene.model_validate(scene), CHECKS, positions=16).evaluate({})
+    assert [outcome.summaries[name][0] for name in CHECKS] == [0.0, 0.0]
+
+
+def test_every_link__is_in_equilibrium():
+    scene = Scene.model_validate(loaded(chain(1, 3, True), 1))
+    fields = [f"{pair.name}.reaction_{axis}" for pair in pairs(scene) for axis in "xy"]
+    machine, outcome = evaluated(scene.model_dump(exclude_none=True), fields, {}, positions=16)
+    motion = Motion(scene, machine.nodes)
+    outside, rates = external(motion)[1], momentum(motion, scene.input.speed**2, 0.0)
+    sums = {link: np.asarray(outside.of[link] - rates.of[link], float)[:2] for link in motion.links}
+    for pair in pairs(scene):
+        force = np.stack([outcome.fields[f"{pair.name}.reaction_{axis}"][0] for axis in "xy"])
+        sums[pair.link] += force
+        sums[pair.other] -= force
+    size = max(np.abs(row).max() for row in outcome.fields.values())
+    for link in machine.model.structure.links:
+        # Accelerations lose a factor of 1/sine² of their digits, here some hundred.
+        assert np.abs(sums[link]).max() < 1e4 * EPS * size, link
+
+
+# Closed forms and published problems
+
+
+def test_rotor_off_its_axis__published_force():
+    # A worked example of courses on balancing: a rotor of 10 kg, 0.1 mm off its axis, at 1000 rad/s loads it by 1000 N.
+    scene = {
+        "points": {"O": frame(0.0, 0.0)},
+        "input": crank(speed=1000.0),
+        "bodies": {"rotor": {"link": "crank", "mass": 10.0, "x": 1e-4, "inertia": 0.2}},
+    }
+    machine = Machine(Scene.model_validate(scene), ["input.reaction.peak"], ["input.reaction_along"], positions=16)
+    outcome = machine.evaluate({})
+    assert outcome.summaries["input.reaction.peak"][0] == pytest.approx(1000.0, rel=8 * EPS)
+    np.testing.assert_allclose(outcome.fields["input.reaction_along"], -1000.0, rtol=8 * EPS)
+
+
+def test_slider_crank_with_gas_force__closed_form():
+    """The piston's gas and inertia force goes into the rod and sideways into the cylinder wall: F tan β and F/cos β."""
+    r, rod, mass, omega, gas = 0.05, 0.2, 1.5, 120.0, -9000.0
+    scene = {
+        "points": {"O": frame(0.0, 0.0)},
+        "guides": {"way": {}},
+        "input": crank(length=r, speed=omega),
+        "groups": {"g": rrp("B", ("rod", "A", rod), "piston", "way")},
+        "bodies": {"piston": {"link": "piston", "mass": mass}},
+        "forces": {"gas": {"type": "constant", "on": "B", "angle": 0.0, "force": gas}},
+    }
+    fields = ["g.first.reaction", "g.inner.reaction_along", "g.inner.reaction_across", "g.second.reaction"]
+    fields += ["input_moment_by_equilibrium"]
+    machine, outcome = evaluated(scene, fields, {}, positions=24)
+    phi = machine.nodes
+    beta = np.arcsin(-r * np.sin(phi) / rod)
+    beta_phi = -r * np.cos(phi) / (rod * np.cos(beta))
+    beta_phiphi = (r * np.sin(phi) / rod + np.sin(beta) * beta_phi**2) / np.cos(beta)
+    acceleration = -r * np.cos(phi) - rod * np.cos(beta) * beta_phi**2 - rod * np.sin(beta) * beta_phiphi
+    total = gas - mass * omega**2 * acceleration
+    x_phi = -r * np.sin(phi) - rod * np.sin(beta) * beta_phi
+    expected = dict(
+        zip(
+            fields,
+            (np.abs(total) / np.cos(beta), total / np.cos(beta), 0 * phi, total * np.tan(beta), -total * x_phi),
+            strict=True,
+        )
+    )
+    for field, row in expected.items():
+        # Some tens of operations on the greatest force or moment; forces of two kinds partly cancel.
+        scale = abs(gas) * (r if "moment" in field else 1.0)
+        np.testing.assert_allclose(outcome.fields[field][0], row, rtol=0, atol=200 * EPS * scale)
+
+
+def test_gravity_alone__frame_bears_the_weight():
+    scene = press(bodies=bodies(), input=crank(speed=1e-9))
+    machine, outcome = evaluated(scene, ["frame.reaction_x", "frame.reaction_y"], {}, positions=16)
+    weight = 9.81 * sum(part.mass(machine.model.numbers({})) for part in machine.model.mechanism.masses.values())
+    np.testing.assert_allclose(outcome.fields["frame.reaction_y"], -weight, rtol=100 * EPS)
+    assert np.abs(outcome.fields["frame.reaction_x"]).max() <= 100 * EPS * weight * 10
+
+
+# What is asked
+
+
+def test_reactions_not_asked__not_in_the_kernel():
+    scene = Scene.model_validate(press(bodies=bodies(), **actions()))
+    found = describe(Machine(scene, ["reduced_inertia.max"], ["input_moment", "ram.slide"]).source("whole").steps)
+    assert not any("force" in levels for levels in found.values())
+
+
+def test_one_pair_of_the_last_group__leaves_out_earlier_groups():
+    scene = Scene.model_validate(press(bodies=bodies()))
+    found = describe(Machine(scene, fields=["drive.second.reaction"]).source("whole").steps)
+    assert found["reactions in group drive (RRP)"] == ["force"]
+    assert not any(subject.startswith(("reactions in group bars", "reactions of input")) for subject in found)
+
+
+def test_loads_that_vary__every_variant_by_itself():
+    count, cut = 40, {"cut": actions()["forces"]["cut"]}
+    varied = {"bodies.ram_body.mass": np.linspace(1, 20, count), "forces.cut.force": np.linspace(-900, 900, count)}
+    scene = press(bodies=bodies(), forces=cut)
+    fields = ["drive.first.reaction", "input.reaction_x", "input_moment"]
+    machine = Machine(Scene.model_validate(scene), fields=fields, varied=varied, positions=48)
+    together = {field: row.copy() for field, row in machine.evaluate(varied).fields.items()}
+    assert machine.forms_used == {"whole"}
+    alone = machine.evaluate({path: values[7:8] for path, values in varied.items()})
+    for field in fields:
+        np.testing.assert_array_equal(together[field][7], alone.fields[field][0])
+        assert np.ptp(together[field][:, 5]) > 0.0
+
+
+def test_single_precision__near_double():
+    scene = Scene.model_validate(press(bodies=bodies()))
+    fields = ["input.reaction", "bars.inner.reaction_x", "drive.second.reaction_moment", "frame.reaction_moment"]
+    single, double = (Machine(scene, fields=fields, positions=48, dtype=kind) for kind in (np.float32, np.float64))
+    rough, fine = single.evaluate({}).fields, double.evaluate({}).fields
+    for field in fields:
+        # Some hundred roundings, grown by 1/sine: transmission angles stay above 0.2 rad here.
+        scale = np.abs(fine[field]).max() + 1e-3
+        assert np.abs(rough[field] - fine[field]).max() < 500 * np.finfo(np.float32).eps * scale, field

@@ -1,0 +1,261 @@
+"""Machines computed with replacement masses in place of bodies, and scenes whose replacement is refused.
+
+Where nothing else is said, tolerances are some roundings (EPS) of the greatest value.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from machines import changed, crank, four_bar, frame, on, rrp
+from oracle import EPS
+from press import bodies, press
+from pydantic import ValidationError
+
+from engine import Machine, Scene, SceneError, Verdict
+from engine.scene.inertia import body_inertia
+from engine.scene.scene import Numbers, scene_numbers
+from sweeps.text.scene_text import read_scene, write_scene
+
+DYNAMICS = ["reduced_inertia", "reduced_inertia_phi", "gravity.moment", "input_moment"]
+
+
+def with_points(scene):
+    """Three more points on every link that carries a body, none in line with another two."""
+    places = {"Q": (0.31, 0.05), "V": (-0.12, 0.22), "W": (0.09, -0.17)}
+    links = {body["link"] for body in scene["bodies"].values()}
+    more = {f"{q}_{link}": on(link, *at) for link in sorted(links) for q, at in places.items()}
+    return scene | {"points": scene["points"] | more}
+
+
+def dynamic_choices(link):
+    q, v, w = (f"{name}_{link}" for name in "QVW")
+    return [
+        {"type": "dynamic", "at": [q]},
+        {"type": "dynamic", "at": [v, w], "mass": 0.4},
+        {"type": "dynamic", "at": [q, v, "centre", w]},
+    ]
+
+
+@pytest.mark.parametrize("choice", range(3))
+def test_dynamic_replacement_of_every_body__changes_nothing(choice):
+    plain = with_points(press(bodies=bodies()))
+    replaced = changed(
+        plain,
+        {f"bodies.{n}.replace": dynamic_choices(b["link"])[choice] for n, b in plain["bodies"].items()},
+    )
+    varied = {
+        "input.speed": [7.0, -3.0, 5.0],
+        "bodies.rocker_body.x": [0.35, 0.3, -0.1],
+        "bodies.link_body.shape.length": [0.9, 0.8, 1.4],
+        "bodies.coupler_body.mass": [3.0, 30.0, 1.0],
+        "groups.bars.first.length": [1.0, 0.95, 1.05],
+    }
+    numbers = {path: np.array(values) for path, values in varied.items()}
+    rows = []
+    for scene in (plain, replaced):
+        machine = Machine(Scene.model_validate(scene), fields=DYNAMICS, varied=varied, positions=48)
+        outcome = machine.evaluate(numbers)
+        assert (outcome.status == Verdict.OK).all()
+        rows.append(outcome.fields)
+    # Replacement masses are some times the body's own, with signs: some hundred roundings of the greatest value.
+    for name in DYNAMICS:
+        np.testing.assert_allclose(rows[1][name], rows[0][name], rtol=0, atol=500 * EPS * np.abs(rows[0][name]).max())
+
+
+def test_dynamic_replacement__leaves_every_reaction():
+    plain = slider_crank(y=0.05)
+    replaced = changed(plain, {"bodies.rod_body.replace": {"type": "dynamic", "at": ["A", "P", "B", "centre"]}})
+    reactions = [f for f in Machine(Scene.model_validate(plain)).available_fields if ".reaction" in f]
+    assert len(reactions) > 10
+    scenes = [Scene.model_validate(s) for s in (plain, replaced)]
+    rows = [Machine(s, fields=reactions, positions=24).evaluate({}).fields for s in scenes]
+    force = np.abs(rows[0]["input.reaction"]).max()
+    for name in reactions:
+        np.testing.assert_allclose(rows[1][name], rows[0][name], rtol=0, atol=500 * EPS * force)
+
+
+def test_static_replacement__misses_the_moment_of_inertia_it_says():
+    plain = press(bodies={"bar": bodies()["coupler_body"] | {"x": 0.4}})
+    replaced = changed(plain, {"bodies.bar.replace": {"type": "static", "at": ["A", "B"]}})
+    varied = {"bodies.bar.mass": np.array([3.0, 5.0, 1e-3]), "bodies.bar.x": np.array([0.4, 0.1, 0.6])}
+    fields = ["reduced_inertia", "coupler.angle_phi", "bar.inertia_moment", "coupler.angular_acceleration"]
+    found = [
+        Machine(Scene.model_validate(s), asked, fields, varied, 24).evaluate(varied)
+        for s, asked in ((plain, []), (replaced, ["bar.replacement_error"]))
+    ]
+    error = found[1].summaries["bar.replacement_error"][:, None]
+    gap = found[1].fields["reduced_inertia"] - found[0].fields["reduced_inertia"]
+    w, epsilon = (found[0].fields[f] for f in ("coupler.angle_phi", "coupler.angular_acceleration"))
+    size = np.abs(found[0].fields["reduced_inertia"]).max(axis=1, keepdims=True)
+    assert (np.abs(gap - error * w**2) <= 32 * EPS * size).all()
+    gap = found[1].fields["bar.inertia_moment"] - found[0].fields["bar.inertia_moment"]
+    size = np.abs(found[1].fields["bar.inertia_moment"]).max(axis=1, keepdims=True)
+    assert (np.abs(gap + error * epsilon) <= 32 * EPS * size).all()
+
+
+def test_static_masses__lie_in_the_pins_and_add_up():
+    """A connecting rod's textbook masses: m·b/l at the crank pin, m·a/l at the gudgeon pin."""
+    scene = slider_crank(replace={"type": "static", "at": ["A", "B"]})
+    asked = [f"rod_body.replacement_{what}" for what in ("mass_1", "mass_2", "x_1", "x_2", "y_2", "error")]
+    varied = {"groups.g.first.length": np.array([0.8, 1.2]), "bodies.rod_body.x": np.array([0.2, 0.9])}
+    found = Machine(Scene.model_validate(scene), asked, varied=varied, positions=8).evaluate(varied).summaries
+    length, x = varied.values()
+    expected = [2.0 * (length - x) / length, 2.0 * x / length, 0 * x, length, 0 * x, 2.0 * x * (length - x) - 0.1]
+    for name, value in zip(asked, expected, strict=True):
+        np.testing.assert_allclose(found[name], value, rtol=16 * EPS, atol=8 * EPS)
+
+
+def slider_crank(**changes):
+    body = {"link": "rod", "mass": 2.0, "x": 0.3, "inertia": 0.1, **changes}
+    return {
+        "points": {"O": frame(0, 0), "P": on("rod", 0.3, 0.2), "N": on("rod", 0.5, 0.0)},
+        "guides": {"way": {}},
+        "input": crank(),
+        "groups": {"g": rrp("B", ("rod", "A", 0.8), "slider", "way")},
+        "bodies": {"rod_body": body, "slider_body": {"link": "slider", "mass": 1.0}},
+    }
+
+
+def test_variant_that_cannot_be_replaced__is_told_and_has_no_numbers():
+    scene = slider_crank(replace={"type": "static", "at": ["A", "B"]})
+    machine = Machine(Scene.model_validate(scene), ["reduced_inertia.max"], varied=["bodies.rod_body.y"], positions=8)
+    found = machine.evaluate({"bodies.rod_body.y": np.array([0.0, 0.01])})
+    assert found.status.tolist() == [Verdict.OK, Verdict.NOT_FINITE]
+    assert np.isnan(found.summaries["reduced_inertia.max"]).tolist() == [False, True]
+
+
+# Body | link | points: the places that every kind of link has.
+PLACES = {
+    "crank": ("crank", ["O", "A"]),
+    "rod": ("rod", ["A", "P", "B"]),
+    "gear": ("gear", ["S", "T", "M"]),
+    "slider": ("slider", ["B", "K", "L"]),
+    "rocker": ("rocker", ["D", "E", "F"]),
+    "stone": ("stone", ["A", "G", "H"]),
+}
+
+
+@pytest.mark.parametrize(("link", "at"), PLACES.values(), ids=PLACES)
+def test_points_of_every_kind_of_link__may_carry_masses(link, at):
+    scene = slider_crank()
+    scene["points"] |= {
+        "S": frame(-0.6, 0.0),
+        "D": frame(0.1, -0.9),
+        "T": on("gear", 0.2, 0.0),
+        "M": on("gear", 0, 0.1),
+    }
+    scene["points"] |= {"K": on("slider", 0.2, 0.0), "L": on("slider", 0, 0.1)}
+    scene["points"] |= {"E": on("rocker", 0.5, 0.0), "F": on("rocker", 0.2, 0.3)}
+    scene["points"] |= {"G": on("stone", 0.1, 0.0), "H": on("stone", 0.0, 0.1)}
+    scene["shafts"] = {"gear": {"geared_to": "crank", "ratio": -2.0, "pivot": "S"}}
+    second = {"link": "rocker", "joint": "D"}
+    scene["groups"]["q"] = {"type": "RPR", "first": {"link": "stone", "joint": "A"}, "second": second}
+    scene["bodies"] = {"b": {"link": link, "mass": 2.0, "x": 0.11, "y": 0.0 if len(at) == 2 else 0.07, "inertia": 0.03}}
+    # What the masses add: a body with the inertia that the static replacement says.
+    replaced = changed(scene, {"bodies.b.replace": {"type": "static", "at": at}})
+    machine = Machine(Scene.model_validate(replaced), ["b.replacement_error"], ["reduced_inertia"], positions=16)
+    found = machine.evaluate({})
+    scene["bodies"]["b"]["inertia"] += float(found.summaries["b.replacement_error"][0])
+    expected = Machine(Scene.model_validate(scene), fields=["reduced_inertia"], positions=16).evaluate({})
+    rows = found.fields["reduced_inertia"], expected.fields["reduced_inertia"]
+    np.testing.assert_allclose(*rows, rtol=0, atol=64 * EPS * np.abs(rows[1]).max())
+
+
+def test_bodies_on_a_yoke__whatever_their_names():
+    """The crossing of a yoke's slot and guide has a name like the yoke's own; a body's may be the same."""
+    rows = []
+    for names in (("yoke", "second"), ("first", "second")):
+        scene = four_bar()
+        scene["guides"] = {"way": {"link": "rocker", "x": 0.2, "angle": 0.3}}
+        second = {"link": "yoke", "guide": "way", "slot_angle": 1.2}
+        scene["groups"]["saw"] = {"type": "RPP", "first": {"link": "stone", "joint": "A"}, "second": second}
+        scene["bodies"] = {n: {"link": "yoke", "mass": 2.0, "x": 0.2, "y": 0.1} for n in names}
+        machine = Machine(Scene.model_validate(scene), fields=["reduced_inertia"], positions=8)
+        rows.append(machine.evaluate({}).fields["reduced_inertia"])
+    assert (rows[0] == rows[1]).all()
+
+
+# Scenes that are refused
+
+SLIPS = {
+    "unknown point": ({"type": "static", "at": ["A", "D"]}, "replace.at", ["'D' is not a point of link 'rod'", "A, B"]),
+    "misspelt centre": ({"type": "static", "at": ["A", "center", "B"]}, "replace.at", ["did you mean 'centre'"]),
+    "one place twice": (
+        {"type": "dynamic", "at": ["A", "N", "centre", "M"]},
+        "replace.at",
+        ["'N' and 'M'", "one place"],
+    ),
+    "centre off the line": ({"type": "static", "at": ["A", "P"]}, "replace.at", ["A, P", "on a line through"]),
+    "three on a line": ({"type": "static", "at": ["A", "N", "B"]}, "replace.at", ["don't lie on one line"]),
+    "point in the centre": ({"type": "dynamic", "at": ["centre"]}, "replace.at", ["away from the centre of mass"]),
+    "three beside the centre": (
+        {"type": "dynamic", "at": ["A", "P", "B"]},
+        "replace.at",
+        ["through its centre of mass"],
+    ),
+    "all the mass": ({"type": "dynamic", "at": ["A", "B"], "mass": 2.0}, "replace.at", ["leaves nothing"]),
+    "four on a line": ({"type": "dynamic", "at": ["A", "N", "B", "centre"]}, "replace.at", ["one circle or line"]),
+}
+
+
+@pytest.mark.parametrize(("replace", "key", "words"), SLIPS.values(), ids=SLIPS)
+def test_impossible_choice__is_refused_in_the_mechanics_words(replace, key, words):
+    scene = slider_crank(replace=replace)
+    scene["points"] |= {"D": frame(1, 1), "M": on("rod", 0.5, 0.0)}
+    with pytest.raises(SceneError) as caught:
+        Machine(Scene.model_validate(scene))
+    ((path, message),) = caught.value.problems
+    assert path == f"bodies.rod_body.{key}"
+    assert all(word in message for word in words), message
+
+
+@pytest.mark.parametrize(
+    ("replace", "words"),
+    [
+        ({"type": "static", "at": ["A"]}, "1 points; a static replacement takes 2 or 3"),
+        ({"type": "dynamic", "at": ["A", "B", "N", "P", "O"]}, "5 points; a dynamic replacement takes 1, 2, 3 or 4"),
+        ({"type": "dynamic", "at": ["A", "B"]}, "the mass at the first, 'A'"),
+        ({"type": "static", "at": ["A", "B"], "mass": 1.0}, "mass belongs to a dynamic replacement"),
+        ({"type": "static", "at": ["A", "A"]}, "a point twice: A, A"),
+    ],
+)
+def test_wrong_count__is_refused(replace, words):
+    with pytest.raises(ValidationError, match=words):
+        Scene.model_validate(slider_crank(replace=replace))
+
+
+def test_replacement__is_written_and_read_back(tmp_path: Path):
+    scene = Scene.model_validate(slider_crank(replace={"type": "dynamic", "at": ["A", "B"], "mass": 0.7}))
+    path = tmp_path / "rod.toml"
+    path.write_text(write_scene(scene), encoding="utf8")
+    assert read_scene(path).bodies["rod_body"].replace == scene.bodies["rod_body"].replace
+    assert scene_numbers(scene)["bodies.rod_body.replace.mass"].value == 0.7
+
+
+def test_mass_at_the_first_point__may_vary():
+    scene = Scene.model_validate(slider_crank(replace={"type": "dynamic", "at": ["A", "B"], "mass": 0.7}))
+    path = "bodies.rod_body.replace.mass"
+    asked = [f"rod_body.replacement_mass_{i}" for i in (1, 2, 3)]
+    machine = Machine(scene, [*asked, "rod_body.replacement_error"], varied=[path], positions=8)
+    found = machine.evaluate({path: np.array([0.2, -0.3, 1.9])})
+    np.testing.assert_allclose(sum(found.summaries[name] for name in asked), 2.0, rtol=32 * EPS)
+    inertia = body_inertia(scene, "rod_body", Numbers(scene_numbers(scene), {}))
+    assert (np.abs(found.summaries["rod_body.replacement_error"]) <= 200 * EPS * inertia).all()
+
+
+def test_four_bar_with_static_masses__moves_as_with_bodies_of_points():
+    """Masses by name of the point against bodies that a user would put there by hand."""
+    replaced = four_bar()
+    replaced["bodies"] = {"c": {"link": "coupler", "mass": 3.0, "x": 0.4, "inertia": 0.2}}
+    replaced["bodies"]["c"]["replace"] = {"type": "static", "at": ["A", "B"]}
+    # The coupler is 1 m long.
+    by_hand = four_bar()
+    by_hand["bodies"] = {"a": {"link": "coupler", "mass": 1.8}, "b": {"link": "coupler", "mass": 1.2, "x": 1.0}}
+    rows = [
+        Machine(Scene.model_validate(s), fields=["reduced_inertia"], positions=16)
+        .evaluate({})
+        .fields["reduced_inertia"]
+        for s in (replaced, by_hand)
+    ]
+    np.testing.assert_allclose(*rows, rtol=64 * EPS)

@@ -1,0 +1,266 @@
+"""Shaking force and moment against the rate of momentum, the frame's reaction, and closed forms of their orders."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from machines import changed, crank, evaluated, four_bar, frame, on, rpr, rrp, rrr
+from oracle import EPS, Motion
+from oracle_dynamics import body_of
+
+from engine import Machine, Scene, SceneError, Verdict
+from engine.equal_positions.shaking import order_of
+
+SHAKING = ["shaking_force_x", "shaking_force_y", "shaking_moment"]
+# The motions' harmonics fall below rounding before half of it.
+POSITIONS = 256
+SPEED = 5.0
+
+
+def body(link: str, mass: float, x: float, y: float, inertia: float) -> dict:
+    return {"link": link, "mass": mass, "x": x, "y": y, "inertia": inertia}
+
+
+def six_bar() -> dict:
+    """Four-bar with a slider on its coupler, shafts geared to crank and rocker, everything off its axis."""
+    points = {"Q": frame(-0.4, 0.7), "E": on("coupler", 0.4, 0.2), "P": frame(0.3, -0.6)}
+    scene = four_bar(**points)
+    scene["guides"] = {"way": {"x": 1.0, "y": 0.9, "angle": 0.3}}
+    scene["groups"]["g"] = rrp("S", ("rod", "E", 1.4), "ram", "way", 0.05)
+    scene["shafts"] = {
+        "wheel": {"geared_to": "rocker", "ratio": -2.5, "inertia": 0.2},
+        "beside": {"geared_to": "crank", "ratio": -2.0, "inertia": 0.1, "pivot": "P", "phase": 0.4},
+    }
+    scene["bodies"] = {
+        "a": body("crank", 1.2, 0.1, 0.05, 0.02),
+        "b": body("coupler", 2.0, 0.45, -0.12, 0.15),
+        "c": body("rocker", 1.5, 0.35, 0.1, 0.1),
+        "d": body("rod", 0.7, 0.6, 0.0, 0.08),
+        "e": body("ram", 3.0, 0.1, 0.2, 0.3),
+        "f": body("beside", 0.4, 0.08, -0.03, 0.01),
+    }
+    return scene
+
+
+def swinging_block() -> dict:
+    """Crank and slotted lever."""
+    return {
+        "points": {"O": frame(0.0, 0.0), "D": frame(0.2, -0.9), "Q": frame(0.6, 0.1)},
+        "input": crank(speed=-SPEED),
+        "groups": {"g": rpr(("block", "A"), ("lever", "D"), 0.03)},
+        "bodies": {"a": body("block", 0.8, 0.02, 0.01, 0.05), "b": body("lever", 2.5, 0.7, -0.05, 0.4)},
+    }
+
+
+MACHINES = {"six bars": six_bar(), "slotted lever": swinging_block()}
+
+
+def momenta(scene: Scene, about: tuple[float, float], q: np.ndarray) -> np.ndarray:
+    """Momentum and moment of momentum about a fixed point at unit speed, by the second machine (3, positions)."""
+    motion = Motion(scene, q)
+    found = np.zeros((3, q.size), np.longdouble)
+    for part in scene.bodies.values():
+        mass, along, across, inertia = body_of(part)
+        link = motion.links[part.link]
+        x, y = link.point(along, across)
+        turning = mass * ((x.v - about[0]) * y.d - (y.v - about[1]) * x.d) + inertia * link.theta.d
+        found += np.stack([mass * x.d + 0 * q, mass * y.d + 0 * q, turning + 0 * q])
+    for name, shaft in scene.shafts.items():
+        found[2] += shaft.inertia * motion.links[name].theta.d
+    return found.astype(float)
+
+
+def rate(rows: np.ndarray) -> np.ndarray:
+    """Derivative of periodic rows by their Fourier series."""
+    orders = np.fft.fftfreq(rows.shape[1], 1 / rows.shape[1])
+    orders[rows.shape[1] // 2] = 0
+    return np.fft.ifft(1j * orders * np.fft.fft(rows)).real
+
+
+@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("about", [None, "Q"])
+def test_shaking__is_the_rate_of_momentum(name, about):
+    scene = MACHINES[name] | ({"balance": {"about": about}} if about else {})
+    machine, outcome = evaluated(scene, SHAKING, {}, POSITIONS)
+    checked = Scene.model_validate(scene)
+    at = checked.points[about or "O"]
+    momentum = momenta(checked, (at.x, at.y), machine.nodes)
+    found = np.stack([outcome.fields[field][0] for field in SHAKING])
+    # Rounding of the momenta, in the orders up to N/2 that the derivative multiplies it with; and what the machine's
+    # own sensitivity makes of it, some ten roundings of its second derivatives.
+    size = np.abs(momentum).max(axis=1, keepdims=True)
+    tolerance = EPS * (POSITIONS * size + 64 * np.abs(found).max(axis=1, keepdims=True) / SPEED**2)
+    assert (np.abs(found / SPEED**2 + rate(momentum)) <= tolerance).all()
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_shaking__is_what_the_frame_bears_without_loads(name):
+    fields = [*SHAKING, "frame.reaction_x", "frame.reaction_y", "frame.reaction_moment"]
+    _, outcome = evaluated(MACHINES[name] | {"balance": {"about": "Q"}}, fields, {}, 16)
+    fx, fy, moment, rx, ry, about_origin = (outcome.fields[field][0] for field in fields)
+    x, y = (MACHINES[name]["points"]["Q"][axis] for axis in ("x", "y"))
+    forces = np.abs(fx).max() + np.abs(fy).max()
+    # Sums of some twenty terms, of the size of the greatest reactions: a few times what is left of them.
+    np.testing.assert_allclose(fx, rx, rtol=0, atol=256 * EPS * forces)
+    np.testing.assert_allclose(fy, ry, rtol=0, atol=256 * EPS * forces)
+    size = forces + np.abs(about_origin).max()
+    np.testing.assert_allclose(moment + x * fy - y * fx, about_origin, rtol=0, atol=256 * EPS * size)
+
+
+def test_shaking_force__has_the_magnitude_of_its_components_in_both_forms_of_the_kernel():
+    fields = ["shaking_force", "shaking_force_x", "shaking_force_y"]
+    varied = {"bodies.b.mass": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]}
+    machine, outcome = evaluated(six_bar(), fields, varied, 32)
+    assert machine.forms_used == {"factorised"}
+    size, x, y = (outcome.fields[field] for field in fields)
+    np.testing.assert_allclose(size, np.hypot(x, y), rtol=4 * EPS)
+    for i, mass in enumerate(varied["bodies.b.mass"]):
+        whole, alone = evaluated(changed(six_bar(), {"bodies.b.mass": mass}), fields, {}, 32)
+        assert whole.forms_used == {"whole"}
+        np.testing.assert_allclose(size[i], alone.fields["shaking_force"][0], rtol=0, atol=64 * EPS * size[i].max())
+
+
+def test_shaking_moment__is_about_the_inputs_pivot_or_the_named_point():
+    field = Machine(Scene.model_validate(six_bar())).available_fields["shaking_moment"]
+    assert "about O at" in field.long_name
+    named = Machine(Scene.model_validate(six_bar() | {"balance": {"about": "Q"}})).available_fields["shaking_moment"]
+    assert "about Q at" in named.long_name
+
+
+@pytest.mark.parametrize(
+    ("about", "message"), [("E", r"'E' is not on the frame; known are: D, O, P, Q"), ("R", "'R' is not a point")]
+)
+def test_point_of_the_moment__is_on_the_frame(about, message):
+    with pytest.raises(SceneError, match=message):
+        Machine(Scene.model_validate(six_bar() | {"balance": {"about": about}}))
+
+
+def test_replaced_body__shakes_as_its_point_masses():
+    scene = six_bar()
+    scene["bodies"]["b"]["replace"] = {"type": "dynamic", "at": ["A"]}
+    _, replaced = evaluated(scene, SHAKING, {}, 32)
+    _, whole = evaluated(six_bar(), SHAKING, {}, 32)
+    # A dynamic replacement keeps the body's inertia but for the rounding of its numbers.
+    for field in SHAKING:
+        row = whole.fields[field][0]
+        np.testing.assert_allclose(replaced.fields[field][0], row, rtol=0, atol=256 * EPS * np.abs(row).max())
+
+
+def test_sliding_input__shakes_about_its_guide():
+    scene = {
+        "points": {"D": frame(1.2, 0.9)},
+        "guides": {"way": {"x": 0.2, "y": 0.1, "angle": 0.2}},
+        "input": {
+            "type": "slider", "link": "ram", "guide": "way", "point": "A", "start": 0.0, "stop": 0.5, "speed": 2.0
+        },
+        "groups": {"g": rrr("B", ("rod", "A", 0.9), ("lever", "D", 0.8))},
+        "bodies": {"b": body("lever", 2.0, 0.4, 0.1, 0.3)},
+    }  # fmt: skip
+    machine, outcome = evaluated(scene, [*SHAKING, "frame.reaction_moment"], {}, 16)
+    assert "about way at" in machine.available_fields["shaking_moment"].long_name
+    assert "shaking_force.order_1" not in machine.available_summaries
+    fx, fy, moment, about_origin = (outcome.fields[field][0] for field in outcome.fields)
+    size = np.abs(about_origin).max() + np.hypot(fx, fy).max()
+    np.testing.assert_allclose(moment + 0.2 * fy - 0.1 * fx, about_origin, rtol=0, atol=256 * EPS * size)
+
+
+# Orders
+
+
+@settings(deadline=None, max_examples=50)
+@given(
+    st.lists(st.complex_numbers(max_magnitude=10), min_size=18, max_size=18),
+    st.sampled_from([24, 36, 64]),
+    st.sampled_from([1, 2]),
+    st.sampled_from([1, 2]),
+)
+def test_order__is_the_longer_half_axis_of_its_ellipse(parts, positions, revolutions, stride):
+    forward, backward = np.array(parts[:9]), np.array(parts[9:])
+    phi = 2 * math.pi * revolutions * np.arange(positions) / positions
+    # Orders 0 to 4 of the crank; with two turns a cycle those between them too, twice the orders of the cycle.
+    orders = np.arange(9) / 2 if revolutions == 2 else np.arange(5)
+    forward, backward = forward[: orders.size], backward[: orders.size]
+    turned = np.exp(1j * orders[:, None] * phi)
+    force = forward @ turned + backward @ np.conj(turned)
+    finer = 2 * math.pi * revolutions * np.arange(stride * positions) / (stride * positions)
+    for n in (1, 2, 4):
+        at = list(orders).index(n)
+        found, terms = order_of(force.real.copy(), force.imag.copy(), n, np.cos(finer), np.sin(finer))
+        # Sums of N terms, each with an error of its size in cosine and sine of an angle of up to 16 pi.
+        assert abs(found - abs(forward[at]) - abs(backward[at])) <= 128 * EPS * (terms + 1e-300) + 64 * EPS * 90
+        ellipse = forward[at] * np.exp(1j * n * phi) + backward[at] * np.exp(-1j * n * phi)
+        assert np.abs(ellipse).max() <= found + 1e-11
+
+
+def piston_orders(ratio, orders):
+    """Sizes of the orders of the piston's −x″ over r, by the Fourier integrals of its place: n² c_n."""
+
+    def place(phi):
+        return mp.cos(phi) + mp.sqrt(1 - (ratio * mp.sin(phi)) ** 2) / ratio
+
+    turn = [0, mp.pi / 2, mp.pi]
+    return [abs(float(n**2 * 2 / mp.pi * mp.quad(lambda phi, n=n: place(phi) * mp.cos(n * phi), turn))) for n in orders]
+
+
+def slider_crank(**parts) -> dict:
+    return {
+        "points": {"O": frame(0.0, 0.0)},
+        "guides": {"way": {}},
+        "input": crank(),
+        "groups": {"g": rrp("B", ("rod", "A", 1.2), "piston", "way")},
+        "bodies": {"piston_body": {"link": "piston", "mass": 2.0}},
+        **parts,
+    }
+
+
+def orders_of(scene: dict, positions: int = 360, **settings) -> tuple[dict, dict]:
+    names = [f"shaking_force.order_{n}" for n in (1, 2, 4)]
+    outcome = Machine(Scene.model_validate(scene), names, positions=positions, **settings).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    return [outcome.summaries[n][0] for n in names], [outcome.errors[n][0] for n in names]
+
+
+@pytest.mark.parametrize("revolutions", [1, 2])
+def test_slider_crank__has_the_orders_of_its_piston(revolutions):
+    found, errors = orders_of(slider_crank(input=crank(revolutions=revolutions)))
+    exact = 2.0 * 0.3 * SPEED**2 * np.array(piston_orders(mp.mpf(0.3) / mp.mpf(1.2), (1, 2, 4)))
+    assert exact[0] == pytest.approx(2.0 * 0.3 * SPEED**2, rel=1e-14)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=16 * EPS * exact[0])
+    assert max(errors) < 1e-12 * exact[0]
+
+
+def test_few_positions__mistake_higher_orders_by_no_more_than_the_error_figure():
+    exact = 2.0 * 0.3 * SPEED**2 * np.array(piston_orders(mp.mpf(0.3) / mp.mpf(1.2), (1, 2, 4)))
+    found, errors = orders_of(slider_crank(), positions=8)
+    assert (np.abs(found - exact) <= errors).all()
+    assert np.abs(found - exact).max() > 1e-6 * exact[0]
+
+
+def test_orders_in_single_precision__agree_within_their_error_figures():
+    found, errors = orders_of(slider_crank(), dtype=np.float32)
+    exact, _ = orders_of(slider_crank())
+    assert (np.abs(np.subtract(found, exact)) <= errors).all()
+
+
+def test_two_pistons_in_antiphase__lose_the_first_order_and_double_the_second():
+    one, _ = orders_of(slider_crank())
+    scene = slider_crank(points={"O": frame(0.0, 0.0), "C": on("crank", -0.3, 0.0)})
+    scene["guides"]["other"] = {}
+    scene["groups"]["h"] = rrp("E", ("other_rod", "C", 1.2), "other_piston", "other")
+    scene["bodies"]["other_body"] = {"link": "other_piston", "mass": 2.0}
+    two, _ = orders_of(scene)
+    np.testing.assert_allclose(two, [0.0, 2 * one[1], 2 * one[2]], rtol=0, atol=16 * EPS * one[0])
+
+
+def test_eccentric_mass__pulls_evenly():
+    scene = slider_crank(bodies={"rotor": {"link": "crank", "mass": 3.0, "x": 0.03, "y": -0.04}})
+    names = ["shaking_force.rms", "shaking_force.peak", "shaking_force.order_1", "shaking_moment.peak"]
+    outcome = Machine(Scene.model_validate(scene), names).evaluate({})
+    rms, peak, order, moment = (outcome.summaries[name][0] for name in names)
+    pull = 3.0 * 0.05 * SPEED**2
+    np.testing.assert_allclose([rms, peak, order], pull, rtol=16 * EPS)
+    # Its inertia force passes through the crank's axis.
+    assert moment <= 4 * EPS * pull

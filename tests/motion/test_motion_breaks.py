@@ -1,0 +1,137 @@
+"""Where moments jump and bend: places against the slider-crank's closed form."""
+
+import math
+
+import numpy as np
+import pytest
+from motion_scenes import CUT, RADIUS, ROD, slider_crank
+
+from engine import Scene
+from engine.machine.model import Model
+from engine.motion.moments.breaks import Landmarks, _merged
+
+TURN = 2 * math.pi
+# Regula falsi goes down to rounding: of a slide of 0.25 m whose slope is 0.02 m and more a radian, and of q itself.
+FOUND = 2e-14
+
+
+def landmarks(scene: dict, varied: dict | None = None) -> tuple:
+    """Strokes' ends and breaks by action, (places, variants), and which jump."""
+    varied = {path: np.array(values, float) for path, values in (varied or {}).items()}
+    model = Model(Scene.model_validate(scene), frozenset(varied))
+    count = len(next(iter(varied.values()), [0]))
+    ends, breaks = Landmarks(model)(model.numbers(varied), count, np.ones(count))
+    return ends, breaks
+
+
+def of(breaks: object, action: str, variant: int = 0) -> list[tuple[float, bool]]:
+    """Angles of an action's breaks within the turn, in order, and whether each is a jump."""
+    chosen = breaks.of(frozenset({action}))
+    rows = zip(np.mod(chosen.angles[:, variant], TURN), chosen.jumps, strict=True)
+    # A break at the very begin may be found at either end of the turn.
+    return sorted((0.0 if a > TURN - 1e-12 else float(a), bool(j)) for a, j in rows if not math.isnan(a))
+
+
+def angle_at(x: float, rod: float = ROD) -> float:
+    """Crank angle in (0, π) at which the slide coordinate is x, by the law of cosines."""
+    return math.acos((RADIUS**2 + x * x - rod * rod) / (2 * RADIUS * x))
+
+
+def check(found: list[tuple[float, bool]], expected: list[tuple[float, bool]], tolerance: float = FOUND) -> None:
+    assert [jump for _, jump in found] == [jump for _, jump in expected]
+    assert [a for a, _ in found] == pytest.approx([a for a, _ in expected], abs=tolerance)
+
+
+@pytest.mark.parametrize("measured", ["high end", "low end", "guide"])
+def test_table_over_stroke__dead_centres_and_rows(measured):
+    scene = slider_crank({})
+    shift = {"high end": 0.0, "low end": 0.0, "guide": ROD - 0.01}[measured]
+    scene["forces"] = {
+        "cut": CUT
+        | {
+            "measured_from": measured,
+            "over_stroke": [0.01 + shift, 0.015 + shift, 0.02 + shift],
+            "force": [900.0, 600.0, 0.0],
+        }
+    }
+    ends, breaks = landmarks(scene)
+    assert ends["ram"].low[0] == pytest.approx(ROD - RADIUS, rel=1e-15)
+    assert ends["ram"].high[0] == pytest.approx(ROD + RADIUS, rel=1e-15)
+    assert math.sin(ends["ram"].high_at[0]) == pytest.approx(0.0, abs=FOUND)
+    assert ends["ram"].low_at[0] == pytest.approx(math.pi, abs=FOUND)
+    level = {"high end": lambda x: ROD + RADIUS - x, "low end": lambda x: ROD - RADIUS + x, "guide": lambda x: x}
+    places = [angle_at(level[measured](x)) for x in scene["forces"]["cut"]["over_stroke"]]
+    # 900 N break off, 600 N is a bend, and so is the end with 0 N.
+    jumps = [True, False, False]
+    # The cut acts on one way only, the second half of the turn.
+    rows = [(TURN - a, j) for a, j in zip(places, jumps, strict=True)]
+    check(of(breaks, "cut"), sorted([*rows, (0.0, False), (math.pi, False)]))
+
+
+def test_table_over_angle__its_rows():
+    _, breaks = landmarks(slider_crank({}))
+    found = of(breaks, "by_angle")
+    # The first row and the last are the same place.
+    assert {round(a, 12) for a, _ in found} == {0.0, 1.0, 4.0}
+    assert [jump for a, jump in found if abs(a - 1.0) < 1e-12] == [True]
+
+
+def test_friction_force__bends_at_dead_centres():
+    scene = slider_crank({})
+    scene["forces"] = {"ways": {"type": "against_motion", "on": "B", "angle": 0.0, "force": 30.0}}
+    _, breaks = landmarks(scene)
+    check(of(breaks, "ways"), [(0.0, False), (math.pi, False)])
+
+
+@pytest.mark.parametrize("head", ["high", "low"])
+def test_compressor_valves__where_the_polytropes_reach_the_lines(head):
+    scene = slider_crank({})
+    scene["forces"] = {}
+    gas = {"clearance": 0.06, "suction": 1.0e5, "discharge": 5.0e5, "n_compression": 1.3, "n_expansion": 1.2}
+    scene["cylinders"] = {"gas": {"type": "compressor", "piston": "ram", "bore": 0.08, "head": head, **gas}}
+    rods = [0.12, 0.2, 0.5]
+    _, breaks = landmarks(scene, {"groups.drive.first.length": rods})
+    stroke = 2 * RADIUS
+    least = gas["clearance"] * stroke
+    opens = (stroke + least) * (gas["suction"] / gas["discharge"]) ** (1 / gas["n_compression"]) - least
+    closes = least * (gas["discharge"] / gas["suction"]) ** (1 / gas["n_expansion"]) - least
+    for i, rod in enumerate(rods):
+
+        def place(travel: float, rod: float = rod) -> float:
+            return angle_at(rod + RADIUS - travel if head == "high" else rod - RADIUS + travel, rod)
+
+        # Delivery opens on the way to the head, suction on the way from it; each level is passed twice.
+        both = [place(opens), place(closes)]
+        expected = sorted([0.0, math.pi, *both, *(TURN - a for a in both)])
+        check(of(breaks, "gas", i), [(a, False) for a in expected], 1e-13)
+
+
+def test_breaks_of_variants__each_its_own():
+    depths = [0.15, 0.2, 0.4, 1.0]
+    _, breaks = landmarks(slider_crank({}), {"groups.drive.first.length": depths})
+    for i, rod in enumerate(depths):
+        places = [angle_at(rod + RADIUS - x, rod) for x in CUT["over_stroke"]]
+        rows = [(TURN - a, True) for a in places]
+        check(of(breaks, "cut", i), sorted([*rows, (0.0, False), (math.pi, False)]), 1e-13)
+
+
+def test_stroke_too_short_for_a_table__has_no_such_break():
+    scene = slider_crank({})
+    scene["forces"]["cut"] = CUT | {"over_stroke": [0.01, 0.5]}
+    _, breaks = landmarks(scene)
+    place = angle_at(ROD + RADIUS - 0.01)
+    check(of(breaks, "cut"), [(0.0, False), (math.pi, False), (TURN - place, True)])
+
+
+def test_places_among_samples__are_in_order_with_their_values():
+    random = np.random.default_rng(1)
+    q = np.sort(random.uniform(0, TURN, (7, 40)), axis=0)
+    others = random.uniform(-1, TURN + 1, (3, 40))
+    others[random.random(others.shape) < 0.3] = np.nan
+    every, values = _merged(q, np.array([np.sin(q), q**2]), others, np.array([np.sin(others), others**2]))
+    for v in range(q.shape[1]):
+        expected = np.sort([*q[:, v], *others[np.isfinite(others[:, v]), v]])
+        # What is left over repeats the last sample, as values where a variant has no place.
+        assert (every[: expected.size, v] == expected).all()
+        assert (every[expected.size :, v] == q[-1, v]).all()
+    assert (values == np.array([np.sin(every), every**2])).all()

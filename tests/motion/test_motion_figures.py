@@ -1,0 +1,98 @@
+"""Error figures of motion are honest; answers don't depend on threads or on the company of other variants."""
+
+import numpy as np
+import pytest
+from motion_scenes import ask, run, slider_crank, steady
+
+from engine import Verdict
+from engine.compiling.jit import set_threads
+
+REGIMES = {
+    "start": run("dc fan gravity", speed=35.0),
+    "working": run("dc fan gravity cut", cycles=2.6),
+    "on": steady("dc fan gravity cut rub"),
+    "other": steady("induction load gravity"),
+    "stop": run("brake gravity rub", rest=True),
+}
+QUANTITIES = {
+    "start": "time angle motor_work motor_moment_rms",
+    "working": "time final_speed motor_work useful_work",
+    "on": "period speed_fluctuation speed_min speed_max motor_work useful_work multiplier",
+    "other": "period speed_fluctuation speed_min speed_max motor_work multiplier",
+    "stop": "time angle brake_heat harmful_work",
+}
+NAMES = [f"{regime}.{quantity}" for regime, words in QUANTITIES.items() for quantity in words.split()]
+
+
+def random_machines(count: int, seed: int) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    ranges = {
+        "moments.dc.stall_moment": (10.0, 60.0),
+        "moments.dc.no_load_speed": (60.0, 200.0),
+        "moments.induction.breakdown_moment": (1.0, 5.0),
+        "moments.fan.coefficient": (2e-4, 2e-3),
+        "groups.drive.first.length": (0.15, 0.6),
+        "bodies.ram_body.mass": (0.5, 6.0),
+        "bodies.eccentric.mass": (0.5, 4.0),
+        "flywheel.inertia": (0.03, 3.0),
+    }
+    # Evenly in the logarithm.
+    return {path: np.exp(rng.uniform(np.log(a), np.log(b), count)) for path, (a, b) in ranges.items()}
+
+
+def test_error_figures__hold_for_nearly_all_of_200_random_machines():
+    machines = random_machines(200, 7)
+    scene = slider_crank(REGIMES)
+    found = ask(scene, " ".join(NAMES), 120, varied=machines)
+    exact = ask(scene, " ".join(NAMES), 960, varied=machines)
+    sound = np.array([a == b == Verdict.OK for a, b in zip(found.status, exact.status, strict=True)])
+    assert sound.mean() > 0.95
+    shares, ratios = {}, {}
+    for name in NAMES:
+        value, figure = found.values[name][sound], found.errors[name][sound]
+        # The reference has an error of its own: that of eight times the steps.
+        error = np.abs(value - exact.values[name][sound])
+        shares[name] = np.mean(error <= figure + exact.errors[name][sound])
+        told = error > 1e-13 * np.abs(value)
+        ratios[name] = np.median(figure[told] / error[told]) if told.any() else 1.0
+    print("share of honest figures, median of figure over error:")
+    print("\n".join(f"  {name:28} {shares[name]:.3f} {ratios[name]:8.2f}" for name in NAMES))
+    assert np.mean([*shares.values()]) >= 0.97, shares
+    # The multiplier is found by trapezoids, whose error scatters with where in a step a jump lies.
+    assert shares.pop("on.multiplier") >= 0.75
+    assert min(shares.values()) >= 0.9, shares
+    assert all(1 / 30 <= ratio <= 30 for ratio in ratios.values()), ratios
+
+
+@pytest.fixture
+def one_thread():
+    set_threads(1)
+    yield
+    set_threads(0)
+
+
+def differing(one: object, other: object, chosen: np.ndarray | slice = slice(None)) -> dict[str, float]:
+    """Greatest relative difference by name, of values that aren't the same to the last bit."""
+    found = {}
+    for name in NAMES:
+        a, b = one.values[name][chosen], other.values[name]
+        if not np.array_equal(a, b, equal_nan=True):
+            found[name] = float(np.nanmax(np.abs(a / b - 1.0)))
+    return found
+
+
+def test_threads__change_nothing_to_the_last_bit(one_thread):
+    machines = random_machines(77, 3)
+    scene = slider_crank(REGIMES)
+    alone = ask(scene, " ".join(NAMES), 60, varied=machines)
+    set_threads(3)
+    assert not differing(alone, ask(scene, " ".join(NAMES), 60, varied=machines))
+
+
+@pytest.mark.parametrize("chosen", [[0], [5, 60, 3], list(range(40))], ids=["one", "three", "forty"])
+def test_company_of_other_variants__changes_nothing_to_the_last_bit(chosen):
+    machines = random_machines(77, 3)
+    scene = slider_crank(REGIMES)
+    together = ask(scene, " ".join(NAMES), 60, varied=machines)
+    some = {path: values[chosen] for path, values in machines.items()}
+    assert not differing(together, ask(scene, " ".join(NAMES), 60, varied=some), np.array(chosen))

@@ -1,0 +1,358 @@
+"""Parts of a search: margins of conditions, coordinates, texts that are refused, what the command says, the picture."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import said
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
+
+from engine import Verdict
+from sweeps.optimising.optimum import choices, front
+from sweeps.optimising.trials import Trials
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.picture_files import result_pictures, sweep_data
+from sweeps.pictures.sweep.front_picture import front_picture
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
+from sweeps.study.search_task import task_of
+from sweeps.study.search_variables import Span, Variables
+from sweeps.study.study import read_study
+from sweeps.text.conditions import Condition
+from sweeps.text.expressions import parse
+from sweeps.text.input_files import InputError
+
+# Margins
+
+SIZES = st.floats(0, 1e3, allow_subnormal=False) | st.sampled_from([0.0, np.nan, np.inf])
+NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False) | st.sampled_from([0.0, 1.0, np.nan])
+
+
+@st.composite
+def conditions(draw: st.DrawFn, depth: int = 3) -> str:
+    kind = draw(st.sampled_from(["and", "or", "not", "compare"] if depth else ["compare"]))
+    if kind == "compare":
+        return f"a {draw(st.sampled_from(['<=', '>=', '==', '!=', '<', '>']))} b * {draw(st.integers(-2, 2))}"
+    if kind == "not":
+        return f"not ({draw(conditions(depth - 1))})"
+    return f"({draw(conditions(depth - 1))}) {kind} ({draw(conditions(depth - 1))})"
+
+
+@settings(deadline=None, max_examples=300)
+@given(conditions(), st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=6))
+def test_margin__is_above_zero_only_where_the_condition_is_missed(text, pairs):
+    a, b = np.array(pairs).T
+    condition, values = Condition(parse(text)), {"a": a, "b": b}
+    met = condition.met(values, a.size)
+    worst = condition.margins(values, {}, a.size).max(axis=0)
+    known = ~(np.isnan(a) | np.isnan(b))
+    assert not (met & known & (worst > 0)).any()
+    # Strict inequalities miss on their limit by nothing.
+    assert not (~met & known & (worst < 0)).any()
+    assert (np.abs(worst) <= 1).all()
+
+
+@settings(deadline=None, max_examples=300)
+@given(conditions(), st.lists(st.tuples(NUMBERS, NUMBERS, SIZES, SIZES), min_size=1, max_size=6))
+def test_margin__with_error_figures_is_below_zero_only_where_the_condition_is_met_for_sure(text, rows):
+    a, b, a_error, b_error = np.array(rows).T
+    condition, known = Condition(parse(text)), ({"a": a, "b": b}, {"a": a_error, "b": b_error})
+    sure = condition.judged(*known, a.size).met
+    worst = condition.margins(*known, a.size).max(axis=0)
+    defined = ~(np.isnan(a) | np.isnan(b))
+    assert not (sure & defined & (worst > 0)).any()
+    assert not (~sure & defined & (worst < 0)).any()
+    assert (np.abs(worst) <= 1).all()
+
+
+@settings(deadline=None, max_examples=100)
+@given(conditions(), NUMBERS, NUMBERS)
+def test_parts__hold_together_where_the_condition_does(text, a, b):
+    values = {"a": a, "b": b}
+    whole = Condition(parse(text))
+    assert all(" or " in part.text or " and " not in part.text or "not" in part.text for part in whole.parts)
+    assert all(part.met(values, 1)[0] for part in whole.parts) == whole.met(values, 1)[0]
+
+
+def test_margin__is_the_share_by_which_a_limit_is_missed():
+    values = {"a": np.array([1.0, 2.0, 3.0, np.nan, 0.0]), "b": 2.0}
+    # (a − b) / (|a| + |b|), undefined at worst.
+    shares = Condition(parse("a <= b")).margins(values, {}, 5)
+    np.testing.assert_allclose(shares, [[-1 / 3, 0, 1 / 5, 1, -1]], rtol=1e-15)
+    both = Condition(parse("a <= b and a > 1")).margins(values, {}, 5)
+    np.testing.assert_allclose(both[1], [0, -1 / 3, -1 / 2, 1, 1], rtol=1e-15)
+
+
+# Coordinates
+
+DESIGN = Design(
+    (
+        Linear("a", 3.0, -1.0, 4),
+        Listed("b", [5.0, 7.0, 9.0]),
+        Sampled(("c", "d"), (1.0, 0.0), (100.0, 8.0), 16, "latin", 0, (True, False)),
+        Columns(("e", "f"), ((1.0, 2.0), (10.0, 20.0))),
+        Logarithmic("g", 1e-3, 1e3, 5),
+    )
+)
+
+
+def test_coordinates__of_ranges_come_first_and_those_of_lists_last():
+    variables = Variables.of(DESIGN)
+    assert [span.name for span in variables.spans] == ["a", "c", "d", "g"]
+    assert variables.spans[0] == Span("a", -1.0, 3.0)
+    assert variables.names == ("a", "b", "c", "d", "e", "f", "g")
+    assert variables.free.tolist() == [True] * 4 + [False] * 2
+    low, high = (variables.values(np.full((1, 6), end)) for end in (0.0, 1.0))
+    assert {n: v[0] for n, v in low.items()} == dict(
+        zip("abcdefg", (-1.0, 5.0, 1.0, 0.0, 1.0, 10.0, 1e-3), strict=True)
+    )
+    ends = dict(zip("abcdefg", (3.0, 9.0, 100.0, 8.0, 2.0, 20.0, 1e3), strict=True))
+    assert {n: v[0] for n, v in high.items()} == pytest.approx(ends, rel=1e-15)
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.lists(st.floats(0, 1), min_size=6, max_size=6))
+def test_coordinates__and_values_lead_to_each_other(place):
+    variables = Variables.of(DESIGN)
+    values = {n: float(v[0]) for n, v in variables.values(np.array([place])).items()}
+    again = variables.values(variables.coordinates(values)[None])
+    for name, value in values.items():
+        # A logarithm of up to 14, there and back: 14 roundings of 1e-16, and those of a difference of size 4.
+        assert again[name][0] == pytest.approx(value, rel=1e-14, abs=1e-15), name
+
+
+def test_coordinates__of_lists_give_each_entry_its_share():
+    variables = Variables.of(Design((Listed("b", [5.0, 7.0, 9.0]),)))
+    found = variables.values(np.linspace(0, 1, 3001)[:, None])["b"]
+    assert np.unique(found, return_counts=True)[1].tolist() == [1000, 1000, 1001]
+
+
+def test_coordinates__of_what_is_not_known_or_outside_are_in_the_middle():
+    variables = Variables.of(DESIGN)
+    assert variables.coordinates({"d": 2.0, "a": 17.0, "b": 7.0}).tolist() == [0.5, 0.5, 0.25, 0.5, 0.5, 0.25]
+
+
+# Candidates
+
+
+def test_candidates__that_fail_or_miss_are_worse_than_all_that_meet(tmp_path):
+    asked = 'minimise = "excess_work"\nsubject_to = "ram.stroke >= \'100 mm\'"'
+    task = task_of(study_of(tmp_path, asked, vary=RANGES.replace("80 mm", "400 mm")))
+    crank = np.array([0.04, 0.05, 0.06, 0.3])
+    # The rod is 150 mm long.
+    batch = Trials(task).evaluate(np.column_stack([(crank - 0.03) / 0.37, np.zeros(4)]))
+    assert batch.columns["status"].tolist() == [Verdict.OK] * 3 + [Verdict.CANNOT_ASSEMBLE]
+    # The stroke of 80 mm misses 100 mm by 20 mm and its error figure, over 180 mm; a machine that can't be assembled
+    # misses everything.
+    figure = batch.columns["ram.stroke_error"][0]
+    assert figure < 1e-7
+    np.testing.assert_allclose(batch.violation[[0, 2, 3]], [(0.02 + figure) / 0.18, 0, 2], rtol=1e-12)
+    assert batch.met.tolist()[2:] == [True, False]
+
+
+def test_candidate__on_the_limit_of_a_strict_inequality_misses_it(tmp_path):
+    asked = 'minimise = "excess_work"\nsubject_to = "input.length < 0.0625 * groups.slide.first.length / 0.25"'
+    task = task_of(study_of(tmp_path, asked, vary=RANGES.replace("80 mm", "100 mm")))
+    place = task.variables.coordinates({CRANK: 0.0625, ROD: 0.25})
+    batch = Trials(task).evaluate(np.array([place, place - [1e-6, 0]]))
+    assert batch.columns[CRANK][0] == 0.0625
+    assert batch.met.tolist() == [False, True]
+
+
+# Texts that are refused
+
+LISTED = '[vary]\n"input.length" = {values = ["40 mm", "50 mm"]}\n'
+REFUSED = {
+    "nothing to search for": ("population = 20", {}, "line 9: optimise: nothing to search for: give minimise or"),
+    "unknown output": ('minimise = "wheel_mas"', {}, "line 10: optimise.minimise: unknown name 'wheel_mas'; "),
+    "did you mean": ('minimise = "excess_wrk"', {}, "did you mean 'excess_work'"),
+    "dimension": (
+        'minimise = "ram.stroke + excess_work"',
+        {},
+        "optimise.minimise: adds a moment or energy to a length",
+    ),
+    "no number": ('minimise = "ram.stroke < 1"', {}, "is a condition; a number is needed here"),
+    "no condition": ('minimise = "ram.stroke"\nsubject_to = "excess_work"', {}, "is a number; a condition such as"),
+    "no unit": ('minimise = "ram.stroke"\nsubject_to = "ram.stroke < 80"', {}, "80 has no unit: write '80 m' or"),
+    "syntax": ('minimise = "ram.stroke +"', {}, "optimise.minimise: invalid syntax"),
+    "nothing varies": ('minimise = "ram.stroke"', {"vary": ""}, "vary: nothing of the scene varies; give ranges"),
+    "one value": (
+        'minimise = "ram.stroke"',
+        {"vary": '[vary]\n"input.length" = {values = ["40 mm"]}\n'},
+        "vary: nothing of the scene varies",
+    ),
+    "lists and local": (
+        'minimise = "ram.stroke"\nmethod = "local"',
+        {"vary": LISTED},
+        "optimise.method: 'local' goes along ranges, but only lists vary: give low and high, or take 'differential",
+    ),
+    "one for NSGA-II": ('minimise = "ram.stroke"\nmethod = "NSGA-II"', {}, "'NSGA-II' weighs several objectives"),
+    "two for evolution": (
+        'minimise = ["ram.stroke", "excess_work"]\nmethod = "differential evolution"',
+        {},
+        "follows one objective, here are 2: take 'NSGA-II', or join them in one",
+    ),
+    "method": ('minimise = "ram.stroke"\nmethod = "NSGA2"', {}, "'NSGA2' is not allowed; allowed: differential"),
+    "population": ('minimise = "ram.stroke"\npopulation = 4', {}, "optimise.population: must be at least 8, got 4"),
+    "key": ('minimise = "ram.stroke"\npopulatoin = 40', {}, "unknown key; allowed: minimise, maximise"),
+    "start outside": (
+        'minimise = "ram.stroke"\nstart = {"input.length" = "90 mm"}',
+        {},
+        "optimise.start.input.length: 90 mm is not among what vary.input.length allows; allowed is 30 mm to 80 mm",
+    ),
+    "start not listed": (
+        'minimise = "ram.stroke"\nstart = {"input.length" = "45 mm"}',
+        {"vary": LISTED},
+        "allowed are 40 mm, 50 mm",
+    ),
+    "start unknown": ('minimise = "ram.stroke"\nstart = {"input.lenght" = 1}', {}, "did you mean 'input.length'?"),
+    "start without unit": ('minimise = "ram.stroke"\nstart = {"input.length" = 0.04}', {}, "optimise.start.input."),
+    "tolerance unknown": (
+        'minimise = "ram.stroke"',
+        {"rest": '[tolerances]\n"input.lenght" = "1 mm"\n'},
+        "tolerances.input.lenght: is not a number of the scene. unknown name 'input.lenght'; did you mean",
+    ),
+    "tolerance unit": (
+        'minimise = "ram.stroke"',
+        {"rest": '[tolerances]\n"input.length" = "1 kg"\n'},
+        "tolerances.input.length:",
+    ),
+    "tolerance zero": (
+        'minimise = "ram.stroke"',
+        {"rest": '[tolerances]\n"input.length" = {plus_minus = "0 mm", distribution = "normal"}\n'},
+        "'0 mm': a tolerance is greater than 0, such as '0.1 mm'",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_text__is_refused_with_key_and_mend(name, tmp_path):
+    asked, rest, words = REFUSED[name]
+    with pytest.raises(InputError) as refusal:
+        task_of(study_of(tmp_path, asked, **rest))
+    assert words in str(refusal.value)
+    assert str(refusal.value).startswith("study.toml, line ") or name == "nothing varies"
+
+
+def test_all_problems__are_told_at_once(tmp_path):
+    asked = 'minimise = ["a_b", "ram.stroke"]\nsubject_to = "c_d < 1"\nmethod = "local"'
+    with pytest.raises(InputError) as refusal:
+        study_of(tmp_path, asked)
+    assert len(refusal.value.problems) == 3
+
+
+def test_ranges_without_sampling__are_swept_as_one_population(tmp_path):
+    assert study_of(tmp_path, 'minimise = "ram.stroke"\npopulation = 24').design.size == 24
+
+
+def test_missing_library__is_named_and_nothing_is_left_behind(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pymoo.algorithms.moo.nsga2", None)
+    monkeypatch.delitem(sys.modules, "sweeps.optimising.genetic", raising=False)
+    with pytest.raises(InputError, match=r"'NSGA-II' needs pymoo .*pip install 'machine-sweeps\[optimise\]'"):
+        searched(tmp_path, TWO)
+    assert not list(tmp_path.glob("*.h5"))
+
+
+# The command
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+ASKED = f'minimise = "{NEAREST}"\nsubject_to = "ram.stroke <= \'90 mm\'"\npopulation = 10\ngenerations = 8'
+
+
+def test_command__tells_the_best_what_holds_it_and_its_files(folder):
+    study_of(folder, ASKED)
+    answer = said("optimise", "study.toml", "--no-plots", "--quiet")
+    assert answer.exit_code == 0
+    assert "Answer: the least objective_1 where ram.stroke <= '90 mm' is " in answer.stdout
+    assert "on the limit of: ram.stroke <= '90 mm'" in answer.stdout
+    assert "differential evolution, seed 0: " in answer.stdout
+    assert "results/study_optimised.h5" in answer.stdout
+    shown = said("show", "results/study_optimised.h5", "--columns", "ram.stroke", "--limit", "2").stdout
+    assert answer.stdout.split("Files")[0].split("Answer")[1] in shown
+    exported = said("export", "results/study_optimised.h5", "--to", "best.toml")
+    assert exported.exit_code == 0
+    # Twice the crank, to the clearance of 1e-9 and seven digits or so of text.
+    assert read_study("best.toml").scene.input.length == pytest.approx(0.045, rel=1e-6)
+
+
+def test_command__goes_on_where_it_was_interrupted(folder):
+    study_of(folder, ASKED)
+
+    def stop(self: object, done: int, before: int, words: str) -> None:
+        assert words.startswith("objective_1 ")
+        if done == 5:
+            raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
+        answer = said("optimise", "study.toml", "--no-plots", "--out", "r.h5")
+    assert answer.exit_code == 130
+    assert "Interrupted: 5 of 8 generations are done and kept; the same command goes on" in answer.stderr
+    shown = said("show", "r.candidates.part.h5").stdout.splitlines()[0]
+    assert shown == "Which crank?: 50 of 80 variants done; run the study again to go on"
+    assert said("optimise", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    assert said("optimise", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    study_of(folder, ASKED.replace("= 8", "= 9"))
+    refused = said("optimise", "study.toml", "--no-plots", "--out", "r.h5")
+    assert refused.exit_code == 2
+    assert "of another study" in refused.stderr
+    assert "-generations = 8\n  +generations = 9" in refused.stderr
+
+
+def test_command__shows_a_front_from_its_first_objective_on(folder):
+    pytest.importorskip("pymoo")
+    study_of(folder, TWO.replace("= 40\n", "= 12\n"))
+    answer = said("optimise", "study.toml", "--out", "f.h5", "--quiet")
+    assert answer.exit_code == 0
+    assert "Chosen from the front:" in answer.stdout
+    assert "NSGA-II, seed 0: 144 candidates, 12 generations, " in answer.stdout
+    assert Path("f.png").exists()
+    shown = said("show", "f.h5", "--columns", "objective_1", "--limit", "3").stdout
+    result = SweepResult(Path("f.h5"))
+    table = shown.split("the first 3:\n")[1].splitlines()
+    assert [int(line.split()[0]) for line in table[2:5]] == front(result)[:3].tolist()
+    knee = choices(result)[-1].variant
+    assert f"f_{knee}" in said("export", "f.h5", "--to", "knee.svg").stdout
+
+
+# The picture
+
+
+def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path):
+    pytest.importorskip("pymoo")
+    result = searched(tmp_path, TWO)
+    figure = front_picture(result, sweep_data(result, ()), tmp_path / "front.svg")
+    top, *machines = figure.axes
+    chosen = choices(result)
+    assert len(machines) == len(chosen) == 3
+    assert [t.get_text() for t in top.texts] == ["A", "B", "C"]
+    assert {ax.get_xlim() for ax in machines} == {machines[0].get_xlim()}
+    assert {ax.get_ylim() for ax in machines} == {machines[0].get_ylim()}
+    drawn = next(line for line in top.lines if line.get_label() == "Pareto front")
+    np.testing.assert_array_equal(drawn.get_xdata(), result.columns["objective_1"][front(result)])
+    assert (tmp_path / "front.svg").stat().st_size > 10_000
+    assert result_pictures(result.path, tmp_path / "again.png") == [tmp_path / "again.png"]
+
+
+def test_picture_of_an_empty_front__is_refused(tmp_path):
+    pytest.importorskip("pymoo")
+    asked = TWO.replace("= 40\n", "= 8\n") + "subject_to = \"ram.stroke < '1 mm'\"\n"
+    result = searched(tmp_path, asked)
+    assert not front(result).size
+    with pytest.raises(PictureError, match="there is no front to draw"):
+        front_picture(result, sweep_data(result, ()), tmp_path / "front.png")
+
+
+def test_scene__of_the_tests_is_the_one_that_is_searched(tmp_path):
+    study = study_of(tmp_path, ASKED)
+    assert study.paths == (CRANK, ROD)
+    assert (tmp_path / "press.toml").read_text() == SCENE

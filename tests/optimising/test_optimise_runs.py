@@ -1,0 +1,177 @@
+"""Searches as runs: interrupted ones, files, tolerances of what was found, batches."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
+
+from engine import Machine
+from sweeps.optimising.runner import generations_kept, optimise_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import run_study
+from sweeps.store import StoreError
+from sweeps.study.search_task import task_of
+from sweeps.study.study import read_study
+
+
+def contents(path: Path) -> dict[str, bytes]:
+    """Every dataset of a file, bit by bit."""
+    found = {}
+    with h5py.File(path, "r") as file:
+        file.visititems(lambda name, item: found.update({name: item[()].tobytes()} if hasattr(item, "dtype") else {}))
+        return found | {name: str(value).encode() for name, value in file.attrs.items() if name != "finished"}
+
+
+# Interruptions
+
+
+@pytest.mark.parametrize("asked", [ONE, TWO.replace("= 40\n", "= 12\n")], ids=["evolution", "NSGA-II"])
+def test_interrupted_search__ends_as_an_uninterrupted_one(asked, tmp_path):
+    if asked is not ONE:
+        pytest.importorskip("pymoo")
+    rest = '[tolerances]\n"input.length" = "0.1 mm"\n'
+    study = study_of(tmp_path, asked, rest=rest)
+    whole = optimise_study(study, tmp_path / "whole.h5")
+    path, told = tmp_path / "parts.h5", []
+    for stop in (3, 7):
+
+        def progress(done: int, before: int, words: str, stop: int = stop) -> None:
+            told.append((done, before))
+            if done == stop:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            optimise_study(study, path, progress=progress)
+        assert generations_kept(path) == stop
+        assert not path.exists()
+    optimise_study(study, path)
+    assert told == [(1, 0), (2, 0), (3, 0), (4, 3), (5, 3), (6, 3), (7, 3)]
+    assert contents(path) == contents(whole)
+    assert sorted(p.name for p in tmp_path.glob("parts*")) == ["parts.h5"]
+
+
+def test_candidates_of_another_way__are_refused(tmp_path):
+    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
+
+    def stop(done: int, before: int, words: str) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        optimise_study(study, path, progress=stop)
+    with h5py.File(tmp_path / "r.candidates.part.h5", "r+") as file:
+        file[CRANK][3] += 1e-6
+    with pytest.raises(StoreError, match=r"generation 0 would be another now.*--restart"):
+        optimise_study(study, path)
+    optimise_study(study, path, restart=True)
+    assert best_of(SweepResult(path))["status"] == 0
+
+
+def test_finished_search__is_left_alone_and_a_changed_one_refused(tmp_path):
+    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
+    optimise_study(study, path)
+    before = path.stat().st_mtime_ns
+    optimise_study(study, path)
+    assert path.stat().st_mtime_ns == before
+    changed = study_of(tmp_path, ONE.replace("= 12", "= 13"))
+    with pytest.raises(StoreError, match="of another study"):
+        optimise_study(changed, path)
+    optimise_study(changed, path, restart=True)
+    assert path.stat().st_mtime_ns != before
+
+
+def test_every_word_of_a_search__makes_another_one(tmp_path):
+    words = [ONE, f"{ONE}seed = 1", ONE.replace("3 *", "4 *"), ONE.replace("minimise", "maximise")]
+    words += [ONE.replace("= 10", "= 11"), ONE.replace("= 12", "= 11"), f'{ONE}start = {{"input.length" = "40 mm"}}']
+    found = {task_of(study_of(tmp_path, asked)).digest for asked in words}
+    found |= {task_of(study_of(tmp_path, ONE, rest=f"[tolerances]\n{CRANK} = '{t} mm'")).digest for t in (1, 2)}
+    assert len(found) == len(words) + 2
+
+
+def test_interrupted_sweep_of_the_same_name__is_spared(tmp_path):
+    study = study_of(tmp_path, ONE)
+
+    def stop(done: int, before: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(study, tmp_path / "r.h5", progress=stop)
+    before = contents(tmp_path / "r.part.h5")
+    with pytest.raises(StoreError, match=r"r.part.h5 is there already, of another study. Give another --out, or"):
+        optimise_study(study, tmp_path / "r.h5")
+    assert contents(tmp_path / "r.part.h5") == before
+
+
+# Tolerances
+
+
+def test_tolerances__spread_a_stroke_by_twice_the_crank(tmp_path):
+    rest = """
+[tolerances]
+"input.length" = "0.3 mm"
+"groups.slide.first.length" = {plus_minus = "1 mm", distribution = "normal"}
+"bodies.ram.mass" = {plus_minus = "3 kg", distribution = "normal"}
+"""
+    asked = f'minimise = "{NEAREST}"\nsubject_to = "excess_work >= \'0 J\'"\npopulation = 10\ngenerations = 10'
+    result = searched(tmp_path, asked, rest=rest)
+    c, best = result.columns, result.best()
+    # Uniform within ± a: a / √3. The rod's length and the masses don't enter the stroke.
+    exact = 2 * 0.0003 / np.sqrt(3)
+    assert c["ram.stroke.tolerance_first_order"][best] == pytest.approx(exact, rel=1e-9)
+    # 512 Sobol' points: the variance of the midpoints of as many strata is off by 512⁻² of itself, scrambling adds
+    # about 512^-1.5.
+    assert c["ram.stroke.tolerance"][best] == pytest.approx(exact, rel=1e-3)
+    assert c["tolerance_misses"][best] == 0
+    others = np.delete(np.arange(c["front"].size), best)
+    assert np.isnan(c["ram.stroke.tolerance"][others]).all()
+    random = np.random.default_rng(1)
+    count = 20_000
+    built = {
+        CRANK: c[CRANK][best] + random.uniform(-0.0003, 0.0003, count),
+        ROD: c[ROD][best] + random.normal(0, 0.001 / 3, count),
+        "bodies.ram.mass": 100 + random.normal(0, 1, count),
+    }
+    machine = Machine(task_of(read_study(tmp_path / "study.toml")).study.scene, ["excess_work"], (), built, 72)
+    spread = machine.evaluate(built).summaries["excess_work"].std()
+    # The standard deviation of 20 000 draws is known to 1 / √40 000; three of that, and 1 % for the Sobol' points.
+    assert c["excess_work.tolerance"][best] == pytest.approx(spread, rel=0.025)
+    assert c["excess_work.tolerance_first_order"][best] == pytest.approx(spread, rel=0.025)
+
+
+@pytest.mark.parametrize(("distribution", "share"), [("uniform", 1 / np.sqrt(3)), ("normal", 1 / 3)])
+def test_machines_within_tolerances__that_miss_a_condition_are_counted(distribution, share, tmp_path):
+    rest = f'[tolerances]\n"input.length" = {{plus_minus = "0.1 mm", distribution = "{distribution}"}}\n'
+    asked = 'maximise = "ram.stroke"\nsubject_to = "ram.stroke <= \'100 mm\'"\npopulation = 10\ngenerations = 10'
+    result = searched(tmp_path, asked, rest=rest)
+    best = result.best()
+    # On the limit, half of the machines lie beyond it.
+    assert result.columns["tolerance_misses"][best] == pytest.approx(0.5, abs=0.01)
+    # Of a normal distribution the tails of the 512th part at each end are drawn by one point each.
+    assert result.columns["ram.stroke.tolerance"][best] == pytest.approx(0.0002 * share, rel=0.01)
+
+
+# Speed
+
+
+def test_a_generation__is_one_batch(tmp_path, monkeypatch):
+    sizes = []
+    evaluate = Machine.evaluate
+
+    def counted(self, varied, drop=None, buffer=None):
+        sizes.append(next(iter(varied.values())).size)
+        return evaluate(self, varied, drop, buffer)
+
+    study = study_of(tmp_path, ONE.replace("= 12", "= 4"))
+    monkeypatch.setattr(Machine, "evaluate", counted)
+    optimise_study(study, tmp_path / "r.h5")
+    assert sizes[:4] == [10] * 4
+    # Going downhill: a place with one neighbour up and one down for each range.
+    assert set(sizes[4:]) == {5}
+
+
+def test_a_large_generation__is_evaluated_in_pieces_to_the_same_end(tmp_path, monkeypatch):
+    study = study_of(tmp_path, ONE.replace("= 12", "= 4"))
+    whole = optimise_study(study, tmp_path / "whole.h5")
+    monkeypatch.setattr("sweeps.optimising.trials.largest_block", lambda study, machine: 4)
+    assert contents(optimise_study(study, tmp_path / "pieces.h5")) == contents(whole)

@@ -1,0 +1,108 @@
+"""Diagrams of one machine: the engine's rows, Wittenbauer's tangents, dead centres."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from drawn_machines import four_bar, slider_crank, sliding_input
+from matplotlib.figure import Figure
+
+from engine import Machine
+from sweeps.pictures.machine.diagrams import diagrams, main_slider
+from sweeps.pictures.picture_error import PictureError
+
+COMPRESSOR = slider_crank(
+    title="Compressor",
+    cylinders={
+        "air": {
+            "type": "compressor",
+            "piston": "piston",
+            "bore": 0.09,
+            "clearance": 0.06,
+            "suction": 1e5,
+            "discharge": 6e5,
+        }
+    },
+    flywheel={"speed_fluctuation": 0.04},
+)
+
+
+def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
+    figure = diagrams(COMPRESSOR, tmp_path / "a.svg")
+    ElementTree.parse(tmp_path / "a.svg")
+    assert len(figure.axes) == 6
+    fields = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment", "work", "speed"]
+    names = ["flywheel_wittenbauer", "speed_fluctuation"]
+    outcome = Machine(COMPRESSOR, summaries=names, fields=fields).evaluate({})
+    for axes, name in zip([figure.axes[i] for i in (0, 1, 2, 3, 5)], fields, strict=True):
+        line = axes.lines[0]
+        factor = 30 / math.pi if name == "speed" else 1.0
+        assert line.get_ydata()[:-1] == pytest.approx(factor * outcome.fields[name][0], rel=1e-14)
+        assert line.get_ydata()[-1] == line.get_ydata()[0]
+        assert line.get_xdata()[[0, -1]] == pytest.approx([0, 360])
+    assert f"{outcome.summaries['flywheel_wittenbauer'][0]:.4g} kg·m²" in figure.axes[4].get_title()
+    assert f"δ = {outcome.summaries['speed_fluctuation'][0]:.3g}" in figure.axes[5].get_title()
+
+
+def test_tangents__touch_the_loop_from_outside_with_the_slopes_of_the_speeds():
+    axes = diagrams(COMPRESSOR, Figure()).axes[4]
+    loop, _, upper, _, lower, _ = axes.lines
+    inertia, work = loop.get_data()
+    for line, sign in ((upper, 1), (lower, -1)):
+        (x0, x1), (y0, y1) = line.get_data()
+        slope = (y1 - y0) / (x1 - x0)
+        assert slope == pytest.approx(0.5 * 6.0**2 * (1 + sign * 0.02) ** 2)
+        above = sign * (y0 + slope * (inertia - x0) - work)
+        assert above.min() == pytest.approx(0, abs=1e-9 * np.ptp(work))
+
+
+def test_dead_centres__marked_where_the_in_line_slider_has_them():
+    axes = diagrams(COMPRESSOR, Figure()).axes[0]
+    assert main_slider(COMPRESSOR) == "piston"
+    marked = sorted(line.get_xdata()[0] % 360 for line in axes.lines if line.get_linestyle() == ":")
+    # A dead centre at 0 may be found at 360 less a rounding.
+    assert [min(m, abs(m - 360)) for m in marked] == pytest.approx([0, 180], abs=1e-6) or marked == pytest.approx(
+        [180, 360], abs=1e-6
+    )
+
+
+def test_fields_given__are_shown_in_place_of_computed_ones():
+    row = np.linspace(1.0, 2.0, 180)
+    figure = diagrams(COMPRESSOR, Figure(), fields={"reduced_inertia": row})
+    assert figure.axes[0].lines[0].get_ydata()[:-1] == pytest.approx(row)
+    assert figure.axes[2].lines[0].get_ydata().size == 181
+
+
+def test_diagrams_without_cycle__four_panels_over_the_displacement():
+    figure = diagrams(sliding_input(), Figure())
+    assert len(figure.axes) == 4
+    assert figure.axes[0].get_xlabel() == "displacement of rack q, mm"
+    assert figure.axes[0].lines[0].get_xdata()[[0, -1]] == pytest.approx([0, 120])
+
+
+def test_diagrams_without_flywheel__speed_left_out_with_the_reason():
+    figure = diagrams(four_bar(), Figure())
+    assert "no flywheel" in figure.axes[5].texts[0].get_text()
+
+
+def test_diagrams_of_a_machine_that_cannot_be_assembled__refused():
+    with pytest.raises(PictureError, match="can't be assembled"):
+        diagrams(COMPRESSOR, Figure(), {"groups.g.first.length": 0.01})
+
+
+@pytest.mark.parametrize(
+    ("changes", "panels"),
+    [
+        ({"forces.p.force": 1e308, "input.length": 1e3, "groups.g.first.length": 4e3}, {2, 3, 4}),
+        ({"forces.p.force": 1e308}, {2, 3, 4}),
+        ({"bodies.piston.mass": 1e300, "input.speed": 1e200}, {4}),
+        ({"bodies.rod.inertia": 1e308}, {0}),
+    ],
+)
+def test_diagrams_of_what_is_not_finite__say_so_in_place_of_its_panels(changes, panels, tmp_path):
+    punch = {"type": "constant", "on": "B", "force": 1e4, "angle": 3.0, "acts": "against"}
+    scene = slider_crank(forces={"p": punch}, flywheel={"speed_fluctuation": 0.04})
+    figure = diagrams(scene, tmp_path / "a.png", changes)
+    told = {i for i, axes in enumerate(figure.axes) if any("undefined" in text.get_text() for text in axes.texts)}
+    assert told >= panels

@@ -1,0 +1,278 @@
+"""Drawings: symbols where the mechanism's geometry puts them, names that keep clear, files that are valid."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from drawn_machines import (
+    GALLERY,
+    crank,
+    four_bar,
+    geared_five_bar,
+    on_moving_guide,
+    quick_return,
+    scotch_yoke,
+    slider_crank,
+    sliding_input,
+)
+from matplotlib.figure import Figure
+
+from engine import Scene
+from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, primitives
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH
+from sweeps.pictures.picture_error import PictureError
+
+# Positions pass through a few dozen operations of the engine on lengths below 1 m.
+EXACT = 1e-12
+
+
+def circle(drawn, name):
+    (found,) = [p for p in drawn if p.layer == "joints" and p.text == name]
+    return found
+
+
+def boxes(drawn):
+    """Sliders and blocks: filled rectangles."""
+    return [p for p in drawn if p.kind == "polygon" and len(p.points) == 4 and p.fill == "tint"]
+
+
+def long_side(box):
+    a, b, c, _ = box.points
+    return b - a if abs(b - a) > abs(c - b) else c - b
+
+
+def is_parallel(u, v):
+    return abs((u.conjugate() * v).imag) < EXACT
+
+
+def test_joints_of_slider_crank__closed_form():
+    phi = math.pi / 3
+    drawn = primitives(slider_crank(), phi)
+    pin = 0.05 * complex(math.cos(phi), math.sin(phi))
+    assert abs(circle(drawn, "O").points[0]) < EXACT
+    assert abs(circle(drawn, "A").points[0] - pin) < EXACT
+    assert abs(circle(drawn, "B").points[0] - (pin.real + math.sqrt(0.2**2 - pin.imag**2))) < EXACT
+
+
+def test_slider__rectangle_along_its_guide():
+    drawn = primitives(slider_crank(angle=0.5), 1.0)
+    (box,) = boxes(drawn)
+    joint = circle(drawn, "B")
+    assert abs(sum(box.points) / 4 - joint.points[0]) < EXACT
+    assert is_parallel(long_side(box), complex(math.cos(0.5), math.sin(0.5)))
+    assert abs(long_side(box)) == pytest.approx(2 * HALF_LENGTH * joint.size)
+
+
+@pytest.mark.parametrize("offset", [-0.08, 0.08])
+def test_guide__under_the_slider_away_from_the_mechanism(offset):
+    drawn = primitives(slider_crank(offset=offset), 1.0)
+    radius = circle(drawn, "B").size
+    rail = max((p for p in drawn if p.layer == "frame" and p.kind == "line"), key=lambda p: abs(np.ptp(p.points)))
+    assert [p.imag for p in rail.points] == pytest.approx([offset + math.copysign(HALF_HEIGHT * radius, offset)] * 2)
+    # The stroke is 2r for a guide through O and longer for any other.
+    assert np.ptp(np.real(rail.points)) > 2 * 0.05 + 2 * HALF_LENGTH * radius
+    # The frame lies on the right of its line.
+    beyond = [p.points[1].imag - p.points[0].imag for p in drawn if p.layer == "hatching"]
+    assert sum(abs(b) > 0 and (b > 0) == (offset > 0) for b in beyond) > len(beyond) / 2
+
+
+def test_link_of_three_points__polygon_through_them():
+    drawn = primitives(four_bar(), 1.0)
+    (plate,) = [p for p in drawn if p.kind == "polygon" and p.layer == "links"]
+    corners = [circle(drawn, name).points[0] for name in "ABP"]
+    assert all(min(abs(c - p) for p in plate.points) < EXACT for c in corners)
+    assert abs(corners[0] - corners[1]) == pytest.approx(0.2)
+    assert circle(drawn, "P").fill == "solid"
+    assert circle(drawn, "B").fill == "paper"
+
+
+def test_values__replace_numbers_of_the_scene():
+    drawn = primitives(slider_crank(), 0.0, {"input.length": 0.08})
+    assert circle(drawn, "A").points[0] == pytest.approx(0.08)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.05])
+def test_rocker__line_through_its_pivot_and_block_on_it(offset):
+    drawn = primitives(quick_return(offset), 1.0)
+    d, a = circle(drawn, "D").points[0], circle(drawn, "A").points[0]
+    (block,) = [b for b in boxes(drawn) if abs(sum(b.points) / 4 - a) < 1.01 * offset + EXACT]
+    foot = sum(block.points) / 4
+    assert is_parallel(long_side(block), foot - d)
+    # The block's pivot lies at the offset to the left of the slot.
+    assert ((a - d) * (foot - d).conjugate()).imag / abs(foot - d) == pytest.approx(offset, abs=EXACT)
+    rods = [p for p in drawn if p.kind == "line" and p.layer == "links" and is_parallel(np.ptp(p.points), foot - d)]
+    assert max(abs(p.points[1] - p.points[0]) for p in rods) > abs(foot - d)
+
+
+def test_yoke__slot_across_its_guide_and_round_the_block():
+    scene = scotch_yoke()
+    for phi in (0.0, 1.0, 2.5, 4.0):
+        drawn = primitives(scene, phi)
+        (slot,) = [p for p in drawn if p.layer == "links" and p.fill == "paper"]
+        along = complex(math.cos(0.3), math.sin(0.3))
+        assert is_parallel(long_side(slot), 1j * along)
+        (block,) = boxes(drawn)
+        reach = [((p - sum(slot.points) / 4) / long_side(slot)).real for p in block.points]
+        assert max(map(abs, reach)) < 0.5
+        assert abs(sum(block.points) / 4 - circle(drawn, "A").points[0]) < EXACT
+
+
+def test_slider_on_moving_guide__sleeve_turned_with_its_carrier():
+    drawn = primitives(on_moving_guide(), 1.0)
+    d, b, f = (circle(drawn, name).points[0] for name in "DBF")
+    along = (b - d) / abs(b - d) * complex(math.cos(0.2), math.sin(0.2))
+    (sleeve,) = boxes(drawn)
+    assert abs(sum(sleeve.points) / 4 - f) < EXACT
+    assert is_parallel(long_side(sleeve), along)
+    assert sum(p.fill == "solid" and p.layer == "links" for p in drawn) == 2
+
+
+def test_slider_beside_a_moving_guide__on_a_rod_through_its_joint():
+    drawn = primitives(on_moving_guide(offset=0.02), 1.0)
+    f = circle(drawn, "F").points[0]
+    (sleeve,) = boxes(drawn)
+    rods = [
+        p.points
+        for p in drawn
+        if p.kind == "line" and p.layer == "links" and is_parallel(np.ptp(p.points), long_side(sleeve))
+    ]
+    assert any(abs(((f - a) / (b - a)).imag) < 1e-9 and 0 < ((f - a) / (b - a)).real < 1 for a, b in rods)
+
+
+def test_slider_on_a_crank__sleeve_along_the_crank():
+    scene = Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}},
+            "guides": {"bar": {"link": "crank"}, "way": {"y": 0.12}},
+            "input": crank(start=0.9, stop=2.2),
+            "groups": {
+                "g": {
+                    "type": "PRP",
+                    "inner": "B",
+                    "first": {"link": "sleeve", "guide": "bar"},
+                    "second": {"link": "ram", "guide": "way"},
+                }
+            },
+        }
+    )
+    drawn = primitives(scene, 0.9)
+    sleeve, ram = boxes(drawn)
+    u = complex(math.cos(0.9), math.sin(0.9))
+    assert circle(drawn, "B").points[0] == pytest.approx(0.12 * u / u.imag)
+    assert is_parallel(long_side(sleeve), u)
+    assert abs(long_side(sleeve)) == pytest.approx(2 * HALF_LENGTH * circle(drawn, "B").size, rel=EXACT)
+    assert is_parallel(long_side(ram), 1)
+
+
+def test_gears__pitch_circles_touch_in_the_ratio_of_speeds():
+    drawn = primitives(geared_five_bar(ratio=-2.0), 1.0)
+    one, two = [p for p in drawn if p.layer == "pitch"]
+    assert one.size + two.size == pytest.approx(0.16)
+    assert one.size / two.size == pytest.approx(2.0)
+
+
+def test_belt__tangent_to_both_pulleys():
+    drawn = primitives(geared_five_bar(ratio=0.5), 1.0)
+    wheels = [p for p in drawn if p.layer == "pitch" and p.kind == "circle"]
+    straps = [p for p in drawn if p.layer == "pitch" and p.kind == "line"]
+    assert wheels[0].size / wheels[1].size == pytest.approx(0.5)
+    for strap in straps:
+        for wheel, end in zip(wheels, strap.points, strict=True):
+            arm = end - wheel.points[0]
+            assert abs(arm) == pytest.approx(wheel.size)
+            assert abs((arm.conjugate() * np.ptp(strap.points)).real) < EXACT
+
+
+@pytest.mark.parametrize("speed", [6.0, -6.0])
+def test_arrow_of_crank__turns_as_the_speed_says(speed):
+    drawn = primitives(slider_crank(input=crank(speed=speed)), 0.0)
+    (arc,) = [p for p in drawn if p.layer == "names" and p.kind == "line"]
+    assert np.all(np.diff(np.unwrap(np.angle(arc.points))) * speed > 0)
+
+
+def test_paths__closed_curve_and_a_to_and_fro_drawn_once():
+    drawn = primitives(four_bar(), 1.0, paths=["P", "B"])
+    loop, arc = (np.array(p.points) for p in drawn if p.layer == "paths")
+    assert loop[0] == loop[-1]
+    assert loop.size == 721
+    assert np.abs(arc - (0.22 + 0.01j)) == pytest.approx(0.15)
+    # Reversed steps would make the way longer than the arc between its ends.
+    turned = np.ptp(np.angle(arc - (0.22 + 0.01j)))
+    assert np.abs(np.diff(arc)).sum() == pytest.approx(0.15 * turned, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_names__every_point_named_and_no_name_on_another(name):
+    scene = GALLERY[name]
+    motion = DrawnMotion(scene)
+    drawn = primitives(scene, motion.q[100])
+    texts = [p for p in drawn if p.kind == "text"]
+    assert {t.text for t in texts} >= motion.hinges
+    for i, one in enumerate(texts):
+        for two in texts[:i]:
+            gap = one.points[0] - two.points[0]
+            assert max(abs(gap.real) / 0.7, abs(gap.imag)) > 0.9 * one.size
+    for joint in (p for p in drawn if p.layer == "joints" and p.kind == "circle"):
+        for text in texts:
+            assert abs(text.points[0] - joint.points[0]) > joint.size
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_primitives__finite_in_known_layers_and_convex(name):
+    motion = DrawnMotion(GALLERY[name])
+    for k in (0, 240, 600):
+        for p in primitives(GALLERY[name], motion.q[k]):
+            assert p.layer in LAYERS
+            assert np.isfinite(p.points).all()
+            if p.kind == "polygon":
+                sides = np.diff(np.array([*p.points, *p.points[:2]]))
+                turns = (sides[:-1].conj() * sides[1:]).imag
+                assert (turns > 0).all() or (turns < 0).all()
+
+
+def test_unknown_point__named_with_the_nearest():
+    with pytest.raises(PictureError, match=r"'Q' is not a point.*known are: A, B, D, O, P"):
+        primitives(four_bar(), 0.0, paths=["Q"])
+
+
+def test_position_outside_the_range__refused_with_the_range():
+    with pytest.raises(PictureError, match=r"0\.2 is outside the input's range 0 to 0\.12"):
+        primitives(sliding_input(), 0.2)
+
+
+def test_mechanism_that_locks__drawn_where_it_exists():
+    values = {"groups.g.first.length": 0.1, "groups.g.second.length": 0.1}
+    assert primitives(four_bar(), 0.0, values)
+    with pytest.raises(PictureError, match=r"position 3\.1.* can't be drawn: a group can't be assembled"):
+        primitives(four_bar(), 3.1, values)
+    with pytest.raises(PictureError, match="can't be drawn at any position"):
+        primitives(four_bar(), 0.0, {"groups.g.first.length": 0.001})
+
+
+def test_draw__first_position_black_others_light_axes_equal():
+    axes = Figure().add_subplot()
+    draw(four_bar(), axes, at=[1.0, 2.0, 3.0])
+    inks = {patch.get_edgecolor()[:3] for patch in axes.patches}
+    assert len(inks) == 2
+    assert (0.0, 0.0, 0.0) in inks
+    assert axes.get_aspect() == 1
+    assert axes.get_xlabel() == "x, mm"
+    assert axes.get_xlim()[1] > 220
+
+
+@pytest.mark.parametrize("ending", ["svg", "pdf", "png"])
+def test_picture__valid_and_the_same_every_time(ending, tmp_path):
+    files = [tmp_path / f"{n}.{ending}" for n in (1, 2)]
+    for file in files:
+        picture(four_bar(), file, at=[1.0], paths=["P"])
+    assert files[0].read_bytes() == files[1].read_bytes()
+    if ending == "svg":
+        assert ElementTree.parse(files[0]).getroot().tag.endswith("svg")
+    else:
+        assert files[0].read_bytes()[:4] == {"pdf": b"%PDF", "png": b"\x89PNG"}[ending]
+
+
+def test_picture_of_unknown_ending__refused(tmp_path):
+    with pytest.raises(PictureError, match=r"'\.bmp'.*\.svg, \.pdf, \.png"):
+        picture(four_bar(), tmp_path / "a.bmp")

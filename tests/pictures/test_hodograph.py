@@ -1,0 +1,70 @@
+"""Hodographs of shaking forces: what they show is what the engine computes, and what can't be shown is said."""
+
+import numpy as np
+import pytest
+from machines import crank, frame, rrp
+
+from engine import Machine, Scene
+from engine.balancing.counterweights import balance
+from sweeps.pictures.machine.hodographs import hodographs, order_sizes, shaking_force
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import new_figure
+
+
+def slider_crank(**parts) -> Scene:
+    return Scene.model_validate(
+        {
+            "title": "Engine",
+            "points": {"O": frame(0.0, 0.0)},
+            "guides": {"way": {}},
+            "input": crank(revolutions=2),
+            "groups": {"g": rrp("B", ("rod", "A", 1.2), "piston", "way")},
+            "bodies": {"piston_body": {"link": "piston", "mass": 2000.0}},
+            **parts,
+        }
+    )
+
+
+def test_orders__are_those_of_the_engine():
+    names = [f"shaking_force.order_{n}" for n in (1, 2, 4)]
+    web = {"link": "crank", "mass": 900.0, "x": 0.2, "y": 0.1}
+    scene = slider_crank(bodies={"piston_body": {"link": "piston", "mass": 2000.0}, "web": web})
+    outcome = Machine(scene, names).evaluate({})
+    expected = [outcome.summaries[name][0] for name in names]
+    sizes = order_sizes(shaking_force(scene), 2)
+    # Two ways of summing 720 terms.
+    np.testing.assert_allclose(sizes[[0, 1, 3]], expected, rtol=0, atol=1e-13 * expected[0])
+
+
+def test_picture__shows_closed_loops_and_bars_of_both_machines(tmp_path):
+    before, figure = slider_crank(), new_figure(180, 85)
+    after = balance(before, ["crank"], criterion="rms").scene
+    hodographs({"before": before, "after": after}, figure)
+    left, right = figure.axes
+    loops = [line for line in left.get_lines() if line.get_label() in ("before", "after")]
+    for loop, scene in zip(loops, (before, after), strict=True):
+        x, y = loop.get_data()
+        force = shaking_force(scene) / 1e3
+        assert (x[0], y[0]) == (x[-1], y[-1])
+        # Of the order of 10 kN, shown in kN.
+        np.testing.assert_allclose(x[:-1] + 1j * y[:-1], force, rtol=1e-14)
+    bars = [[bar.get_height() for bar in group] for group in right.containers]
+    assert [group.get_label() for group in right.containers] == ["before", "after"]
+    # Half of the first order turns with the crank.
+    assert bars[1][0] == pytest.approx(bars[0][0] / 2, rel=1e-12)
+    assert bars[1][1:] == pytest.approx(bars[0][1:], abs=1e-12 * bars[0][0])
+    assert figure.get_suptitle() == "Engine: shaking force"
+    hodographs({"after": after}, tmp_path / "h.png")
+    assert (tmp_path / "h.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"input": crank(start=0.0, stop=1.0)}, "it needs a crank that turns fully"),
+        ({"groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")}}, "a group can't be assembled"),
+    ],
+)
+def test_machine_without_a_hodograph__is_said(parts, message):
+    with pytest.raises(PictureError, match=message):
+        hodographs({"it": slider_crank(**parts)}, new_figure(180, 85))

@@ -1,0 +1,213 @@
+"""Pictures and tables of true motion: what they show is what the engine computes, and energy is conserved in them."""
+
+import csv
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from drawn_machines import slider_crank
+from matplotlib.figure import Figure
+
+from engine import Machine, Verdict
+from engine.motion.history import history
+from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.picture_files import machine_pictures
+from sweeps.report.exports import history_csv
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import with_values
+
+RPM = 30 / math.pi
+MOMENTS = {
+    "motor": {"type": "dc_motor", "on": "crank", "stall_moment": 20.0, "no_load_speed": 12.0},
+    "oil": {"type": "linear_drag", "on": "crank", "coefficient": 0.3},
+    "brake": {"type": "block_brake", "on": "crank", "force": 200.0, "friction": 0.3, "radius": 0.1, "blocks": 2},
+}
+PUSH = {"push": {"type": "constant", "on": "B", "angle": math.pi, "force": 100.0, "acts": "against", "role": "useful"}}
+REGIMES = {
+    "start": {"type": "run", "off": ["push", "brake"], "speed": 8.0},
+    "work": {"type": "steady", "off": ["brake"]},
+    "stop": {"type": "run", "off": ["motor", "push"], "rest": True},
+}
+
+
+def machine(**changes):
+    parts = {"moments": MOMENTS, "forces": PUSH, "regimes": REGIMES, "flywheel": {"inertia": 0.5}}
+    return slider_crank(title="Small press", **parts | changes)
+
+
+SCENE = machine()
+SEEN = history(SCENE)
+
+
+def summary(scene, name):
+    outcome = Machine(scene, [name]).evaluate({})
+    return float(outcome.summaries[name][0]), float(outcome.errors[name][0])
+
+
+def lines_of(axes):
+    return {line.get_label(): line.get_xydata().T for line in axes.lines}
+
+
+def test_history_sheet__has_a_column_for_each_regime_as_long_as_it_lasts():
+    figure = history_diagrams(SCENE, SEEN, Figure())
+    assert len(figure.axes) == 12
+    assert [ax.get_title() for ax in figure.axes[:3]] == ["start", "work (one cycle)", "stop"]
+    for ax, name in zip(figure.axes[:3], ("start.time", "work.period", "stop.time"), strict=True):
+        value, error = summary(SCENE, name)
+        # The picture goes by 360 positions, the summary by 720: of order four, its error is 16 times as large.
+        assert ax.lines[0].get_xdata()[[0, -1]] == pytest.approx([0, value], abs=32 * error + 1e-9)
+        assert ax.get_xlim() == pytest.approx((0, value), rel=1e-6)
+
+
+def test_history_sheet__goes_from_rest_to_the_asked_speed_and_back():
+    start, work, stop = history_diagrams(SCENE, SEEN, Figure()).axes[:3]
+    ends = [ax.lines[0].get_ydata()[[0, -1]] for ax in (start, work, stop)]
+    assert ends[0] == pytest.approx([0, 8 * RPM], abs=1e-9)
+    assert ends[1][0] == pytest.approx(ends[1][1], rel=1e-9)
+    assert ends[2] == pytest.approx([ends[1][1], 0], abs=1e-9)
+
+
+def test_history_sheet__works_add_up_to_the_change_of_energy():
+    figure = history_diagrams(SCENE, SEEN, Figure())
+    for ax in figure.axes[9:12]:
+        lines = lines_of(ax)
+        energy = lines.pop("kinetic energy E")[1]
+        total = sum(row[1] - row[1][0] for row in lines.values())
+        # Trapezoids over 360 steps a cycle: h²/12·M″ with h = 0.017 and moments that change by their own size within
+        # about a radian leave 3e-5 of the works; where the push sets in, M jumps within a step's thousandth.
+        assert total == pytest.approx(energy - energy[0], abs=1e-3 * np.ptp(energy) + 1e-3)
+
+
+def test_history_sheet__shows_only_what_acts():
+    figure = history_diagrams(SCENE, SEEN, Figure())
+    assert [set(lines_of(ax)) for ax in figure.axes[3:6]] == [
+        {"motors", "harmful resistances"},
+        {"motors", "useful resistances", "harmful resistances"},
+        {"harmful resistances", "brakes"},
+    ]
+    brake = lines_of(figure.axes[5])["brakes"][1]
+    assert brake == pytest.approx(-2 * 200.0 * 0.3 * 0.1, rel=1e-12)
+    power, speed = lines_of(figure.axes[8])["brakes"][1], figure.axes[2].lines[0].get_ydata() / RPM
+    assert power == pytest.approx(brake * speed, rel=1e-12)
+
+
+def test_cycle_sheet__marks_mean_speed_and_fluctuation():
+    axes = cycle_diagrams(SCENE, SEEN, "work", Figure()).axes
+    mean, delta = (summary(SCENE, f"work.{key}")[0] for key in ("mean_speed", "speed_fluctuation"))
+    assert axes[0].get_title() == f"δ = {delta:.3g}, mean speed {mean * RPM:.4g} rpm"
+    speed, middle, low, high = (line.get_ydata() for line in axes[0].lines)
+    assert middle[0] == pytest.approx(mean * RPM, rel=1e-9)
+    assert 2 * (high[0] - low[0]) / (high[0] + low[0]) == pytest.approx(delta, rel=1e-9)
+    # Extremes lie between nodes: h²/8·ω″ with h = 0.017 rad is 4e-5 of the range.
+    assert [speed.min(), speed.max()] == pytest.approx([low[0], high[0]], abs=1e-3 * np.ptp(speed))
+    assert axes[0].lines[0].get_xdata()[[0, -1]] == pytest.approx([0, 360])
+
+
+def test_cycle_sheet_of_a_clockwise_machine__counts_downwards():
+    scene = with_values(SCENE, {"input.speed": -6.0})
+    axes = cycle_diagrams(scene, history(scene), "work", Figure()).axes
+    line = axes[0].lines[0]
+    assert line.get_xdata()[[0, -1]] == pytest.approx([0, -360])
+    assert line.get_ydata().max() < 0
+    assert axes[0].lines[1].get_ydata()[0] < 0
+
+
+def test_machine_that_does_not_start__is_a_page_that_says_why():
+    scene = machine(moments=MOMENTS | {"rub": {"type": "against_motion", "on": "crank", "moment": 30.0}})
+    seen = history(scene)
+    assert seen.verdict == Verdict.STALLS
+    figure = history_diagrams(scene, seen, Figure())
+    assert figure.axes == []
+    text = " ".join(figure.get_suptitle().split())
+    assert "regime start: the machine does not start at φ = 0 °: 20 N·m drive it there, 30 N·m hold it" in text
+    with pytest.raises(PictureError, match="no steady motion 'work': regime start: the machine does not start"):
+        cycle_diagrams(scene, seen, "work", Figure())
+
+
+def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_path):
+    moments = {
+        "motor": {"type": "constant", "on": "crank", "moment": 20.0, "role": "driving"},
+        "brake": MOMENTS["brake"],
+    }
+    scene = machine(moments=moments)
+    made = machine_pictures(scene, {}, tmp_path / "a.png")
+    assert [path.name for path in made] == ["a.png", "a_diagrams.png", "a_history.png"]
+    figure = history_diagrams(scene, history(scene), Figure())
+    assert [ax.get_title() for ax in figure.axes[:1]] == ["start"]
+    assert "regime work: the machine runs away" in figure.get_suptitle()
+
+
+def test_pictures_of_a_machine_with_regimes__are_its_history_and_its_steady_cycles(tmp_path):
+    made = machine_pictures(SCENE, {"flywheel.inertia": 1.0}, tmp_path / "a.png")
+    assert [path.name for path in made] == ["a.png", "a_diagrams.png", "a_history.png", "a_work.png"]
+    assert all(path.stat().st_size > 10_000 for path in made)
+
+
+def test_scene_with_values__is_the_machine_of_the_variant():
+    varied = Machine(SCENE, ["start.time"], varied=["flywheel.inertia", "moments.oil.coefficient"])
+    values = {"flywheel.inertia": 1.25, "moments.oil.coefficient": 0.123}
+    expected = varied.evaluate({path: np.array([value]) for path, value in values.items()}).summaries["start.time"][0]
+    assert summary(with_values(SCENE, values), "start.time")[0] == expected
+    assert summary(SCENE, "start.time")[0] < expected
+
+
+def test_long_row__keeps_its_extremes_when_thinned():
+    rng = np.random.default_rng(1)
+    row, x = rng.normal(size=7 * MOST_INSTANTS + 3), np.arange(7.0 * MOST_INSTANTS + 3)
+    row[12_345], row[54_321] = 50.0, -60.0
+    thin_x, thin = _thinned(x, row)
+    assert thin.size <= 2 * MOST_INSTANTS
+    assert (thin.max(), thin.min()) == (50.0, -60.0)
+    assert abs(thin_x[thin.argmax()] - 12_345) <= 8
+    short = np.arange(10.0)
+    assert _thinned(short, short)[1] is short
+
+
+def test_courses__begin_each_regime_at_zero_and_go_on_with_the_works():
+    parts = courses(SEEN)
+    assert [part.name for part in parts] == ["start", "work", "stop"]
+    for before, after in pairwise(parts):
+        assert after.time[0] == 0
+        assert all(after.works[key][0] == before.works[key][-1] for key in after.works)
+
+
+# As a table
+
+
+def test_history_csv__holds_the_equation_of_motion(tmp_path):
+    assert history_csv(SCENE, {}, tmp_path / "h.csv") == ""
+    header, *rows = csv.reader((tmp_path / "h.csv").read_text(encoding="utf8").splitlines())
+    assert header[:7] == [
+        "regime",
+        "time [s]",
+        "angle [rad]",
+        "speed [rad s-1]",
+        "acceleration [rad s-2]",
+        "motor_moment [N m]",
+        "driving_moment [N m]",
+    ]
+    assert header[-1] == "energy [J]"
+    assert list(dict.fromkeys(row[0] for row in rows)) == ["start", "work", "stop"]
+    number = {name: np.array([float(row[i]) for row in rows]) for i, name in enumerate(header) if i}
+    moment = sum(values for name, values in number.items() if name.endswith("_moment [N m]"))
+    chosen = np.array([row[0] == "work" for row in rows])
+    omega, epsilon, phi = (number[n][chosen] for n in header[3:5] + header[2:3])
+    # I and dI/dφ from the fields of the machine at uniform speed, at angles that the history shares with them.
+    fields = ["reduced_inertia", "reduced_inertia_phi"]
+    rows_of = Machine(SCENE, fields=fields, positions=360).evaluate({}).fields
+    node = phi * 180 / math.pi
+    shared = np.flatnonzero(np.abs(node - np.round(node)) < 1e-9)
+    assert shared.size > 300
+    at = np.round(node[shared]).astype(int) % 360
+    inertia, slope = (rows_of[name][0][at] for name in fields)
+    left = (inertia + 0.5) * epsilon[shared] + 0.5 * slope * omega[shared] ** 2
+    # Both sides are sums of a few terms of at most 20 N·m in rounding.
+    assert left == pytest.approx(moment[chosen][shared], abs=1e-10)
+
+
+def test_history_csv_without_regimes__is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"regimes: the scene has none, so no history; add \[regimes.NAME\]"):
+        history_csv(slider_crank(), {}, tmp_path / "h.csv")
+    assert not (tmp_path / "h.csv").exists()

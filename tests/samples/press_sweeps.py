@@ -1,0 +1,109 @@
+"""Sweeps of a press beside a four-bar: their texts, their runs, and what a result file holds bit by bit."""
+
+from pathlib import Path
+
+import h5py
+
+from sweeps.run.runner import run_study
+from sweeps.study.study import Study, read_study
+
+# A four-bar with a press beside it: the slider-crank's group comes second, and is the one to blame for most.
+SCENE = """\
+title = "Press with a rocker"
+
+[points]
+O = {x = "0 mm", y = "0 mm"}
+D = {x = "260 mm", y = "0 mm"}
+
+[guides]
+way = {angle = "0 deg"}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "50 mm"
+speed = "60 rpm"
+
+[groups.bars]
+type = "RRR"
+inner = "C"
+first = {link = "coupler", joint = "A", length = "250 mm"}
+second = {link = "rocker", joint = "D", length = "150 mm"}
+
+[groups.press]
+type = "RRP"
+inner = "B"
+first = {link = "rod", joint = "A", length = "200 mm"}
+second = {link = "ram", guide = "way"}
+
+[bodies.ram]
+link = "ram"
+mass = "100 kg"
+
+[bodies.rocker]
+link = "rocker"
+mass = "4 kg"
+x = "70 mm"
+
+[forces.punch]
+type = "constant"
+on = "B"
+angle = "180 deg"
+force = "100 kN"
+acts = "against"
+
+[flywheel]
+speed_fluctuation = "1/10"
+"""
+
+# The same paths and the same questions in all studies of a kind: one kernel serves them all.
+HEAD = 'title = "Which crank?"\nquestion = "How short?"\nscene = "scene.toml"\n'
+ASKED = """
+[outputs]
+summaries = ["ram.stroke", "rocker.swing", "excess_work"]
+"""
+BEST = '\n[best]\nminimise = "excess_work"\nwhere = "ram.stroke > \'80 mm\'"\n'
+FIELDS = ASKED + 'fields = ["ram.slide", "reduced_moment"]\n' + BEST
+STROKE = '\n[outputs]\nsummaries = ["ram.stroke"]\n'
+LISTS = """
+[vary]
+"input.length" = {values = LENGTHS}
+"bodies.ram.mass" = {values = MASSES}
+"""
+
+
+def text_of(lengths: list[str], masses: list[str], asked: str = ASKED + BEST, head: str = "positions = 48\n") -> str:
+    vary = LISTS.replace("LENGTHS", str(lengths)).replace("MASSES", str(masses))
+    return HEAD + head + vary + asked
+
+
+def study_of(folder: Path, text: str, name: str = "study") -> Study:
+    (folder / "scene.toml").write_text(SCENE)
+    (folder / f"{name}.toml").write_text(text)
+    return read_study(folder / f"{name}.toml")
+
+
+def run(folder: Path, text: str, name: str = "study") -> Path:
+    return run_study(study_of(folder, text, name), folder / f"{name}.h5")
+
+
+def contents(path: Path) -> dict[str, tuple[str, bytes]]:
+    """Every dataset of a file, bit by bit."""
+    found = {}
+
+    def visit(name: str, item: object) -> None:
+        if isinstance(item, h5py.Dataset):
+            found[name] = (f"{item.dtype} {item.shape}", item[()].tobytes())
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
+
+
+# The same studies in several files: two variants of two numbers, and many of one.
+GOOD = text_of(["40 mm", "50 mm"], ["50 kg", "100 kg"], FIELDS)
+
+DISTINCT = text_of(["40 mm"], ["1 kg"], FIELDS).replace(
+    "values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 200'
+)

@@ -1,0 +1,339 @@
+"""Scenes that are refused: the message names the file, the line, the key, what is allowed and the mend."""
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
+from slips import cases, changed
+
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import read_scene
+
+GROUND = """\
+[points]
+O = {x = "0 mm", y = "0 mm"}
+D = {x = "200 mm", y = "0 mm"}
+E = {x = "100 mm", y = "200 mm"}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "50 mm"
+speed = "60 rpm"
+"""
+
+FOUR_BAR = f"""{GROUND}
+[groups.bars]
+type = "RRR"
+inner = "B"
+first = {{link = "coupler", joint = "A", length = "200 mm"}}
+second = {{link = "rocker", joint = "D", length = "150 mm"}}
+"""
+
+# Two bars carry one more link each, and each of these pairs of links hangs on the other: a triad.
+TRIAD = f"""{GROUND}
+[points.corner]
+link = "plate"
+x = "50 mm"
+y = "0 mm"
+
+[groups.one]
+type = "RRR"
+inner = "B"
+first = {{link = "plate", joint = "F", length = "100 mm"}}
+second = {{link = "bar_1", joint = "D", length = "100 mm"}}
+
+[groups.two]
+type = "RRR"
+inner = "F"
+first = {{link = "bar_2", joint = "E", length = "100 mm"}}
+second = {{link = "bar_3", joint = "corner", length = "100 mm"}}
+"""
+
+SLIDING = """\
+[guides.way]
+
+[guides.slot]
+link = "arm"
+
+[points]
+D = {x = "200 mm", y = "50 mm"}
+
+[input]
+type = "slider"
+link = "ram"
+guide = "way"
+point = "A"
+start = "0 mm"
+stop = "50 mm"
+speed = "1 m/s"
+
+[groups.bars]
+type = "RRR"
+inner = "B"
+first = {link = "rod", joint = "A", length = "200 mm"}
+second = {link = "arm", joint = "D", length = "150 mm"}
+"""
+
+ENGINE = """\
+[points]
+O = {x = "0 mm", y = "0 mm"}
+
+[guides.way]
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "50 mm"
+speed = "1500 rpm"
+revolutions = 2
+
+[groups.slide]
+type = "RRP"
+inner = "B"
+first = {link = "rod", joint = "A", length = "200 mm"}
+second = {link = "piston", guide = "way"}
+
+[cylinders.fire]
+type = "four_stroke"
+piston = "piston"
+bore = "80 mm"
+clearance = 0.1
+intake = "1 bar"
+exhaust = "1.1 bar"
+peak = "50 bar"
+"""
+
+
+def check(error: InputError, text: str, marker: str, key: str, words: Iterable[str]) -> None:
+    """Some problem stands at the line of `marker` and has the key; together they say all the words."""
+    found = [p for p in error.problems if p[1] == key]
+    assert found, str(error)
+    assert line_with(text, marker) in [line for line, _, _ in found], str(error)
+    place = f"press.toml, line {line_with(text, marker)}: "
+    assert (f"{place}{key}: " if key else place) in str(error)
+    for word in words:
+        assert word in str(error), str(error)
+    assert "pydantic" not in str(error)
+    assert "Traceback" not in str(error)
+
+
+def test_good_texts__are_read(tmp_path):
+    (tmp_path / "punch.csv").write_text(PUNCH)
+    for i, text in enumerate((GOOD, FOUR_BAR, SLIDING, ENGINE, FROM_CSV)):
+        (tmp_path / f"{i}.toml").write_text(text)
+        assert read_scene(tmp_path / f"{i}.toml").input.speed > 0
+
+
+# Name | what to change in GOOD | what into | a mark of the line to be named | key | words of the message.
+SLIPS = cases(r"""
+misspelt key | mass = "100 | maas = "100 | maas | bodies.ram.maas | unknown key | did you mean 'mass'?
+misspelt number | mass = "100 kg" | mass = "100 kg"\ninertai = "1 kg m2" | inertai | bodies.ram.inertai
+    | allowed: link, mass, x, y, inertia, shape, density | 'inertia'
+misspelt table | [bodies.bar] | [bodyes.bar] | [bodyes.bar] | bodyes | allowed: title | 'bodies'
+missing key | speed = "60 rpm"\n |  | [input] | input.speed | is missing
+no mass | mass = "100 kg"\n |  | [bodies.ram] | bodies.ram | give mass | shape with density
+unknown group | "RRP" | "RPQ" | [groups.press] | groups.press | 'RPQ' | RRR, RRP, RPR, PRP, RPP | 'RRP'
+unknown input | "crank" | "cranck" | [input] | input | allowed: crank, slider | did you mean 'crank'?
+unknown law | "table" | "tabel" | [forces.punch] | forces.punch | constant, table | did you mean 'table'?
+unknown shape | "rod", length | "rodd", length | shape = | bodies.bar.shape | rod, disc, ring, plate | 'rod'?
+no type | type = "RRP"\n |  | [groups.press] | groups.press | 'type' is missing
+wrong unit | "50 mm" | "50 kg" | "50 kg" | input.length | a length such as '80 mm' | 'kg'
+area, not length | 6 cm2 | 6 cm | shape = | bodies.bar.shape.area | area such as '12 cm2' | 'cm'
+force, not moment | 2 N m | 2 N | "2 N" | moments.friction.moment | a moment such as '7 N m'
+bare number | "50 mm" | 50 | length = 50 | input.length | 50 has no unit | "50 mm" | "50 m"
+bare text | "50 mm" | "50" | length = "50" | input.length | 50 has no unit | "50 mm"
+decimal comma | "50 mm" | "50,5 mm" | 50,5 | input.length | decimal point | '50,5 mm'
+negative length | "50 mm" | "-50 mm" | -50 mm | input.length | must be greater than 0 | '-50 mm'
+no length | "50 mm" | "0 mm" | length = "0 mm" | input.length | must be greater than 0
+not finite | mass = "100 kg" | mass = nan | mass = nan | bodies.ram.mass | not a finite mass
+true | mass = "100 kg" | mass = true | mass = true | bodies.ram.mass | '1.2 kg' | bool
+fluctuation | "1/10" | "3" | "3" | flywheel.speed_fluctuation | must be less than 2
+unknown point | joint = "D" | joint = "Dd" | Dd | groups.bars.second.joint | A, B, C, D, O, tip | 'D'?
+unknown guide | guide = "way" | guide = "ways" | ways | groups.press.second.guide | known are: way | 'way'?
+unknown link | link = "ram"\nmass | link = "rma"\nmass | rma | bodies.ram.link
+    | crank, frame, pitman, ram, rocker, rod | did you mean 'ram'?
+capital letter | on = "C" | on = "c" | on = "c" | forces.punch.on | not a point | did you mean 'C'?
+point on nothing | "rocker"\nx | "lever"\nx | lever | points.tip.link | 'lever' is not a link
+spring on nothing | "tip"] | "top"] | top | springs.back.between | 'top' | did you mean 'tip'?
+spring with one end | ["D", "tip"] | ["D"] | between | springs.back.between
+spring on one point | ["D", "tip"] | ["D", "D"] | between | springs.back.between | 'D'
+name of a point twice | inner = "C" | inner = "B" | inner = "B" | groups.press.inner
+    | 'B' is already taken by groups.bars.inner
+name of two kinds | [guides.way] | [guides.D] | [guides.D] | guides.D | 'D' is already taken by points.D
+name of two actions | springs.back | springs.punch | [springs.punch] | springs.punch | taken by forces.punch
+bad name | inner = "C" | inner = "my C" | my C | groups.press.inner | 'my C' is not a name | underscores
+key taken twice | mass = "100 kg" | mass = "100 kg"\nmass = "1 kg" | mass = "1 kg" |  | not valid TOML
+link of two groups | link = "pitman" | link = "rod" | link = "rod", joint = "A", length = "200
+    | groups.press.first.link | 'rod' is already moved by groups.bars.first.link | over-constrained
+group on the frame | joint = "A", length = "220 | joint = "O", length = "220 | [groups.bars] | groups.bars
+    | over-constrained | frame | W =  | moving link
+pivot that moves | pivot = "O" | pivot = "tip" | pivot | input.pivot | not on the frame | D, O
+body on the frame | link = "ram"\nmass | link = "frame"\nmass | link = "frame" | bodies.ram.link | moving link
+moment on a slider | on = "rocker"\nmoment | on = "ram"\nmoment | on = "ram" | moments.friction.on | 'ram'
+motor on a rocker | type = "against_motion"\non = "rocker"\nmoment = "2 N m"
+    | type = "dc_motor"\non = "rocker"\nstall_moment = "2 N m"\nno_load_speed = "90 rpm" | on = "rocker"
+    | moments.friction.on | a motor drives the crank | allowed: crank
+stroke of a rocker | slider = "ram" | slider = "rocker" | slider | forces.punch.slider | sliders are: ram
+stroke of nothing | slider = "ram"\n |  | [forces.punch] | forces.punch | over_stroke and slider | name
+table not sorted | "1 mm", "8 mm" | "8 mm", "1 mm" | [forces.punch] | forces.punch | row 3 | sort
+table not equal | "1 mm", "8 mm" | "1 mm" | [forces.punch] | forces.punch | 2 rows | has 3
+unknown curve | "linear" | "cubic" | cubic | forces.punch.interpolation | linear, pchip, spline
+unknown word | "against" | "agianst" | agianst | forces.punch.acts | always, along, against | 'against'?
+mass and density | density = | mass = "1 kg"\ndensity = | [bodies.bar] | bodies.bar | either mass or density
+inertia and shape | density = | inertia = "1 kg m2"\ndensity = | [bodies.bar] | bodies.bar | give one of
+start alone | "60 rpm" | "60 rpm"\nstart = "0 deg" | [input] | input | start and stop | full revolutions
+stop before start | "60 rpm" | "60 rpm"\nstart = "9 deg"\nstop = "0 deg" | [input] | input
+    | stop must be greater than start
+flywheel without a cycle | "60 rpm" | "60 rpm"\nstart = "0 deg"\nstop = "9 deg" | [flywheel] | flywheel | turns fully
+revolutions | "60 rpm" | "60 rpm"\nrevolutions = 3 | revolutions | input.revolutions | 3 | 1 or 2
+mode | inner = "C" | inner = "C"\nmode = 0 | mode = 0 | groups.press.mode | 1 or -1
+text for a table | {link = "ram", guide = "way"} | "ram" | second = "ram" | groups.press.second | table
+list of tables | [input] | [[input]] | [[input]] | input | expected a table of keys
+table left open | [flywheel] | [flywheel | [flywheel |  | not valid TOML
+table twice | [flywheel] | [input] | [input] |  | not valid TOML
+Python for a number | mass = "100 kg" | mass = "__import__('os').system('touch stolen')" | __import__
+    | bodies.ram.mass | a mass such as '1.2 kg' | __import__
+Python for a name | inner = "C" | inner = "C); import os; os.remove('press.toml'); (" | import os | groups.press.inner
+    | is not a name
+""")
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_slip__is_refused_with_line_key_and_mend(slip, tmp_path):
+    old, new, marker, key, *words = SLIPS[slip]
+    text = changed(GOOD, old, new)
+    check(refused(tmp_path, text), text, marker, key, words)
+    assert not Path("stolen").exists()
+
+
+# Name | scene | what to change in it | what into | a mark of the line to be named | key | words of the message.
+STRUCTURES = cases(r"""
+class III | TRIAD |  |  | [groups.one] | groups.one | one waits for F | two waits for corner | class III
+hanging on nothing | FOUR_BAR | joint = "A" | joint = "F" | coupler | groups.bars.first.joint | 'F' is not a point
+    | A, B, D, E, O
+undriven link | FOUR_BAR | [input] | [points.P]\nlink = "lever"\nx = "1 mm"\ny = "0 mm"\n\n[input] | lever
+    | points.P.link | 'lever' is not a link | coupler, crank, frame, rocker
+sliding input on a moving guide | SLIDING | guide = "way" | guide = "slot" | guide = "slot" | input.guide
+    | moving link | must be on the frame
+shaft on a sliding input | SLIDING | [groups.bars] | [shafts.wheel]\ngeared_to = "ram"\nratio = 2\n\n[groups.bars]
+    | geared_to | shafts.wheel.geared_to | sliding input
+motor on a sliding input | SLIDING | [groups.bars]
+    | [moments.drive]\ntype = "dc_motor"\non = "ram"\nstall_moment = "1 N m"\nno_load_speed = "9 rpm"\n\n[groups.bars]
+    | on = "ram" | moments.drive.on | motor
+sliding input that doesn't move | SLIDING | stop = "50 mm" | stop = "0 mm" | [input] | input | stop | start
+shaft on itself | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "wheel"\nratio = 2\n\n[groups.bars]
+    | geared_to | shafts.wheel.geared_to | 'wheel'
+shaft on the frame | FOUR_BAR | [groups.bars] | [shafts.wheel]\ngeared_to = "frame"\nratio = 2\n\n[groups.bars]
+    | geared_to | shafts.wheel.geared_to | 'frame'
+shaft with a pivot that moves | FOUR_BAR | [groups.bars]
+    | [shafts.wheel]\ngeared_to = "crank"\nratio = 2\npivot = "B"\n\n[groups.bars] | pivot = "B" | shafts.wheel.pivot
+    | not on the frame | D, E, O
+cylinder on a rod | ENGINE | piston = "piston" | piston = "rod" | piston = "rod" | cylinders.fire.piston
+    | 'rod' doesn't slide | sliders are: piston
+four strokes in a turn | ENGINE | revolutions = 2\n |  | four_stroke | cylinders.fire.type | two turns
+    | input.revolutions = 2
+""")
+
+
+@pytest.mark.parametrize("case", STRUCTURES)
+def test_impossible_structure__is_refused_in_the_mechanics_words(case, tmp_path):
+    name, old, new, marker, key, *words = STRUCTURES[case]
+    text = changed(globals()[name], old, new)
+    check(refused(tmp_path, text), text, marker, key, words)
+
+
+def test_several_problems__are_told_at_once(tmp_path):
+    text = GOOD
+    for old, new in (('"50 mm"', '"50 kg"'), ('"100 kg"', "100"), ('"linear"', '"cubic"'), ('"2 N m"', '"2"')):
+        text = changed(text, old, new)
+    error = refused(tmp_path, text)
+    assert {key for _, key, _ in error.problems} == {
+        "input.length",
+        "bodies.ram.mass",
+        "forces.punch.interpolation",
+        "moments.friction.moment",
+    }
+    assert str(error).count("press.toml, line ") == 4
+
+
+def test_several_unknown_names__are_told_at_once(tmp_path):
+    text = changed(changed(GOOD, 'joint = "D"', 'joint = "X"'), 'guide = "way"', 'guide = "Y"')
+    keys = {key for _, key, _ in refused(tmp_path, text).problems}
+    assert keys == {"groups.bars.second.joint", "groups.press.second.guide"}
+
+
+LINES = GOOD.splitlines()
+WORDS = re.findall(r'"[^"]*"', GOOD)
+KEYS = [i for i, line in enumerate(LINES) if "=" in line]
+VALUES = [
+    "0",
+    "-1",
+    "1e400",
+    "true",
+    "nan",
+    '""',
+    '"1 mm"',
+    '"-3 deg"',
+    '"A"',
+    '"frame"',
+    '"ram"',
+    "[]",
+    "{}",
+    '["D"]',
+    '["1 mm", "2 mm"]',
+    "[[1]]",
+    "{x = 1}",
+    "1979-05-27",
+    '"""\n[input]\n"""',
+]
+
+
+@st.composite
+def mutations(draw: st.DrawFn) -> str:
+    """GOOD with one to three lines deleted, doubled, moved, given another value or another key."""
+    lines = list(LINES)
+    for _ in range(draw(st.integers(1, 3))):
+        i = draw(st.sampled_from([k for k in KEYS if k < len(lines)]))
+        match draw(st.sampled_from(["delete", "double", "value", "key", "swap", "text", "word"])):
+            case "delete":
+                del lines[i]
+            case "double":
+                lines.insert(draw(st.integers(0, len(lines))), lines[i])
+            case "value":
+                lines[i] = lines[i].split("=")[0] + "= " + draw(st.sampled_from(VALUES))
+            case "key":
+                key = draw(st.sampled_from(["x", "type", "link", '"a.b"', "input.length"]))
+                lines[i] = f"{key} ={lines[i].split('=', 1)[-1]}"
+            case "swap":
+                j = draw(st.integers(0, len(lines) - 1))
+                lines[i], lines[j] = lines[j], lines[i]
+            case "text":
+                lines[i] = draw(st.text(max_size=20))
+            case "word":
+                lines[i] = re.sub(r'"[^"]*"', draw(st.sampled_from(WORDS)), lines[i])
+    return "\n".join(lines)
+
+
+@settings(deadline=None, max_examples=400)
+@given(mutations())
+def test_any_mutation__is_read_or_refused_with_reasons(tmp_path_factory, text):
+    path = tmp_path_factory.getbasetemp() / "mutated.toml"
+    path.write_bytes(text.encode())
+    try:
+        read_scene(path)
+    except InputError as error:
+        problems = error.problems
+    else:
+        return
+    assert problems
+    for line, _, message in problems:
+        assert message
+        # TOML places an unfinished text just behind its end.
+        assert line is None or 1 <= line <= len(text.splitlines()) + 1

@@ -1,0 +1,112 @@
+"""Files of scenes: CSV tables beside them, texts that are none, and what is said of those that are refused."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
+from slips import cases, changed
+
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import read_scene
+
+# Name | text of the file | words of the message.
+TABLES = cases(r"""
+no unit in brackets | over_stroke mm,force [kN]\n0,0\n1,1\n | line 1 | over_stroke mm | 'force [kN]'
+semicolons | over_stroke [mm];force [kN]\n0;0\n1;1\n | line 1 | over_stroke [mm];force [kN]
+unknown column | stroke [mm],force [kN]\n0,0\n1,1\n | unknown key | did you mean 'over_stroke'?
+unknown unit | over_stroke [mm],force [kM]\n0,0\n1,1\n | unknown unit 'kM' | a force such as '12 kN'
+column without unit | over_stroke [mm],force\n0,0\n1,1\n | has no unit | "1 kN"
+word for a number | over_stroke [mm],force [kN]\n0,0\n1,much\n | line 3 | 'much' is not a number
+decimal comma | over_stroke [mm],force [kN]\n0,0\n1,"1,5"\n | line 3 | '1,5' | decimal point
+cell too many | over_stroke [mm],force [kN]\n0,0\n1,1,5\n | line 3 | 3 cells, the header 2
+after a comment | # measured\nover_stroke [mm],force [kN]\n\n0,0\n# here\n1,much\n | line 6 | 'much'
+column twice | over_stroke [mm],force [kN],force [kN]\n0,0,0\n1,1,1\n | force
+no rows | over_stroke [mm],force [kN]\n | at least one row
+nothing |  | header line
+not sorted | over_stroke [mm],force [kN]\n0,0\n8,1\n1,1\n | row 3 | sort
+not finite | over_stroke [mm],force [kN]\n0,0\ninf,1\n | a length | inf
+""")
+
+
+@pytest.mark.parametrize("case", TABLES)
+def test_bad_csv_table__is_refused_and_named(case, tmp_path):
+    content, *words = TABLES[case]
+    check_table(tmp_path, content.encode(), words)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (None, ("punch.csv", "can't be read", "No such file")),
+        (b"", ("header line",)),
+        (bytes(range(256)), ("punch.csv", "not UTF-8")),
+        (b"over_stroke [mm],force [kN]\n0,0\n\x001,1\n", ("line 3", "is not a number")),
+        (b"over_stroke [mm],force [kN]\n0,0\n1," + b"1" * 200_000, ("punch.csv",)),
+    ],
+)
+def test_csv_file_that_is_none__is_refused_and_named(content, words, tmp_path):
+    check_table(tmp_path, content, words)
+
+
+def check_table(folder: Path, content: bytes | None, words: Iterable[str]) -> None:
+    if content is not None:
+        (folder / "punch.csv").write_bytes(content)
+    error = refused(folder, FROM_CSV)
+    table, key = line_with(FROM_CSV, "[forces.punch]"), line_with(FROM_CSV, "file =")
+    assert {line for line, _, _ in error.problems} <= {table, key}
+    assert all(path.startswith("forces.punch") for _, path, _ in error.problems)
+    for word in words:
+        assert word in str(error), str(error)
+
+
+@pytest.mark.parametrize("name", ['"."', '"\\u0000"', '"' + "x" * 5000 + '"', "3", "[1]", "{}"])
+def test_odd_name_of_a_csv_file__is_refused_with_its_line(name, tmp_path):
+    text = changed(FROM_CSV, '"punch.csv"', name)
+    error = refused(tmp_path, text)
+    assert error.problems[0][:2] == (line_with(text, "file ="), "forces.punch.file")
+
+
+def test_csv_and_columns_in_the_text__are_refused_together(tmp_path):
+    (tmp_path / "punch.csv").write_text(PUNCH)
+    text = changed(FROM_CSV, 'file = "punch.csv"', 'file = "punch.csv"\nforce = ["7 kN", "7 kN", "7 kN"]')
+    assert "force" in str(refused(tmp_path, text))
+
+
+@pytest.mark.parametrize("text", ["", "\n\n# nothing but a remark\n", 'title = "x"\n'])
+def test_empty_text__says_that_the_input_is_missing(text, tmp_path):
+    assert refused(tmp_path, text).problems == ((None, "input", "is missing"),)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        bytes(range(256)),
+        b"\x89HDF\r\n\x1a\n" + bytes(64),
+        GOOD.encode("utf-16"),
+        "a = " + "[" * 20_000,
+        "a = " + "[" * 500 + "]" * 500,
+        "a = " + "9" * 5000,
+        "import os\nos.remove('press.toml')\n",
+        "<html><body>scene</body></html>",
+        "\x00",
+    ],
+)
+def test_text_that_is_no_toml__is_refused(text, tmp_path):
+    error = refused(tmp_path, text)
+    assert "press.toml" in str(error)
+    assert (tmp_path / "press.toml").exists()
+
+
+@pytest.mark.parametrize("name", ["", "nowhere.toml", "folder/press.toml"])
+def test_file_that_cannot_be_read__is_named(name, tmp_path):
+    with pytest.raises(InputError, match="can't be read") as caught:
+        read_scene(tmp_path / name)
+    assert str(tmp_path) in str(caught.value)
+
+
+@pytest.mark.parametrize("mark", ["\ufeff", ""])
+def test_windows_text__is_read(mark, tmp_path):
+    (tmp_path / "press.toml").write_bytes((mark + FROM_CSV).replace("\n", "\r\n").encode())
+    (tmp_path / "punch.csv").write_bytes((mark + PUNCH).replace("\n", "\r\n").encode())
+    assert read_scene(tmp_path / "press.toml").forces["punch"].force == [0.0, 100e3, 60e3]

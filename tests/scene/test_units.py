@@ -1,0 +1,393 @@
+"""Quantities with units: accepted texts, the known traps, and hostile input.
+
+Expected values are exact fractions from the definitions of the units (SI Brochure, 9th ed.; inch 25.4 mm;
+hp = 550 ft lbf/s; PS = 75 kgf m/s), rounded once to float64. The code works with 40 decimal digits, so its
+result is the same correctly rounded float and every comparison is an equality: a relative error of 1e-40
+changes the rounding to 53 bits with a chance of about 1e-24.
+"""
+
+import decimal
+import math
+import subprocess
+import sys
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+
+from engine.scene.dimensions import DIMENSIONS
+from engine.scene.units import UnitError, in_text, to_si
+
+with mpmath.workdps(60):
+    PI = Fraction(mpmath.nstr(+mpmath.pi, 55))
+
+FOOT, POUND, GRAVITY = Fraction("0.3048"), Fraction("0.45359237"), Fraction("9.80665")
+
+FACTORS = {
+    "length": {
+        "m": 1,
+        "mm": Fraction(1, 1000),
+        "cm": Fraction(1, 100),
+        "dm": Fraction(1, 10),
+        "um": Fraction(1, 10**6),
+        "µm": Fraction(1, 10**6),
+        "km": 1000,
+        "in": Fraction(254, 10000),
+    },
+    "angle": {"rad": 1, "mrad": Fraction(1, 1000), "deg": PI / 180, "°": PI / 180, "rev": 2 * PI},
+    "time": {"s": 1, "ms": Fraction(1, 1000), "us": Fraction(1, 10**6), "min": 60, "h": 3600},
+    "mass": {"kg": 1, "g": Fraction(1, 1000), "mg": Fraction(1, 10**6), "t": 1000},
+    "force": {"N": 1, "mN": Fraction(1, 1000), "kN": 1000, "MN": 10**6},
+    "moment": {"Nm": 1, "kNm": 1000, "MNm": 10**6, "Nmm": Fraction(1, 1000), "J": 1},
+    "pressure": {"Pa": 1, "kPa": 1000, "MPa": 10**6, "GPa": 10**9, "bar": 10**5},
+    "power": {
+        "W": 1,
+        "kW": 1000,
+        "MW": 10**6,
+        "hp": 550 * FOOT * POUND * GRAVITY,
+        "PS": 75 * GRAVITY,
+    },
+    "energy": {"J": 1, "kJ": 1000, "MJ": 10**6},
+    "volume": {"l": Fraction(1, 1000), "L": Fraction(1, 1000)},
+    "angular_speed": {"rpm": 2 * PI / 60, "1/min": 2 * PI / 60, "min-1": 2 * PI / 60},
+    "number": {"%": Fraction(1, 100)},
+}
+
+# Numerator and denominator of compound units: (dimension, power) pairs into FACTORS.
+COMPOUNDS = {
+    "area": ([("length", 2)], []),
+    "volume": ([("length", 3)], []),
+    "inertia": ([("mass", 1), ("length", 2)], []),
+    "density": ([("mass", 1)], [("length", 3)]),
+    "area_density": ([("mass", 1)], [("length", 2)]),
+    "linear_density": ([("mass", 1)], [("length", 1)]),
+    "speed": ([("length", 1)], [("time", 1)]),
+    "acceleration": ([("length", 1)], [("time", 2)]),
+    "angular_speed": ([("angle", 1)], [("time", 1)]),
+    "angular_acceleration": ([("angle", 1)], [("time", 2)]),
+    "moment": ([("force", 1), ("length", 1)], []),
+    "stiffness": ([("force", 1)], [("length", 1)]),
+    "torsional_stiffness": ([("moment", 1)], [("angle", 1)]),
+    "damping": ([("force", 1), ("time", 1)], [("length", 1)]),
+    "torsional_damping": ([("moment", 1), ("time", 1)], [("angle", 1)]),
+    "quadratic_drag": ([("force", 1), ("time", 2)], [("length", 2)]),
+    "torsional_quadratic_drag": ([("moment", 1), ("time", 2)], [("angle", 2)]),
+}
+
+RPM = 2 * math.pi / 60
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "expected"),
+    [
+        ("80 mm", "length", 0.08),
+        ("9 mm", "length", 0.009),
+        ("80mm", "length", 0.08),
+        ("  80 mm ", "length", 0.08),
+        ("80\N{NO-BREAK SPACE}mm", "length", 0.08),
+        ("1e-3 km", "length", 1.0),
+        ("+4.5 cm", "length", 0.045),
+        (".5 mm", "length", 0.0005),
+        ("5. mm", "length", 0.005),
+        ("5 μm", "length", 5e-6),
+        ("12 kN", "force", 12000.0),
+        ("7 Nm", "moment", 7.0),
+        ("3 N·m", "moment", 3.0),
+        ("3 N*m", "moment", 3.0),
+        ("3 N m", "moment", 3.0),
+        ("3 J", "moment", 3.0),
+        ("0.5 kg m2", "inertia", 0.5),
+        ("0.5 kg*m^2", "inertia", 0.5),
+        ("0.5 kg m**2", "inertia", 0.5),
+        ("0.5 kg·m²", "inertia", 0.5),
+        ("7.85 g/cm3", "density", 7850.0),
+        ("7850 kg m-3", "density", 7850.0),
+        ("7850 kg·m⁻³", "density", 7850.0),
+        ("40 N s/m", "damping", 40.0),
+        ("40 N/(m/s)", "damping", 40.0),
+        ("2 kg/m/s2", "pressure", 2.0),
+        ("2 kg/(m s2)", "pressure", 2.0),
+        ("36 km/h", "speed", 10.0),
+        ("-90 deg", "angle", -math.pi / 2),
+        ("\N{MINUS SIGN}90°", "angle", -math.pi / 2),
+        ("180 deg", "angle", math.pi),
+        ("30 rpm", "angular_speed", math.pi),
+        ("1 rev/s", "angular_speed", 2 * math.pi),
+        ("1 rev/min", "angular_speed", RPM),
+        ("60 rpm/s", "angular_acceleration", 2 * math.pi),
+        ("8 N/mm", "stiffness", 8000.0),
+        ("500 N m/rad", "torsional_stiffness", 500.0),
+        ("1 N m/deg", "torsional_stiffness", 180 / math.pi),
+        ("0.8 N s2/m2", "quadratic_drag", 0.8),
+        ("6 bar", "pressure", 600000.0),
+        ("200 hp", "power", 149139.974316454044),
+        ("2 PS", "power", 1470.9975),
+        ("2 %", "number", 0.02),
+        ("1/30", "number", 1 / 30),
+        ("-1 / 4", "number", -0.25),
+        ("0.3", "number", 0.3),
+        ("500 mm/m", "number", 0.5),
+        ("0", "length", 0.0),
+    ],
+)
+def test_accepted_text__gives_hand_computed_value(text, dimension, expected):
+    # The expected values with pi or a repeating factor are themselves rounded up to three times: 4 eps.
+    assert to_si(text, dimension) == pytest.approx(expected, rel=4 * np.finfo(float).eps, abs=0)
+    assert in_text(text, dimension) == to_si(text, dimension)
+
+
+@pytest.mark.parametrize("text", ["60 rpm", "60 1/min", "60 1 / min", "60 /min", "60 min-1", "60 min⁻¹"])
+def test_per_minute_as_angular_speed__means_revolutions(text):
+    assert to_si(text, "angular_speed") == 2 * math.pi
+
+
+@pytest.mark.parametrize("text", ["200 Hz", "200 1/s", "200 s-1", "200 1/h"])
+def test_per_second_as_angular_speed__is_refused_as_ambiguous(text):
+    with pytest.raises(UnitError, match="ambiguous for an angular speed: write rpm or rad/s"):
+        to_si(text, "angular_speed")
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "message"),
+    [
+        ("12 N m", "length", "expected a length such as '80 mm', got 'N m'"),
+        ("7 Nm", "stiffness", "expected a stiffness such as '8 N/mm', got 'Nm'"),
+        ("1,5 mm", "length", "use a decimal point"),
+        ("1,000.5 mm", "length", "use a decimal point"),
+        ("1 000 mm", "length", "in one piece, without gaps"),
+        ("1 000", "number", "in one piece, without gaps"),
+        ("80 mmm", "length", "unknown unit 'mmm': did you mean 'mm'"),
+        ("80 MM", "length", r"did you mean 'mm'\?"),
+        ("5 mn", "force", r"did you mean 'mN' or 'MN'\?"),
+        ("5 parsec", "length", "unknown unit 'parsec'"),
+        ("mm", "length", "does not begin with a number"),
+        ("", "length", "does not begin with a number"),
+        ("nan m", "length", "does not begin with a number"),
+        ("inf m", "length", "does not begin with a number"),
+        ("200 rpm", "number", "got 'rpm'"),
+        ("5 deg", "number", "got 'deg'"),
+        ("5 N m/rad", "moment", "got 'N m/rad'"),
+        ("5 N m", "torsional_stiffness", "ambiguous for a torsional stiffness: write N m/rad"),
+        ("5 N m s", "torsional_damping", "ambiguous for a torsional damping: write N m s/rad"),
+        ("5 1/s2", "angular_acceleration", "ambiguous for an angular acceleration: write rad/s2"),
+        ("5 N/m s", "damping", r"ambiguous after the '/': use brackets"),
+        ("5 % m", "length", "cannot read the unit"),
+        ("5 %/%", "number", "cannot read the unit"),
+        ("10² m", "length", "cannot read the unit"),
+        ("5 m2m", "volume", "cannot read the unit"),
+        ("5 m10", "length", "cannot read the unit"),
+        ("5 (m", "length", "cannot read the unit"),
+        ("5 m)", "length", "cannot read the unit"),
+        ("5 ()", "number", "cannot read the unit"),
+        ("5 m**", "length", "cannot read the unit"),
+        ("1/30 m", "length", "cannot read the unit"),
+        ("1/30", "length", "cannot read the unit"),
+        ("1/0", "number", "not a finite number"),
+        ("1e999 m", "length", "range of float64"),
+        ("1e-999 m", "length", "range of float64"),
+        ("1e" + 80 * "9" + " m", "length", "not a finite length"),
+    ],
+)
+def test_trap__is_refused_with_its_mend(text, dimension, message):
+    for read in (to_si, in_text):
+        with pytest.raises(UnitError, match=message):
+            read(text, dimension)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "9**9**9**9 m",
+        "1 m**9**9**9",
+        "__import__('os')",
+        "1 __import__('os')",
+        "5 os.system",
+        "80 m m m mm/...",
+        "80 " + "(" * 90,
+        "80 " + "m9" * 40,
+        "80 " + "km9 " * 20 + "/" + "mm9",
+        "1 " + "m" * 10_000,
+        "9" * 10_000 + " m",
+        "1e" + "9" * 10_000,
+        "\0",
+        "1 \ud800",
+        "\N{ARABIC-INDIC DIGIT FIVE} m",
+        "\N{FULLWIDTH DIGIT FIVE} m",
+        "1_000 m",
+        "0x10 m",
+    ],
+)
+def test_absurd_text__is_a_short_unit_error(text):
+    for dimension in DIMENSIONS:
+        with pytest.raises(UnitError) as caught:
+            in_text(text, dimension)
+        assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize("value", [True, False, None, [80], b"80 mm", 1j, np.True_])
+def test_value_neither_number_nor_text__is_refused(value):
+    for read in (to_si, in_text):
+        with pytest.raises(UnitError, match="expected a length such as '80 mm', got a value of type"):
+            read(value, "length")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 10**400])
+def test_number_not_finite_in_float64__is_refused(value):
+    for read in (to_si, in_text):
+        for dimension in ("length", "number"):
+            with pytest.raises(UnitError, match="not a finite"):
+                read(value, dimension)
+
+
+@pytest.mark.parametrize("value", [80, 80.5, -1e-300, np.float64(0.1), np.int64(3), Fraction(1, 4)])
+def test_number__is_si_already(value):
+    assert to_si(value, "length") == float(value)
+    assert type(to_si(value, "length")) is float
+
+
+@pytest.mark.parametrize("value", [80, "80", " 80 "])
+def test_number_without_unit_in_text__is_refused_with_both_ways_to_write_it(value):
+    with pytest.raises(UnitError, match='write "80 mm", or "80 m" if the SI unit is meant'):
+        in_text(value, "length")
+
+
+def test_number_without_unit_where_si_is_usual__is_refused_with_one_way_to_write_it():
+    with pytest.raises(UnitError, match=r'^3\.5 has no unit: write "3\.5 kg"$'):
+        in_text(3.5, "mass")
+
+
+def test_text_without_unit__is_refused_by_to_si():
+    with pytest.raises(UnitError, match='5 has no unit: write "5 deg", or "5 rad"'):
+        to_si("5", "angle")
+
+
+@pytest.mark.parametrize("zero", [0, 0.0, "0", "0.0", "-0"])
+@pytest.mark.parametrize("dimension", DIMENSIONS)
+def test_exact_zero__needs_no_unit(zero, dimension):
+    assert in_text(zero, dimension) == 0
+
+
+@pytest.mark.parametrize("value", [3, 0.25, "0.25", "1/4"])
+def test_number_dimension_in_text__takes_bare_numbers(value):
+    assert in_text(value, "number") == float(Fraction(value))
+
+
+@pytest.mark.parametrize("dimension", [name for name in DIMENSIONS if name != "number"])
+def test_si_unit_of_dimension__is_readable_and_has_factor_one(dimension):
+    assert to_si(f"1 {DIMENSIONS[dimension].unit}", dimension) == 1
+
+
+@pytest.mark.parametrize("dimension", DIMENSIONS)
+def test_example_of_dimension__fits_that_dimension_alone(dimension):
+    example_text = DIMENSIONS[dimension].example
+    assert in_text(example_text, dimension) > 0
+    # A moment and an energy are both N m; N s2/m2 is kg/m.
+    twins = [{"moment", "energy"}, {"linear_density", "quadratic_drag"}]
+    same = next((pair for pair in twins if dimension in pair), {dimension})
+    for other in set(DIMENSIONS) - same:
+        with pytest.raises(UnitError):
+            in_text(example_text, other)
+
+
+def test_unknown_dimension__is_a_key_error():
+    with pytest.raises(KeyError, match="unknown dimension 'lenght'"):
+        to_si("80 mm", "lenght")
+
+
+def test_import__does_not_load_pint():
+    code = "import sys, engine.scene.units; sys.exit('pint' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_caller_with_few_decimal_digits__gets_the_same_value():
+    with decimal.localcontext(decimal.Context(prec=3)):
+        assert to_si("123.456789 mm", "length") == 0.123456789
+
+
+magnitudes = st.floats(min_value=-1e200, max_value=1e200).filter(lambda x: x == 0 or abs(x) > 1e-200)
+
+
+def exact(text, factor):
+    return float(Fraction(text) * factor)
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.sampled_from(sorted(FACTORS)), st.data(), magnitudes)
+def test_any_value_in_simple_unit__is_correctly_rounded(dimension, data, value):
+    unit = data.draw(st.sampled_from(sorted(FACTORS[dimension])))
+    gap = data.draw(st.sampled_from(["", " ", "  "])) if not unit[0].isdigit() else " "
+    assert to_si(f"{value!r}{gap}{unit}", dimension) == exact(repr(value), FACTORS[dimension][unit])
+
+
+def spelled(data, parts, join):
+    """Draw units for `parts`; return their joined text and the product of their exact factors."""
+    texts, factor = [], Fraction(1)
+    for dimension, power in parts:
+        unit = data.draw(st.sampled_from(sorted(FACTORS[dimension])))
+        mark = data.draw(st.sampled_from(["", "^", "**"])) if power != 1 else ""
+        texts.append(unit + (f"{mark}{power}" if power != 1 else ""))
+        factor *= Fraction(FACTORS[dimension][unit]) ** power
+    return join.join(texts), factor
+
+
+@settings(deadline=None, max_examples=400)
+@given(st.sampled_from(sorted(COMPOUNDS)), st.data(), magnitudes)
+def test_any_value_in_compound_unit__is_correctly_rounded(dimension, data, value):
+    join = data.draw(st.sampled_from([" ", "*", "·", " * "]))
+    above, numerator = spelled(data, COMPOUNDS[dimension][0], join)
+    below, denominator = spelled(data, COMPOUNDS[dimension][1], join)
+    slash = data.draw(st.sampled_from(["/", " / "]))
+    bracketed = data.draw(st.booleans())
+    unit = above + (slash + (f"({below})" if bracketed else below) if below else "")
+    assert to_si(f"{value!r} {unit}", dimension) == exact(repr(value), numerator / denominator)
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(sorted(DIMENSIONS)))
+def test_si_number_written_with_its_unit__reads_back_bit_for_bit(value, dimension):
+    unit = "" if dimension == "number" else DIMENSIONS[dimension].unit
+    assert in_text(f"{value!r} {unit}", dimension) == value
+
+
+@settings(deadline=None, max_examples=100)
+@given(magnitudes, st.sampled_from(sorted(DIMENSIONS)))
+def test_bare_number_in_text__is_refused_unless_zero(value, dimension):
+    assume(value != 0 and dimension != "number")
+    for written in (value, repr(value)):
+        with pytest.raises(UnitError, match="has no unit"):
+            in_text(written, dimension)
+
+
+hostile = st.text(alphabet="0123456789.,eE+-*/^()[]_ '\"%°µ²⁻·mMkNgsradinhpPa1\n\0", max_size=40)
+near_misses = st.builds(
+    lambda text, position, junk: text[:position] + junk + text[position + 1 :],
+    st.sampled_from([entry.example for entry in DIMENSIONS.values()]),
+    st.integers(0, 12),
+    hostile,
+)
+anything = st.one_of(
+    st.text(max_size=200),
+    hostile,
+    near_misses,
+    hostile.map(lambda unit: "5 " + unit),
+    st.none() | st.booleans() | st.integers() | st.floats() | st.binary() | st.complex_numbers(),
+    st.lists(st.integers()) | st.fractions() | st.decimals(),
+)
+
+
+@settings(deadline=None, max_examples=1500)
+@given(anything, st.sampled_from(sorted(DIMENSIONS)))
+@example("1e999999 m", "length")
+@example("1/" + "0" * 50, "number")
+@example("sNaN m", "length")
+def test_any_input__is_a_finite_float_or_a_unit_error(value, dimension):
+    for read in (to_si, in_text):
+        try:
+            number = read(value, dimension)
+        except UnitError:
+            continue
+        assert type(number) is float
+        assert math.isfinite(number)

@@ -1,0 +1,313 @@
+"""Opening and writing a store: what is refused, what is continued, and in which words."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from store_samples import complete, files, layout, results, start_child
+
+from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, read_columns
+from sweeps.store.errors import explained
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "out.h5"
+
+
+@pytest.fixture
+def part(tmp_path: Path) -> Path:
+    return tmp_path / "out.part.h5"
+
+
+def other_study() -> FileLayout:
+    return layout(attributes={"study_hash": "9z9z", "study": "steps = 4\nload = 12 kN"})
+
+
+def test_changed_hash__part_refused_with_what_changed(path: Path, part: Path) -> None:
+    Store.open(path, layout()).close()
+    before = part.read_bytes()
+    with pytest.raises(StoreError) as caught:
+        Store.open(path, other_study())
+    message = str(caught.value)
+    for words in (
+        "out.part.h5",
+        "1a2b in the file, 9z9z now",
+        "-steps = 3\n  +steps = 4",
+        "--out",
+        "--restart",
+    ):
+        assert words in message
+    assert "load" not in message
+    assert part.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"variants": 23}, "variants: 22 in the file, 23 now"),
+        ({"block": 5}, "block: 4 in the file, 5 now"),
+        ({"positions": 6}, "position count: 5 in the file, 6 now"),
+        ({"position": np.arange(5.0)}, "position values (sha256)"),
+        ({"position_units": "deg"}, "position units: 'rad' in the file, 'deg' now"),
+        ({"coordinates": ("length",)}, "coordinates: ['length', 'speed'] in the file, ['length'] now"),
+        (
+            {"status_codes": {0: "ok", 1: "jams"}},
+            "status codes 1: 'cannot be assembled' in the file, 'jams' now",
+        ),
+        ({"columns": layout().columns[:-1]}, "columns torque: "),
+    ],
+)
+def test_changed_layout__part_refused_naming_it(path: Path, changes: dict, words: str) -> None:
+    Store.open(path, layout()).close()
+    with pytest.raises(StoreError) as caught:
+        Store.open(path, layout(**changes))
+    assert words in str(caught.value)
+
+
+def test_finished_file_of_the_study__nothing_to_do(path: Path) -> None:
+    complete(path, layout())
+    before = path.read_bytes()
+    with Store.open(path, layout(block=7)) as store:
+        assert store.finished
+        assert store.pending == []
+        store.finish()
+    assert path.read_bytes() == before
+    assert files(path.parent) == ["out.h5"]
+
+
+def test_finished_file_of_another_study__kept(path: Path) -> None:
+    complete(path, layout())
+    before = path.read_bytes()
+    with pytest.raises(StoreError, match=r"out\.h5 is there already(.|\n)*--restart"):
+        Store.open(path, other_study())
+    assert path.read_bytes() == before
+    assert files(path.parent) == ["out.h5"]
+
+
+def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> None:
+    complete(path, layout())
+    with Store.open(path, other_study(), restart=True) as store:
+        store.write(0, results(store, 0))
+    assert describe_result(path).attributes["study_hash"] == "1a2b"
+    with Store.open(path, other_study()) as store:
+        assert store.pending == [1, 2, 3, 4, 5]
+    complete(path, other_study())
+    assert describe_result(path).attributes["study_hash"] == "9z9z"
+    assert files(path.parent) == ["out.h5"]
+
+
+def test_restart__throws_away_part_file(path: Path) -> None:
+    with Store.open(path, layout()) as store:
+        store.write(0, results(store, 0))
+    with Store.open(path, other_study(), restart=True) as store:
+        assert len(store.pending) == 6
+
+
+def test_finished_file_put_in_the_way__not_overwritten(path: Path, tmp_path: Path) -> None:
+    Store.open(path, layout()).close()
+    complete(tmp_path / "b.h5", other_study())
+    (tmp_path / "b.h5").rename(path)
+    with pytest.raises(StoreError, match="is there already, of another study"):
+        Store.open(path, layout())
+
+
+@pytest.mark.parametrize("content", [b"", b"some text"])
+def test_foreign_file_under_the_name__kept(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+    with pytest.raises(StoreError, match=r"cannot read .*out\.h5"):
+        Store.open(path, layout())
+    assert path.read_bytes() == content
+
+
+def test_foreign_hdf5_file_under_the_name__kept(path: Path) -> None:
+    h5py.File(path, "w").close()
+    with pytest.raises(StoreError, match="no result of a sweep"):
+        Store.open(path, layout())
+
+
+def test_damaged_part_file__restart_suggested_and_works(path: Path, part: Path) -> None:
+    Store.open(path, layout()).close()
+    with part.open("rb+") as file:
+        file.truncate(1000)
+    with pytest.raises(StoreError, match=r"cannot continue .*out\.part\.h5: It is damaged.*--restart"):
+        Store.open(path, layout())
+    complete(path, layout(), restart=True)
+
+
+def test_second_writer_in_another_process__refused(path: Path, part: Path) -> None:
+    with start_child(f"child_holds(Path({str(path)!r}))") as child:
+        assert child.stdout.readline() == "held\n"
+        for restart in (False, True):
+            with pytest.raises(StoreError, match=r"(?i)another sweep is writing"):
+                Store.open(path, layout(), restart=restart)
+        assert describe_result(part).blocks_done == 0
+        assert np.isnan(read_columns(part, ["length"])["length"]).all()
+        child.communicate("\n", timeout=60)
+    complete(path, layout())
+
+
+def test_second_writer_in_the_process__refused_and_first_goes_on(path: Path) -> None:
+    with Store.open(path, layout()) as store:
+        for restart in (False, True):
+            with pytest.raises(StoreError, match="another sweep is writing"):
+                Store.open(path, layout(), restart=restart)
+        store.write(0, results(store, 0))
+    store.close()
+    with Store.open(path, layout()) as store:
+        assert store.pending == [1, 2, 3, 4, 5]
+
+
+def test_creation_under_way_elsewhere__refused(path: Path, part: Path) -> None:
+    raw = part.with_name("out.part.h5.new")
+    code = f"import h5py, sys; f = h5py.File({str(raw)!r}, 'x'); print('held', flush=True); sys.stdin.readline()"
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as child:
+        assert child.stdout.readline() == "held\n"
+        with pytest.raises(StoreError, match="another sweep is writing"):
+            Store.open(path, layout())
+        child.communicate("\n", timeout=60)
+
+
+def test_part_file_appears_during_creation__not_overwritten(
+    path: Path, part: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = h5py.File
+
+    def slow(name: Path, mode: str, **options: object) -> h5py.File:
+        if mode == "x":
+            part.write_bytes(b"of the quicker one")
+        return real(name, mode, **options)
+
+    monkeypatch.setattr(h5py, "File", slow)
+    with pytest.raises(StoreError, match="another sweep is writing"):
+        Store.open(path, layout())
+    assert part.read_bytes() == b"of the quicker one"
+    assert files(path.parent) == ["out.part.h5"]
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (OSError(37, "No locks available"), "HDF5_USE_FILE_LOCKING=FALSE"),
+        (OSError(524, "Unknown error 524"), "HDF5_USE_FILE_LOCKING=FALSE"),
+        (RuntimeError("Can't close (errno = 28, error message = 'No space left on device')"), "Make room"),
+        (PermissionError(13, "Permission denied"), "Look at the permissions"),
+        (OSError(30, "Read-only file system"), "give another --out"),
+        (KeyError("Unable to open object"), "Unable to open object"),
+    ],
+)
+def test_system_error__store_error_with_path_and_mend(error: Exception, words: str) -> None:
+    with pytest.raises(StoreError, match=words) as caught, explained(Path("a/out.h5"), "write"):
+        raise error
+    assert "cannot write " in str(caught.value)
+    assert "out.h5" in str(caught.value)
+
+
+def test_part_file_renamed_by_hand__not_taken_for_finished(path: Path, part: Path) -> None:
+    Store.open(path, layout()).close()
+    part.rename(path)
+    with pytest.raises(StoreError, match=r"blocks not done\. Rename it to .*out\.part\.h5"):
+        Store.open(path, layout())
+
+
+def test_folder_as_file__store_error(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="is a folder"):
+        Store.open(tmp_path, layout(), restart=True)
+
+
+def test_missing_folder__store_error(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="its folder does not exist"):
+        Store.open(tmp_path / "nowhere" / "out.h5", layout())
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "words"),
+    [
+        ("length", np.zeros(3), r"column length: shape \(3,\), expected \(4,\)"),
+        ("torque", np.zeros((4, 6)), r"column torque: shape \(4, 6\), expected \(4, 5\)"),
+        ("status", np.full(4, 300), "column status: values do not fit uint8"),
+        ("order", np.full(4, 1.5), "column order: values do not fit int64"),
+        ("lenght", np.zeros(4), "lenght"),
+    ],
+)
+def test_arrays_not_of_the_layout__value_error_and_block_pending(
+    path: Path, name: str, values: np.ndarray, words: str
+) -> None:
+    with Store.open(path, layout()) as store:
+        with pytest.raises(ValueError, match=words):
+            store.write(0, {**results(store, 0), name: values})
+        assert 0 in store.pending
+
+
+def test_write_after_close__store_error(path: Path) -> None:
+    store = Store.open(path, layout())
+    store.close()
+    with pytest.raises(StoreError, match="not open for writing"):
+        store.write(0, results(store, 0))
+
+
+@settings(deadline=None, max_examples=100)
+@given(variants=st.integers(1, 3000), block=st.integers(1, 4000))
+def test_blocks__each_variant_in_exactly_one(variants: int, block: int) -> None:
+    shape = layout(variants, block)
+    rows = [shape.slice(i) for i in range(shape.blocks)]
+    assert all(0 < r.stop - r.start <= block for r in rows)
+    assert [v for r in rows for v in range(r.start, r.stop)] == list(range(variants))
+    for outside in (-1, shape.blocks):
+        with pytest.raises(IndexError):
+            shape.slice(outside)
+
+
+@settings(deadline=None, max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    variants=st.integers(1, 500),
+    block=st.integers(1, 50),
+    positions=st.integers(1, 50),
+    copies=st.integers(1, 40),
+    text=st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=200),
+)
+def test_bytes__at_least_the_size_of_the_file(
+    path: Path, part: Path, variants: int, block: int, positions: int, copies: int, text: str
+) -> None:
+    more = tuple(Column(f"c{i}", text, "1") for i in range(copies))
+    attributes = {"study_hash": "1", "study": text * 50}
+    shape = layout(variants, block, positions, columns=(*layout().columns, *more), attributes=attributes)
+    Store.open(path, shape, restart=True).close()
+    assert part.stat().st_size <= shape.bytes()
+    assert describe_result(part).attributes["study"] == text * 50
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"variants": 0}, "variants = 0"),
+        ({"attributes": {}}, "study_hash"),
+        ({"attributes": {"study_hash": "1", "finished": "now"}}, "finished are written by the store"),
+        ({"columns": (Column("a", "", "1"), Column("a", "", "1"))}, "twice or reserved: a"),
+        ({"columns": (Column("variant", "", "1"),)}, "twice or reserved: variant"),
+        ({"columns": (Column("a b", "", "1"),)}, "no blanks"),
+        ({"columns": (Column("a", "", "1", ("position",)),)}, "dims"),
+        ({"columns": (Column("a", "", "1", dtype=bool),)}, "no float or integer"),
+        ({"columns": (Column("status", "", "1", dtype=np.int8),)}, "cannot hold 255"),
+        ({"coordinates": ("torque",)}, "coordinates torque"),
+        ({"position": None}, "fields need"),
+        ({"status_codes": {255: "odd"}}, "255 is kept"),
+    ],
+)
+def test_contradictory_layout__value_error(changes: dict, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        layout(**changes)
+
+
+def test_long_texts__kept_whole(path: Path) -> None:
+    # HDF5 keeps short attributes within the dataset's header, which ends at 64 kB.
+    attributes = {"study_hash": "1", "study": "länge = 80 mm\n" * 20_000}
+    complete(path, layout(attributes=attributes))
+    assert describe_result(path).attributes["study"] == attributes["study"]

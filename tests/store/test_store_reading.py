@@ -1,0 +1,135 @@
+"""What readers see in a result file: plain h5py, xarray, and the functions of the store."""
+
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from store_samples import NAMES, complete, layout, results, same_bits
+
+from sweeps.store import NOT_COMPUTED, Column, Store, StoreError, describe_result, iterate, read, read_columns
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "out.h5"
+
+
+@pytest.fixture
+def part(tmp_path: Path) -> Path:
+    return tmp_path / "out.part.h5"
+
+
+def test_rows_not_written__nan_and_status_255(path: Path, part: Path) -> None:
+    with Store.open(path, layout()) as store:
+        store.write(1, results(store, 1))
+        expected = results(store, 1)
+    got = read_columns(part, NAMES)
+    rest = np.delete(np.arange(22), np.s_[4:8])
+    for name in ("length", "speed", "peak_torque", "torque"):
+        assert np.isnan(got[name][rest]).all()
+    assert (got["status"][rest] == NOT_COMPUTED).all()
+    assert (got["order"][rest] == np.iinfo(np.int64).min).all()
+    assert same_bits({name: got[name][4:8] for name in expected}, expected)
+
+
+def test_h5py__scales_on_every_axis_and_contiguous_data(path: Path) -> None:
+    complete(path, layout())
+    with h5py.File(path, "r") as file:
+        assert sorted(file) == sorted([*NAMES, "variant", "phi", "progress"])
+        for name in NAMES:
+            axes = [axis[0].name for axis in file[name].dims]
+            assert axes == (["/variant", "/phi"] if name == "torque" else ["/variant"])
+            assert file[name].chunks is None
+            assert file[name].compression is None
+        assert file["torque"].attrs["coordinates"] == "length speed"
+        assert "coordinates" not in file["length"].attrs
+        assert file["variant"].is_scale
+        assert file["phi"].is_scale
+        assert file["variant"][:].tolist() == list(range(22))
+        assert file["phi"][:].tobytes() == layout().position.tobytes()
+        assert file["phi"].attrs["units"] == "rad"
+        assert file["status"].attrs["flag_values"].tolist() == [0, 1, NOT_COMPUTED]
+        assert file["status"].attrs["flag_values"].dtype == np.uint8
+        assert file["status"].attrs["flag_meanings"] == "ok cannot_be_assembled not_computed"
+
+
+def test_xarray__dimensions_coordinates_and_units_without_warning(path: Path) -> None:
+    arrays = complete(path, layout())
+    with read(path) as data:
+        assert dict(data.sizes) == {"variant": 22, "phi": 5}
+        assert set(data.coords) == {"variant", "phi", "length", "speed"}
+        assert set(data.data_vars) == {"peak_torque", "order", "status", "torque"}
+        assert data.torque.dims == ("variant", "phi")
+        assert data.torque.attrs == {"long_name": "driving torque", "units": "N m"}
+        assert data.phi.attrs == {"long_name": "crank angle", "units": "rad"}
+        assert data.attrs["Conventions"] == "CF-1.11"
+        assert data.attrs["title"] == "Shear"
+        assert data.attrs["finished"].endswith("+00:00")
+        assert same_bits({name: data[name].values for name in NAMES}, arrays)
+
+
+def test_times_in_seconds_under_xarray__stay_numbers(path: Path) -> None:
+    shape = layout(columns=(Column("duration", "duration", "s"),), coordinates=())
+    with Store.open(path, shape) as store:
+        for i in store.pending:
+            rows = store.slice(i)
+            store.write(i, {"duration": np.ones(rows.stop - rows.start)})
+        store.finish()
+    with read(path) as data:
+        assert dict(data.sizes) == {"variant": 22}
+        assert data.duration.dtype == np.float64
+
+
+def test_part_file_under_xarray__opens(path: Path, part: Path) -> None:
+    Store.open(path, layout()).close()
+    with read(part) as data:
+        assert np.isnan(data.torque).all()
+
+
+def test_xarray_missing__store_error_names_the_extra(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    complete(path, layout())
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(StoreError, match=r"pip install 'machine-sweeps\[xarray\]'"):
+        read(path)
+
+
+def test_describe__columns_attributes_and_progress_of_open_part_and_of_final_file(path: Path, part: Path) -> None:
+    with Store.open(path, layout()) as store:
+        store.write(2, results(store, 2))
+        shown = describe_result(part)
+    assert (shown.title, shown.variants, shown.positions) == ("Shear", 22, 5)
+    assert (shown.blocks, shown.blocks_done) == (6, 1)
+    assert shown.columns == layout().columns
+    assert shown.attributes["study"] == "steps = 3\nload = 12 kN"
+    complete(path, layout())
+    assert describe_result(path).blocks_done == 6
+
+
+def test_final_file_missing__part_file_named(path: Path) -> None:
+    Store.open(path, layout()).close()
+    with pytest.raises(StoreError, match=r"not finished.*out\.part\.h5"):
+        read_columns(path)
+
+
+def test_columns_by_default__no_fields(path: Path) -> None:
+    complete(path, layout())
+    assert list(read_columns(path)) == list(NAMES[:-1])
+    assert read_columns(path, ["phi"])["phi"].shape == (5,)
+
+
+def test_unknown_column__suggestion(path: Path) -> None:
+    complete(path, layout())
+    with pytest.raises(StoreError, match=r"no column 'peak_torqe'\. Did you mean 'peak_torque'"):
+        read_columns(path, ["peak_torqe"])
+    with pytest.raises(StoreError, match="no column 'phi'"):
+        list(iterate(path, ["phi"], 4))
+
+
+@pytest.mark.parametrize("block", [1, 5, 22, 100])
+def test_iterate__pieces_make_up_the_columns(path: Path, block: int) -> None:
+    whole = {**complete(path, layout()), "variant": np.arange(22, dtype=np.int32)}
+    pieces = list(iterate(path, list(whole), block))
+    assert max(len(piece["length"]) for piece in pieces) == min(block, 22)
+    assert same_bits({name: np.concatenate([p[name] for p in pieces]) for name in whole}, whole)

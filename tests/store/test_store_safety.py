@@ -1,0 +1,185 @@
+"""What survives kills and full disks."""
+
+import random
+import shutil
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from store_samples import KILLED, NAMES, complete, files, layout, results, run_child, same_bits, start_child
+
+from sweeps.store import Store, StoreError, describe_result, read_columns
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "out.h5"
+
+
+@pytest.fixture
+def part(tmp_path: Path) -> Path:
+    return tmp_path / "out.part.h5"
+
+
+KILLS = 12
+
+
+def check_flagged_blocks(path: Path) -> int:
+    """Compare each block flagged as done with its numbers; return how many there are."""
+    part = path.with_name("out.part.h5")
+    if not part.exists():
+        return 0
+    with h5py.File(part, "r") as file:
+        done = np.flatnonzero(file["progress/block_done"][:])
+        expected = Store(path, layout(**KILLED))
+        for i in done:
+            rows = expected.slice(i)
+            for name, values in results(expected, i).items():
+                assert file[name][rows].tobytes() == values.tobytes()
+    return len(done)
+
+
+@posix
+def test_kills_at_random_times__flagged_blocks_intact_and_final_file_bit_for_bit(tmp_path: Path) -> None:
+    path, reference = tmp_path / "out.h5", tmp_path / "reference.h5"
+    with start_child(f"child_sweep(Path({str(reference)!r}))") as child:
+        child.stdout.readline()
+        begin = time.monotonic()
+        child.stdout.readline()
+        whole = time.monotonic() - begin
+    expected = read_columns(reference, NAMES)
+    dice = random.Random(5)
+    kills, done = 0, 0
+    while kills < KILLS:
+        with start_child(f"child_sweep(Path({str(path)!r}))") as child:
+            child.stdout.readline()
+            time.sleep(dice.uniform(0, whole))
+            child.kill()
+        if path.exists():
+            # It was quicker than the kill: start with a new file.
+            assert same_bits(read_columns(path, NAMES), expected)
+            path.unlink()
+            done = 0
+        else:
+            kills += 1
+            before, done = done, check_flagged_blocks(path)
+            assert done >= before
+    assert same_bits(complete(path, layout(**KILLED)), expected)
+    assert files(tmp_path) == ["out.h5", "reference.h5"]
+
+
+def test_every_flush__flagged_blocks_are_in_the_file(path: Path, part: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kill leaves what the operating system has been given: look at it before and after each flush."""
+    shape = layout()
+    real = h5py.File.flush
+    seen = []
+
+    def look() -> None:
+        content = part.read_bytes()
+        flags = content[flags_at : flags_at + shape.blocks]
+        for i in np.flatnonzero(np.frombuffer(flags, np.uint8)):
+            for name, values in results(store, i).items():
+                at = rows_at[name] + shape.slice(i).start * (values.nbytes // len(values))
+                assert content[at : at + values.nbytes] == values.tobytes()
+        seen.append(sum(flags))
+
+    def flush(file: h5py.File) -> None:
+        look()
+        real(file)
+        look()
+
+    with Store.open(path, shape) as store:
+        with h5py.File(part, "r+") as file:
+            rows_at = {name: file[name].id.get_offset() for name in NAMES}
+            flags_at = file["progress/block_done"].id.get_offset()
+        monkeypatch.setattr(h5py.File, "flush", flush)
+        for i in store.pending:
+            store.write(i, results(store, i))
+    assert seen[-1] == shape.blocks
+
+
+def test_leftover_of_killed_creation__is_made_anew(path: Path, part: Path) -> None:
+    part.with_name("out.part.h5.new").write_bytes(b"half a file")
+    complete(path, layout())
+    assert files(path.parent) == ["out.h5"]
+
+
+def test_kill_before_rename__next_run_only_finishes(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def killed(old: Path, new: Path) -> None:
+        raise KeyboardInterrupt
+
+    with Store.open(path, layout()) as store, monkeypatch.context() as patch:
+        for i in store.pending:
+            store.write(i, results(store, i))
+        patch.setattr(Path, "replace", killed)
+        with pytest.raises(KeyboardInterrupt):
+            store.finish("ill")
+    with Store.open(path, layout()) as store:
+        assert store.pending == []
+        store.finish("well")
+    assert describe_result(path).attributes["outcome"] == "well"
+    assert files(path.parent) == ["out.h5"]
+
+
+def test_finishing__changes_attributes_in_place_only(path: Path, part: Path) -> None:
+    with Store.open(path, layout()) as store:
+        for i in store.pending:
+            store.write(i, results(store, i))
+    before = np.frombuffer(part.read_bytes(), np.uint8)
+    with Store.open(path, layout()) as store:
+        store.finish("x" * 2000)
+    after = np.frombuffer(path.read_bytes(), np.uint8)
+    assert len(after) == len(before)
+    # The two texts hold 32 and 2000 bytes, which start out as zeros.
+    changed = np.flatnonzero(before != after)
+    assert len(changed) == len(describe_result(path).attributes["finished"]) + 2000
+    assert (before[changed] == 0).all()
+
+
+def test_unfinished_file__pending_are_the_blocks_not_written(path: Path) -> None:
+    with Store.open(path, layout()) as store:
+        assert store.pending == [0, 1, 2, 3, 4, 5]
+        store.write(3, results(store, 3))
+    with Store.open(path, layout()) as store:
+        assert store.pending == [0, 1, 2, 4, 5]
+        with pytest.raises(StoreError, match="5 blocks are not done"):
+            store.finish()
+
+
+@posix
+def test_disk_full_at_creation__store_error_and_nothing_left(path: Path) -> None:
+    message = run_child(f"child_creates_on_full_disk(Path({str(path)!r}))")
+    assert "out.part.h5" in message
+    assert "disk or the quota is full" in message
+    assert files(path.parent) == []
+
+
+@posix
+def test_disk_full_at_work__done_blocks_stay_and_sweep_goes_on(tmp_path: Path, path: Path) -> None:
+    message = run_child(f"child_fills_disk_at_work(Path({str(path)!r}))")
+    assert message.count("cannot write") == 2
+    assert "disk or the quota is full" in message
+    assert check_flagged_blocks(path) == 3
+    reference = complete(tmp_path / "reference.h5", layout(**KILLED))
+    assert same_bits(complete(path, layout(**KILLED)), reference)
+
+
+@posix
+def test_disk_full_at_the_end__finished_all_the_same(path: Path) -> None:
+    """Finishing needs no room, so that it cannot fail after the work is done."""
+    assert run_child(f"child_finishes_on_full_disk(Path({str(path)!r}))") == ""
+    assert describe_result(path).blocks_done == describe_result(path).blocks
+    assert describe_result(path).attributes["outcome"] == "n" * 2000
+
+
+def test_too_little_space__named_before_any_file_is_made(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=2_000_000))
+    with pytest.raises(StoreError, match=r"needs 4\d\.\d MB, 2\.0 MB are free .* float32"):
+        Store.open(path, layout(**KILLED))
+    assert files(path.parent) == []

@@ -1,0 +1,370 @@
+import math
+import operator
+import pickle
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sweeps.text.expressions import DEEPEST, LONGEST, ExpressionError, parse
+from sweeps.text.names import unknown_name_message
+
+# --- random trees, evaluated by the test itself ------------------------------------------------------------
+
+
+def divided(left, right):
+    """Division as IEEE 754 has it, where Python raises."""
+    if right:
+        return left / right
+    return math.nan if not left or math.isnan(left) else math.copysign(math.inf, left) * math.copysign(1, right)
+
+
+def smaller(left, right):
+    return math.nan if math.isnan(left) or math.isnan(right) else min(left, right)
+
+
+# Operation: (precedence, function). All of them are correctly rounded, so results must agree exactly.
+BINARY = {
+    "+": (4, operator.add),
+    "-": (4, operator.sub),
+    "*": (5, operator.mul),
+    "/": (5, divided),
+    "<": (3, operator.lt),
+    "<=": (3, operator.le),
+    ">": (3, operator.gt),
+    ">=": (3, operator.ge),
+    "==": (3, operator.eq),
+    "!=": (3, operator.ne),
+    "and": (1, lambda left, right: left and right),
+    "or": (0, lambda left, right: left or right),
+}
+VALUES = {"a": 1.7, "input.length": -0.3, "bodies.rod.center[0]": 1e3, "groups.rod.first.length": 0.0}
+
+SIGNS = "abx019.,()[]{}'\"+-*/%^&|~<>=!:;@#\\\n\t _\x00\ud800é"
+WORDS = [
+    *("lambda ", " if ", " else ", " for ", " in ", " is ", "not ", " and ", " or ", "yield ", "await "),
+    *("sqrt(", "min(", "pi", "**", "'1 mm'", "__", "None", "1e999", "1j", "f'"),
+]
+
+leaves = st.one_of(st.sampled_from(sorted(VALUES)), st.integers(0, 99), st.floats(0, 1e6, allow_subnormal=False))
+numbers = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.tuples(st.sampled_from("+-*/"), inner, inner),
+        st.tuples(st.just("negative"), inner),
+        st.tuples(st.sampled_from(["min", "abs", "sqrt"]), inner, inner),
+    ),
+    max_leaves=12,
+)
+comparisons = st.tuples(st.sampled_from(["<", "<=", ">", ">=", "==", "!="]), numbers, numbers)
+conditions = st.recursive(
+    comparisons,
+    lambda inner: st.one_of(st.tuples(st.sampled_from(["and", "or"]), inner, inner), st.tuples(st.just("not"), inner)),
+    max_leaves=6,
+)
+
+
+def result_of(tree):
+    match tree:
+        case str():
+            return VALUES[tree]
+        case int() | float():
+            return float(tree)
+        case ("negative", inner):
+            return -result_of(inner)
+        case ("not", inner):
+            return not result_of(inner)
+        case ("min", left, right):
+            return smaller(result_of(left), result_of(right))
+        case ("abs", inner, _):
+            return abs(result_of(inner))
+        case ("sqrt", inner, _):
+            value = result_of(inner)
+            return math.sqrt(value) if value >= 0 else math.nan
+        case (operation, left, right):
+            return BINARY[operation][1](result_of(left), result_of(right))
+
+
+def text_of(tree):
+    """Return the text with no more parentheses than needed, and the precedence of its outermost operation."""
+    match tree:
+        case str() | int() | float():
+            return str(tree), 9
+        case ("negative", inner):
+            return f"-{enclosed(inner, 6)}", 6
+        case ("not", inner):
+            return f"not {enclosed(inner, 2)}", 2
+        case ("min", left, right):
+            return f"min({text_of(left)[0]}, {text_of(right)[0]})", 9
+        case (("abs" | "sqrt") as function, inner, _):
+            return f"{function}({text_of(inner)[0]})", 9
+        case (operation, left, right):
+            precedence = BINARY[operation][0]
+            return f"{enclosed(left, precedence)} {operation} {enclosed(right, precedence + 1)}", precedence
+
+
+def enclosed(tree, least):
+    text, precedence = text_of(tree)
+    return text if precedence >= least else f"({text})"
+
+
+def same(one, other):
+    return one == other or (math.isnan(one) and math.isnan(other))
+
+
+@settings(deadline=None, max_examples=300)
+@given(numbers)
+def test_random_arithmetic__agrees_with_own_evaluation(tree):
+    expression = parse(text_of(tree)[0])
+    assert not expression.is_condition
+    assert same(expression.evaluate(VALUES), result_of(tree))
+
+
+@settings(deadline=None, max_examples=300)
+@given(conditions)
+def test_random_condition__agrees_with_own_evaluation(tree):
+    expression = parse(text_of(tree)[0])
+    assert expression.is_condition
+    assert expression.evaluate(VALUES) is bool(result_of(tree))
+
+
+@settings(deadline=None, max_examples=500)
+@given(st.one_of(st.text(max_size=60), st.lists(st.sampled_from([*SIGNS, *WORDS]), max_size=25).map("".join)))
+def test_garbage__raises_expression_error_only(text):
+    try:
+        expression = parse(text, quantity=float)
+    except ExpressionError as error:
+        str(error).encode()
+        return
+    assert isinstance(expression.evaluate(dict.fromkeys(expression.names, 0.5)), (float, bool))
+
+
+# --- meaning -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "radians"])
+def test_function__agrees_with_fifty_digits(name):
+    values = np.linspace(0.01, 0.99, 99)
+    found = parse(f"{name}(x)").evaluate({"x": values})
+    with mpmath.workdps(50):
+        exact = [float(getattr(mpmath, name)(mpmath.mpf(float(value)))) for value in values]
+    # NumPy's vectorised functions are good to 4 units in the last place; the reference is rounded once.
+    np.testing.assert_allclose(found, exact, rtol=5 * np.finfo(float).eps)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("-2**2", -4.0),
+        ("2**-1", 0.5),
+        ("2**3**2", 512.0),
+        ("8 / 2 / 2", 2.0),
+        ("1 - 2 - 3", -4.0),
+        ("atan2(1, -1)", 3 * math.pi / 4),
+        ("degrees(pi)", 180.0),
+        ("min(3, 1, 2) + max(3, 1, 2)", 4.0),
+        ("abs(-7)", 7.0),
+        ("  (1\n + 2)\t* 3\n", 9.0),
+        ("1 < 2 < 3", True),
+        ("1 < 3 < 2", False),
+        ("1 == 1 != 2 >= 2", True),
+        ("not 1 < 2 or 2 < 3", True),
+        ("1 > 2 or 2 > 1 and 1 > 2", False),
+    ],
+)
+def test_constant_expression__has_value(text, expected):
+    # All but the angles are exact in float64; those are rounded twice.
+    assert parse(text).evaluate({}) == pytest.approx(expected, rel=4e-16)
+
+
+def test_tower_of_powers__is_infinite_and_harmless():
+    assert parse("9**9**9**9").evaluate({}) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("1 / 0", math.inf), ("sqrt(-1)", math.nan), ("log(0)", -math.inf), ("(-8)**0.5", math.nan)],
+)
+def test_undefined_result__is_inf_or_nan_without_warning(text, expected):
+    assert same(parse(text).evaluate({}), expected)
+
+
+def test_arrays__are_evaluated_element_by_element():
+    x, y = np.array([1.0, 2.0, math.nan, 4.0]), np.array([4.0, 1.0, 1.0, 4.0])
+    expression = parse("x < y or x == y and not x > 4")
+    found = expression.evaluate({"x": x, "y": y, "unused": None})
+    assert found.dtype == bool
+    assert found.tolist() == [True, False, False, True]
+    np.testing.assert_array_equal(parse("2 * x - y").evaluate({"x": x, "y": y}), 2 * x - y)
+    np.testing.assert_array_equal(parse("x * k").evaluate({"x": x[:, None], "k": y}), x[:, None] * y)
+
+
+def test_integer_arrays__are_taken_as_floats():
+    assert parse("n ** m").evaluate({"n": np.array([2, 4]), "m": np.array(-1)}).tolist() == [0.5, 0.25]
+
+
+def test_names__are_dotted_paths_once_in_order():
+    expression = parse("groups.rod.first.length + bodies.rod.center [ 0 ] * a / groups . rod.first.length + pi")
+    assert expression.names == ("groups.rod.first.length", "bodies.rod.center[0]", "a")
+
+
+def test_index_inside_path__is_kept():
+    assert parse("bodies[2].center[0]").names == ("bodies[2].center[0]",)
+
+
+def test_expression__can_be_pickled():
+    expression = pickle.loads(pickle.dumps(parse("sqrt(a.b) < 2")))
+    assert expression.evaluate({"a.b": np.array([1.0, 9.0])}).tolist() == [True, False]
+
+
+def test_quantity__is_converted_by_the_callback():
+    given_texts = []
+
+    def quantity(text):
+        given_texts.append(text)
+        return 0.3
+
+    expression = parse("groups.rod.first.length > '300 mm'", quantity=quantity)
+    assert given_texts == ["300 mm"]
+    assert expression.evaluate({"groups.rod.first.length": np.array([0.2, 0.4])}).tolist() == [False, True]
+
+
+def test_odd_backslash_in_quantity__is_left_to_the_callback():
+    assert parse(r"'3\d'", quantity=lambda text: len(text)).evaluate({}) == 3.0
+
+
+# --- refusals ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "reason"),
+    [
+        ("x + (lambda: 1)", 5, "defined"),
+        ("[x for x in y]", 0, "ListComp"),
+        ("1 + (x for x in y)", 4, "GeneratorExp"),
+        ("{1: 2}", 0, "Dict"),
+        ("[1, 2]", 0, "List"),
+        ("2 + __import__('os')", 4, "no such function"),
+        ("open('x')", 0, "no such function"),
+        ("a.sin(x)", 0, "no such function"),
+        ("sin(x)(y)", 0, "no such function"),
+        ("sin(x).real", 0, "only a path"),
+        ("'a'.join", 0, "only a path"),
+        ("1 + a.__class__", 4, "words"),
+        ("__name__", 0, "words"),
+        ("__a.b", 0, "words"),
+        ("x[-1]", 0, "words"),
+        ("x[1:2]", 0, "words"),
+        ("x[y]", 0, "words"),
+        ("x[True]", 0, "words"),
+        ("x['k']", 0, "words"),
+        ("max(1, key=2)", 11, "no names"),
+        ("min(1, *x)", 7, "Starred"),
+        ("1 + sin", 4, "write sin(...)"),
+        ("sin(1, 2)", 0, "takes 1"),
+        ("atan2(1)", 0, "takes 2"),
+        ("min(1)", 0, "takes 2 or more"),
+        ("f'{x}'", 0, "text"),
+        ("1 if x < 1 else 2", 0, "'if'"),
+        ("(y := 1)", 1, "NamedExpr"),
+        ("x = 1", 2, ""),
+        ("a; b", 1, ""),
+        ("a) + (b", 1, ""),
+        ("(1", 0, "never closed"),
+        ("1,5 * x", 0, "decimals"),
+        ("(a) & b", 4, "'and'"),
+        ("a | b", 2, "'or'"),
+        ("~a", 0, "'not'"),
+        ("a ^ 2", 2, "**"),
+        ("a % 2", 2, "Mod"),
+        ("a // 2", 2, "FloorDiv"),
+        ("a @ b", 2, "MatMult"),
+        ("a << 2", 2, "LShift"),
+        ("+a", 0, "leading +"),
+        ("a < b in c", 6, "In"),
+        ("a is b", 2, "Is"),
+        ("1j", 0, "no real number"),
+        ("True", 0, "no real number"),
+        ("None", 0, "no real number"),
+        ("...", 0, "no real number"),
+        ("b'x'", 0, "no real number"),
+        ("1e999", 0, "not finite"),
+        ("1" + "0" * 400, 0, "not finite"),
+        ("x < '3 mm'", 4, "quotes"),
+        ("a < b and c", 10, "condition is needed"),
+        ("not x", 4, "condition is needed"),
+        ("(a < b) + 1", 1, "number is needed"),
+        ("sin(a < b)", 4, "number is needed"),
+        ("(a < b) == (c < d)", 1, "number is needed"),
+        ("a + 1 # note", 6, "comments"),
+        ("", 0, "missing"),
+        (" \n ", 0, "missing"),
+        ("x\x00", 0, ""),
+        ("  δ + é ^ 2", 8, "**"),
+        ("a +\n  δ + sin", 10, "write sin"),
+    ],
+)  # fmt: skip
+def test_refused_construct__is_shown_with_its_place(text, place, reason):
+    with pytest.raises(ExpressionError) as caught:
+        parse(text)
+    what, shown, caret, allowed = str(caught.value).split("\n")
+    assert reason in what
+    assert shown[4:] == "".join(character if character.isprintable() else " " for character in text)[:100] or (
+        "\x00" in text or len(text) > 100
+    )
+    assert caret.index("^") - 4 == place
+    assert "sqrt" in allowed
+    assert "parentheses" in allowed
+
+
+def test_too_long__is_refused():
+    parse("a" * LONGEST)
+    with pytest.raises(ExpressionError, match="longer than 2000"):
+        parse("a" * (LONGEST + 1))
+
+
+def nested(depth):
+    return "sin(" * (depth - 1) + "a" + ")" * (depth - 1)
+
+
+def test_nesting__is_limited():
+    parse(nested(DEEPEST))
+    with pytest.raises(ExpressionError, match="deeper than 50"):
+        parse(nested(DEEPEST + 1))
+
+
+@pytest.mark.parametrize("text", ["-" * 1999 + "1", "(" * 999 + "1" + ")" * 999, "not " * 499 + "a", "a" + "+a" * 999])
+def test_extreme_nesting__is_refused_not_fatal(text):
+    with pytest.raises(ExpressionError):
+        parse(text)
+
+
+def test_far_place__is_shown_in_an_excerpt():
+    with pytest.raises(ExpressionError) as caught:
+        parse("a + " * 20 + "b ^ 2" + " + a" * 20)
+    _, shown, caret, _ = str(caught.value).split("\n")
+    assert len(shown) <= 104
+    assert shown[caret.index("^") :].startswith("^ 2 + a")
+
+
+def test_wrong_quantity__is_refused_with_the_reason():
+    def quantity(text):
+        raise ValueError("expected a length")
+
+    with pytest.raises(ExpressionError, match="'3 kg' is no quantity: expected a length"):
+        parse("a < '3 kg'", quantity=quantity)
+    with pytest.raises(ExpressionError, match="not finite"):
+        parse("a < 'x'", quantity=lambda text: math.nan)
+
+
+def test_missing_value__is_refused_with_suggestion():
+    with pytest.raises(ExpressionError, match=r"unknown name 'input.lenght'; did you mean 'input.length'\?"):
+        parse("input.lenght + 1").evaluate({"input.length": 1.0})
+
+
+def test_unknown_name_message__lists_what_is_known():
+    assert unknown_name_message("zzz", ["b", "a"]) == "unknown name 'zzz'; known are a, b"
+    assert unknown_name_message("zzz", (f"n{i:02}" for i in range(25))).endswith("n19 and 5 more")
+    assert "no names" in unknown_name_message("zzz", [])

@@ -1,0 +1,343 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
+from sweeps.study.unit_points import latin_points, permuted, random_points, sobol_points
+
+EPS = np.finfo(float).eps
+METHODS = ["random", "sobol", "latin"]
+PAIR = ("input.length", "bodies.rod.mass")
+
+
+def every(axis):
+    """All values of an axis, by name."""
+    return axis.values(np.arange(axis.size))
+
+
+def pair(count, method, seed=3, **more):
+    return Sampled(PAIR, (0.1, 1.0), (0.2, 100.0), count, method, seed, **more)
+
+
+# --- single axes -------------------------------------------------------------------------------------------
+
+finite = st.floats(-1e150, 1e150)
+
+
+@settings(deadline=None)
+@given(finite, finite, st.integers(2, 300))
+def test_linear__is_linspace_with_exact_ends(start, stop, count):
+    found = every(Linear("a.b", start, stop, count))["a.b"]
+    assert found[0] == start
+    assert found[-1] == stop
+    # Where the step underflows linspace takes another path; both then round to multiples of 5e-324.
+    np.testing.assert_allclose(found, np.linspace(start, stop, count), rtol=0, atol=count * 5e-324)
+
+
+def test_linear__counts_down_and_may_be_a_single_value():
+    assert every(Linear("a", 3.0, 1.0, 3))["a"].tolist() == [3.0, 2.0, 1.0]
+    assert every(Linear("a", 3.0, 3.0, 1))["a"].tolist() == [3.0]
+
+
+@settings(deadline=None)
+@given(st.floats(1e-100, 1e100), st.floats(1e-100, 1e100), st.integers(2, 300), st.sampled_from([1, -1]))
+def test_logarithmic__is_geomspace_with_exact_ends(start, stop, count, sign):
+    found = every(Logarithmic("a", sign * start, sign * stop, count))["a"]
+    assert found[0] == sign * start
+    assert found[-1] == sign * stop
+    # exp(x) magnifies the relative error of x (three roundings at most, in each of the two) by |x| <= 461.
+    np.testing.assert_allclose(found, np.geomspace(sign * start, sign * stop, count), rtol=3 * 2 * 461 * EPS)
+
+
+def test_listed__gives_the_list():
+    axis = Listed("a", [3.0, 1, 2.5])
+    assert (axis.names, axis.size) == (("a",), 3)
+    assert axis.values(np.array([2, 0, 0]))["a"].tolist() == [2.5, 3.0, 3.0]
+
+
+def test_listed__is_no_view_of_the_callers_array():
+    given_values = np.array([1.0, 2.0])
+    axis = Listed("a", given_values)
+    given_values[0] = 9
+    with pytest.raises(ValueError, match="read-only"):
+        axis.listed[0] = 9
+    assert every(axis)["a"].tolist() == [1.0, 2.0]
+
+
+def test_columns__vary_together():
+    axis = Columns(["a", "b"], [[1, 2, 3], np.array([10.0, 20.0, 30.0])])
+    assert (axis.names, axis.size) == (("a", "b"), 3)
+    found = axis.values(np.array([2, 1]))
+    assert found["a"].tolist() == [3.0, 2.0]
+    assert found["b"].tolist() == [30.0, 20.0]
+
+
+# --- points in the unit cube -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("dimensions", "seed"), [(1, 0), (3, 7), (9, 2**64 - 1)])
+def test_sobol__is_scipys_drawn_whole(dimensions, seed):
+    count = 2**17
+    expected = qmc.Sobol(dimensions, rng=seed).random(count)
+    np.testing.assert_array_equal(sobol_points(seed, count, dimensions, np.arange(count)), expected)
+
+
+def test_sobol__reaches_its_last_point():
+    # The largest allowed index has every bit set; its point is checked against a sequence stepped there.
+    count = 2**21
+    engine = qmc.Sobol(2, rng=5).fast_forward(count - 1)
+    np.testing.assert_array_equal(sobol_points(5, count, 2, np.array([count - 1])), engine.random(1))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 16, 97, 1000, 4099])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_latin__has_one_point_per_stratum_in_each_dimension(count, seed):
+    points = latin_points(seed, count, 6, np.arange(count))
+    assert points.min() >= 0
+    assert points.max() < 1
+    strata = np.floor(points * count).astype(int)
+    np.testing.assert_array_equal(np.sort(strata, axis=0), np.arange(count)[:, None].repeat(6, axis=1))
+
+
+def test_latin__is_uniform_within_the_strata():
+    count = 20_000
+    within = latin_points(4, count, 1, np.arange(count))[:, 0] * count % 1
+    # As for uniform numbers: see the moments below.
+    assert abs(within.mean() - 0.5) < 5 / math.sqrt(12 * count)
+    assert abs(within.var() - 1 / 12) < 5 * math.sqrt((1 / 80 - 1 / 144) / count)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.integers(1, 5000), st.lists(st.integers(0, 2**64 - 1), min_size=10, max_size=10))
+def test_permuted__is_a_permutation(count, keys):
+    found = permuted(np.arange(count), count, np.array(keys, dtype=np.uint64))
+    np.testing.assert_array_equal(np.sort(found), np.arange(count))
+
+
+def test_permuted__is_one_to_one_in_a_huge_range():
+    indices = np.arange(10**12 - 10**5, 10**12)
+    found = permuted(indices, 10**12, np.arange(10, dtype=np.uint64))
+    assert len(np.unique(found)) == len(indices)
+    assert found.min() >= 0
+    assert found.max() < 10**12
+    # The mean of 1e5 numbers drawn from 0..1e12 has a standard deviation of 1e12 / sqrt(12e5); 5 of those.
+    assert abs(found.mean() - 0.5e12) < 5 * 1e12 / math.sqrt(12e5)
+
+
+def test_permuted__takes_every_order_about_equally_often():
+    orders = np.stack([latin_points(seed, 4, 1, np.arange(4))[:, 0].argsort() for seed in range(2400)])
+    _, counts = np.unique(orders, axis=0, return_counts=True)
+    # 24 orders, each binomial with mean 100 and standard deviation sqrt(100 * 23/24) < 10; 5 of those.
+    assert len(counts) == 24
+    assert np.all(np.abs(counts - 100) < 50)
+
+
+@pytest.mark.parametrize("points", [random_points, latin_points])
+def test_moments_and_correlations__are_within_five_sigma(points):
+    count, dimensions = 20_000, 9
+    drawn = points(11, count, dimensions, np.arange(count))
+    # Standard deviation of the mean of uniform numbers; a Latin hypercube does better.
+    assert np.all(np.abs(drawn.mean(axis=0) - 0.5) < 5 / math.sqrt(12 * count))
+    # Variance 1/12; the standard deviation of its estimate is sqrt((1/80 - 1/144) / count).
+    assert np.all(np.abs(drawn.var(axis=0) - 1 / 12) < 5 * math.sqrt((1 / 80 - 1 / 144) / count))
+    # Between dimensions, and between each point and the next: independent, so 1 / sqrt(count).
+    both = np.hstack([drawn[:-1], drawn[1:]])
+    correlations = np.corrcoef(both.T) - np.eye(2 * dimensions)
+    assert np.all(np.abs(correlations) < 5 / math.sqrt(count))
+
+
+def test_random__is_numpys_philox():
+    generator = np.random.Generator(np.random.Philox(key=np.array([42, 0], dtype=np.uint64)))
+    np.testing.assert_array_equal(random_points(42, 50, 4, np.arange(50)), generator.random((50, 4)))
+
+
+def test_random__keeps_a_parameters_numbers_when_another_is_added():
+    indices = np.arange(100)
+    np.testing.assert_array_equal(random_points(1, 100, 9, indices)[:, :5], random_points(1, 100, 5, indices))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_seeds__give_different_samples(method):
+    first, second = every(pair(64, method, seed=1)), every(pair(64, method, seed=2))
+    assert not np.any(first[PAIR[0]] == second[PAIR[0]])
+
+
+@pytest.mark.parametrize("method", ["random", "sobol"])
+def test_larger_count__keeps_the_earlier_samples(method):
+    few, many = every(pair(100, method)), every(pair(70_000, method))
+    for name in PAIR:
+        np.testing.assert_array_equal(few[name], many[name][:100])
+
+
+# --- sampled axes ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_sampled__scales_unit_points_to_the_limits(method):
+    points = {"random": random_points, "sobol": sobol_points, "latin": latin_points}[method](3, 64, 2, np.arange(64))
+    found = every(pair(64, method, logarithmic=(False, True)))
+    expected = qmc.scale(points, [0.1, 0], [0.2, 2])
+    # Two roundings each; the exponential magnifies those of its argument (at most ln 100 = 4.6).
+    np.testing.assert_allclose(found[PAIR[0]], expected[:, 0], rtol=4 * EPS)
+    np.testing.assert_allclose(found[PAIR[1]], 10 ** expected[:, 1], rtol=2 * 3 * 4.6 * EPS)
+
+
+@settings(deadline=None)
+@given(st.floats(1e-6, 1e6), st.integers(0, 20), st.booleans(), st.sampled_from([1, -1]))
+def test_sampled__stays_within_its_limits(near, width, is_logarithmic, sign):
+    # A range of a few units in the last place is where rounding would lead out.
+    low, high = sorted((sign * near, sign * (near + width * math.ulp(near))))
+    axis = Sampled(("a",), (low,), (high,), 200, logarithmic=(is_logarithmic,))
+    found = every(axis)["a"]
+    assert found.min() >= low
+    assert found.max() <= high
+
+
+def test_note__warns_of_sobol_counts_that_are_no_power_of_two():
+    assert pair(128, "sobol").note == ""
+    assert pair(100, "random").note == ""
+    assert "64 or 128" in pair(100, "sobol").note
+    assert PAIR[0] in pair(100, "sobol").note
+
+
+# --- designs -----------------------------------------------------------------------------------------------
+
+
+def test_design__is_the_product_with_the_last_axis_fastest():
+    sampled = pair(5, "latin")
+    design = Design((Linear("x", 0, 1, 4), sampled, Listed("y", [7.0, 8.0, 9.0])))
+    assert design.names == ("x", *PAIR, "y")
+    assert design.shape == (4, 5, 3)
+    assert design.size == 60
+    found = design.values(0, 60)
+    assert tuple(found) == design.names
+    x, i, y = np.meshgrid(np.linspace(0, 1, 4), np.arange(5), [7.0, 8.0, 9.0], indexing="ij")
+    np.testing.assert_array_equal(found["x"], x.ravel())
+    np.testing.assert_array_equal(found["y"], y.ravel())
+    for name in PAIR:
+        np.testing.assert_array_equal(found[name], every(sampled)[name][i.ravel()])
+
+
+axes = {
+    "x": st.builds(Linear, st.just("x"), st.just(0.1), st.just(0.7), st.integers(2, 9)),
+    "l": st.builds(Logarithmic, st.just("l"), st.just(0.1), st.just(7.0), st.integers(2, 9)),
+    "s": st.builds(
+        Sampled, st.just(("s", "t")), st.just((1, -3)), st.just((2, -1)), st.integers(1, 70),
+        st.sampled_from(METHODS), st.integers(0, 9), st.just((False, True)),
+    ),
+    "c": st.just(Columns(("c", "d"), ((1, 2), (3, 4)))),
+}  # fmt: skip
+
+
+@st.composite
+def designs(draw):
+    chosen = draw(st.permutations(list(axes)))[: draw(st.integers(0, 4))]
+    return Design(tuple(draw(axes[key]) for key in chosen))
+
+
+@settings(deadline=None, max_examples=100)
+@given(designs(), st.data())
+def test_block__is_bit_identical_to_the_whole(design, data):
+    start = data.draw(st.integers(0, design.size))
+    stop = data.draw(st.integers(start, design.size))
+    whole, block = design.values(0, design.size), design.values(start, stop)
+    assert tuple(block) == design.names
+    for name in design.names:
+        assert block[name].dtype == np.float64
+        assert block[name].tobytes() == whole[name][start:stop].tobytes()
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.sampled_from(METHODS), st.lists(st.integers(0, 99_999), max_size=20))
+def test_scattered_indices__are_bit_identical_to_the_whole(method, indices):
+    axis = pair(100_000, method, logarithmic=(True, True))
+    indices = np.array(indices, dtype=np.int64)
+    whole, some = every(axis), axis.values(indices)
+    for name in PAIR:
+        assert some[name].tobytes() == whole[name][indices].tobytes()
+
+
+def test_design_without_axes__is_one_variant():
+    design = Design(())
+    assert (design.names, design.shape, design.size) == ((), (), 1)
+    assert design.values(0, 1) == {}
+
+
+def test_huge_design__gives_blocks():
+    million = 10**6
+    design = Design((Linear("x", 0.0, 1.0, million), Sampled(("r",), (0,), (1,), million), Listed("y", [5.0])))
+    assert design.size == 10**12
+    found = design.values(10**12 - 3, 10**12)
+    assert found["x"].tolist() == [1.0, 1.0, 1.0]
+    np.testing.assert_array_equal(found["r"], random_points(0, million, 1, np.arange(million - 3, million))[:, 0])
+
+
+@pytest.mark.parametrize("method", ["random", "latin"])
+def test_huge_sample__gives_blocks(method):
+    found = Design((pair(10**12, method),)).values(10**12 - 1000, 10**12)
+    for name, low, high in zip(PAIR, (0.1, 1.0), (0.2, 100.0), strict=True):
+        assert len(np.unique(found[name])) == 1000
+        assert found[name].min() >= low
+        assert found[name].max() <= high
+
+
+def test_largest_design__keeps_its_last_variant():
+    design = Design((Linear("x", 0, 1, 2**31), Linear("y", 0, 1, 2**32 - 3)))
+    assert [values[-1] for values in design.values(design.size - 2, design.size).values()] == [1.0, 1.0]
+
+
+# --- refusals ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Listed("a.b", []), ["a.b", "one or more"]),
+        (lambda: Listed("a.b", [[1.0]]), ["a.b", "[[1.0]]", "one or more"]),
+        (lambda: Listed("a.b", ["1"]), ["a.b", "'1'", "numbers only"]),
+        (lambda: Listed("a.b", [True]), ["a.b", "True", "numbers only"]),
+        (lambda: Listed("a.b", [1.0, math.nan]), ["a.b", "value 2", "nan", "finite"]),
+        (lambda: Linear("a.b", 0, 1, 0), ["a.b", "count 0", "1 or more"]),
+        (lambda: Linear("a.b", 0, 1, -3), ["a.b", "count -3"]),
+        (lambda: Linear("a.b", 0, 1, 2.5), ["a.b", "count 2.5", "whole"]),
+        (lambda: Linear("a.b", 0, 1, True), ["a.b", "count True"]),
+        (lambda: Linear("a.b", 0, 1, 2**63), ["a.b", str(2**63)]),
+        (lambda: Linear("a.b", 0, 1, 1), ["a.b", "both 0 and 1", "2 or more"]),
+        (lambda: Linear("a.b", 0, math.inf, 3), ["a.b", "inf", "finite"]),
+        (lambda: Linear("a.b", -1.7e308, 1.7e308, 3), ["a.b", "finite"]),
+        (lambda: Logarithmic("a.b", -1.0, 2.0, 3), ["a.b", "-1.0", "2.0", "zero"]),
+        (lambda: Logarithmic("a.b", 0, 2.0, 3), ["a.b", "from 0 to 2.0", "zero"]),
+        (lambda: Logarithmic("a.b", 1e-200, 1e200, 3), ["a.b", "1e+200", "ratio"]),
+        (lambda: Columns(("a", "b"), ((1, 2), (1, 2, 3))), ["b: 3 values", "a has 2"]),
+        (lambda: Columns(("a", "b"), ((1, 2),)), ["a, b", "1 columns for 2"]),
+        (lambda: Columns(("a", "a"), ((1,), (2,))), ["a: varies twice"]),
+        (lambda: Columns((), ()), ["no names"]),
+        (lambda: Sampled((), (), (), 4), ["no names"]),
+        (lambda: Sampled(("a", "a"), (0, 0), (1, 1), 4), ["a: varies twice"]),
+        (lambda: Sampled(("a",), (2.0,), (1.0,), 4), ["a: low 2.0", "high 1.0"]),
+        (lambda: Sampled(("a",), (0.0,), (math.nan,), 4), ["a", "nan"]),
+        (lambda: Sampled(("a",), (0.0,), (1.0,), 4, logarithmic=(True,)), ["a", "0.0", "zero"]),
+        (lambda: Sampled(("a",), (0.0, 1.0), (1.0,), 4), ["a", "2 lows for 1"]),
+        (lambda: Sampled(("a",), (0.0,), (), 4), ["a", "0 highs for 1"]),
+        (lambda: Sampled(("a",), (0.0,), (1.0,), 4, logarithmic=(True, True)), ["2 logarithmic"]),
+        (lambda: pair(0, "random"), ["input.length, bodies.rod.mass", "count 0"]),
+        (lambda: pair(4, "halton"), ["input.length", "'halton'", "random, sobol, latin"]),
+        (lambda: pair(4, "random", seed=-1), ["input.length", "seed -1"]),
+        (lambda: pair(4, "random", seed=2**64), ["seed 18446744073709551616"]),
+        (lambda: pair(2**30 + 1, "sobol"), ["1073741825", "'random' or 'latin'"]),
+        (lambda: Design((Listed("a", [1]), Linear("a", 0, 1, 2))), ["a: varies twice"]),
+        (lambda: Design((Linear("a", 0, 1, 2**40), Linear("b", 0, 1, 2**40))), [str(2**80), "at most"]),
+        (lambda: Design((Listed("a", [1]),)).values(0, 2), ["0 to 2", "0 to 1"]),
+        (lambda: Design((Listed("a", [1]),)).values(-1, 1), ["-1 to 1"]),
+        (lambda: Design((Listed("a", [1, 2]),)).values(2, 1), ["2 to 1"]),
+    ],
+)  # fmt: skip
+def test_wrong_choice__is_refused_with_path_and_value(make, words):
+    with pytest.raises(SamplingError) as caught:
+        make()
+    for word in words:
+        assert word in str(caught.value)

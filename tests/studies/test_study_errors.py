@@ -1,0 +1,200 @@
+"""Studies that are refused: the message names the file, the line, the key, what is wrong and the mend."""
+
+from pathlib import Path
+
+import pytest
+from press_texts import PRESS_WITH_FLYWHEEL as SCENE
+from slips import cases, changed
+from study_samples import STUDY, study_of, varying
+
+from sweeps.study.bundled import find_study
+from sweeps.text.input_files import InputError
+
+# Name | what to change | what into | a mark of the line | key | words of the message.
+SLIPS = cases(r"""
+misspelt path | "input.length" = | "input.lenght" = | lenght | vary.input.lenght | 'input.length'
+nested misspelt path | bodies.ram.mass | bodies.ram.maas | maas | vary.bodies.ram.maas | 'bodies.ram.mass'
+path of a text | "input.length" = | "input.pivot" = | input.pivot | vary.input.pivot | not a number
+path of a table | "input.length" = | "input" = | "input" | vary.input | not a number
+unused parameter | reach = | rich = | rich | vary.rich | not a number
+part of a used name | reach = | rea = {values = [1]}\nreach = | rea = | vary.rea | not a number
+wrong unit | "60 mm" | "60 kg" | 60 kg | vary.input.length | a length such as
+bare number | "60 mm" | 60 | to = 60 | vary.input.length | no unit
+decimal comma | "60 mm" | "60,5 mm" | 60,5 | vary.input.length | decimal point
+unit of a free parameter | [3, 4, 5] | ["3 foo"] | 3 foo | vary.reach | 3 foo
+no count | , count = 3 |  | "input.length" | vary.input.length.count | is missing
+count of none | count = 3 | count = 0 | count = 0 | vary.input.length.count | at least 1
+one value for two ends | count = 3 | count = 1 | count = 1 | vary.input.length | input.length
+unknown key of an axis | count = 3 | cuont = 3 | cuont | vary.input.length.cuont | did you mean 'count'?
+unknown spacing | count = 3 | count = 3, spacing = "logarithmic" | logarithmic | vary.input.length.spacing | linear, log
+log through zero | "40 mm", to = "60 mm", count = 3 | "0 mm", to = "60 mm", count = 3, spacing = "log" | "0 mm"
+    | vary.input.length | 0
+no values | [3, 4, 5] | [] | reach = | vary.reach.values | 1
+not an axis | {values = [3, 4, 5]} | 3 | reach = 3 | vary.reach | 3
+low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2" | gravity | vary.gravity
+    | [sampling] | method and count
+sampling of nothing | [derive] | [sampling]\nmethod = "sobol"\ncount = 4\n\n[derive] | [sampling] | sampling
+    | low and high
+unknown method | [derive] | [sampling]\nmethod = "sobel"\ncount = 4\n\n[derive] | sobel | sampling.method
+    | random, sobol, latin | 'sobol'
+derived and varied | [derive] | [derive]\n"input.length" = "1" | "input.length" = "1" | derive.input.length
+    | either varied or derived
+derived misspelt | first.length | first.lenght | lenght | derive.groups.slide.first.lenght
+    | 'groups.slide.first.length'
+unknown name in an expression | reach * input | reech * input | reech | derive.groups.slide.first.length | 'reach'
+expression unfinished | reach * input.length | reach * | reach * | derive.groups.slide.first.length | reach *
+condition for a number | reach * input | reach < input | reach < input | derive.groups.slide.first.length
+    | is a condition | number
+Python in an expression | reach * input.length | __import__('os').system('touch stolen') | __import__
+    | derive.groups.slide.first.length | allowed
+wrong unit in an expression | reach * input.length | '3 foo' | foo | derive.groups.slide.first.length | '3 foo'
+number for a condition | positions | require = ["reach + 1"]\npositions | require | require | entry 1 | condition
+unknown name in a condition | positions | require = ["reach > 1", "reech > 1"]\npositions | require | require | reech
+require of a text | positions | require = "reach > 1"\npositions | require | require | list
+odd positions | positions = 48 | positions = 49 | positions | positions | even
+text for positions | positions = 48 | positions = "many" | positions | positions | 'many'
+precision | positions | precision = "float16"\npositions | float16 | precision | float64, float32
+unknown summary | "ram.stroke", | "ram.strok", | [outputs] | outputs | 'ram.strok' is not a summary | 'ram.stroke'
+unknown field | [outputs] | [outputs]\nfields = ["B.z"] | [outputs] | outputs | 'B.z' is not a field | 'B.x'
+best of nothing | minimise = "excess_work" | minimise = "exces_work" | exces | best.minimise | 'excess_work'
+best of two | minimise = "excess_work" | minimise = "excess_work"\nmaximise = "ram.stroke" | [best] | best | either
+best where unfinished | > '90 mm' | > | where | best.where | >
+best where unknown | ram.stroke > | ram.strok > | where | best.where | 'ram.stroke'
+mass for a length | positions | require = ["input.length > '2 kg'"]\npositions | require | require
+    | compares a length with a mass | input.length > '2 kg'
+bare number in a sum | reach * input.length | reach * input.length + 0.1 | reach * | derive.groups.slide.first.length
+    | adds a plain number to a length | '0.1 m'
+derived of another dimension | reach * input.length | reach * bodies.ram.mass | reach *
+    | derive.groups.slide.first.length | gives a mass, but this is a length
+derived bare number | reach * input.length | 0.2 | "0.2" | derive.groups.slide.first.length | '0.2 m' or '0.2 mm'
+dimension of a derived number | positions | require = ["2 * groups.slide.first.length > '1 kg'"]\npositions | require
+    | require | compares a length with a mass
+power that varies | reach * input.length | input.length**reach | **reach | derive.groups.slide.first.length
+    | fixed number
+several kinds | [3, 4, 5] | [3, "4 mm", "5 kg"] | 4 mm | vary.reach | number and length and mass | one kind
+best where a mass | > '90 mm' | > '90 kg' | where | best.where | compares a length with a mass | ram.stroke
+best where a bare number | > '90 mm' | > 90 | where | best.where | 90 has no unit: write '90 m' or '90 mm'
+best where a number | ram.stroke > '90 mm' | ram.stroke | where | best.where | condition
+no such scene | press.toml | pres.toml | scene = | scene | pres.toml | can't be read
+scene that is a folder | press.toml | . | scene = | scene | can't be read
+no such csv | positions | variants = "choice.csv"\npositions | variants | variants | choice.csv | can't be read
+misspelt table | [vary] | [varry] | [varry] | varry | did you mean 'vary'?
+not TOML | [vary] | [vary | [vary |  | not valid TOML
+""")
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_slip__is_refused_with_line_key_and_mend(slip, study_folder):
+    old, new, marker, key, *words = SLIPS[slip]
+    text = changed(STUDY, old, new)
+    with pytest.raises(InputError) as caught:
+        study_of(study_folder, text)
+    error = caught.value
+    if key:
+        lines = [line for line, path, _ in error.problems if path == key]
+        assert lines, str(error)
+        marked = {i for i, line in enumerate(text.splitlines(), 1) if marker in line}
+        assert marked.intersection(lines), str(error)
+        assert "study.toml, line " in str(error)
+    for word in words:
+        assert word in str(error), str(error)
+    assert "pydantic" not in str(error)
+    assert not Path("stolen").exists()
+
+
+@pytest.mark.parametrize(
+    ("csv", "words"),
+    [
+        ("input.lenght [mm]\n40\n", ("'input.length'",)),
+        ("input.length\n40\n", ("no unit",)),
+        ("input.length [kg]\n40\n", ("a length such as",)),
+        ("input.length [mm]\n40\nfifty\n", ("line 3", "'fifty' is not a number")),
+        ("input.length [mm],input.length [mm]\n40,40\n", ("input.length",)),
+        ("input.length [mm]\n", ("at least one row",)),
+    ],
+)
+def test_bad_csv_of_variants__is_refused_and_named(csv, words, study_folder):
+    (study_folder / "choice.csv").write_text(csv)
+    with pytest.raises(InputError) as caught:
+        study_of(study_folder, 'scene = "press.toml"\nvariants = "choice.csv"\n')
+    assert {(2, "variants")} == {(line, key) for line, key, _ in caught.value.problems}, str(caught.value)
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+def test_condition_of_several_lines__is_refused_with_its_own_line(study_folder):
+    require = """require = [
+  "reach < 5",
+  "groups.slide.first.length < '1 m'",
+  "input.length < bodies.ram.mass",
+]
+"""
+    with pytest.raises(InputError) as caught:
+        study_of(study_folder, changed(STUDY, "positions = 48\n", require))
+    assert [(line, key) for line, key, _ in caught.value.problems] == [(7, "require")]
+    assert "compares a length with a mass:\n    input.length < bodies.ram.mass" in str(caught.value)
+
+
+def test_row_of_a_table__is_refused_by_the_names_of_its_columns(study_folder):
+    table = """[forces.punch]
+type = "table"
+on = "B"
+angle = "90 deg"
+over_stroke = ["0 mm", "8 mm", "1 mm"]
+slider = "ram"
+interpolation = "linear"
+force = ["0 kN", "1 kN", "2 kN"]
+"""
+    start, end = SCENE.index("[forces.punch]"), SCENE.index("[flywheel]")
+    (study_folder / "press.toml").write_text(SCENE[:start] + table + SCENE[end:])
+    with pytest.raises(
+        InputError, match=r"row 3: over_stroke = 0\.001 is below row 2's 0\.008; sort .* by over_stroke"
+    ):
+        study_of(study_folder, STUDY)
+    (study_folder / "press.toml").write_text((SCENE[:start] + table + SCENE[end:]).replace(', "2 kN"]', "]"))
+    with pytest.raises(InputError, match="over_stroke has 3 rows, force has 2; give one force for every over_stroke"):
+        study_of(study_folder, STUDY)
+
+
+def test_name_varied_in_two_places__is_refused(study_folder):
+    (study_folder / "choice.csv").write_text("input.length [mm]\n40\n")
+    with pytest.raises(InputError, match=r"input\.length"):
+        varying(study_folder, '"input.length" = {values = ["40 mm"]}', 'variants = "choice.csv"')
+
+
+def test_several_problems__are_told_at_once(study_folder):
+    text = changed(changed(STUDY, '"60 mm"', '"60 kg"'), "[3, 4, 5]", '["x"]')
+    text = changed(text, "reach * input.length", "reech * input.length")
+    with pytest.raises(InputError) as caught:
+        study_of(study_folder, text)
+    assert [key for _, key, _ in caught.value.problems] == [
+        "vary.input.length",
+        "vary.reach",
+        "derive.groups.slide.first.length",
+    ]
+
+
+def test_error_in_the_scene_s_file__names_that_file_and_its_line(study_folder):
+    (study_folder / "press.toml").write_text(SCENE.replace('"50 mm"', "50"))
+    with pytest.raises(InputError, match=r"^press\.toml, line 13: input\.length: 50 has no unit"):
+        study_of(study_folder, STUDY)
+
+
+def test_error_in_a_scene_inside_the_study__names_its_line_there(study_folder):
+    inside = SCENE.replace("\n[", "\n[scene.").replace('title = "Crank press"', "[scene]", 1)
+    text = 'positions = 48\n[vary]\n"input.length" = {values = ["1 mm"]}\n' + inside
+    for old, new, key in (
+        ("50 mm", "50 kg", "length"),
+        ('joint = "A"', 'joint = "Z"', "joint"),
+        ("mass =", "maas =", "maas"),
+    ):
+        broken = changed(text, old, new)
+        with pytest.raises(InputError) as caught:
+            study_of(study_folder, broken)
+        line = next(i for i, row in enumerate(broken.splitlines(), 1) if new in row)
+        assert caught.value.problems[0][0] == line, str(caught.value)
+        assert caught.value.problems[0][1].endswith(key)
+
+
+def test_unknown_study__is_refused_with_what_there_is(study_folder):
+    with pytest.raises(InputError, match="no such file, and no bundled study"):
+        find_study("crank_pres")

@@ -1,0 +1,269 @@
+"""Derivatives and tolerance bands as a study asks for them: columns, units, texts, pictures, and what is refused."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from engine import Verdict
+from sweeps.cli import main
+from sweeps.optimising.runner import optimise_study
+from sweeps.pictures.picture_files import sweep_data
+from sweeps.pictures.style import VERMILION
+from sweeps.pictures.sweep.maps import curves
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import block_size, evaluate_block, run_study
+from sweeps.store import describe_result
+from sweeps.study import sensitivity
+from sweeps.study.study import Study, read_study
+from sweeps.text.input_files import InputError
+
+EPS = np.finfo(float).eps
+SCENE = """\
+[points]
+O = {x = "0 mm", y = "0 mm"}
+
+[guides]
+way = {y = "0 mm"}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "50 mm"
+speed = "60 rpm"
+
+[groups.drive]
+type = "RRP"
+inner = "B"
+first = {link = "rod", joint = "A", length = "200 mm"}
+second = {link = "ram", guide = "way"}
+
+[bodies.ram_body]
+link = "ram"
+mass = "2 kg"
+"""
+# The same paths and the same questions in all studies of a kind: few kernels serve them.
+VARY = """
+[vary]
+"input.length" = {values = ["40 mm", "50 mm", "60 mm", "300 mm"]}
+ratio = {values = [4, 5]}
+
+[derive]
+"groups.drive.first.length" = "ratio * input.length"
+
+[outputs]
+summaries = ["ram.stroke", "ram.stroke_high", "reduced_inertia.mean"]
+"""
+DERIVATIVES = """derivatives = ["ram.stroke_high by input.length", "ram.stroke_high by ratio",
+    "ram.stroke_high by groups.drive.first.length", "reduced_inertia.mean by bodies.ram_body.mass"]
+"""
+TOLERANCES = """
+[tolerances]
+"input.length" = "0.1 mm"
+"groups.drive.first.length" = {plus_minus = "0.4 mm", distribution = "normal"}
+"""
+HEAD = 'scene = "scene.toml"\npositions = 48\nrequire = ["input.length < \'250 mm\'"]\n'
+KEPT = slice(0, 6)
+
+
+def study_of(folder: Path, rest: str, scene: str = SCENE) -> Study:
+    (folder / "scene.toml").write_text(scene)
+    (folder / "study.toml").write_text(HEAD + rest)
+    return read_study(folder / "study.toml")
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory) -> SweepResult:
+    folder = tmp_path_factory.mktemp("bands")
+    return SweepResult(run_study(study_of(folder, VARY + DERIVATIVES + TOLERANCES), folder / "study.h5"))
+
+
+def test_derivatives__take_along_what_is_derived(result):
+    c = result.columns
+    length, ratio = c["input.length"][KEPT], c["ratio"][KEPT]
+    # The ram's highest place is r + l, here with l = ratio · r; the interpolation between positions near it is off by
+    # (2π/48)⁴/384 of some crank lengths, a share of 1e-6, and its figure says so.
+    for by, exact in (("input.length", 1 + ratio), ("ratio", length), ("groups.drive.first.length", 1 + 0 * length)):
+        name = f"ram.stroke_high.by.{by}"
+        np.testing.assert_allclose(c[name][KEPT], exact, rtol=1e-5)
+        assert (np.abs(c[name][KEPT] - exact) <= c[f"{name}_error"][KEPT]).all()
+    share = c["reduced_inertia.mean"][KEPT] / 2
+    np.testing.assert_allclose(c["reduced_inertia.mean.by.bodies.ram_body.mass"][KEPT], share, rtol=64 * EPS)
+
+
+def test_units__of_the_summary_over_those_of_the_number(result):
+    assert result.units["ram.stroke_high.by.input.length"] == "1"
+    assert result.units["ram.stroke_high.by.ratio"] == "m"
+    assert result.units["reduced_inertia.mean.by.bodies.ram_body.mass"] == "m2"
+    assert result.units["ram.stroke.tolerance_worst_case"] == "m"
+    assert result.long_names["ram.stroke_high.by.ratio"].startswith("derivative by ratio of: high end of the stroke")
+
+
+def test_bands__worst_case_and_root_of_the_sum_of_squares(result):
+    c = result.columns
+    # Numbers derived from one with a tolerance don't follow it.
+    for name, parts in (("ram.stroke", (0.0002, 0.0)), ("ram.stroke_high", (0.0001, 0.0004))):
+        for ending, exact in (("worst_case", sum(parts)), ("rss", math.hypot(*parts))):
+            band, error = (c[f"{name}.tolerance_{ending}{end}"][KEPT] for end in ("", "_error"))
+            np.testing.assert_allclose(band, exact, rtol=1e-5)
+            assert (np.abs(band - exact) <= error).all()
+            assert (error < 1e-3 * exact).all()
+
+
+def test_bands__hold_all_machines_within_tolerances(result, tmp_path):
+    c, random = result.columns, np.random.default_rng(3)
+    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES)
+    machine = study.sensitivity.machine
+    count = 1000
+    made = {path: np.full(count, c[path][2] if path in c else study.fixed[path]) for path in machine.varied}
+    for tolerance in study.sensitivity.tolerances:
+        made[tolerance.path] = made[tolerance.path] + tolerance.half_width * random.uniform(-1, 1, count)
+    summaries = machine.evaluate(made).summaries
+    for name in ("ram.stroke", "ram.stroke_high", "reduced_inertia.mean"):
+        off = np.abs(summaries[name] - c[name][2])
+        band, error = (c[f"{name}.tolerance_worst_case{end}"][2] for end in ("", "_error"))
+        assert off.max() <= band + error
+        # Of a thousand machines one comes near two limits at once.
+        assert off.max() >= 0.9 * band
+
+
+def test_variants_that_fail__have_their_verdict_and_no_number(result):
+    c = result.columns
+    assert c["status"][6:].tolist() == [Verdict.DROPPED] * 2
+    assert c["status_by.ratio"].tolist() == [Verdict.OK] * 6 + [Verdict.DROPPED] * 2
+    for name in result.summaries:
+        assert np.isnan(c[name][6:]).all()
+
+
+def test_blocks__don_t_change_a_bit(result, tmp_path, monkeypatch):
+    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES)
+    monkeypatch.setattr(sensitivity, "TOGETHER", 1)
+    machine = study.machine()
+    parts = [evaluate_block(study, machine, slice(i, i + 2), machine.new_buffer(2)) for i in range(0, 8, 2)]
+    for column in result.description.columns:
+        found = np.concatenate([part[column.name] for part in parts])
+        assert found.tobytes() == result.columns[column.name].tobytes(), column.name
+
+
+def test_result__is_listed_sorted_and_chosen_by_them(result):
+    path = str(result.path)
+    where = "ram.stroke_high.by.ratio > '45 mm' and ram.stroke.tolerance_rss < '1 mm'"
+    shown = CliRunner().invoke(main, ["show", path, "--where", where, "--sort", "ram.stroke_high.by.ratio"])
+    assert shown.exit_code == 0, shown.output
+    assert "4 variants meet the condition" in shown.output
+    assert "reduced_inertia.mean.by.bodies.ram_body.mass" in shown.output
+    exported = result.path.with_suffix(".csv")
+    assert CliRunner().invoke(main, ["export", path, "--to", str(exported)]).exit_code == 0
+    header = exported.read_text().splitlines()[0]
+    assert "ram.stroke_high.by.ratio [m]" in header
+    assert "ram.stroke.tolerance_worst_case [m]" in header
+
+
+def test_checked_study__names_what_is_asked_and_counts_it_in_its_blocks(tmp_path):
+    plain, study = study_of(tmp_path, VARY), study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES)
+    # Four numbers, of which one has a tolerance and a derivative both.
+    assert (study.sensitivity.evaluations, plain.sensitivity.evaluations) == (4 * 12, 0)
+    parts = (VARY, VARY + DERIVATIVES, VARY + TOLERANCES, VARY + DERIVATIVES + TOLERANCES)
+    assert len({study_of(tmp_path, part).digest for part in parts}) == 4
+    assert block_size(study, study.machine()) <= block_size(plain, plain.machine())
+    checked = CliRunner().invoke(main, ["check", str(tmp_path / "study.toml")])
+    assert checked.exit_code == 0, checked.output
+    assert "ram.stroke_high.by.ratio" in checked.output
+    assert "reduced_inertia.mean.tolerance_rss" in checked.output
+
+
+def test_robust_design__is_what_best_may_ask(tmp_path):
+    best = '\n[best]\nminimise = "ram.stroke_high.tolerance_rss"\nwhere = "ram.stroke_high.by.ratio > \'45 mm\'"\n'
+    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES + best)
+    found = SweepResult(run_study(study, tmp_path / "r.h5"))
+    values = found.columns["ram.stroke_high.tolerance_rss"]
+    assert found.best() == np.nanargmin(np.where(found.columns["input.length"] > 0.045, values, np.nan))
+    # A band asks for its summary by itself.
+    alone = VARY.replace('summaries = ["ram.stroke", "ram.stroke_high", ', "summaries = [") + TOLERANCES
+    assert "ram.stroke" in study_of(tmp_path, alone + '[best]\nminimise = "ram.stroke.tolerance_rss"\n').summaries
+
+
+def test_nonlinear_number__error_of_the_band_holds_the_second_order(tmp_path):
+    # On the crank's axis the stroke depends on the guide's offset by its square alone.
+    text = '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"guides.way.y" = "10 mm"\n'
+    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
+    exact = math.sqrt(0.25**2 - 0.01**2) - math.sqrt(0.15**2 - 0.01**2) - 0.1
+    assert found["ram.stroke.tolerance_worst_case"][0] == pytest.approx(0, abs=1e-9)
+    # Besides the second order the figure holds what strokes at their positions may be off by, some 1e-6 of 0.1 m.
+    assert 0.999 * exact <= found["ram.stroke.tolerance_worst_case_error"][0] <= 1.02 * exact
+
+
+def test_asked_accuracy__serves_derivatives_and_bands_too(tmp_path):
+    text, path = HEAD.replace("positions = 48", "accuracy = 1e-6"), tmp_path / "study.toml"
+    (tmp_path / "scene.toml").write_text(SCENE)
+    path.write_text(text + VARY + DERIVATIVES + TOLERANCES)
+    found = SweepResult(run_study(read_study(path), tmp_path / "r.h5"))
+    # Off by at most 1e-6 at both ends of steps of a tenth of the crank; windows magnify that some ten times.
+    by_length = found.columns["ram.stroke_high.by.input.length"][KEPT]
+    np.testing.assert_allclose(by_length, 1 + found.columns["ratio"][KEPT], rtol=1e-3)
+    assert not [name for name in found.columns if name.startswith("positions_used.tolerance")]
+
+
+def test_tolerance_beyond_what_can_be_assembled__no_band(tmp_path):
+    text = '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"guides.way.y" = "160 mm"\n'
+    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
+    assert found["ram.stroke"][0] == pytest.approx(0.1)
+    assert np.isnan(found["ram.stroke.tolerance_worst_case"][0])
+
+
+def test_curves__show_bands_about_their_summary(tmp_path):
+    vary = '[vary]\n"input.length" = {from = "40 mm", to = "60 mm", count = 5}\n'
+    text = vary + '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"input.length" = "1 mm"\n'
+    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5"))
+    data = sweep_data(found, ())
+    assert list(data.summaries) == ["ram.stroke"]
+    figure = Figure()
+    curves(figure, data, "input.length", ["ram.stroke"])
+    bands = [b for b in figure.axes[0].collections if np.allclose(b.get_facecolor()[0, :3], to_rgb(VERMILION))]
+    assert [b.get_label() for b in bands] == [
+        "within tolerances, worst case",
+        "within tolerances, root of sum of squares",
+    ]
+    # Strokes of 80 to 120 mm, ± 2 mm.
+    heights = bands[0].get_paths()[0].get_extents()
+    assert (heights.ymin, heights.ymax) == (pytest.approx(78, rel=1e-5), pytest.approx(122, rel=1e-5))
+
+
+def test_search__leaves_them_to_its_own_columns(tmp_path):
+    asked = '\n[optimise]\nminimise = "ram.stroke"\npopulation = 8\ngenerations = 2\n'
+    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES + asked)
+    columns = {column.name for column in describe_result(optimise_study(study, tmp_path / "o.h5")).columns}
+    assert "ram.stroke.tolerance" in columns
+    assert not {"ram.stroke.tolerance_rss", "ram.stroke_high.by.ratio"} & columns
+
+
+@pytest.mark.parametrize(
+    ("asked", "rest", "message"),
+    [
+        ("ram.stroke of input.length", "", "write a summary, 'by' and a number, such as 'excess_work by input.length'"),
+        ("ram.strok by input.length", "", "'ram.strok' is not a summary of this scene; did you mean 'ram.stroke'"),
+        ("ram.stroke by input.lenght", "", "unknown name 'input.lenght'; did you mean 'input.length' or 'input.speed'"),
+        (
+            "ram.stroke by groups.drive.mode",
+            "",
+            r"'groups.drive.mode' is one of \[1, -1\]: there is no derivative by it",
+        ),
+        ("ram.slide.max_at by input.length", "", "is known to a position only, and moves in jumps"),
+        (
+            "ram.stroke by input.length",
+            '[tolerances]\n"input.lenght" = "1 mm"',
+            "tolerances.input.lenght: is not a number",
+        ),
+        ("ram.stroke by input.length", '[tolerances]\n"input.length" = "1 kg"', "line 16: tolerances.input.length:"),
+    ],
+)
+def test_refusals__name_key_line_and_mend(asked, rest, message, tmp_path):
+    with pytest.raises(InputError, match=message) as refused:
+        study_of(tmp_path, f'{VARY}derivatives = ["{asked}"]\n{rest}\n')
+    if not rest:
+        assert "study.toml, line 14: outputs.derivatives:" in str(refused.value)
