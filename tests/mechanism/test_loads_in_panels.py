@@ -20,12 +20,13 @@ from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.scene.structure import order
 
-some = settings(deadline=None, max_examples=40)
+some = settings(deadline=None, max_examples=25)
 
 TURN = 2 * math.pi
 # Cuts closer than this are one: rounding moves a place at which a curve has a slope by less.
 MERGED = 1e-7
-DEGREE, WIDEST = 20, 0.4
+# Panels in each cycle, at least.
+DEGREE, PANELS = 20, 16
 
 
 # Scenes: a mechanism, the points that can be loaded, its sliders and its links
@@ -200,9 +201,9 @@ def check_smoothness(scene: Scene) -> None:
     """A polynomial through a panel's positions, its ends among them, is the load between them."""
     values, nodes = asked(scene)
     x = np.cos(np.linspace(math.pi, 0, DEGREE + 1))
-    between = np.linspace(-1, 1, 33)
+    between, widest = np.linspace(-1, 1, 33), (values.last - values.first) / PANELS
     for left, right in panels(values):
-        for begin, end in pairs_of(np.linspace(left, right, 1 + math.ceil((right - left) / WIDEST))):
+        for begin, end in pairs_of(np.linspace(left, right, 1 + math.ceil((right - left) / widest))):
             middle, half = 0.5 * (begin + end), 0.5 * (end - begin)
             at = values.in_panel([*nodes.values()], left, right, middle + half * np.concatenate((x, between)))
             for name, row in zip(nodes, at, strict=True):
