@@ -7,30 +7,30 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sweeps.results import Result
-    from sweeps.runner import run_study
-    from sweeps.scenefile import read_scene, write_scene
+    from sweeps.report.sweep_result import SweepResult
+    from sweeps.run.runner import run_study
     from sweeps.store import StoreError, read
-    from sweeps.study import Study, read_study
-    from sweeps.textfile import InputError
+    from sweeps.study.study import Study, read_study
+    from sweeps.text.input_files import InputError
+    from sweeps.text.scene_text import read_scene, write_scene
 
 _HOMES = {
-    "InputError": "sweeps.textfile",
-    "Result": "sweeps.results",
+    "InputError": "sweeps.text.toml_text",
+    "SweepResult": "sweeps.report.sweep_result",
     "StoreError": "sweeps.store",
-    "Study": "sweeps.study",
+    "Study": "sweeps.study.study",
     "read": "sweeps.store",
-    "read_scene": "sweeps.scenefile",
-    "read_study": "sweeps.study",
-    "run_study": "sweeps.runner",
-    "write_scene": "sweeps.scenefile",
+    "read_scene": "sweeps.text.scene_text",
+    "read_study": "sweeps.study.study",
+    "run_study": "sweeps.run.runner",
+    "write_scene": "sweeps.text.scene_text",
 }
 
 __all__ = [
     "InputError",
-    "Result",
     "StoreError",
     "Study",
+    "SweepResult",
     "read",
     "read_scene",
     "read_study",

@@ -1,6 +1,7 @@
 """The shape of the code: what may import what, and what every public name must tell its reader."""
 
 import ast
+import importlib
 import re
 import subprocess
 import sys
@@ -8,6 +9,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+
+import engine
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("engine", "sweeps")
@@ -95,10 +98,82 @@ def test_circle_finder__sees_a_circle():
     assert circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == "b -> c -> b"
 
 
-def test_start_of_the_command_line__loads_nothing_slow():
-    code = "import sys, sweeps.cli; print([m for m in ('numba', 'numpy', 'h5py', 'matplotlib') if m in sys.modules])"
+SLOW = ("numba", "numpy", "scipy", "pydantic", "h5py", "matplotlib")
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        "import engine",
+        "import sweeps",
+        "import sweeps.cli",
+        "from sweeps.cli import main; main(['list'], standalone_mode=False)",
+    ],
+)
+def test_start__loads_nothing_slow(start):
+    code = f"{start}; import sys; print([m for m in {SLOW!r} if m in sys.modules], file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
+    assert (done.returncode, done.stderr.strip()) == (0, "[]")
+
+
+# The engine's door
+
+
+def test_names_at_the_door__are_those_of_their_modules():
+    for name in engine.__all__:
+        assert getattr(engine, name) is not None
+    assert engine.Scene is importlib.import_module("engine.scene.scene").Scene
+    assert engine.v_engine is importlib.import_module("engine.balancing.engines.engine_layout").v
+
+
+def test_name_that_the_engine_does_not_offer__is_no_attribute():
+    with pytest.raises(AttributeError, match="no attribute 'Sceen'"):
+        engine.Sceen  # noqa: B018
+
+
+@pytest.mark.parametrize("module", [m for m in FILES if m.startswith("sweeps")])
+def test_sweeps__uses_the_engine_through_its_door_only(module):
+    passed_by = [
+        ast.unparse(node)
+        for node in ast.walk(tree_of(module))
+        if (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("engine."))
+        or (isinstance(node, ast.Import) and any(alias.name.startswith("engine.") for alias in node.names))
+    ]
+    assert passed_by == []
+
+
+def test_door__offers_nothing_under_two_names():
+    stub = ast.parse((ROOT / "engine" / "__init__.pyi").read_text(encoding="utf8"))
+    offered = [(node.module, a.name) for node in stub.body if isinstance(node, ast.ImportFrom) for a in node.names]
+    assert len(set(offered)) == len(offered) == len(engine.__all__)
+
+
+# Rooms
+
+# Each may use those before it.
+ROOMS = ("text", "store", "study", "run", "report", "optimising", "pictures", "cli")
+# Files and folders that one look takes in.
+MOST_IN_A_ROOM = 15
+
+
+def test_rooms_of_sweeps__use_only_those_before_them():
+    wrong = []
+    for module, needs in graph().items():
+        parts = module.split(".")
+        if parts[0] != "sweeps" or len(parts) < 2 or parts[1] not in ROOMS:
+            continue
+        later = ROOMS[ROOMS.index(parts[1]) + 1 :]
+        wrong += [f"{module} -> {need}" for need in needs if need.startswith(tuple(f"sweeps.{room}" for room in later))]
+    assert wrong == []
+
+
+def test_rooms__hold_no_more_than_can_be_taken_in():
+    folders = {path.parent for path in FILES.values()}
+    entries = {
+        folder: [p for p in folder.iterdir() if (p.suffix == ".py" and p.stem != "__init__") or p in folders]
+        for folder in folders
+    }
+    assert {str(folder): len(held) for folder, held in entries.items() if len(held) > MOST_IN_A_ROOM} == {}
 
 
 # What is public, and what it says
@@ -185,6 +260,27 @@ def test_described_parameters__exist():
         described = named(ast.get_docstring(node) or "", "Parameters")
         wrong += [f"{name}: {p}" for p in described if p not in parameters_of(node)]
     assert wrong == []
+
+
+# Names that files of the engine still share; this list may only become shorter.
+SHARED = {
+    *("Balance", "Balanced", "Dimension", "Ends", "Engine", "Law", "Moments", "Moving", "Outcome", "Pair", "Result"),
+    *("Shaft", "Sliding", "cumulative_work", "derivative_residual", "extreme_of", "first_jammed"),
+    *("fluctuation_with_flywheel", "flywheel_sizes", "halve", "mean_of", "means", "misplaced", "missed_extreme"),
+    *("order_of", "peak_of", "place_of_extreme", "roughness", "statistics_of", "step", "stroke_ends", "swing_ends"),
+    *("work_doubt", "work_over"),
+}
+
+
+def test_public_names__are_given_once():
+    places: dict[str, list[str]] = {}
+    for module in FILES:
+        for name, _, method in public(tree_of(module), module):
+            if not method and name.rpartition(".")[0] == module:
+                places.setdefault(name.rpartition(".")[2], []).append(module)
+    twice = {name: modules for name, modules in places.items() if len(modules) > 1}
+    assert {name: modules for name, modules in twice.items() if name not in SHARED} == {}
+    assert SHARED - set(twice) == set(), "these are given once by now: take them off the list"
 
 
 def test_parameters__are_described_all_or_not_at_all():

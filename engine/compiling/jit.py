@@ -228,7 +228,7 @@ def run_kernel(text: str, function: str, count: int, *arguments: object) -> None
     *arguments
         Passed on after the range.
     """
-    _run_pieces(compiled(text, function, 0, 0, *arguments), count, arguments)
+    run_pieces(compiled(text, function, 0, 0, *arguments), count, arguments)
 
 
 def over_variants(function: Callable) -> Callable:
@@ -243,7 +243,7 @@ def over_variants(function: Callable) -> Callable:
     def run(count: int, *arguments: object) -> None:
         with _COMPILING:
             kernel(0, 0, *arguments)
-        _run_pieces(kernel, count, arguments)
+        run_pieces(kernel, count, arguments)
 
     return run
 
@@ -275,7 +275,7 @@ def on_all_threads(function: Callable, pieces: Sequence) -> list:
     return list(_pool(workers).map(alone, pieces))
 
 
-def _run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
+def run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
     workers = threads()
     pieces = min(count, workers * PIECES_PER_THREAD)
     if workers == 1 or pieces <= 1 or getattr(_here, "alone", False):

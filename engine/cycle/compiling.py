@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from numba import njit, types
 from numba.core.compiler import Compiler
 
-from engine.jit import FLOATING_POINT_RULES, _COMPILING, _keep_compiled
+from engine.jit import FLOATING_POINT_RULES, _COMPILING, keep_compiled
 
 RULES = set(FLOATING_POINT_RULES) - {"reassoc"}
 
@@ -50,7 +50,7 @@ def curves(function: Callable) -> Callable:
 def driver(function: Callable) -> Callable:
     """Compile a function that runs without Python's lock; its machine code is kept on disk."""
     compiled = njit(error_model="numpy", fastmath=RULES, nogil=True, no_cfunc_wrapper=True)(function)
-    _keep_compiled(compiled)
+    keep_compiled(compiled)
     return compiled
 
 

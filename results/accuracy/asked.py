@@ -17,7 +17,8 @@ import numpy as np
 
 from engine import AccurateMachine, Machine, Outcome, Verdict
 from engine.panels.accuracy import OF_ACCURACY, RELATIVE_ALREADY, excess, in_panels, peak_of
-from sweeps.study import find_study, read_study
+from sweeps.study.bundled import find_study
+from sweeps.study.study import read_study
 
 HERE = Path(__file__).parent
 STUDIES = (

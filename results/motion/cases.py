@@ -12,7 +12,7 @@ import numpy as np
 
 from engine import Machine, Scene
 from engine.scene.scene import scene_numbers
-from sweeps.scenefile import read_scene
+from sweeps.text.scene_text import read_scene
 
 HERE = Path(__file__).parent
 AGREEMENT = 1e-12

@@ -34,7 +34,8 @@ from machines import BASELINE_PATHS, CASES, Case, all_numbers, sample
 import engine.equal_positions.shared_shapes
 from engine import Machine, scene_numbers
 from engine.compiling.jit import set_threads, threads
-from sweeps.study import bundled, read_study
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
 
 HERE = Path(__file__).parent
 VARIANTS, POSITIONS, ROUNDS = 20_000, 720, 9
@@ -236,7 +237,7 @@ def race_pylinkage() -> Contest:
 
 def bundled_case(name: str) -> Case:
     """A bundled machine, its masses and the scales of its forces varied."""
-    scene = read_study(bundled()[name]).scene
+    scene = read_study(bundled_studies()[name]).scene
     loads = [path for path in scene_numbers(scene) if path.endswith((".mass", ".scale", "moments.friction.moment"))]
     return Case(scene, {}, dict.fromkeys(loads, 0.2))
 

@@ -18,11 +18,11 @@ import engine.machine.machine
 from engine.compiling.jit import threads
 from sweeps.optimising.runner import optimise_study
 from sweeps.optimising.searching import first_generation
-from sweeps.optimising.task import Task, task_of
 from sweeps.optimising.trials import Trials
-from sweeps.sampling import Design, Sampled
-from sweeps.study import Study
-from sweeps.studyfile import Optimise
+from sweeps.study.sampling import Design, Sampled
+from sweeps.study.search_task import Task, task_of
+from sweeps.study.study import Study
+from sweeps.study.study_text import Optimise
 
 HERE = Path(__file__).parent
 POSITIONS = 360

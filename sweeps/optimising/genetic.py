@@ -7,8 +7,8 @@ from pymoo.core.population import Population
 from pymoo.core.problem import Problem
 from pymoo.optimize import minimize
 
-from sweeps.optimising.task import Task
 from sweeps.optimising.trials import BEYOND, Evaluate
+from sweeps.study.search_task import Task
 
 
 class _Candidates(Problem):

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sweeps.expressions import Expression, Operation, Tree
+from sweeps.text.expressions import Expression, Operation, Tree
 
 WORST = 1.0
 

@@ -4,13 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import scene_numbers
-from engine.scene.units import any_quantity
-from sweeps.engineer_units import engineer_unit, quantity_text
-from sweeps.expressions import parse
+from engine import any_quantity, scene_numbers
 from sweeps.optimising.margins import conjuncts, margins
-from sweeps.report import table
-from sweeps.results import Result
+from sweeps.report.sweep_result import SweepResult
+from sweeps.text.engineer_units import engineer_unit, quantity_text
+from sweeps.text.expressions import parse
+from sweeps.text.tables import table
 
 # A number this close to an end of its range, as a share of the range, lies on it; so do conditions on their limit.
 ON_LIMIT = 1e-6
@@ -23,30 +22,30 @@ class Choice(NamedTuple):
     why: str
 
 
-def is_front(result: Result) -> bool:
+def is_front(result: SweepResult) -> bool:
     """Whether a result file is that of a search with several objectives that has come to its end."""
     return is_search(result) and len(objectives(result)) > 1
 
 
-def is_search(result: Result) -> bool:
+def is_search(result: SweepResult) -> bool:
     """Whether a result file is that of a search that has come to its end."""
     return "objectives" in result.description.attributes and "front" in result.columns
 
 
-def objectives(result: Result) -> list[tuple[str, float]]:
+def objectives(result: SweepResult) -> list[tuple[str, float]]:
     """Columns that were sought to be small (sign +1) or great (−1)."""
     lines = result.description.attributes["objectives"].splitlines()
     return [(name, 1.0 if way == "minimise" else -1.0) for way, name in (line.split(" ", 1) for line in lines)]
 
 
-def front(result: Result) -> np.ndarray:
+def front(result: SweepResult) -> np.ndarray:
     """Variants on the Pareto front, in the order of their places."""
     places = result.columns["front"]
     there = np.flatnonzero(places)
     return there[np.argsort(places[there])]
 
 
-def met(result: Result) -> np.ndarray:
+def met(result: SweepResult) -> np.ndarray:
     """Which candidates were computed and meet all conditions (candidates,)."""
     texts = result.description.attributes["subject_to"].splitlines()
     there = np.zeros(result.description.variants, bool)
@@ -54,7 +53,7 @@ def met(result: Result) -> np.ndarray:
     return there
 
 
-def choices(result: Result) -> list[Choice]:
+def choices(result: SweepResult) -> list[Choice]:
     """The best of each objective, and the knee between them: no other gives up less of all of them together.
 
     Each objective counts by its range over the front; of two, the knee is the point farthest from the line through
@@ -76,7 +75,7 @@ def choices(result: Result) -> list[Choice]:
     return found
 
 
-def optimum_text(result: Result) -> str:
+def optimum_text(result: SweepResult) -> str:
     """The answer of a search: the best candidate with what holds it there, or chosen candidates of the front."""
     attributes, there = result.description.attributes, front(result)
     head = [result.question] if result.question else []
@@ -88,7 +87,7 @@ def optimum_text(result: Result) -> str:
     return "\n".join([*head, _best_text(result, int(there[0])), found])
 
 
-def _choices_text(result: Result) -> str:
+def _choices_text(result: SweepResult) -> str:
     chosen = choices(result)
     goals = [name for name, _ in objectives(result)]
     rows = [("", *(f"variant {choice.variant}" for choice in chosen)), ("", *(choice.why for choice in chosen))]
@@ -97,7 +96,7 @@ def _choices_text(result: Result) -> str:
     return f"Chosen from the front:\n{table(rows, '  ')}"
 
 
-def _best_text(result: Result, best: int) -> str:
+def _best_text(result: SweepResult, best: int) -> str:
     (name, sign), *_ = objectives(result)
     condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
     word = "least" if sign > 0 else "greatest"
@@ -113,7 +112,7 @@ def _best_text(result: Result, best: int) -> str:
     return "\n".join(lines)
 
 
-def _value(result: Result, name: str, variant: int) -> str:
+def _value(result: SweepResult, name: str, variant: int) -> str:
     """A column's value with its error figure, and the spread that tolerances cause."""
     column, units = result.columns, result.units[name]
     error = float(column[f"{name}_error"][variant]) if f"{name}_error" in column else None
@@ -126,7 +125,7 @@ def _value(result: Result, name: str, variant: int) -> str:
     return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
 
 
-def _ends(result: Result, variant: int) -> dict[str, str]:
+def _ends(result: SweepResult, variant: int) -> dict[str, str]:
     """Parameters of a candidate that lie on an end of their range, and on which."""
     found = {}
     for line in result.description.attributes["ranges"].splitlines():
@@ -139,7 +138,7 @@ def _ends(result: Result, variant: int) -> dict[str, str]:
     return found
 
 
-def _limits(result: Result, variant: int) -> list[str]:
+def _limits(result: SweepResult, variant: int) -> list[str]:
     """Conditions on whose limit a candidate lies, each by itself; an equality always is."""
     fixed = {path: number.value for path, number in scene_numbers(result.scene).items()}
     values = fixed | {name: column[variant : variant + 1] for name, column in result.columns.items()}

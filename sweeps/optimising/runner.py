@@ -12,23 +12,23 @@ from pathlib import Path
 import numpy as np
 
 from engine import Verdict
-from sweeps.engineer_units import quantity_text
+from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.searching import STEPS, descend, way_of
 from sweeps.optimising.spread import spread_columns, spreads
-from sweeps.optimising.task import GENETIC, LOCAL, Task, task_of
 from sweeps.optimising.trials import Batch, Trials, joined
-from sweeps.pareto import pareto_front
-from sweeps.runner import LARGEST_BLOCK, layout_of
-from sweeps.store import Column, Layout, Store, StoreError, columns, describe, part_path
+from sweeps.run.runner import LARGEST_BLOCK, layout_of
+from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, part_path, read_columns
 from sweeps.store.creating import remove_unlocked
 from sweeps.store.errors import RESTART
-from sweeps.study import Study
+from sweeps.study.search_task import GENETIC, LOCAL, Task, task_of
+from sweeps.study.study import Study
+from sweeps.text.engineer_units import quantity_text
 
 # Called with the generations done, those of them done before this run, and what has been found, in words.
-Progress = Callable[[int, int, str], None]
+OnGeneration = Callable[[int, int, str], None]
 
 
-def optimise_study(study: Study, path: Path | str, restart: bool = False, progress: Progress | None = None) -> Path:
+def optimise_study(study: Study, path: Path | str, restart: bool = False, progress: OnGeneration | None = None) -> Path:
     """Search a study for its best variants, or go on with it, into a result file.
 
     The file holds every candidate as a variant, with two columns more than a sweep's: `generation` (the candidates
@@ -61,7 +61,7 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     trials = Trials(task)
     if path.exists() and not restart:
         # Opening compares it with this search.
-        with Store.open(path, _final_layout(task, trials, describe(path).variants)):
+        with Store.open(path, _final_layout(task, trials, describe_result(path).variants)):
             return path
     if not restart:
         _spare(part_path(path), task)
@@ -72,7 +72,7 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     search, work = way_of(task), _work_path(path)
     with Store.open(work, _layout(task, trials, task.population * task.generations, task.population), restart) as store:
         search(_History(task, trials, store, progress).evaluate)
-    found = columns(part_path(work))
+    found = read_columns(part_path(work))
     found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
     best, last = _best(trials.judged(found)), int(found["generation"].max()) + 1
     words = f"{last} generations"
@@ -87,7 +87,7 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
 
 def _spare(part: Path, task: Task) -> None:
     """Refuse to write over what an interrupted sweep, or another search, keeps under the same name."""
-    if part.exists() and describe(part).attributes.get("study_hash") != task.digest:
+    if part.exists() and describe_result(part).attributes.get("study_hash") != task.digest:
         raise StoreError(f"{part} is there already, of another study. {RESTART}")
 
 
@@ -102,7 +102,7 @@ def _downhill(task: Task, trials: Trials, start: np.ndarray, steps: int, generat
 def generations_kept(path: Path) -> int:
     """How many generations an interrupted search into a file leaves behind."""
     try:
-        return describe(part_path(_work_path(path))).blocks_done
+        return describe_result(part_path(_work_path(path))).blocks_done
     except StoreError:
         return 0
 
@@ -123,7 +123,7 @@ class _History:
     progress : callable or None
     """
 
-    def __init__(self, task: Task, trials: Trials, store: Store, progress: Progress | None) -> None:
+    def __init__(self, task: Task, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
         self.task, self.trials, self.store, self.progress = task, trials, store, progress
         self.pending = set(store.pending)
         self.before = store.layout.blocks - len(self.pending)
@@ -207,13 +207,13 @@ def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray]
 # The file
 
 
-def _final_layout(task: Task, trials: Trials, count: int) -> Layout:
+def _final_layout(task: Task, trials: Trials, count: int) -> FileLayout:
     layout = _layout(task, trials, count, min(count, LARGEST_BLOCK))
     front = Column("front", "place on the Pareto front, 0 off it", "1", dtype=np.int32)
     return replace(layout, columns=(*layout.columns, front, *spread_columns(task, trials.machine)))
 
 
-def _layout(task: Task, trials: Trials, count: int, block: int) -> Layout:
+def _layout(task: Task, trials: Trials, count: int, block: int) -> FileLayout:
     """A sweep's layout with the objectives and each candidate's generation."""
     base = layout_of(task.study, trials.machine)
     extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]

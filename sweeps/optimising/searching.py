@@ -7,10 +7,10 @@ from functools import partial
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
 
-from sweeps.optimising.task import GENETIC, Task
 from sweeps.optimising.trials import BEYOND, Evaluate, Trials
-from sweeps.textfile import InputError
-from sweeps.unit_points import latin_points
+from sweeps.study.search_task import GENETIC, Task
+from sweeps.study.unit_points import latin_points
+from sweeps.text.input_files import InputError
 
 # Evolution ends where the costs of a generation lie so close together; what is left, going downhill does better.
 ALIKE = 1e-3

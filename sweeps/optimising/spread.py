@@ -6,10 +6,10 @@ import numpy as np
 from scipy.special import ndtri
 
 from engine import ElementsAlone, Machine, Verdict, made_ready
-from sweeps.optimising.task import Task
 from sweeps.store import Column
-from sweeps.tolerances import Tolerance
-from sweeps.unit_points import sobol_points
+from sweeps.study.search_task import Task
+from sweeps.study.tolerances import Tolerance
+from sweeps.study.unit_points import sobol_points
 
 # Machines drawn for each candidate: the spread is then good to about 3 %.
 DRAWN = 512

@@ -7,9 +7,9 @@ import numpy as np
 
 from engine import Verdict
 from sweeps.optimising.margins import margins
-from sweeps.optimising.task import Objective, Task
-from sweeps.runner import largest_block
-from sweeps.study import misses
+from sweeps.run.runner import largest_block
+from sweeps.study.search_task import Objective, Task
+from sweeps.study.study import misses
 
 # An undefined cost, or a strict inequality on its limit, misses by no measure; yet it mustn't pass.
 LEAST_VIOLATION = 1e-12

@@ -2,20 +2,20 @@
 
 from .creating import part_path
 from .errors import StoreError
-from .layout import NOT_COMPUTED, Column, Layout
-from .reading import Description, columns, describe, iterate, read
+from .layout import NOT_COMPUTED, Column, FileLayout
+from .reading import Description, describe_result, iterate, read, read_columns
 from .writing import Store
 
 __all__ = [
     "NOT_COMPUTED",
     "Column",
     "Description",
-    "Layout",
+    "FileLayout",
     "Store",
     "StoreError",
-    "columns",
-    "describe",
+    "describe_result",
     "iterate",
     "part_path",
     "read",
+    "read_columns",
 ]

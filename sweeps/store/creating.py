@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from .errors import StoreError, explained, is_busy
-from .layout import NOT_COMPUTED, Column, Layout
+from .layout import NOT_COMPUTED, Column, FileLayout
 
 _VARIANTS_AT_ONCE = 1 << 20
 _FINAL_TEXTS = {"finished": 32, "outcome": 2000}
@@ -23,14 +23,14 @@ def part_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}.part{path.suffix}")
 
 
-def check_space(path: Path, layout: Layout, freed: int = 0) -> None:
+def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
     """Raise a `StoreError` naming need and free space if the file would not fit.
 
     Parameters
     ----------
     path : Path
         Where the file is to lie.
-    layout : Layout
+    layout : FileLayout
         Its shape.
     freed : int
         Bytes that become free before it is made.
@@ -44,14 +44,14 @@ def check_space(path: Path, layout: Layout, freed: int = 0) -> None:
         )
 
 
-def create_part(part: Path, layout: Layout, replaces: str) -> None:
+def create_part(part: Path, layout: FileLayout, replaces: str) -> None:
     """Make the part file, which appears under its name only once it is complete.
 
     Parameters
     ----------
     part : Path
         Its name.
-    layout : Layout
+    layout : FileLayout
         Its shape and attributes.
     replaces : str
         Study hash of the finished file it is going to replace, or "".
@@ -110,7 +110,7 @@ def write_final_text(file: h5py.File, name: str, text: str) -> None:
     attribute.write(np.array(whole.encode(), h5py.string_dtype("utf-8", size)))
 
 
-def _fill(file: h5py.File, layout: Layout, replaces: str) -> None:
+def _fill(file: h5py.File, layout: FileLayout, replaces: str) -> None:
     scales = {"variant": _variant_scale(file, layout)}
     if layout.fields:
         scales["position"] = _position_scale(file, layout)
@@ -157,7 +157,7 @@ def _nothing(column: Column) -> float:
     return np.iinfo(dtype).min if dtype.kind == "i" else np.iinfo(dtype).max
 
 
-def _variant_scale(file: h5py.File, layout: Layout) -> h5py.Dataset:
+def _variant_scale(file: h5py.File, layout: FileLayout) -> h5py.Dataset:
     scale = _dataset(file, "variant", (layout.variants,), layout.variant_dtype, 0)
     for start in range(0, layout.variants, _VARIANTS_AT_ONCE):
         stop = min(start + _VARIANTS_AT_ONCE, layout.variants)
@@ -165,7 +165,7 @@ def _variant_scale(file: h5py.File, layout: Layout) -> h5py.Dataset:
     return _as_scale(scale, "variant", "number of the design variant", "1")
 
 
-def _position_scale(file: h5py.File, layout: Layout) -> h5py.Dataset:
+def _position_scale(file: h5py.File, layout: FileLayout) -> h5py.Dataset:
     name = layout.position_name
     scale = _dataset(file, name, (len(layout.position),), np.dtype(np.float64), np.nan)
     scale[:] = layout.position

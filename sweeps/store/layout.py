@@ -44,7 +44,7 @@ class Column(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class FileLayout:
     """The fixed shape of a result file.
 
     Attributes
@@ -201,7 +201,7 @@ def differences(theirs: dict[str, Any], ours: dict[str, Any]) -> list[str]:
     Parameters
     ----------
     theirs, ours : dict
-        Records of the file and of the study at hand, from `Layout.record`.
+        Records of the file and of the study at hand, from `FileLayout.record`.
 
     Returns
     -------

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import h5py
 import numpy as np
 
-from sweeps.textfile import HDF5_SIGNATURE
+from sweeps.text.input_files import HDF5_SIGNATURE
 
 from .creating import part_path
 from .errors import StoreError, explained
@@ -51,7 +51,7 @@ class Description(NamedTuple):
     blocks_done: int
 
 
-def describe(path: Path) -> Description:
+def describe_result(path: Path) -> Description:
     """Return title, attributes, columns and progress of a result file, also while it is written.
 
     Raises
@@ -80,7 +80,7 @@ def describe(path: Path) -> Description:
     )
 
 
-def columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:
+def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:
     """Read columns as arrays.
 
     Parameters
@@ -167,7 +167,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
 
 
 def layout_record(file: h5py.File) -> dict[str, Any]:
-    """Return the layout record of an open result file (`Layout.record`).
+    """Return the layout record of an open result file (`FileLayout.record`).
 
     Raises
     ------

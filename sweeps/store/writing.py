@@ -13,7 +13,7 @@ import numpy as np
 
 from .creating import check_space, create_part, part_path, remove_unlocked, write_final_text
 from .errors import RESTART, StoreError, explained
-from .layout import Column, Layout, differences
+from .layout import Column, FileLayout, differences
 from .reading import layout_record, opened
 
 _UNREADABLE = "unreadable"
@@ -35,13 +35,13 @@ class Store:
     ----------
     path, part : Path
         The final name and the one worked under.
-    layout : Layout
+    layout : FileLayout
         The shape of the file.
     finished : bool
         The final file exists and is of this study: there is nothing to do.
     """
 
-    def __init__(self, path: Path, layout: Layout) -> None:
+    def __init__(self, path: Path, layout: FileLayout) -> None:
         self.path, self.part, self.layout = path, part_path(path), layout
         self.finished = False
         self._file: h5py.File | None = None
@@ -49,14 +49,14 @@ class Store:
         self._done = np.zeros(layout.blocks, bool)
 
     @classmethod
-    def open(cls, path: Path, layout: Layout, restart: bool = False) -> Self:
+    def open(cls, path: Path, layout: FileLayout, restart: bool = False) -> Self:
         """Create the part file, or continue the one that an earlier run of the study left.
 
         Parameters
         ----------
         path : Path
             Final name of the file.
-        layout : Layout
+        layout : FileLayout
             Its shape and attributes; a file found must agree in shape and study hash.
         restart : bool
             Throw away the part file found, and let the new one replace a finished file.
@@ -266,7 +266,7 @@ def _open_unbuffered(part: Path) -> h5py.File:
     return h5py.File(h5py.h5f.open(os.fsencode(part), h5py.h5f.ACC_RDWR, access))
 
 
-def _mismatch(file: h5py.File, layout: Layout, ignored: tuple[str, ...] = ()) -> str:
+def _mismatch(file: h5py.File, layout: FileLayout, ignored: tuple[str, ...] = ()) -> str:
     """Say what a file and the study at hand differ in; "" when they agree."""
     theirs, ours = layout_record(file), layout.record()
     for key in ignored:
@@ -280,7 +280,7 @@ def _mismatch(file: h5py.File, layout: Layout, ignored: tuple[str, ...] = ()) ->
     return "; ".join(found) + "." + _text_changes(file, layout)
 
 
-def _text_changes(file: h5py.File, layout: Layout) -> str:
+def _text_changes(file: h5py.File, layout: FileLayout) -> str:
     lines = []
     for name in _TEXTS:
         old, new = file.attrs.get(name, ""), layout.attributes.get(name, "")

@@ -16,8 +16,9 @@ from engine.balancing.counterweights import BalanceError, Place, balance
 from engine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
 from sweeps.optimising.optimum import front, objectives
 from sweeps.optimising.runner import optimise_study
-from sweeps.results import Result
-from sweeps.study import bundled, read_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
 
 SPEED = 5.0
 SHAKING = ("shaking_force_x", "shaking_force_y", "shaking_moment")
@@ -401,7 +402,7 @@ def test_linkage_of_two_loops__is_balanced_by_masses_in_three_places():
 
 
 def test_study_of_a_four_bar__has_full_balance_as_it_is():
-    study = read_study(bundled()["four_bar_counterweights"])
+    study = read_study(bundled_studies()["four_bar_counterweights"])
     names = ["shaking_force.rms", "shaking_force.peak"]
     machine = Machine(study.scene, study.summaries, varied=study.paths)
     weights = {path: [scene_numbers(study.scene)[path].value, 0.0] for path in study.paths}
@@ -417,7 +418,7 @@ def test_study_of_a_four_bar__has_full_balance_as_it_is():
 
 
 def test_study_of_a_four_bar__asks_one_question_and_chooses_by_columns_that_it_has():
-    study = read_study(bundled()["four_bar_counterweights"])
+    study = read_study(bundled_studies()["four_bar_counterweights"])
     assert study.question.count("?") == 1
     assert study.best.goal in study.summaries
     assert set(study.optimise.minimise) <= set(study.summaries)
@@ -425,8 +426,8 @@ def test_study_of_a_four_bar__asks_one_question_and_chooses_by_columns_that_it_h
 
 def test_front_of_a_four_bar__begins_at_full_balance_and_no_grid_surpasses_it(tmp_path):
     pytest.importorskip("pymoo")
-    study = read_study(bundled()["four_bar_counterweights"])
-    result = Result(optimise_study(study, tmp_path / "front.h5"))
+    study = read_study(bundled_studies()["four_bar_counterweights"])
+    result = SweepResult(optimise_study(study, tmp_path / "front.h5"))
     on_front = front(result)
     names = [name for name, _ in objectives(result)]
     force, load = (result.columns[name][on_front] for name in names)

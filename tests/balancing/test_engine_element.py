@@ -14,11 +14,12 @@ from numpy.testing import assert_allclose
 from engine import ElementsAlone, Scene, SceneError, Verdict
 from engine.balancing.engines.harmonics import piston_harmonics
 from engine.balancing.engines.shaking import ORDERS
-from sweeps import Result, read_study, run_study
-from sweeps.order_table import order_picture, order_table, remaining_orders, well_known_engines
-from sweeps.scenefile import scene_from
-from sweeps.study import bundled
-from sweeps.textfile import parse_toml
+from sweeps import SweepResult, read_study, run_study
+from sweeps.pictures.elements.order_picture import order_picture
+from sweeps.report.order_table import order_table, remaining_orders, well_known_engines
+from sweeps.study.bundled import bundled_studies
+from sweeps.text.scene_text import scene_from
+from sweeps.text.toml_text import parse_toml
 
 TWIN = {
     "type": "engine",
@@ -129,7 +130,7 @@ def test_element_that_cannot_be__is_refused(changes, message):
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
     path = tmp_path_factory.mktemp("twin") / "v_twin.h5"
-    return Result(run_study(read_study(bundled()["v_twin"]), path))
+    return SweepResult(run_study(read_study(bundled_studies()["v_twin"]), path))
 
 
 def test_v_twin_study__loses_the_first_order_where_the_split_crankpin_says(result):

@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
 from engine.balancing.rotors.rotor_columns import rotor_columns, rotor_law, rotor_numbers
-from sweeps.errors import PictureError
-from sweeps.scenefile import read_scene
-from sweeps.study import STUDIES
-from sweeps.unbalance_plan import plan_of, unbalance_plan
+from sweeps.pictures.elements.unbalance_plan import plan_of, unbalance_plan
+from sweeps.pictures.picture_error import PictureError
+from sweeps.study.bundled import STUDIES
+from sweeps.text.scene_text import read_scene
 
 EPS = np.finfo(float).eps
 

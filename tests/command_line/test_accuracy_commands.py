@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from sweeps import Result
+from sweeps import SweepResult
 from sweeps.cli import main
-from sweeps.template import TEMPLATES
+from sweeps.text.templates import TEMPLATES
 
 STUDY = """
 scene = "scene.toml"
@@ -48,7 +48,7 @@ def test_run__keeps_how_many_positions_each_variant_took(study):
     told = next(line for line in answer.splitlines() if line.startswith("accuracy 0.001 %"))
     # A check tries them all: it predicts what comes, with how many it tried.
     assert f"{told} (of " in predicted
-    result = Result(Path("results/study.h5"))
+    result = SweepResult(Path("results/study.h5"))
     good = result.columns["status"] == 0
     assert good.any()
     assert "reached by all" in told

@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene
 from engine.balancing.engines.engine_layout import in_line
-from sweeps import Result, read_scene
+from sweeps import SweepResult, read_scene
 from sweeps.cli import main
-from sweeps.engine_sheet import engine_sheet, engine_table, shaken
-from sweeps.order_table import EngineRow, engine_rows, remaining_orders
-from sweeps.pictures import result_pictures
-from sweeps.scenefile import with_values, write_scene
-from sweeps.template import TEMPLATES
+from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table, shaken
+from sweeps.pictures.picture_files import result_pictures
+from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
+from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.templates import TEMPLATES
 
 EPS = np.finfo(float).eps
 
@@ -66,7 +66,7 @@ def test_plot_of_a_variant__draws_the_elements_with_its_numbers(folder):
     study = 'scene = "engine.toml"\n[vary]\n"elements.engine.gas.peak" = { values = ["30 bar", "60 bar"] }\n'
     Path("peaks.toml").write_text(study + '[outputs]\nsummaries = ["engine.mean_torque"]\n', encoding="utf8")
     said("run", "peaks.toml", "--quiet")
-    for variant, torque in enumerate(Result(Path("results/peaks.h5")).columns["engine.mean_torque"]):
+    for variant, torque in enumerate(SweepResult(Path("results/peaks.h5")).columns["engine.mean_torque"]):
         answer = said("plot", "results/peaks.h5", "--variant", str(variant))
         assert f"mean {torque:.4g} N·m" in answer
         assert wrote(answer) == [f"peaks_{variant}_engine_orders.png"]
@@ -89,7 +89,7 @@ def test_best_rotor_of_a_study__is_drawn_with_its_sweep(folder):
 def test_element_template__runs_with_every_number_finite(name, folder):
     said("new", name)
     said("run", f"{name}.toml", "--quiet", "--no-plots")
-    result = Result(Path(f"results/{name}.h5"))
+    result = SweepResult(Path(f"results/{name}.h5"))
     assert result.columns["status"].tolist() == [0]
     for summary in result.summaries:
         assert np.isfinite(result.columns[summary]).all(), summary
@@ -179,7 +179,9 @@ def test_engine_rows__are_the_layouts_with_lengths_as_multiples():
 
 def test_hodograph__of_a_scene_and_beside_another(folder, monkeypatch):
     drawn = []
-    monkeypatch.setattr("sweeps.pictures.hodographs", lambda scenes, target: drawn.append((dict(scenes), target)))
+    monkeypatch.setattr(
+        "sweeps.pictures.picture_files.hodographs", lambda scenes, target: drawn.append((dict(scenes), target))
+    )
     said("new", "slider_crank")
     assert wrote(said("plot", "slider_crank.toml", "--hodograph"))[-1] == "slider_crank_hodograph.png"
     said("plot", "slider_crank.toml", "--beside", "compressor")
@@ -193,7 +195,7 @@ def test_hodograph__of_a_scene_and_beside_another(folder, monkeypatch):
 
 def test_hodograph_of_a_variant__has_the_scene_as_given_beside(folder, monkeypatch):
     drawn = []
-    monkeypatch.setattr("sweeps.pictures.hodographs", lambda scenes, target: drawn.append(dict(scenes)))
+    monkeypatch.setattr("sweeps.pictures.picture_files.hodographs", lambda scenes, target: drawn.append(dict(scenes)))
     said("new", "slider_crank")
     study = 'scene = "slider_crank.toml"\n[vary]\n"bodies.piston_body.mass" = { values = ["1.5 kg", "3 kg"] }\n'
     Path("masses.toml").write_text(study + '[outputs]\nsummaries = ["piston.stroke"]\n', encoding="utf8")
@@ -217,7 +219,7 @@ def rack(folder):
 
 def test_at_of_a_sliding_input__is_read_as_lengths(rack, monkeypatch):
     seen = []
-    monkeypatch.setattr("sweeps.pictures.machine_pictures", lambda *given: seen.append(given[3]) or [])
+    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given: seen.append(given[3]) or [])
     said("plot", "rack.toml", "--at", "20 mm, 5 cm")
     assert seen == [(0.02, 0.05)]
     answer = refused("plot", "rack.toml", "--at", "60")
@@ -227,7 +229,7 @@ def test_at_of_a_sliding_input__is_read_as_lengths(rack, monkeypatch):
 
 def test_at_of_a_crank__is_read_as_degrees_or_with_a_unit(folder, monkeypatch):
     seen = []
-    monkeypatch.setattr("sweeps.pictures.machine_pictures", lambda *given: seen.append(given[3]) or [])
+    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given: seen.append(given[3]) or [])
     said("plot", "compressor", "--at", "30, 1.5 rad,90 deg")
     assert seen[0] == pytest.approx((math.pi / 6, 1.5, math.pi / 2), rel=1e-15)
     assert "such as --at 0,60,120" in refused("plot", "compressor", "--at", "sixty")

@@ -9,9 +9,10 @@ import pytest
 from commands import ROOT, python, refused, said
 from press_texts import PRESS
 
-from sweeps.scenefile import read_scene
-from sweeps.study import bundled, read_study
-from sweeps.template import templates
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
+from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import templates
 
 # Files of the wrong kind
 
@@ -112,16 +113,16 @@ def test_new_where_it_cannot_be_written__is_refused(press_folder):
 def test_list__names_every_study_and_template(press_folder):
     answer = said("list")
     assert answer.exit_code == 0
-    for name, path in bundled().items():
+    for name, path in bundled_studies().items():
         assert f"  {name}" in answer.stdout
         assert read_study(path).question in answer.stdout
     for name, title in templates().items():
         assert any(line.split() == [name, *title.split()] for line in answer.stdout.splitlines())
 
 
-@pytest.mark.parametrize("name", sorted(bundled()))
+@pytest.mark.parametrize("name", sorted(bundled_studies()))
 def test_bundled_study__is_found_by_its_name_and_asks_a_question(name, press_folder):
-    study = read_study(bundled()[name])
+    study = read_study(bundled_studies()[name])
     assert study.question.endswith("?")
     assert study.best is not None
 

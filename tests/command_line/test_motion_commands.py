@@ -11,12 +11,13 @@ from press_texts import PRESS
 
 from engine import Machine, Scene, Verdict
 from engine.machine.model import Model
-from sweeps import cost
-from sweeps.regimes import by_regime, regime_words, telling_summaries
-from sweeps.results import Result
-from sweeps.runner import block_size
-from sweeps.scenefile import read_scene
-from sweeps.study import read_study
+from sweeps.report.regime_words import by_regime, regime_words
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run import cost
+from sweeps.run.runner import block_size
+from sweeps.study.default_summaries import telling_summaries
+from sweeps.study.study import read_study
+from sweeps.text.scene_text import read_scene
 
 MOTION = (
     PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
@@ -222,7 +223,7 @@ FAILURES = [
 def test_motion_that_fails__is_explained_with_its_regime_and_a_mend(old, new, verdict, words, folder):
     changed(old, new)
     checked, ran = said("check", "press.toml").stdout, said("run", "press.toml", "--no-plots").stdout
-    assert Result(Path("results/press.h5")).columns["status"][0] == Verdict[verdict]
+    assert SweepResult(Path("results/press.h5")).columns["status"][0] == Verdict[verdict]
     for text in (checked, ran):
         line = next(line for line in text.splitlines() if f"{words[0]}: " in line)
         assert all(word in line for word in words), line

@@ -11,7 +11,7 @@ import pytest
 from commands import STUDY, refused, said
 from press_texts import PRESS
 
-from sweeps.results import Result
+from sweeps.report.sweep_result import SweepResult
 
 
 def test_run__tells_counts_blame_answer_and_files(press_folder):
@@ -27,14 +27,14 @@ def test_run__tells_counts_blame_answer_and_files(press_folder):
     assert any(line.split() == ["input.length", "=", "50", "mm"] for line in lines)
     assert lines[-1].strip() == str(Path("results/study.h5"))
     assert answer.stderr == ""
-    assert Result(Path("results/study.h5")).best() == 6
+    assert SweepResult(Path("results/study.h5")).best() == 6
 
 
 def test_run_of_a_scene__answers_for_the_machine_as_it_is(press_folder):
     answer = said("run", "press.toml", "--no-plots", "--out", "p.h5")
     assert answer.exit_code == 0
     assert "Crank press: 1 variant" in answer.stdout
-    assert Result(Path("p.h5")).columns["status"].tolist() == [0]
+    assert SweepResult(Path("p.h5")).columns["status"].tolist() == [0]
 
 
 def test_run_twice__leaves_the_finished_file(press_result):
@@ -49,12 +49,12 @@ def test_run_of_a_changed_study__needs_restart(press_result):
     for word in ("r.h5", "another study", '"50 kg"', '"55 kg"', "--restart"):
         assert word in message
     assert said("run", "study.toml", "--no-plots", "--out", press_result, "--restart").exit_code == 0
-    assert Result(Path(press_result)).columns["bodies.ram.mass"][0] == 55
+    assert SweepResult(Path(press_result)).columns["bodies.ram.mass"][0] == 55
 
 
 def test_run_with_jobs__gives_the_same_numbers(press_result):
     assert said("run", "study.toml", "--no-plots", "--out", "one.h5", "--jobs", "1").exit_code == 0
-    one, all_cores = Result(Path("one.h5")).columns, Result(Path(press_result)).columns
+    one, all_cores = SweepResult(Path("one.h5")).columns, SweepResult(Path(press_result)).columns
     assert all(one[name].tobytes() == all_cores[name].tobytes() for name in all_cores)
 
 
@@ -126,7 +126,7 @@ def test_interrupt__has_its_own_exit_code(press_folder, monkeypatch):
     def stopped(*arguments: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("sweeps.runner.run_study", stopped)
+    monkeypatch.setattr("sweeps.run.runner.run_study", stopped)
     answer = said("run", "study.toml", "--no-plots")
     assert answer.exit_code == 130
     assert "Interrupted: 0 of 8 variants are done and kept; the same command goes on from there." in answer.stderr
@@ -141,8 +141,8 @@ def interrupted(after: int) -> click.testing.Result:
             raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweeps.runner.block_size", lambda study, machine: 3)
-        patch.setattr("sweeps.progress.Progress.update", stop)
+        patch.setattr("sweeps.run.runner.block_size", lambda study, machine: 3)
+        patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
         return said("run", "study.toml", "--no-plots", "--out", "r.h5")
 
 
@@ -150,7 +150,7 @@ def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(pres
     assert "Interrupted: 3 of 8 variants are done and kept; the same command goes on" in interrupted(3).stderr
     assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
     assert "Interrupted: 6 of 8 variants" in interrupted(6).stderr
-    monkeypatch.setattr("sweeps.runner.block_size", lambda study, machine: 3)
+    monkeypatch.setattr("sweeps.run.runner.block_size", lambda study, machine: 3)
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
 
@@ -188,7 +188,7 @@ def test_what_each_condition_drops__counts_only_what_is_done(press_folder):
 
 
 def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_many(press_folder, monkeypatch):
-    from sweeps import report
+    from sweeps.report import check_report as report
 
     monkeypatch.setattr(report, "MOST_COUNTED", 64)
     monkeypatch.setattr(report, "LARGEST_BLOCK", 4)
@@ -210,8 +210,8 @@ def test_words_of_reports__are_the_engineer_s(press_result):
 def test_progress_into_a_pipe__is_plain_lines_now_and_then(press_folder, monkeypatch):
     ticks = itertools.count(0.0, 40.0)
     clock = SimpleNamespace(monotonic=lambda: next(ticks), perf_counter=time.perf_counter)
-    monkeypatch.setattr("sweeps.progress.time", clock)
-    monkeypatch.setattr("sweeps.runner.block_size", lambda study, machine: 4)
+    monkeypatch.setattr("sweeps.run.progress.time", clock)
+    monkeypatch.setattr("sweeps.run.runner.block_size", lambda study, machine: 4)
     answer = said("run", "study.toml", "--no-plots")
     lines = answer.stderr.splitlines()
     assert len(lines) == 2

@@ -10,11 +10,11 @@ from machines import slider_crank
 from numpy.testing import assert_allclose, assert_array_equal
 
 from engine import AskError, ElementsAlone, Machine, Scene, SceneError, Verdict, made_ready, scene_numbers
-from sweeps import InputError, Result, read_study, run_study
+from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.cli import main
-from sweeps.scenefile import read_scene, scene_from, write_scene
-from sweeps.study import bundled
-from sweeps.textfile import parse_toml
+from sweeps.study.bundled import bundled_studies
+from sweeps.text.scene_text import read_scene, scene_from, write_scene
+from sweeps.text.toml_text import parse_toml
 
 EPS = np.finfo(float).eps
 
@@ -156,7 +156,7 @@ def test_wrong_variants__are_refused():
 def result(tmp_path_factory):
     """Result of the bundled study of a screw jack."""
     path = tmp_path_factory.mktemp("jack") / "screw_jack.h5"
-    return Result(run_study(read_study(bundled()["screw_jack"]), path))
+    return SweepResult(run_study(read_study(bundled_studies()["screw_jack"]), path))
 
 
 def test_screw_jack_study__locks_where_the_angles_say(result):
@@ -222,7 +222,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
 
 
 def test_plot_of_a_sweep_of_elements__is_made_without_a_drawing(result):
-    from sweeps.pictures import result_pictures
+    from sweeps.pictures.picture_files import result_pictures
 
     made = result_pictures(result.path)
     assert [path.name for path in made] == ["screw_jack.png"]

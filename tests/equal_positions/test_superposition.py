@@ -5,7 +5,8 @@ import pytest
 
 import engine.equal_positions.shared_shapes
 from engine import Machine, Verdict
-from sweeps.study import bundled, read_study
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
 
 ASKED = [
     "mean_useful_moment",
@@ -29,7 +30,7 @@ def loads_of(scene, variants):
 @pytest.mark.parametrize("name", ["crank_press", "compressor", "shaper"])
 @pytest.mark.parametrize("fields", [[], ["reduced_moment", "work"]])
 def test_flywheel__is_the_same_summed_and_whole(name, fields, monkeypatch):
-    scene = read_study(bundled()[name]).scene
+    scene = read_study(bundled_studies()[name]).scene
     varied = loads_of(scene, 24)
     machines = [Machine(scene, ASKED, fields, varied, positions=240) for _ in range(2)]
     summed = machines[0].evaluate(varied)

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, sliding_input
 from loaded_machines import asked, loaded
-from machines import chain, crank, frame, on, places, prp, rpp, rrp
+from machines import chain, places, prp
 from rubbing import with_friction
+from rubbing_machines import RHO, L, Q, R, press, yoke
 from scipy.optimize import brentq
 
 from engine import Machine, Scene, SceneError, Verdict
@@ -119,28 +120,6 @@ def test_friction__in_float32_is_that_of_float64():
 
 
 # Slider-crank, by friction circles and friction angle
-
-R, L, Q = 0.1, 0.4, 1000.0
-RHO = {"O": 0.004, "A": 0.003, "B": 0.002}
-
-
-def press(f_guide: float, journals: bool = True, **more: object) -> dict:
-    """Slider-crank without masses that pushes against a force on its slider; friction circles of RHO."""
-    circles = {"input": "O", "drive.first": "A", "drive.inner": "B"} if journals else {}
-    # Diameters that make the circles, rho = d/2 sin(arctan 1/2).
-    friction = {
-        name: {"pair": pair, "coefficient": 0.5, "diameter": 2 * RHO[name] * math.sqrt(5)}
-        for pair, name in circles.items()
-    }
-    friction |= {"way": {"pair": "drive.second", "coefficient": f_guide}}
-    return {
-        "points": {"O": frame(0.0, 0.0)},
-        "guides": {"way": {}},
-        "input": crank(length=R, speed=2.0, **more),
-        "groups": {"drive": rrp("B", ("rod", "A", L), "ram", "way")},
-        "forces": {"work": {"type": "constant", "on": "B", "angle": math.pi, "force": Q}},
-        "friction": friction,
-    }
 
 
 def by_friction_circles(phi: float, f_guide: float) -> tuple[float, float]:
@@ -283,17 +262,6 @@ def test_jammed_results__are_undefined_and_no_numbers():
 
 
 # Scotch yoke: a slider that tilts
-
-
-def yoke(length: float, f: float) -> dict:
-    return {
-        "guides": {"way": {}},
-        "input": crank(length=R, speed=2.0),
-        "groups": {"g": rpp(("block", "A"), ("yoke", "way"), math.pi / 2)},
-        "points": {"O": frame(0.0, 0.0), "P": on("yoke", 0.0, 0.0)},
-        "forces": {"work": {"type": "against_motion", "on": "P", "force": Q, "role": "useful"}},
-        "friction": {"way": {"pair": "g.second", "coefficient": f, "length": length}},
-    }
 
 
 def test_yoke__is_pushed_as_an_overhung_slider():

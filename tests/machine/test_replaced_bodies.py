@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from engine import Machine, Scene, SceneError, Verdict
 from engine.scene.inertia import body_inertia
 from engine.scene.scene import Numbers, scene_numbers
-from sweeps.scenefile import read_scene, write_scene
+from sweeps.text.scene_text import read_scene, write_scene
 
 DYNAMICS = ["reduced_inertia", "reduced_inertia_phi", "gravity.moment", "input_moment"]
 

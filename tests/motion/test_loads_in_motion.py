@@ -18,9 +18,9 @@ from press import actions, bodies, press
 from engine import AskError, Machine, Scene, Verdict
 from engine.machine.quantities.quantities import STATISTICS
 from engine.scene.pairs import pairs
-from sweeps.exports import positions_csv
-from sweeps.scenefile import read_scene
-from sweeps.study import STUDIES
+from sweeps.report.exports import positions_csv
+from sweeps.study.bundled import STUDIES
+from sweeps.text.scene_text import read_scene
 
 MOTOR = {"type": "dc_motor", "on": "motor_shaft", "no_load_speed": 80.0, "stall_moment": 4000.0}
 PARTS = {"revolute": ("reaction_x", "reaction_y"), "prismatic": ("reaction", "reaction_moment")}

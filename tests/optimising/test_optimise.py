@@ -7,8 +7,8 @@ from searches import CRANK, HEAD, NEAREST, ROD, TWO, best_of, searched, study_of
 from engine import Machine, Verdict
 from sweeps.optimising.optimum import choices, front, is_front, met, objectives, optimum_text
 from sweeps.optimising.runner import optimise_study
-from sweeps.results import Result
-from sweeps.study import Study, read_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.study import Study, read_study
 
 # One objective
 
@@ -54,7 +54,7 @@ population = 30
 
 
 @pytest.fixture(scope="module")
-def flywheel(tmp_path_factory) -> tuple[Study, Result]:
+def flywheel(tmp_path_factory) -> tuple[Study, SweepResult]:
     folder = tmp_path_factory.mktemp("flywheel")
     return study_of(folder, FLYWHEEL), searched(folder, FLYWHEEL)
 
@@ -160,7 +160,9 @@ def test_nothing_that_meets_the_conditions__is_said(tmp_path):
     assert result.best() is None
     assert "No candidate meets all conditions." in optimum_text(result)
     local = asked.replace("generations", 'method = "local"\ngenerations')
-    assert "No candidate meets" in optimum_text(Result(optimise_study(study_of(tmp_path, local), tmp_path / "l.h5")))
+    assert "No candidate meets" in optimum_text(
+        SweepResult(optimise_study(study_of(tmp_path, local), tmp_path / "l.h5"))
+    )
 
 
 @pytest.mark.parametrize("goals", ['"ram.stroke"', '["ram.stroke", "excess_work"]'], ids=["evolution", "NSGA-II"])
@@ -186,7 +188,7 @@ def test_scene_as_it_is__is_the_first_candidate_and_start_replaces_it(tmp_path):
     assert first == pytest.approx({CRANK: 0.05, ROD: 0.2}, rel=1e-15)
     given = asked + '\nstart = {"input.length" = "70 mm", "groups.slide.first.length" = "0.3 m"}'
     path = optimise_study(study_of(tmp_path, given), tmp_path / "given.h5")
-    columns = Result(path).columns
+    columns = SweepResult(path).columns
     assert {CRANK: columns[CRANK][0], ROD: columns[ROD][0]} == pytest.approx({CRANK: 0.07, ROD: 0.3}, rel=1e-15)
 
 
@@ -205,7 +207,7 @@ def test_objective__carries_the_error_figures_of_its_summaries(flywheel):
 
 
 @pytest.fixture(scope="module")
-def two(tmp_path_factory) -> Result:
+def two(tmp_path_factory) -> SweepResult:
     pytest.importorskip("pymoo")
     return searched(tmp_path_factory.mktemp("two"), TWO)
 

@@ -12,19 +12,19 @@ from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 
 from engine import Verdict
-from sweeps.errors import PictureError
-from sweeps.expressions import parse
-from sweeps.optimising.front_picture import front_picture
 from sweeps.optimising.margins import conjuncts, margins
 from sweeps.optimising.optimum import choices, front
-from sweeps.optimising.task import task_of
 from sweeps.optimising.trials import Trials
-from sweeps.optimising.variables import Span, Variables
-from sweeps.pictures import result_pictures, sweep_data
-from sweeps.results import Result
-from sweeps.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
-from sweeps.study import read_study
-from sweeps.textfile import InputError
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.picture_files import result_pictures, sweep_data
+from sweeps.pictures.sweep.front_picture import front_picture
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
+from sweeps.study.search_task import task_of
+from sweeps.study.search_variables import Span, Variables
+from sweeps.study.study import read_study
+from sweeps.text.expressions import parse
+from sweeps.text.input_files import InputError
 
 # Margins
 
@@ -276,7 +276,7 @@ def test_command__goes_on_where_it_was_interrupted(folder):
             raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweeps.progress.Progress.update", stop)
+        patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
         answer = said("optimise", "study.toml", "--no-plots", "--out", "r.h5")
     assert answer.exit_code == 130
     assert "Interrupted: 5 of 8 generations are done and kept; the same command goes on" in answer.stderr
@@ -300,7 +300,7 @@ def test_command__shows_a_front_from_its_first_objective_on(folder):
     assert "NSGA-II, seed 0: 144 candidates, 12 generations, " in answer.stdout
     assert Path("f.png").exists()
     shown = said("show", "f.h5", "--columns", "objective_1", "--limit", "3").stdout
-    result = Result(Path("f.h5"))
+    result = SweepResult(Path("f.h5"))
     table = shown.split("the first 3:\n")[1].splitlines()
     assert [int(line.split()[0]) for line in table[2:5]] == front(result)[:3].tolist()
     knee = choices(result)[-1].variant

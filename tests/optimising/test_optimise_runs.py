@@ -9,11 +9,11 @@ from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine
 from sweeps.optimising.runner import generations_kept, optimise_study
-from sweeps.optimising.task import task_of
-from sweeps.results import Result
-from sweeps.runner import run_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import run_study
 from sweeps.store import StoreError
-from sweeps.study import read_study
+from sweeps.study.search_task import task_of
+from sweeps.study.study import read_study
 
 
 def contents(path: Path) -> dict[str, bytes]:
@@ -65,7 +65,7 @@ def test_candidates_of_another_way__are_refused(tmp_path):
     with pytest.raises(StoreError, match=r"generation 0 would be another now.*--restart"):
         optimise_study(study, path)
     optimise_study(study, path, restart=True)
-    assert best_of(Result(path))["status"] == 0
+    assert best_of(SweepResult(path))["status"] == 0
 
 
 def test_finished_search__is_left_alone_and_a_changed_one_refused(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sweeps.pareto import pareto_front
+from sweeps.optimising.pareto import pareto_front
 
 
 def brute_force_front(values, minimise):

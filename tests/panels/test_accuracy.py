@@ -12,7 +12,8 @@ from motion_scenes import ask, slider_crank, steady
 import sweeps
 from engine import AccurateMachine, AskError, Machine, Scene, Verdict
 from engine.panels.accuracy import FEW, POSITIONS, Ladder, in_panels
-from sweeps.study import find_study, read_study
+from sweeps.study.bundled import find_study
+from sweeps.study.study import read_study
 
 TEMPLATES = Path(sweeps.__file__).parent / "templates"
 OF_ACCURACY = ["positions_used", "accuracy_reached"]

@@ -9,8 +9,8 @@ from drawn_machines import four_bar, slider_crank, sliding_input
 from matplotlib.figure import Figure
 
 from engine import Machine
-from sweeps.diagrams import diagrams, main_slider
-from sweeps.errors import PictureError
+from sweeps.pictures.machine.diagrams import diagrams, main_slider
+from sweeps.pictures.picture_error import PictureError
 
 COMPRESSOR = slider_crank(
     title="Compressor",

@@ -19,9 +19,9 @@ from drawn_machines import (
 from matplotlib.figure import Figure
 
 from engine import Scene
-from sweeps.drawing import LAYERS, Motion, draw, picture, primitives
-from sweeps.drawing.symbols import HALF_HEIGHT, HALF_LENGTH
-from sweeps.errors import PictureError
+from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, primitives
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH
+from sweeps.pictures.picture_error import PictureError
 
 # Positions pass through a few dozen operations of the engine on lengths below 1 m.
 EXACT = 1e-12
@@ -205,7 +205,7 @@ def test_paths__closed_curve_and_a_to_and_fro_drawn_once():
 @pytest.mark.parametrize("name", GALLERY)
 def test_names__every_point_named_and_no_name_on_another(name):
     scene = GALLERY[name]
-    motion = Motion(scene)
+    motion = DrawnMotion(scene)
     drawn = primitives(scene, motion.q[100])
     texts = [p for p in drawn if p.kind == "text"]
     assert {t.text for t in texts} >= motion.hinges
@@ -220,7 +220,7 @@ def test_names__every_point_named_and_no_name_on_another(name):
 
 @pytest.mark.parametrize("name", GALLERY)
 def test_primitives__finite_in_known_layers_and_convex(name):
-    motion = Motion(GALLERY[name])
+    motion = DrawnMotion(GALLERY[name])
     for k in (0, 240, 600):
         for p in primitives(GALLERY[name], motion.q[k]):
             assert p.layer in LAYERS

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from drawn_machines import GALLERY, slider_crank
 
-from sweeps.drawing import LAYERS, Motion
-from sweeps.dxf import write_dxf
-from sweeps.errors import PictureError
+from sweeps.pictures.drawing import LAYERS, DrawnMotion
+from sweeps.pictures.drawing.dxf import write_dxf
+from sweeps.pictures.picture_error import PictureError
 
 # Positions pass through a few dozen operations of the engine on lengths below 1 m.
 EXACT = 1e-12
@@ -35,7 +35,7 @@ def test_dxf__layers_millimetres_and_joints_in_place(tmp_path):
 def test_dxf__no_link_seen_through_a_hinge(name, tmp_path):
     file = tmp_path / "a.dxf"
     scene = GALLERY[name]
-    write_dxf(file, scene, Motion(scene).q[120])
+    write_dxf(file, scene, DrawnMotion(scene).q[120])
     space = ezdxf.readfile(file).modelspace()
     for hinge in space.query("CIRCLE[layer=='joints']"):
         centre, radius = complex(*hinge.dxf.center.xyz[:2]), hinge.dxf.radius

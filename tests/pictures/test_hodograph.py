@@ -6,9 +6,9 @@ from machines import crank, frame, rrp
 
 from engine import Machine, Scene
 from engine.balancing.counterweights import balance
-from sweeps.errors import PictureError
-from sweeps.hodograph import hodographs, order_sizes, shaking_force
-from sweeps.style import new_figure
+from sweeps.pictures.machine.hodographs import hodographs, order_sizes, shaking_force
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import new_figure
 
 
 def slider_crank(**parts) -> Scene:

@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 
 from engine import Machine, Verdict
 from engine.motion.history import history
-from sweeps.errors import PictureError
-from sweeps.exports import history_csv
-from sweeps.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
-from sweeps.pictures import machine_pictures
-from sweeps.scenefile import with_values
-from sweeps.textfile import InputError
+from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.picture_files import machine_pictures
+from sweeps.report.exports import history_csv
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import with_values
 
 RPM = 30 / math.pi
 MOMENTS = {

@@ -18,24 +18,24 @@ from engine import Scene
 from engine.scene.pairs import pairs
 from engine.scene.parts import FRAME
 from sweeps.cli import main
-from sweeps.errors import PictureError
-from sweeps.plans import (
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.plans import (
     MachineCycle,
     acceleration_plan,
     bearing_load,
     force_plan,
+    force_polygon,
     free_body,
     least_loaded,
     plan_pictures,
-    polygon,
     reaction_pictures,
     shares,
     velocity_plan,
 )
-from sweeps.plans.free_body import LONGEST
-from sweeps.plans.paper import Paper, round_scale
-from sweeps.style import MM_PER_INCH
-from sweeps.template import TEMPLATES
+from sweeps.pictures.plans.free_body import LONGEST
+from sweeps.pictures.plans.paper import Paper, round_scale
+from sweeps.pictures.style import MM_PER_INCH
+from sweeps.text.templates import TEMPLATES
 
 # Bearings
 
@@ -126,7 +126,7 @@ def test_vectors_on_paper__as_long_as_the_scale_says():
 def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
     pose = cycle_of(name).at()
     drawn = [(velocity_plan, ()), (acceleration_plan, ())]
-    drawn += [(force_plan, (group,)) for group in pose.scene.groups if polygon(pose, group)]
+    drawn += [(force_plan, (group,)) for group in pose.scene.groups if force_polygon(pose, group)]
     for draw, arguments in drawn:
         ax = axes_on_paper()
         draw(pose, *arguments, ax)
@@ -199,7 +199,7 @@ def test_reaction_pictures__bearings_of_the_fields_alone(tmp_path):
 
 def test_plot_with_plans__made_at_the_first_angle_asked(tmp_path, monkeypatch):
     asked = []
-    monkeypatch.setattr("sweeps.plans.plan_pictures", lambda *arguments: asked.append(arguments) or [])
+    monkeypatch.setattr("sweeps.pictures.plans.plan_pictures", lambda *arguments: asked.append(arguments) or [])
     monkeypatch.chdir(tmp_path)
     scene = str(TEMPLATES / "four_bar.toml")
     outcome = CliRunner().invoke(main, ["plot", scene, "--plans", "--at", "90,120", "--out", "a.svg"])

@@ -8,8 +8,8 @@ from drawn_machines import slider_crank
 from plan_machines import CLOSED, MACHINES, cycle_of, poses
 
 from engine import Machine
-from sweeps.errors import PictureError
-from sweeps.plans import MachineCycle, accelerations, group_loads, loads_on_links, polygon, velocities
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.plans import MachineCycle, accelerations, force_polygon, group_loads, loads_on_links, velocities
 
 # A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
 EXACT = 1e-12
@@ -143,7 +143,7 @@ def test_loads__every_link_in_equilibrium(name):
 def test_force_plan_of_every_group__closes(name):
     for pose in poses(name):
         for group in pose.scene.groups:
-            forces = [load.force for load in polygon(pose, group)]
+            forces = [load.force for load in force_polygon(pose, group)]
             assert abs(sum(forces)) <= 1e-12 * max(map(abs, forces), default=0.0)
 
 
@@ -181,4 +181,4 @@ def test_acting_forces__their_power_is_their_reduced_moment(name):
 
 def test_force_plan_of_what_is_not_there__refused():
     with pytest.raises(PictureError, match=r"'rods' is neither a group nor a moving link.*did you mean 'rod'"):
-        polygon(cycle_of("slider crank").at(1.0), "rods")
+        force_polygon(cycle_of("slider crank").at(1.0), "rods")

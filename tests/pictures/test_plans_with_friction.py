@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from plan_machines import rubbing
-from test_friction_in_mechanisms import RHO, press, yoke
+from rubbing_machines import RHO, press, yoke
 from test_plans import EXACT
 
 from engine import Scene
-from sweeps.plans import MachineCycle, force_sheet, free_body, group_loads, loads_on_links, polygon
-from sweeps.plans.force_plan import force_lines
+from sweeps.pictures.plans import MachineCycle, force_polygon, force_sheet, free_body, group_loads, loads_on_links
+from sweeps.pictures.plans.force_plan import force_lines
 
 # All kinds of groups, shafts, both kinds of inputs, guides that move; some sliders tilt.
 RUBBING = [("PRP", 0.02), ("turning yoke", None), ("geared five-bar", None), ("sliding input", 0.06)]
@@ -50,7 +50,7 @@ def test_loads_with_friction__every_link_in_equilibrium(name, length):
 def test_force_plans_with_friction__close(name, length):
     for pose in poses_of(name, length):
         for part in (*pose.scene.groups, *pose.cycle.structure.links):
-            forces = [load.force for load in polygon(pose, part)]
+            forces = [load.force for load in force_polygon(pose, part)]
             assert abs(sum(forces)) <= EXACT * max(map(abs, forces), default=0.0)
 
 

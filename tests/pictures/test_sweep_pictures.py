@@ -9,15 +9,15 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
 from engine import Verdict
-from sweeps.diagrams import diagrams
-from sweeps.errors import PictureError
-from sweeps.maps import curves, field_band, map2d, plot_result, scatter
-from sweeps.parallel_coordinates import parallel
-from sweeps.pareto import pareto_front
-from sweeps.scenefile import read_scene
-from sweeps.study import STUDIES
-from sweeps.style import PALE, new_figure
-from sweeps.sweep_data import SweepData
+from sweeps.optimising.pareto import pareto_front
+from sweeps.pictures.machine.diagrams import diagrams
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import PALE, new_figure
+from sweeps.pictures.sweep.maps import curves, field_band, map2d, plot_result, scatter
+from sweeps.pictures.sweep.parallel_coordinates import parallel
+from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.study.bundled import STUDIES
+from sweeps.text.scene_text import read_scene
 
 
 def grid_data(shape, failed=(), parameters=("a", "b")):

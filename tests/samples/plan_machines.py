@@ -6,9 +6,9 @@ from drawn_machines import GALLERY, crank, four_bar
 
 from engine import Scene
 from engine.scene.pairs import pairs
-from sweeps.plans import MachineCycle
-from sweeps.scenefile import read_scene
-from sweeps.template import TEMPLATES, templates
+from sweeps.pictures.plans import MachineCycle
+from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import TEMPLATES, templates
 
 PRP = Scene.model_validate(
     {

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from sweeps.scenefile import read_scene
-from sweeps.textfile import InputError
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import read_scene
 
 GOOD = """\
 title = "Crank press with a rocker"

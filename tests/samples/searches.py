@@ -5,8 +5,8 @@ from pathlib import Path
 from press_texts import PRESS_WITH_FLYWHEEL
 
 from sweeps.optimising.runner import optimise_study
-from sweeps.results import Result
-from sweeps.study import Study, read_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.study import Study, read_study
 
 SCENE = PRESS_WITH_FLYWHEEL.replace("100 kN", "10 kN")
 CRANK, ROD = "input.length", "groups.slide.first.length"
@@ -25,11 +25,11 @@ def study_of(folder: Path, optimise: str, vary: str = RANGES, head: str = HEAD, 
     return read_study(folder / "study.toml")
 
 
-def searched(folder: Path, optimise: str, **rest: str) -> Result:
-    return Result(optimise_study(study_of(folder, optimise, **rest), folder / "found.h5"))
+def searched(folder: Path, optimise: str, **rest: str) -> SweepResult:
+    return SweepResult(optimise_study(study_of(folder, optimise, **rest), folder / "found.h5"))
 
 
-def best_of(result: Result) -> dict[str, float]:
+def best_of(result: SweepResult) -> dict[str, float]:
     best = result.best()
     return {name: float(column[best]) for name, column in result.columns.items()}
 

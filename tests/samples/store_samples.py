@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sweeps.store import Column, Layout, Store, StoreError, columns
+from sweeps.store import Column, FileLayout, Store, StoreError, read_columns
 
 # 42 MB in 40 blocks, mostly writing: kills fall on creation, rows and flags.
 KILLED = {"variants": 314, "block": 8, "positions": 32768}
@@ -17,7 +17,7 @@ TESTS = Path(__file__).parents[1]
 CHILD_PATH = os.pathsep.join(str(folder) for folder in (TESTS.parent, TESTS / "samples", TESTS / "oracles"))
 
 
-def layout(variants: int = 22, block: int = 4, positions: int = 5, **changes: object) -> Layout:
+def layout(variants: int = 22, block: int = 4, positions: int = 5, **changes: object) -> FileLayout:
     fields = {
         "variants": variants,
         "block": block,
@@ -34,7 +34,7 @@ def layout(variants: int = 22, block: int = 4, positions: int = 5, **changes: ob
         "status_codes": {0: "ok", 1: "cannot be assembled"},
         "position": np.linspace(0, 2 * np.pi, positions, endpoint=False),
     }
-    return Layout(**{**fields, **changes})
+    return FileLayout(**{**fields, **changes})
 
 
 def results(store: Store, i: int) -> dict[str, np.ndarray]:
@@ -51,16 +51,16 @@ def results(store: Store, i: int) -> dict[str, np.ndarray]:
     return arrays
 
 
-def sweep(path: Path, shape: Layout, **options: bool) -> None:
+def sweep(path: Path, shape: FileLayout, **options: bool) -> None:
     with Store.open(path, shape, **options) as store:
         for i in store.pending:
             store.write(i, results(store, i))
         store.finish("all is well")
 
 
-def complete(path: Path, shape: Layout, **options: bool) -> dict[str, np.ndarray]:
+def complete(path: Path, shape: FileLayout, **options: bool) -> dict[str, np.ndarray]:
     sweep(path, shape, **options)
-    return columns(path, NAMES)
+    return read_columns(path, NAMES)
 
 
 def same_bits(left: dict[str, np.ndarray], right: dict[str, np.ndarray]) -> bool:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sweeps.study import Study, read_study
+from sweeps.study.study import Study, read_study
 
 STUDY = """\
 title = "Which crank?"

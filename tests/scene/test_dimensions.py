@@ -8,15 +8,15 @@ from hypothesis import strategies as st
 
 from engine.scene.dimensions import DIMENSIONS
 from engine.scene.units import any_quantity
-from sweeps.dimensions import (
+from sweeps.text.dimension_check import (
     check_condition,
     check_yields,
+    dimension_in_words,
     dimension_of,
     dimension_of_unit,
-    in_words,
     unit_of_dimension,
 )
-from sweeps.expressions import ExpressionError, parse
+from sweeps.text.expressions import ExpressionError, parse
 
 UNITS = {
     "length": "m",
@@ -161,4 +161,4 @@ def test_condition_with_a_unit_not_known__is_not_looked_at():
 def test_every_dimension__is_found_again_by_its_unit(name):
     dimension = dimension_of_unit(DIMENSIONS[name].unit)
     assert dimension_of_unit(unit_of_dimension(dimension)) == dimension
-    assert name.replace("_", " ").removeprefix("plain ") in in_words(dimension)
+    assert name.replace("_", " ").removeprefix("plain ") in dimension_in_words(dimension)

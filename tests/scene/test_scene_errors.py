@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
 from slips import cases, changed
 
-from sweeps.scenefile import read_scene
-from sweeps.textfile import InputError
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import read_scene
 
 GROUND = """\
 [points]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from engine import Scene, scene_numbers
 from engine.scene.scene import SceneNumber, within_limits
-from sweeps.scenefile import read_scene, write_scene
+from sweeps.text.scene_text import read_scene, write_scene
 
 CRANK = """\
 title = "All that a crank can drive"

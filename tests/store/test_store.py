@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from store_samples import complete, files, layout, results, start_child
 
-from sweeps.store import Column, Layout, Store, StoreError, columns, describe
+from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, read_columns
 from sweeps.store.errors import explained
 
 
@@ -25,7 +25,7 @@ def part(tmp_path: Path) -> Path:
     return tmp_path / "out.part.h5"
 
 
-def other_study() -> Layout:
+def other_study() -> FileLayout:
     return layout(attributes={"study_hash": "9z9z", "study": "steps = 4\nload = 12 kN"})
 
 
@@ -94,11 +94,11 @@ def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> No
     complete(path, layout())
     with Store.open(path, other_study(), restart=True) as store:
         store.write(0, results(store, 0))
-    assert describe(path).attributes["study_hash"] == "1a2b"
+    assert describe_result(path).attributes["study_hash"] == "1a2b"
     with Store.open(path, other_study()) as store:
         assert store.pending == [1, 2, 3, 4, 5]
     complete(path, other_study())
-    assert describe(path).attributes["study_hash"] == "9z9z"
+    assert describe_result(path).attributes["study_hash"] == "9z9z"
     assert files(path.parent) == ["out.h5"]
 
 
@@ -146,8 +146,8 @@ def test_second_writer_in_another_process__refused(path: Path, part: Path) -> No
         for restart in (False, True):
             with pytest.raises(StoreError, match=r"(?i)another sweep is writing"):
                 Store.open(path, layout(), restart=restart)
-        assert describe(part).blocks_done == 0
-        assert np.isnan(columns(part, ["length"])["length"]).all()
+        assert describe_result(part).blocks_done == 0
+        assert np.isnan(read_columns(part, ["length"])["length"]).all()
         child.communicate("\n", timeout=60)
     complete(path, layout())
 
@@ -281,7 +281,7 @@ def test_bytes__at_least_the_size_of_the_file(
     shape = layout(variants, block, positions, columns=(*layout().columns, *more), attributes=attributes)
     Store.open(path, shape, restart=True).close()
     assert part.stat().st_size <= shape.bytes()
-    assert describe(part).attributes["study"] == text * 50
+    assert describe_result(part).attributes["study"] == text * 50
 
 
 @pytest.mark.parametrize(
@@ -310,4 +310,4 @@ def test_long_texts__kept_whole(path: Path) -> None:
     # HDF5 keeps short attributes within the dataset's header, which ends at 64 kB.
     attributes = {"study_hash": "1", "study": "länge = 80 mm\n" * 20_000}
     complete(path, layout(attributes=attributes))
-    assert describe(path).attributes["study"] == attributes["study"]
+    assert describe_result(path).attributes["study"] == attributes["study"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from store_samples import NAMES, complete, layout, results, same_bits
 
-from sweeps.store import NOT_COMPUTED, Column, Store, StoreError, columns, describe, iterate, read
+from sweeps.store import NOT_COMPUTED, Column, Store, StoreError, describe_result, iterate, read, read_columns
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def test_rows_not_written__nan_and_status_255(path: Path, part: Path) -> None:
     with Store.open(path, layout()) as store:
         store.write(1, results(store, 1))
         expected = results(store, 1)
-    got = columns(part, NAMES)
+    got = read_columns(part, NAMES)
     rest = np.delete(np.arange(22), np.s_[4:8])
     for name in ("length", "speed", "peak_torque", "torque"):
         assert np.isnan(got[name][rest]).all()
@@ -98,31 +98,31 @@ def test_xarray_missing__store_error_names_the_extra(path: Path, monkeypatch: py
 def test_describe__columns_attributes_and_progress_of_open_part_and_of_final_file(path: Path, part: Path) -> None:
     with Store.open(path, layout()) as store:
         store.write(2, results(store, 2))
-        shown = describe(part)
+        shown = describe_result(part)
     assert (shown.title, shown.variants, shown.positions) == ("Shear", 22, 5)
     assert (shown.blocks, shown.blocks_done) == (6, 1)
     assert shown.columns == layout().columns
     assert shown.attributes["study"] == "steps = 3\nload = 12 kN"
     complete(path, layout())
-    assert describe(path).blocks_done == 6
+    assert describe_result(path).blocks_done == 6
 
 
 def test_final_file_missing__part_file_named(path: Path) -> None:
     Store.open(path, layout()).close()
     with pytest.raises(StoreError, match=r"not finished.*out\.part\.h5"):
-        columns(path)
+        read_columns(path)
 
 
 def test_columns_by_default__no_fields(path: Path) -> None:
     complete(path, layout())
-    assert list(columns(path)) == list(NAMES[:-1])
-    assert columns(path, ["phi"])["phi"].shape == (5,)
+    assert list(read_columns(path)) == list(NAMES[:-1])
+    assert read_columns(path, ["phi"])["phi"].shape == (5,)
 
 
 def test_unknown_column__suggestion(path: Path) -> None:
     complete(path, layout())
     with pytest.raises(StoreError, match=r"no column 'peak_torqe'\. Did you mean 'peak_torque'"):
-        columns(path, ["peak_torqe"])
+        read_columns(path, ["peak_torqe"])
     with pytest.raises(StoreError, match="no column 'phi'"):
         list(iterate(path, ["phi"], 4))
 

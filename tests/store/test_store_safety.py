@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from store_samples import KILLED, NAMES, complete, files, layout, results, run_child, same_bits, start_child
 
-from sweeps.store import Store, StoreError, columns, describe
+from sweeps.store import Store, StoreError, describe_result, read_columns
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
 
@@ -53,7 +53,7 @@ def test_kills_at_random_times__flagged_blocks_intact_and_final_file_bit_for_bit
         begin = time.monotonic()
         child.stdout.readline()
         whole = time.monotonic() - begin
-    expected = columns(reference, NAMES)
+    expected = read_columns(reference, NAMES)
     dice = random.Random(5)
     kills, done = 0, 0
     while kills < KILLS:
@@ -63,7 +63,7 @@ def test_kills_at_random_times__flagged_blocks_intact_and_final_file_bit_for_bit
             child.kill()
         if path.exists():
             # It was quicker than the kill: start with a new file.
-            assert same_bits(columns(path, NAMES), expected)
+            assert same_bits(read_columns(path, NAMES), expected)
             path.unlink()
             done = 0
         else:
@@ -123,7 +123,7 @@ def test_kill_before_rename__next_run_only_finishes(path: Path, monkeypatch: pyt
     with Store.open(path, layout()) as store:
         assert store.pending == []
         store.finish("well")
-    assert describe(path).attributes["outcome"] == "well"
+    assert describe_result(path).attributes["outcome"] == "well"
     assert files(path.parent) == ["out.h5"]
 
 
@@ -138,7 +138,7 @@ def test_finishing__changes_attributes_in_place_only(path: Path, part: Path) -> 
     assert len(after) == len(before)
     # The two texts hold 32 and 2000 bytes, which start out as zeros.
     changed = np.flatnonzero(before != after)
-    assert len(changed) == len(describe(path).attributes["finished"]) + 2000
+    assert len(changed) == len(describe_result(path).attributes["finished"]) + 2000
     assert (before[changed] == 0).all()
 
 
@@ -174,8 +174,8 @@ def test_disk_full_at_work__done_blocks_stay_and_sweep_goes_on(tmp_path: Path, p
 def test_disk_full_at_the_end__finished_all_the_same(path: Path) -> None:
     """Finishing needs no room, so that it cannot fail after the work is done."""
     assert run_child(f"child_finishes_on_full_disk(Path({str(path)!r}))") == ""
-    assert describe(path).blocks_done == describe(path).blocks
-    assert describe(path).attributes["outcome"] == "n" * 2000
+    assert describe_result(path).blocks_done == describe_result(path).blocks
+    assert describe_result(path).attributes["outcome"] == "n" * 2000
 
 
 def test_too_little_space__named_before_any_file_is_made(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

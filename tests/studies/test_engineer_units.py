@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from sweeps.engineer_units import engineer_unit
-from sweeps.report import figure_text, quantity_text
+from sweeps.report.result_report import figure_text, quantity_text
+from sweeps.text.engineer_units import engineer_unit
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sweeps.expressions import DEEPEST, LONGEST, ExpressionError, parse, unknown_name_message
+from sweeps.text.expressions import DEEPEST, LONGEST, ExpressionError, parse
+from sweeps.text.names import unknown_name_message
 
 # --- random trees, evaluated by the test itself ------------------------------------------------------------
 

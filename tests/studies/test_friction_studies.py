@@ -8,8 +8,8 @@ from test_studies import FRICTION_STUDY_NAMES, as_it_is, otto_work, sample, stud
 
 from engine.laws.friction.coefficients import WORN_IN
 from engine.laws.friction.journals import friction_circle
-from sweeps.expressions import parse
-from sweeps.study import any_quantity
+from sweeps.study.study import any_quantity
+from sweeps.text.expressions import parse
 
 
 @pytest.mark.parametrize("name", FRICTION_STUDY_NAMES)

@@ -9,10 +9,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from engine import Verdict
-from sweeps.expressions import parse
-from sweeps.results import Result
-from sweeps.runner import run_study
-from sweeps.study import any_quantity, bundled, read_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import run_study
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import any_quantity, read_study
+from sweeps.text.expressions import parse
 
 STUDIES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi
@@ -31,7 +32,7 @@ def table(tmp_path_factory):
 
     @functools.cache
     def result(name):
-        return Result(run_study(read_study(bundled()[name]), folder / f"{name}.h5"))
+        return SweepResult(run_study(read_study(bundled_studies()[name]), folder / f"{name}.h5"))
 
     return result
 
@@ -57,7 +58,7 @@ def within(columns, name, expected):
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_study__asks_one_question_and_chooses_by_columns_that_it_has(name):
-    study = read_study(bundled()[name])
+    study = read_study(bundled_studies()[name])
     assert study.question.count("?") == 1
     assert study.title
     assert study.best.goal in study.summaries

@@ -12,11 +12,11 @@ import pytest
 from commands import ROOT
 from press_sweeps import DISTINCT, GOOD, contents, run, study_of, text_of
 
-from sweeps import runner
-from sweeps.results import Result
-from sweeps.runner import run_study
-from sweeps.store import StoreError, describe
-from sweeps.study import read_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run import runner
+from sweeps.run.runner import run_study
+from sweeps.store import StoreError, describe_result
+from sweeps.study.study import read_study
 
 # Going on
 
@@ -42,7 +42,7 @@ def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
     with pytest.raises(Stop):
         run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
     assert not (tmp_path / "study.h5").exists()
-    assert describe(tmp_path / "study.part.h5").blocks_done == 2
+    assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
     assert counted(DISTINCT, tmp_path) == [(120, 80), (160, 80), (200, 80)]
     assert not (tmp_path / "study.part.h5").exists()
     again = contents(tmp_path / "study.h5")
@@ -76,7 +76,7 @@ def test_changed_study__is_refused_and_the_difference_shown(tmp_path):
         assert word in str(caught.value)
     assert path.read_bytes() == before
     assert counted(changed, tmp_path, restart=True) == [(4, 0)]
-    assert Result(path).columns["input.length"].tolist() == [0.04, 0.04, 0.055, 0.055]
+    assert SweepResult(path).columns["input.length"].tolist() == [0.04, 0.04, 0.055, 0.055]
 
 
 # Real processes
@@ -112,7 +112,7 @@ def start(folder: Path, *options: str) -> subprocess.Popen:
 
 def blocks_done(folder: Path) -> int:
     part = folder / "long.part.h5"
-    return describe(part).blocks_done if part.exists() else 0
+    return describe_result(part).blocks_done if part.exists() else 0
 
 
 def wait_for_blocks(process: subprocess.Popen, folder: Path, count: int) -> None:
@@ -179,8 +179,8 @@ def peak():
         return int(line.split()[1]) * 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
-from sweeps.runner import run_study
-from sweeps.study import read_study
+from sweeps.run.runner import run_study
+from sweeps.study.study import read_study
 run_study(read_study(Path("big.toml")), Path("big.h5"))
 print(peak())
 """
@@ -200,4 +200,4 @@ def test_many_variants__need_memory_for_a_block_only(tmp_path):
     assert child.returncode == 0, child.stderr
     # All rows of reduced moments alone would take 200 000 × 720 × 8 bytes = 1.15 GB.
     assert int(child.stdout) < 1e9
-    assert (Result(tmp_path / "big.h5").columns["status"] == 0).all()
+    assert (SweepResult(tmp_path / "big.h5").columns["status"] == 0).all()

@@ -10,11 +10,11 @@ from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, contents, 
 
 from engine import Verdict
 from engine.compiling.jit import set_threads
-from sweeps import runner
-from sweeps.results import Result
-from sweeps.runner import run_study
-from sweeps.store import describe
-from sweeps.study import read_study
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run import runner
+from sweeps.run.runner import run_study
+from sweeps.store import describe_result
+from sweeps.study.study import read_study
 
 # What the file holds
 
@@ -101,7 +101,7 @@ def test_file__tells_where_it_comes_from(result):
         *("Conventions", "title", "question", "study", "scene", "parameters", "best", "groups", "grid"),
         *("study_hash", "versions", "machine", "finished", "outcome", "varied", "position", "require"),
     }
-    assert Result(result).scene == study_of(result.parent, GOOD).scene
+    assert SweepResult(result).scene == study_of(result.parent, GOOD).scene
 
 
 def test_file__opens_as_a_dataset_without_help(result):
@@ -139,7 +139,7 @@ def test_float32__is_stored_as_such_and_agrees_to_its_precision(result, tmp_path
 def test_scene_alone__runs_as_one_variant(tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE)
     study = read_study(tmp_path / "scene.toml")
-    result = Result(run_study(study, tmp_path / "scene.h5"))
+    result = SweepResult(run_study(study, tmp_path / "scene.h5"))
     assert result.description.variants == 1
     assert result.parameters == ()
     assert result.columns["status"].tolist() == [0]
@@ -153,7 +153,7 @@ def test_failing_variants__get_nan_a_verdict_and_the_place(tmp_path):
     lengths = ["50 mm", "240 mm", "200 mm", "-1 mm", "120 mm"]
     head = "positions = 48\nrequire = [\"bodies.ram.mass < '1e6 kg'\"]\n"
     path = run(tmp_path, text_of(lengths, ["1 kg", "2000 t", "-1 kg"], FIELDS, head))
-    columns = Result(path).columns
+    columns = SweepResult(path).columns
     status, V = columns["status"].reshape(5, 3), Verdict
     # 50 or 120 + 260 < 250 + 150: by Grashof's rule the crank turns fully. A crank of 200 mm or more doesn't.
     assert status.tolist() == [
@@ -181,9 +181,9 @@ def test_failing_variants__get_nan_a_verdict_and_the_place(tmp_path):
 def test_press_that_does_not_reach__is_blamed_at_the_first_angle(tmp_path):
     lengths = ["50 mm", "240 mm", "201 mm", "1 m"]
     path = run(tmp_path, text_of(lengths, ["1 kg"], STROKE, "positions = 720\n"))
-    columns = Result(path).columns
+    columns = SweepResult(path).columns
     assert columns["status"].tolist() == [0, 1, 1, 1]
-    assert describe(path).attributes["groups"].split(", ")[columns["status_group"][1]] == "press"
+    assert describe_result(path).attributes["groups"].split(", ")[columns["status_group"][1]] == "press"
     # The rod of 200 mm reaches the guide until the pin is 200 mm above it: sin φ = 200/r.
     first = [np.ceil(np.arcsin(0.2 / r) / (2 * np.pi) * 720) * 2 * np.pi / 720 for r in (0.24, 0.201, 1.0)]
     np.testing.assert_allclose(columns["status_at"][1:], first, rtol=1e-14)
@@ -191,7 +191,7 @@ def test_press_that_does_not_reach__is_blamed_at_the_first_angle(tmp_path):
 
 def test_press_at_its_limit__is_singular_where_the_rod_stands_upright(tmp_path):
     path = run(tmp_path, text_of(["200 mm"], ["1 kg"], STROKE, "positions = 720\n"))
-    columns = Result(path).columns
+    columns = SweepResult(path).columns
     assert columns["status"].tolist() == [Verdict.SINGULAR]
     assert columns["status_at"][0] in (pytest.approx(np.pi / 2), pytest.approx(3 * np.pi / 2))
     assert np.isnan(columns["ram.stroke"][0])
@@ -199,7 +199,7 @@ def test_press_at_its_limit__is_singular_where_the_rod_stands_upright(tmp_path):
 
 def test_overflow__is_not_finite_and_no_number(tmp_path):
     vary = '[vary]\n"input.speed" = {values = ["60 rpm", "1e160 rad/s"]}\n'
-    columns = Result(run(tmp_path, HEAD + vary + '[outputs]\nsummaries = ["input_moment.max"]\n')).columns
+    columns = SweepResult(run(tmp_path, HEAD + vary + '[outputs]\nsummaries = ["input_moment.max"]\n')).columns
     assert columns["status"].tolist() == [Verdict.OK, Verdict.NOT_FINITE]
     assert np.isfinite(columns["input_moment.max"]).tolist() == [True, False]
     assert columns["status_group"].tolist() == [-1, -1]
@@ -207,7 +207,7 @@ def test_overflow__is_not_finite_and_no_number(tmp_path):
 
 def test_all_variants_impossible__is_a_finished_file_of_nan(tmp_path):
     path = run(tmp_path, text_of(["1 m", "2 m"], ["1 kg", "2 kg"], FIELDS))
-    result = Result(path)
+    result = SweepResult(path)
     assert (result.columns["status"] == Verdict.CANNOT_ASSEMBLE).all()
     assert np.isnan(result.columns["excess_work"]).all()
     assert result.select().size == 0

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from sweeps.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
-from sweeps.unit_points import latin_points, permuted, random_points, sobol_points
+from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
+from sweeps.study.unit_points import latin_points, permuted, random_points, sobol_points
 
 EPS = np.finfo(float).eps
 METHODS = ["random", "sobol", "latin"]

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from engine import Machine, Verdict, scene_numbers
-from sweeps.expressions import parse
-from sweeps.scenefile import read_scene
-from sweeps.study import any_quantity, bundled, read_study
-from sweeps.template import TEMPLATES, template_text, templates
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import any_quantity, read_study
+from sweeps.text.expressions import parse
+from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import TEMPLATES, template_text, templates
 
 TEMPLATE_NAMES = (
     "crank_shaper",
@@ -203,7 +204,7 @@ class Sample(NamedTuple):
 
 @functools.cache
 def study(name):
-    return read_study(bundled()[name])
+    return read_study(bundled_studies()[name])
 
 
 @functools.cache
@@ -234,7 +235,7 @@ def as_it_is(name):
 
 def test_studies__are_the_five_with_one_question_each_and_those_of_elements_and_motion():
     named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
-    assert tuple(bundled()) == tuple(sorted(named))
+    assert tuple(bundled_studies()) == tuple(sorted(named))
     for name in STUDY_NAMES:
         assert study(name).question.count("?") == 1
         assert study(name).title

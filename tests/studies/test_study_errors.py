@@ -7,8 +7,8 @@ from press_texts import PRESS_WITH_FLYWHEEL as SCENE
 from slips import cases, changed
 from study_samples import STUDY, study_of, varying
 
-from sweeps.study import find_study
-from sweeps.textfile import InputError
+from sweeps.study.bundled import find_study
+from sweeps.text.input_files import InputError
 
 # Name | what to change | what into | a mark of the line | key | words of the message.
 SLIPS = cases(r"""

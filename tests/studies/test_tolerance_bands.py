@@ -10,17 +10,17 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from engine import Verdict
-from sweeps import sensitivity
 from sweeps.cli import main
-from sweeps.maps import curves
 from sweeps.optimising.runner import optimise_study
-from sweeps.pictures import sweep_data
-from sweeps.results import Result
-from sweeps.runner import block_size, evaluate_block, run_study
-from sweeps.store import describe
-from sweeps.study import Study, read_study
-from sweeps.style import VERMILION
-from sweeps.textfile import InputError
+from sweeps.pictures.picture_files import sweep_data
+from sweeps.pictures.style import VERMILION
+from sweeps.pictures.sweep.maps import curves
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import block_size, evaluate_block, run_study
+from sweeps.store import describe_result
+from sweeps.study import sensitivity
+from sweeps.study.study import Study, read_study
+from sweeps.text.input_files import InputError
 
 EPS = np.finfo(float).eps
 SCENE = """\
@@ -78,9 +78,9 @@ def study_of(folder: Path, rest: str, scene: str = SCENE) -> Study:
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory) -> Result:
+def result(tmp_path_factory) -> SweepResult:
     folder = tmp_path_factory.mktemp("bands")
-    return Result(run_study(study_of(folder, VARY + DERIVATIVES + TOLERANCES), folder / "study.h5"))
+    return SweepResult(run_study(study_of(folder, VARY + DERIVATIVES + TOLERANCES), folder / "study.h5"))
 
 
 def test_derivatives__take_along_what_is_derived(result):
@@ -180,7 +180,7 @@ def test_checked_study__names_what_is_asked_and_counts_it_in_its_blocks(tmp_path
 def test_robust_design__is_what_best_may_ask(tmp_path):
     best = '\n[best]\nminimise = "ram.stroke_high.tolerance_rss"\nwhere = "ram.stroke_high.by.ratio > \'45 mm\'"\n'
     study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES + best)
-    found = Result(run_study(study, tmp_path / "r.h5"))
+    found = SweepResult(run_study(study, tmp_path / "r.h5"))
     values = found.columns["ram.stroke_high.tolerance_rss"]
     assert found.best() == np.nanargmin(np.where(found.columns["input.length"] > 0.045, values, np.nan))
     # A band asks for its summary by itself.
@@ -191,7 +191,7 @@ def test_robust_design__is_what_best_may_ask(tmp_path):
 def test_nonlinear_number__error_of_the_band_holds_the_second_order(tmp_path):
     # On the crank's axis the stroke depends on the guide's offset by its square alone.
     text = '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"guides.way.y" = "10 mm"\n'
-    found = Result(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
+    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
     exact = math.sqrt(0.25**2 - 0.01**2) - math.sqrt(0.15**2 - 0.01**2) - 0.1
     assert found["ram.stroke.tolerance_worst_case"][0] == pytest.approx(0, abs=1e-9)
     # Besides the second order the figure holds what strokes at their positions may be off by, some 1e-6 of 0.1 m.
@@ -202,7 +202,7 @@ def test_asked_accuracy__serves_derivatives_and_bands_too(tmp_path):
     text, path = HEAD.replace("positions = 48", "accuracy = 1e-6"), tmp_path / "study.toml"
     (tmp_path / "scene.toml").write_text(SCENE)
     path.write_text(text + VARY + DERIVATIVES + TOLERANCES)
-    found = Result(run_study(read_study(path), tmp_path / "r.h5"))
+    found = SweepResult(run_study(read_study(path), tmp_path / "r.h5"))
     # Off by at most 1e-6 at both ends of steps of a tenth of the crank; windows magnify that some ten times.
     by_length = found.columns["ram.stroke_high.by.input.length"][KEPT]
     np.testing.assert_allclose(by_length, 1 + found.columns["ratio"][KEPT], rtol=1e-3)
@@ -211,7 +211,7 @@ def test_asked_accuracy__serves_derivatives_and_bands_too(tmp_path):
 
 def test_tolerance_beyond_what_can_be_assembled__no_band(tmp_path):
     text = '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"guides.way.y" = "160 mm"\n'
-    found = Result(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
+    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
     assert found["ram.stroke"][0] == pytest.approx(0.1)
     assert np.isnan(found["ram.stroke.tolerance_worst_case"][0])
 
@@ -219,7 +219,7 @@ def test_tolerance_beyond_what_can_be_assembled__no_band(tmp_path):
 def test_curves__show_bands_about_their_summary(tmp_path):
     vary = '[vary]\n"input.length" = {from = "40 mm", to = "60 mm", count = 5}\n'
     text = vary + '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"input.length" = "1 mm"\n'
-    found = Result(run_study(study_of(tmp_path, text), tmp_path / "r.h5"))
+    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5"))
     data = sweep_data(found, ())
     assert list(data.summaries) == ["ram.stroke"]
     figure = Figure()
@@ -237,7 +237,7 @@ def test_curves__show_bands_about_their_summary(tmp_path):
 def test_search__leaves_them_to_its_own_columns(tmp_path):
     asked = '\n[optimise]\nminimise = "ram.stroke"\npopulation = 8\ngenerations = 2\n'
     study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES + asked)
-    columns = {column.name for column in describe(optimise_study(study, tmp_path / "o.h5")).columns}
+    columns = {column.name for column in describe_result(optimise_study(study, tmp_path / "o.h5")).columns}
     assert "ram.stroke.tolerance" in columns
     assert not {"ram.stroke.tolerance_rss", "ram.stroke_high.by.ratio"} & columns
 

@@ -1,0 +1,188 @@
+"""What the engine offers: the one list of its names, for type checkers, editors and the door itself.
+
+An import with `as` offers a name under one that says enough away from its module.
+"""
+
+from engine.balancing.engines.engine_columns import ROUNDED as ROUNDED_ORDERS
+from engine.balancing.engines.engine_columns import engine_numbers, engine_torque, made_engine
+from engine.balancing.engines.engine_element import EngineElement
+from engine.balancing.engines.engine_layout import Engine, MasterRod, usual_throws
+from engine.balancing.engines.engine_layout import Layout as EngineLayout
+from engine.balancing.engines.engine_layout import boxer as boxer_engine
+from engine.balancing.engines.engine_layout import in_line as in_line_engine
+from engine.balancing.engines.engine_layout import radial as radial_engine
+from engine.balancing.engines.engine_layout import v as v_engine
+from engine.balancing.engines.engine_layout import w as w_engine
+from engine.balancing.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals
+from engine.balancing.engines.harmonics import crank_radius, piston_harmonics
+from engine.balancing.engines.hodograph import Hodograph
+from engine.balancing.engines.shafts import counterweights as crankshaft_counterweights
+from engine.balancing.engines.shafts import remaining as remaining_shaking
+from engine.balancing.engines.shaking import ORDERS as SHAKING_ORDERS
+from engine.balancing.engines.shaking import shaking as engine_shaking
+from engine.balancing.engines.torque_orders import firing_sums
+from engine.balancing.rotors.correction import corrected as corrected_unbalance
+from engine.balancing.rotors.grades import permissible_unbalance, tolerance_shares
+from engine.balancing.rotors.rotor_columns import corrections_of as rotor_corrections
+from engine.balancing.rotors.rotor_columns import rotor_numbers
+from engine.balancing.rotors.rotor_columns import unbalances_of as rotor_unbalances
+from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.unbalance import in_two_planes as unbalance_in_two_planes
+from engine.balancing.rotors.unbalance import resultant as resultant_unbalance
+from engine.compiling.jit import set_threads, sources_digest, threads
+from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
+from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
+from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
+from engine.elements.elements_alone import ElementsAlone, made_ready
+from engine.equal_positions.text.demand import describe as computed_levels
+from engine.equal_positions.text.kernel_text import Form as KernelForm
+from engine.flywheels.turning_moment import TurningMoment
+from engine.flywheels.turning_moment import from_table as turning_moment_from_table
+from engine.laws.friction.guides import edge_forces as guide_edge_forces
+from engine.laws.friction.guides import tilts as slider_tilts
+from engine.laws.tables import TableError
+from engine.machine.full_rotation import assembly_ranges
+from engine.machine.machine import Machine
+from engine.machine.model import Model
+from engine.machine.quantities.quantities import InputUnits, Quantity, has_cycle
+from engine.machine.quantities.reactions import acting_fields, friction_in_pairs
+from engine.machine.results import AskError, Outcome
+from engine.motion.cases import regime_text
+from engine.motion.history import History, history
+from engine.panels.accuracy import OF_ACCURACY as ACCURACY_SUMMARIES
+from engine.panels.accuracy import REACHED as ACCURACY_REACHED
+from engine.panels.accuracy import USED as POSITIONS_USED
+from engine.panels.accuracy import AccurateMachine
+from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
+from engine.scene.dimensions import DIMENSIONS, common_units
+from engine.scene.inertia import body_mass, centre_along
+from engine.scene.names import did_you_mean, input_point
+from engine.scene.names import nearest as nearest_names
+from engine.scene.pairs import Pair, bearer_of, holder_of
+from engine.scene.pairs import pairs as pairs_of
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, Hinged, Sliding, Yoke
+from engine.scene.parts import Number as PlainNumber
+from engine.scene.parts import Part as ScenePart
+from engine.scene.regimes import Regime, RunRegime, SteadyRegime
+from engine.scene.scene import Numbers as SceneNumbers
+from engine.scene.scene import Scene, SceneError, scene_numbers
+from engine.scene.structure import group_links
+from engine.scene.structure import order as order_groups
+from engine.scene.structure import sliders as sliders_of
+from engine.scene.units import UnitError, any_quantity, base_powers, in_text, recognised
+from engine.verdicts import SENTENCES, Verdict
+
+__all__ = [
+    "ACCURACY_REACHED",
+    "ACCURACY_SUMMARIES",
+    "DIMENSIONS",
+    "EVALUATIONS_PER_DERIVATIVE",
+    "FOUR_STROKE",
+    "FRAME",
+    "PLACE_STATISTICS",
+    "POSITIONS_USED",
+    "ROUNDED_ORDERS",
+    "RPP",
+    "RPR",
+    "SENTENCES",
+    "SHAKING_ORDERS",
+    "AccurateMachine",
+    "AskError",
+    "Brake",
+    "CrankInput",
+    "DCMotor",
+    "Derivatives",
+    "ElementsAlone",
+    "Engine",
+    "EngineElement",
+    "EngineLayout",
+    "Hinged",
+    "History",
+    "Hodograph",
+    "InductionMotor",
+    "InputUnits",
+    "KernelForm",
+    "Machine",
+    "MasterRod",
+    "Model",
+    "Move",
+    "Outcome",
+    "Pair",
+    "PlainNumber",
+    "Quantity",
+    "Regime",
+    "RotorElement",
+    "RunRegime",
+    "Scene",
+    "SceneError",
+    "SceneNumbers",
+    "ScenePart",
+    "Sliding",
+    "SteadyRegime",
+    "TableError",
+    "TorsionSpring",
+    "TurningMoment",
+    "UnitError",
+    "Verdict",
+    "Yoke",
+    "acting_fields",
+    "any_quantity",
+    "assembly_ranges",
+    "base_powers",
+    "bearer_of",
+    "body_mass",
+    "boxer_engine",
+    "centre_along",
+    "common_units",
+    "computed_levels",
+    "corrected_unbalance",
+    "crank_radius",
+    "crankshaft_counterweights",
+    "derivatives_along",
+    "did_you_mean",
+    "engine_numbers",
+    "engine_shaking",
+    "engine_torque",
+    "even_firing_order",
+    "firing_angles",
+    "firing_intervals",
+    "firing_sums",
+    "friction_in_pairs",
+    "group_links",
+    "guide_edge_forces",
+    "has_cycle",
+    "history",
+    "holder_of",
+    "in_line_engine",
+    "in_text",
+    "input_point",
+    "made_engine",
+    "made_ready",
+    "nearest_names",
+    "order_groups",
+    "pairs_of",
+    "permissible_unbalance",
+    "piston_harmonics",
+    "radial_engine",
+    "recognised",
+    "regime_text",
+    "remaining_shaking",
+    "resultant_unbalance",
+    "rotor_corrections",
+    "rotor_numbers",
+    "rotor_unbalances",
+    "scale_of",
+    "scene_numbers",
+    "set_threads",
+    "slider_tilts",
+    "sliders_of",
+    "sources_digest",
+    "threads",
+    "tolerance_shares",
+    "turning_moment_from_table",
+    "unbalance_in_two_planes",
+    "unit_over",
+    "usual_throws",
+    "v_engine",
+    "w_engine",
+]

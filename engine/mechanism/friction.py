@@ -1,0 +1,169 @@
+"""Friction in the pairs of a mechanism as nodes: how much of it belongs to what presses, and what presses then.
+
+Against the relative motion in a pair acts a friction proportional to the pressing force: in a journal a moment, that of
+its friction circle; in a guide a force. Which way the pair moves is held; what presses follows group by group.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.elements.element_laws import BUSHES
+from engine.graph.nodes import Node
+from engine.laws.friction.coefficients import GAUSS, stribeck
+from engine.laws.friction.settled import GUIDE, JOURNAL, settled_one, settled_three, settled_two
+from engine.laws.senses import sense
+from engine.mechanism.characteristics import sense_of_input
+from engine.mechanism.input_motion import InputMotion
+from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.vectors import named
+from engine.scene.pair_friction import MATERIALS, PairFriction
+from engine.scene.pairs import Pair, pairs
+from engine.scene.scene import Numbers
+
+_SETTLED = {1: settled_one, 2: settled_two, 3: settled_three}
+# Components of a reaction: x and y of a journal's, normal force and moment of a guide's.
+Components = tuple[Node, Node]
+
+
+class Rub(NamedTuple):
+    """Friction in a pair.
+
+    Attributes
+    ----------
+    kind : float
+        `JOURNAL` or `GUIDE`.
+    drag : Node
+        Moment [N·m] or force [N] on the pair's link for each newton that presses, against its motion.
+    lost : Node
+        Work that each newton that presses costs for each unit of the input's motion.
+    edge : Node
+        Of a guide the reciprocal of half of the slider's length [1/m], zero where it never tilts or in a journal.
+    """
+
+    kind: float
+    drag: Node
+    lost: Node
+    edge: Node
+
+
+class Settled(NamedTuple):
+    """What presses in the rubbing pairs of a group.
+
+    Attributes
+    ----------
+    pressing : tuple of Node
+        Pressing force in each pair [N]; NaN where the group jams.
+    margin : Node
+        Against jamming: 1 without friction; 0, or less, where no force, however great, moves the group.
+    residual : Node
+        Share of the pressing forces by which the last pass still changed them.
+    """
+
+    pressing: tuple[Node, ...]
+    margin: Node
+    residual: Node
+
+
+def rubbing_pairs(kinematics: Kinematics, motion: InputMotion) -> dict[str, Rub]:
+    """Friction of all pairs that have any, by their names; pairs that never move have none.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    motion : InputMotion
+    """
+    scene = kinematics.scene
+    paths = {friction.pair: f"friction.{name}" for name, friction in scene.friction.items()}
+    found = {}
+    for pair in pairs(scene):
+        if pair.name in paths:
+            rate, slope = relative_motion(kinematics, pair)
+            if rate is not kinematics.graph.zero:
+                path = paths[pair.name]
+                friction = scene.friction[path.removeprefix("friction.")]
+                kinematics.graph.switches(rate, slope)
+                found[pair.name] = _rub(kinematics, motion, pair, path, friction, rate)
+    return found
+
+
+def relative_motion(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
+    """Rate of the motion in a pair by the input, of rotation or of sliding, and the derivative of the rate."""
+    if pair.kind == "prismatic":
+        slide = kinematics.slides[pair.link]
+        return slide.v, slide.a
+    one, other = kinematics.links[pair.link], kinematics.links[pair.other]
+    return one.w - other.w, one.e - other.e
+
+
+def settle(rubs: Sequence[Rub], free: Sequence[Components], backs: Sequence[Sequence[Components]]) -> Settled:
+    """What presses in the rubbing pairs of a group with the friction in them.
+
+    Parameters
+    ----------
+    rubs : sequence of Rub
+        One to three.
+    free : sequence of (Node, Node)
+        Reaction in each pair without friction in the group.
+    backs : sequence of sequence of (Node, Node)
+        [i][j]: what a newton that presses in pair j adds to the reaction in pair i.
+    """
+    graph = rubs[0].drag.graph
+    known: list[Node | float] = []
+    for rub, reaction, row in zip(rubs, free, backs, strict=True):
+        known += [rub.kind, rub.edge, *reaction]
+        known += [component for back in row for component in back]
+    *pressing, margin, residual = graph.apply(_SETTLED[len(rubs)], *known)
+    return Settled(tuple(pressing), margin, residual)
+
+
+def _rub(kinematics: Kinematics, motion: InputMotion, pair: Pair, path: str, friction: PairFriction, rate: Node) -> Rub:
+    graph, turns = kinematics.graph, pair.kind == "revolute"
+    drag = _drag(motion, pair, path, friction, rate)
+    moves = graph.held(graph.apply(sense, rate))
+    edge = graph.zero
+    if friction.length is not None:
+        edge = graph.derived(f"edge of {path}", lambda n: 2.0 / n[f"{path}.length"], "load")
+    return Rub(
+        JOURNAL if turns else GUIDE,
+        named(-(drag * moves * sense_of_input(kinematics)), f"drag in {pair.name}"),
+        (moves * rate) * drag,
+        edge,
+    )
+
+
+def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, rate: Node) -> Node:
+    """Friction for each newton that presses, by magnitude: a number, or a curve where it depends on sliding speed."""
+    graph, turns = rate.graph, pair.kind == "revolute"
+    factor, arm = _factor(pair, path, friction), _arm(pair, path)
+
+    def kinetic(n: Numbers) -> float | np.ndarray:
+        return n[f"{path}.coefficient"] if friction.material is None else MATERIALS[friction.material]
+
+    def drag(n: Numbers) -> float | np.ndarray:
+        f = kinetic(n)
+        # Pressure and friction at a right angle add up to a journal's reaction.
+        return factor(n) * arm(n) * f / (np.sqrt(1.0 + f * f) if turns else 1.0)
+
+    if friction.stribeck_speed is None:
+        return graph.derived(f"drag of {path}", drag, "load")
+    arm_of_sliding = graph.derived(f"arm of {path}", arm, "load")
+    rest, limit = (graph.number(f"{path}.{key}", "load") for key in ("static_coefficient", "stribeck_speed"))
+    at_speed = graph.derived(f"kinetic coefficient of {path}", kinetic, "load")
+    f = graph.apply(stribeck, rest, at_speed, motion.speed * arm_of_sliding * rate, limit, GAUSS)
+    scaled = graph.derived(f"scale of {path}", lambda n: factor(n) * arm(n), "load") * f
+    return scaled / graph.function("sqrt", 1.0 + f * f) if turns else scaled
+
+
+def _factor(pair: Pair, path: str, friction: PairFriction) -> Callable[[Numbers], float | np.ndarray]:
+    """By how much the pressures in a pair add up to more than their resultant."""
+    if friction.form == "vee":
+        return lambda n: 1.0 / np.sin(n[f"{path}.vee_angle"] / 2)
+    bush = BUSHES.get((friction.contact if pair.kind == "revolute" else friction.form) or "line", 1.0)
+    return lambda n: bush
+
+
+def _arm(pair: Pair, path: str) -> Callable[[Numbers], float | np.ndarray]:
+    """Radius of a journal; 1 of a guide."""
+    return (lambda n: n[f"{path}.diameter"] / 2) if pair.kind == "revolute" else (lambda n: 1.0)

@@ -1,0 +1,59 @@
+"""How the input moves at a position: at its own uniform speed, or at any speed and acceleration."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.graph.nodes import Graph, Node
+from engine.laws.elementary import power
+from engine.mechanism.vectors import Vector
+
+
+class InputMotion(NamedTuple):
+    """How the input moves at a position.
+
+    Attributes
+    ----------
+    square, epsilon : Node
+        Square of its speed, and its acceleration.
+    speed : Node
+        Its speed by magnitude.
+    given : bool
+        Whether the speed is another than the scene's. Coefficients of loads are then those at unit speed, otherwise
+        those at the speed itself.
+    """
+
+    square: Node
+    epsilon: Node
+    speed: Node
+    given: bool = True
+
+    @classmethod
+    def uniform(cls, graph: Graph) -> "InputMotion":
+        """The uniform motion at the speed of the scene."""
+        square = graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2, "load")
+        speed = graph.derived("magnitude of the input's speed", lambda n: np.abs(n["input.speed"]), "load")
+        return cls(square, graph.zero, speed, given=False)
+
+    def power(self, order: int | str) -> Node:
+        """Power of the speed by which a load of some order exceeds its coefficient.
+
+        Parameters
+        ----------
+        order : int or str
+            The exponent, or where it lies in the scene.
+        """
+        graph = self.speed.graph
+        if not self.given or order == 0:
+            return graph.one
+        if isinstance(order, str):
+            return graph.apply(power, self.speed, graph.number(order))
+        return {1: self.speed, 2: self.square}[order]
+
+    def acceleration(self, second: Node, first: Node) -> Node:
+        """Acceleration ω² r″ + ε r′ of what has the transfer functions r″ and r′."""
+        return self.square * second + self.epsilon * first
+
+    def acceleration_of(self, second: Vector, first: Vector) -> Vector:
+        """Acceleration ω² r″ + ε r′ of a point with the transfer functions r″ and r′."""
+        return Vector(*(self.acceleration(a, v) for a, v in zip(second, first, strict=True)))

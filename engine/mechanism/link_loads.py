@@ -1,0 +1,59 @@
+"""What acts on each link: forces and moments, summed about the link's origin."""
+
+from typing import NamedTuple
+
+from engine.graph.nodes import Node
+from engine.mechanism.assembly import Assembly, Moving
+from engine.mechanism.vectors import Vector
+
+
+class Wrench(NamedTuple):
+    """A force [N] and its moment [N·m] about the origin of the link it acts on."""
+
+    force: Vector
+    moment: Node
+
+    def __add__(self, other: "Wrench") -> "Wrench":
+        return Wrench(self.force + other.force, self.moment + other.moment)
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether it is zero at all positions of all variants."""
+        zero = self.moment.graph.zero
+        return self.moment is zero and self.force == (zero, zero)
+
+
+class LinkLoads:
+    """The forces and moments on every link of a mechanism.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    """
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._links, zero = assembly.links, assembly.graph.zero
+        self._nothing = Wrench(assembly.nowhere, zero)
+        self._of: dict[str, list[Wrench]] = {name: [] for name in assembly.links}
+
+    def add(self, link: str, wrench: Wrench) -> None:
+        """Add a force and its moment about the link's origin."""
+        if not wrench.is_nothing:
+            self._of[link].append(wrench)
+
+    def push(self, link: str, at: Moving, force: Vector) -> None:
+        """Add a force at a point."""
+        arm = at.r - self._links[link].origin.r
+        self.add(link, Wrench(force, arm.cross(force)))
+
+    def twist(self, link: str, moment: Node) -> None:
+        """Add a moment."""
+        self.add(link, self._nothing._replace(moment=moment))
+
+    def total(self, link: str) -> Wrench:
+        """Sum of what acts on a link."""
+        return sum(self._of[link], self._nothing)
+
+    def moments(self, link: str) -> list[Node]:
+        """The moments about a link's origin, one of each load."""
+        return [wrench.moment for wrench in self._of[link]]

@@ -1,0 +1,372 @@
+"""Kinetostatics of an ordered mechanism as nodes: the reactions in all pairs, last group first.
+
+By d'Alembert inertia forces join the forces that act on a link; each group is then in equilibrium under its own loads
+and what later groups leave on it. The last step is the input link: the reaction of its pivot or guide, and the moment
+or force that drives it. Gears carry moments alone: forces between teeth depend on how they are cut.
+
+Friction in pairs acts back within its own group, and on what comes after it in this order.
+
+Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on kinetostatics; N. E. Zhukovsky's lever for
+the input moment by virtual power.
+"""
+
+from collections.abc import Iterable
+
+from engine.graph.nodes import Node
+from engine.laws.friction.feedback import guide_pressing
+from engine.laws.inertia_forces import inertia_force, inertia_moment
+from engine.laws.kinematics.prp import prp_reactions
+from engine.laws.kinematics.rpp import rpp_reactions
+from engine.laws.kinematics.rpr import rpr_reactions
+from engine.laws.kinematics.rrp import rrp_reactions
+from engine.laws.kinematics.rrr import rrr_reactions
+from engine.mechanism.acting import Load
+from engine.mechanism.assembly import Turning
+from engine.mechanism.characteristics import sense_of_input
+from engine.mechanism.friction import Components, Settled, rubbing_pairs, settle
+from engine.mechanism.input_motion import InputMotion
+from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import LinkLoads, Wrench
+from engine.mechanism.vectors import Vector, named
+from engine.scene.pairs import Pair, pairs, pairs_of_group
+from engine.scene.parts import FRAME, CrankInput
+from engine.scene.structure import Structure
+
+# What rubs, and how it is told.
+_FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force"}
+
+
+class Reactions:
+    """The reactions in the pairs of a scene.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    structure : Structure
+    loads : sequence of Load
+        All that acts, gravity included.
+    motion : InputMotion
+
+    Attributes
+    ----------
+    variables : dict of str to Node
+        Fields by their names.
+    checks : dict of str to Node
+        The equilibrium of the whole: "force" and "moment" left, sums of the magnitudes of all "forces" in pairs and of
+        all "moments" on the frame.
+    in_axes : dict of (str, str) to Vector
+        Of each revolute pair and either of its links, the force on that link in its own axes.
+    lost : dict of str to Node
+        Work lost in each pair with friction, for each unit of the input's motion.
+    settlings : dict of str to Settled
+        Of each group with friction what presses in it, and how near it is to jamming.
+    kinks : list of Node
+        Curves at whose zeros friction has a kink, because a pressing force touches zero or a slider changes the edge
+        that it bears on.
+    """
+
+    def __init__(
+        self, kinematics: Kinematics, structure: Structure, loads: Iterable[Load], motion: InputMotion
+    ) -> None:
+        self.kinematics, self.motion = kinematics, motion
+        self.scene, self.graph = kinematics.scene, kinematics.graph
+        self.variables: dict[str, Node] = {}
+        self.in_axes: dict[tuple[str, str], Vector] = {}
+        self.settlings: dict[str, Settled] = {}
+        self.kinks: list[Node] = []
+        self._pairs = {pair.name: pair for pair in pairs(self.scene)}
+        self._rubs = rubbing_pairs(kinematics, motion)
+        self.lost = {friction.pair: self.graph.zero for friction in self.scene.friction.values()}
+        self._own = self._loads_on_links(loads)
+        self._loads = LinkLoads(kinematics)
+        for name in self._moving:
+            self._loads.add(name, self._own[name])
+        for element in reversed(structure.elements):
+            if element.kind == "group":
+                self._group(element.name)
+            elif element.kind == "shaft":
+                self._shaft(element.name)
+        self._input()
+        if self.scene.friction:
+            self._losses()
+        self._power()
+        self.checks = self._frame()
+
+    @property
+    def _moving(self) -> list[str]:
+        return [name for name in self.kinematics.links if name != FRAME]
+
+    def force_in(self, pair: str) -> Vector:
+        """Force of a pair on its link, in the axes of the frame."""
+        return Vector(*(self.variables[f"{pair}.reaction_{axis}"] for axis in "xy"))
+
+    # Loads
+
+    def _loads_on_links(self, loads: Iterable[Load]) -> dict[str, Wrench]:
+        """Forces, inertia forces included, on every link."""
+        of_links = LinkLoads(self.kinematics)
+        for name in self.kinematics.masses:
+            self._inertia(of_links, name)
+        for name in self.scene.shafts:
+            self._rotary_inertia(of_links, name, self.graph.number(f"shafts.{name}.inertia", "load"))
+        for load in loads:
+            # At its speed a machine runs with its brakes released; regimes apply them.
+            if self.motion.given or load.role != "braking":
+                self._apply(of_links, load)
+        return {name: of_links.total(name) for name in self.kinematics.links}
+
+    def _inertia(self, of_links: LinkLoads, name: str) -> None:
+        """Inertia force and moment of one of the mechanism's masses."""
+        part, centre = self.kinematics.masses[name], self.kinematics.mass_centre(name)
+        mass = self.graph.derived(f"mass of {name}", part.mass, "load")
+        acceleration = self.motion.acceleration_of(centre.a, centre.v)
+        of_links.push(part.link, centre, Vector(*self.graph.apply(inertia_force, mass, *acceleration)))
+        if part.inertia is not None:
+            self._rotary_inertia(of_links, part.link, self.graph.derived(f"inertia of {name}", part.inertia, "load"))
+
+    def _rotary_inertia(self, of_links: LinkLoads, name: str, inertia: Node) -> None:
+        link = self.kinematics.links[name]
+        epsilon = self.motion.acceleration(link.e, link.w)
+        if epsilon is not self.graph.zero:
+            of_links.twist(name, self.graph.apply(inertia_moment, inertia, epsilon))
+
+    def _apply(self, of_links: LinkLoads, load: Load) -> None:
+        """A force or moment of the scene, and its counterpart where something in the machine bears it."""
+        grip = load.grip
+        value = load.coefficient * self.motion.power(load.order) * load.characteristic
+        if grip.at is None:
+            self._acts(load.action, acting_moment=value)
+            of_links.twist(grip.link, value)
+            if grip.bearer is not None:
+                of_links.twist(grip.bearer[0], -value)
+            return
+        force = value * grip.direction
+        self._acts(load.action, force_x=force.x, force_y=force.y)
+        of_links.push(grip.link, grip.at, force)
+        if grip.bearer is not None:
+            of_links.push(*grip.bearer, -force)
+
+    def _acts(self, action: str, **parts: Node) -> None:
+        """Fields of a force or moment of the scene; the damping of a spring adds to its pull."""
+        for key, node in parts.items():
+            name = f"{action}.{key}"
+            self.variables[name] = self.variables[name] + node if name in self.variables else node
+
+    # Pairs
+
+    def _revolute(self, pair: Pair, force: Vector) -> None:
+        """Register the reaction of a revolute pair; what carries an outer pair bears the opposite."""
+        link, other = (self.kinematics.links[name] for name in (pair.link, pair.other))
+        force.called(f"{pair.name} reaction")
+        own = self.in_axes[pair.name, pair.link] = _components(force, link)
+        self.in_axes[pair.name, pair.other] = _components(-force, other)
+        found = {"_x": force.x, "_y": force.y, "_along": own.x, "_across": own.y, "": force.length}
+        self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
+        if not pair.name.endswith(".inner"):
+            self._loads.push(pair.other, link.origin, -force)
+
+    def _prismatic(self, pair: Pair, normal: Node, moment: Node) -> None:
+        """Register the reaction of a prismatic pair; what carries an outer pair bears the opposite."""
+        link = self.kinematics.links[pair.link]
+        force = normal * link.u.normal
+        found = {"": normal, "_x": force.x, "_y": force.y, "_moment": moment}
+        self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
+        if not pair.name.endswith(".inner"):
+            self._loads.push(pair.other, link.origin, -force)
+            self._loads.twist(pair.other, -moment)
+
+    # Groups, last first, then what turns on the frame
+
+    def _group(self, name: str) -> None:
+        group = self.scene.groups[name]
+        loads = tuple(self._loads.total(part.link) for part in (group.first, group.second))
+        found = self._with_friction(name, self._solved(name, loads))
+        for pair, reaction in zip(pairs_of_group(self.scene, name), found, strict=True):
+            if pair.kind == "revolute":
+                self._revolute(pair, Vector(*reaction))
+            else:
+                self._prismatic(pair, *reaction)
+        unloaded = {part.link for part, load in zip((group.first, group.second), loads, strict=True) if load.is_nothing}
+        for pair in pairs_of_group(self.scene, name):
+            self._kinks(pair, unloaded)
+
+    def _solved(self, name: str, loads: tuple[Wrench, Wrench]) -> list[Components]:
+        """Reactions in the three pairs of a group, two components of each."""
+        group, k, number = self.scene.groups[name], self.kinematics, self.kinematics.number
+        one, two = k.links[group.first.link], k.links[group.second.link]
+        match group.type:
+            case "RRR":
+                lengths = [number(f"groups.{name}.{side}.length") for side in ("first", "second")]
+                law, geometry = rrr_reactions, (lengths[0], *one.u, lengths[1], *two.u, k.sines[name])
+            case "RRP":
+                law = rrp_reactions
+                geometry = (number(f"groups.{name}.first.length"), *one.u, *two.u, k.sines[name])
+            case "RPR":
+                law, geometry = rpr_reactions, (*two.u, k.slides[group.first.link].d)
+            case "PRP":
+                law, geometry = prp_reactions, (*one.u, *two.u)
+            case "RPP":
+                law, geometry = rpp_reactions, (*two.u, *one.u, k.slides[group.first.link].d)
+        given = [part for load in loads for part in (*load.force, load.moment)]
+        found = self.graph.apply(law, *given, *geometry)
+        return [found[0:2], found[2:4], found[4:6]]
+
+    def _shaft(self, name: str) -> None:
+        """Gears balance the moments on a shaft, load its driver by the ratio, and leave the rest to the frame."""
+        shaft, load = self.scene.shafts[name], self._loads.total(name)
+        moment = load.moment
+        if shaft.pivot is not None:
+            moment = moment + self._in_pivot(name, load)
+        passed = self.graph.number(f"shafts.{name}.ratio") * moment
+        self._loads.twist(shaft.geared_to, passed)
+        self._loads.twist(FRAME, moment - passed)
+
+    def _in_pivot(self, name: str, load: Wrench) -> Node:
+        """Register the reaction of a pivot on the frame; the moment of its friction."""
+        pair = self._pairs[name]
+        self._revolute(pair, -load.force)
+        friction = self._rubbed(pair, self.variables[f"{name}.reaction"])
+        self._kinks(pair, frozenset())
+        return friction
+
+    def _input(self) -> None:
+        drive, pair = self.scene.input, self._pairs["input"]
+        link, load = self.kinematics.links[drive.link], self._loads.total(drive.link)
+        if isinstance(drive, CrankInput):
+            total = load.moment + self._in_pivot("input", load)
+            needed = -total
+            self._loads.twist(FRAME, total)
+        else:
+            normal, turning = load.force.cross(link.u), -load.moment
+            self._prismatic(pair, normal, turning)
+            friction = self.graph.zero
+            if "input" in self._rubs:
+                edge = self._rubs["input"].edge
+                friction = self._rubbed(pair, self.graph.apply(guide_pressing, normal, turning, edge))
+                self._kinks(pair, frozenset())
+            needed = -(load.force.dot(link.u) + friction)
+            self._loads.push(FRAME, link.origin, -needed * link.u)
+        self.variables["input_moment_by_equilibrium"] = named(needed, "input_moment_by_equilibrium")
+
+    # Friction
+
+    def _with_friction(self, name: str, free: list[Components]) -> list[Components]:
+        """Reactions in a group from those without its friction, and from what each of its rubbing pairs adds."""
+        around = pairs_of_group(self.scene, name)
+        rubbing = [(i, pair) for i, pair in enumerate(around) if pair.name in self._rubs]
+        if not rubbing:
+            return free
+        backs = [self._solved(name, self._for_a_newton(name, pair)) for _, pair in rubbing]
+        settled = settle(
+            [self._rubs[pair.name] for _, pair in rubbing],
+            [free[i] for i, _ in rubbing],
+            [[back[i] for back in backs] for i, _ in rubbing],
+        )
+        self.settlings[name] = settled
+        named(settled.margin, f"{name} margin")
+        named(settled.residual, f"{name} residual")
+        for (_, pair), pressing in zip(rubbing, settled.pressing, strict=True):
+            self._rubbed(pair, named(pressing, f"{pair.name} pressing"))
+        return [
+            tuple(
+                sum((back[i][axis] * n for back, n in zip(backs, settled.pressing, strict=True)), free[i][axis])
+                for axis in (0, 1)
+            )
+            for i in range(len(around))
+        ]
+
+    def _for_a_newton(self, name: str, pair: Pair) -> tuple[Wrench, Wrench]:
+        """Loads on the links of a group by friction in one of its pairs, for each newton that presses."""
+        group, links = self.scene.groups[name], self.kinematics.links
+        one, two = group.first.link, group.second.link
+        drag, link, loads = self._rubs[pair.name].drag, links[pair.link], LinkLoads(self.kinematics)
+        other = two if pair.name.endswith(".inner") else None
+        if pair.kind == "revolute":
+            loads.twist(pair.link, drag)
+            if other is not None:
+                loads.twist(other, -drag)
+        else:
+            loads.push(pair.link, link.origin, drag * link.u)
+            if other is not None:
+                loads.push(other, link.origin, -drag * link.u)
+        return loads.total(one), loads.total(two)
+
+    def _rubbed(self, pair: Pair, pressing: Node) -> Node:
+        """Friction on a pair's link by its pressing force; what carries an outer pair bears the opposite."""
+        if pair.name not in self._rubs:
+            return self.graph.zero
+        rub, link = self._rubs[pair.name], self.kinematics.links[pair.link]
+        friction = rub.drag * pressing
+        self.variables[f"{pair.name}.{_FRICTION[pair.kind]}"] = friction
+        self.lost[pair.name] = rub.lost * pressing
+        if not pair.name.endswith(".inner"):
+            if pair.kind == "revolute":
+                self._loads.twist(pair.other, -friction)
+            else:
+                self._loads.push(pair.other, link.origin, -friction * link.u)
+        return friction
+
+    def _kinks(self, pair: Pair, unloaded: Iterable[str]) -> None:
+        """Curves whose zeros are kinks of the pressing force in a pair.
+
+        A reaction passes through zero where a link that bears nothing but pairs changes from push to pull: friction
+        leans it to one side or the other, but its component along a bar, or across a slide, changes its sign.
+        """
+        rub = self._rubs.get(pair.name)
+        if rub is None:
+            return
+        if pair.kind == "prismatic":
+            normal = self.variables[f"{pair.name}.reaction"]
+            tilting = rub.edge * self.variables[f"{pair.name}.reaction_moment"]
+            found = [normal - tilting, normal + tilting]
+        else:
+            ends = [name for name in (pair.link, pair.other) if name in unloaded]
+            found = [
+                force.y if name in self.kinematics.slides else force.x
+                for name, force in ((name, self.in_axes[pair.name, name]) for name in ends)
+            ]
+        self.kinks += [node for node in dict.fromkeys(found) if node not in self.kinks]
+
+    def _losses(self) -> None:
+        """Powers lost to friction, and the moment on the input that stands for them."""
+        for pair, lost in self.lost.items():
+            self.variables.setdefault(f"{pair}.{_FRICTION[self._pairs[pair].kind]}", self.graph.zero)
+            self.variables[f"{pair}.friction_power"] = self.motion.speed * lost
+        total = sum(self.lost.values(), self.graph.zero)
+        self.variables["friction_moment"] = named(-(sense_of_input(self.kinematics) * total), "friction_moment")
+        self.variables["input_moment_with_friction"] = self.variables["input_moment_by_equilibrium"]
+
+    # The whole
+
+    def _power(self) -> None:
+        """Input moment by virtual power: that of all forces on all links, inertia forces among them, is zero."""
+        power = self.variables.get("friction_moment", self.graph.zero)
+        for name in self._moving:
+            link, load = self.kinematics.links[name], self._own[name]
+            power = power + (load.force.dot(link.origin.v) + load.moment * link.w)
+        self.variables["input_moment_by_power"] = -power
+
+    def _frame(self) -> dict[str, Node]:
+        """What the machine does to its frame, and the equilibrium of the machine without it."""
+        left = self._loads.total(FRAME)
+        on_frame = self._own[FRAME] + left
+        for key, node in zip(("x", "y", "moment"), (*on_frame.force, on_frame.moment), strict=True):
+            self.variables[f"frame.reaction_{key}"] = named(node, f"frame reaction_{key}")
+        whole = LinkLoads(self.kinematics)
+        for name in self._moving:
+            load = self._own[name]
+            whole.push(FRAME, self.kinematics.links[name].origin, load.force)
+            whole.twist(FRAME, load.moment)
+        total = whole.total(FRAME)
+        zero = self.graph.zero
+        return {
+            "force": (total.force - left.force).length,
+            "forces": sum((abs(self.variables[f"{name}.reaction"]) for name in self._pairs), zero),
+            "moment": total.moment - left.moment,
+            "moments": sum((abs(moment) for moment in self._loads.moments(FRAME)), zero),
+        }
+
+
+def _components(force: Vector, link: Turning) -> Vector:
+    """A force in the axes of a link: along it, and to its left across it."""
+    return Vector(force.dot(link.u), link.u.cross(force))

@@ -1,0 +1,24 @@
+"""The command line: list, new, check, run, optimise, show, plot, orders, animate, export, flywheel."""
+
+import click
+
+from sweeps.cli.running import check, optimise, run
+from sweeps.cli.shared import tell_version
+from sweeps.cli.showing import animate, export, orders, plot, show
+from sweeps.cli.sizing import flywheel
+from sweeps.cli.starting import list_command, new
+
+COMMANDS = (list_command, new, check, run, optimise, show, plot, orders, animate, export, flywheel)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=tell_version, help="Version.")
+def main() -> None:
+    """Planar machines evaluated over many design variants: kinematics, reduced inertia and moments, flywheels.
+
+    Start with `sweeps list`, then `sweeps run crank_press`; `sweeps new slider_crank` writes a scene of your own.
+    """
+
+
+for _command in COMMANDS:
+    main.add_command(_command)

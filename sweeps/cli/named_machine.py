@@ -1,0 +1,74 @@
+"""The machine that a file names, of a scene or a study, or a variant of a result; and positions of its input."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from engine import CrankInput, Scene, UnitError, in_text
+from sweeps.optimising.optimum import choices, is_front
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.bundled import find_study
+from sweeps.study.study import read_study
+from sweeps.text.input_files import InputError, is_hdf5
+
+
+def is_result(file: str) -> bool:
+    """Whether a file is a result of a sweep, by its content where it isn't called so."""
+    return file.endswith(".h5") or is_hdf5(Path(file))
+
+
+def machine_of(file: str, variant: int | None) -> tuple[Scene, Mapping[str, float], str]:
+    """Scene, replaced values and name of what a file describes: a result, a study or a scene.
+
+    Parameters
+    ----------
+    file : str
+    variant : int, optional
+        Unless given, of a result the best variant, of a Pareto front its last choice, the knee where it has one; of a
+        study the scene as it is.
+
+    Raises
+    ------
+    InputError, StoreError
+        The file can't be read, or has no such variant.
+    """
+    if is_result(file):
+        result = SweepResult(Path(file))
+        if variant is None:
+            variant = result.best()
+        if variant is None and is_front(result):
+            variant = next((choice.variant for choice in reversed(choices(result))), None)
+        chosen = 0 if variant is None else variant
+        return result.scene, result.variant_values(chosen), f"{Path(file).stem}_{chosen}"
+    study = read_study(find_study(file))
+    if variant is None:
+        return study.scene, {}, study.name
+    values, _ = study.values(variant, variant + 1)
+    return study.scene, {p: float(values[p][0]) for p in study.paths}, f"{study.name}_{variant}"
+
+
+def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
+    """Positions of a scene's input from a text with commas.
+
+    Parameters
+    ----------
+    scene : Scene
+    text : str
+        Crank angles, in degrees where no unit is named, or displacements of a sliding input.
+
+    Returns
+    -------
+    tuple of float
+        [rad] or [m].
+
+    Raises
+    ------
+    InputError
+        A part can't be read so.
+    """
+    turns = scene.input is None or isinstance(scene.input, CrankInput)
+    dimension, mend = ("angle", "0,60,120") if turns else ("length", "'0 mm, 20 mm'")
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    try:
+        return tuple(in_text(f"{part} deg" if turns and part[-1].isdigit() else part, dimension) for part in parts)
+    except UnitError as error:
+        raise InputError("--at", [(None, "", f"{error}; give it such as --at {mend}")]) from None

@@ -1,0 +1,91 @@
+"""Commands that compute: check, run, optimise."""
+
+import time
+from pathlib import Path
+
+import click
+
+from sweeps.cli.shared import errors_as_messages, make_folder, plots_of, run_options, stop, tell_files, use_threads
+
+
+@click.command()
+@click.argument("study")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the result would go.")
+@click.option("--source", is_flag=True, help="Print the generated kernel instead.")
+@errors_as_messages
+def check(study: str, out: Path, source: bool) -> None:
+    """Say what a study or scene will compute, what not and why, and its time, memory and file size."""
+    from sweeps.report.check_report import check_text
+    from sweeps.study.bundled import find_study
+    from sweeps.study.study import read_study
+
+    found = read_study(find_study(study))
+    if source:
+        click.echo(found.machine().source("whole").text)
+    else:
+        click.echo(check_text(found, out))
+
+
+@click.command()
+@click.argument("study")
+@run_options("results/NAME.h5")
+@errors_as_messages
+def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
+    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
+    from sweeps.report.result_report import answer_text, counts_text, kept_text
+    from sweeps.report.sweep_result import SweepResult
+    from sweeps.run.progress import ProgressBar
+    from sweeps.run.runner import run_study
+    from sweeps.study.bundled import find_study
+    from sweeps.study.study import read_study
+
+    started = time.perf_counter()
+    found = read_study(find_study(study))
+    out = out or Path("results") / f"{found.name}.h5"
+    make_folder(out)
+    use_threads(jobs)
+    bar = ProgressBar(found.design.size, quiet)
+    try:
+        run_study(found, out, restart, bar.update)
+    except KeyboardInterrupt:
+        stop(bar, kept_text(out, bar.total))
+    bar.close()
+    result = SweepResult(out)
+    plural = "" if found.design.size == 1 else "s"
+    click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
+    click.echo(counts_text(result))
+    click.echo(answer_text(result))
+    tell_files([out, *([] if no_plots else plots_of(result))], started)
+
+
+@click.command()
+@click.argument("study")
+@run_options("results/NAME_optimised.h5")
+@errors_as_messages
+def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
+    """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
+    from sweeps.optimising.optimum import optimum_text
+    from sweeps.optimising.runner import generations_kept, optimise_study
+    from sweeps.report.result_report import counts_text
+    from sweeps.report.sweep_result import SweepResult
+    from sweeps.run.progress import ProgressBar
+    from sweeps.study.bundled import find_study
+    from sweeps.study.search_task import task_of
+    from sweeps.study.study import read_study
+
+    started = time.perf_counter()
+    found = read_study(find_study(study))
+    out = out or Path("results") / f"{found.name}_optimised.h5"
+    make_folder(out)
+    use_threads(jobs)
+    bar = ProgressBar(task_of(found).generations, quiet, "generations")
+    try:
+        optimise_study(found, out, restart, bar.update)
+    except KeyboardInterrupt:
+        stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
+    bar.close()
+    result = SweepResult(out)
+    click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
+    click.echo(counts_text(result))
+    click.echo(optimum_text(result))
+    tell_files([out, *([] if no_plots else plots_of(result))], started)

@@ -1,0 +1,138 @@
+"""What the commands have in common: options, messages, files and threads."""
+
+import sys
+import time
+from collections.abc import Callable
+from functools import reduce, wraps
+from pathlib import Path
+
+import click
+
+INTERRUPTED = 130
+WRONG_INPUT = 2
+
+
+def fail(message: str) -> None:
+    """Say what is wrong on standard error and stop."""
+    click.echo(f"Error: {message}", err=True)
+    sys.exit(WRONG_INPUT)
+
+
+def errors_as_messages(command: Callable) -> Callable:
+    """Turn what a user can cause into a message."""
+
+    @wraps(command)
+    def guarded(*args: object, **kwargs: object) -> None:
+        try:
+            command(*args, **kwargs)
+        except Exception as error:
+            if not isinstance(error, _foreseen()):
+                raise
+            fail(str(error))
+
+    return guarded
+
+
+def _foreseen() -> tuple[type[Exception], ...]:
+    """Errors whose text is meant for who gave the command; imported only once there is one, as that is slow."""
+    from engine import AskError, SceneError, TableError, UnitError
+    from sweeps.pictures.picture_error import PictureError
+    from sweeps.store import StoreError
+    from sweeps.text.input_files import InputError
+
+    return InputError, StoreError, AskError, SceneError, TableError, UnitError, PictureError
+
+
+def run_options(out: str) -> Callable:
+    """Options of what makes a result file."""
+    options = (
+        click.option("--out", type=click.Path(path_type=Path), help=f"Result file; {out} unless given."),
+        click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it."),
+        click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
+        click.option("--no-plots", is_flag=True, help="Make no pictures."),
+        click.option("--quiet", is_flag=True, help="No progress on standard error."),
+    )
+    return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
+
+
+def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    """Say which version this is, and stop."""
+    if asked:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            click.echo(f"sweeps, version {version('machine-sweeps')}")
+        except PackageNotFoundError:
+            click.echo("sweeps, not installed")
+        context.exit()
+
+
+def stop(bar: object, kept: str) -> None:
+    """Say what an interrupted run leaves behind, and stop."""
+    bar.close()
+    click.echo(f"\nInterrupted: {kept}; the same command goes on from there.", err=True)
+    sys.exit(INTERRUPTED)
+
+
+def tell_files(made: list[Path], started: float) -> None:
+    """Name the files made since an instant of `time.perf_counter`."""
+    click.echo(f"Files ({time.perf_counter() - started:.1f} s):")
+    click.echo("\n".join(f"  {path}" for path in made))
+
+
+def plots_of(result: object) -> list[Path]:
+    """Make the pictures of a result; what can't be drawn is said on standard error."""
+    from sweeps.pictures import picture_files
+    from sweeps.pictures.picture_error import PictureError
+
+    try:
+        return picture_files.result_pictures(result.path)
+    except PictureError as error:
+        click.echo(f"No picture: {error}", err=True)
+        return []
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """Names separated by commas."""
+    return tuple(n.strip() for n in text.split(",") if n.strip())
+
+
+def use_threads(jobs: int | None) -> None:
+    """Let kernels use so many threads; all cores unless given."""
+    if jobs is not None:
+        from engine import set_threads
+
+        set_threads(jobs)
+
+
+def make_folder(path: Path) -> None:
+    """Make the folder that a file goes to.
+
+    Raises
+    ------
+    InputError
+        It can't be made.
+    """
+    from sweeps.text.input_files import InputError
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(str(path.parent), [(None, "", f"can't be made: {error.strerror}")]) from None
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file.
+
+    Raises
+    ------
+    InputError
+        It can't be written.
+    """
+    from sweeps.text.input_files import InputError
+
+    make_folder(path)
+    try:
+        path.write_text(text, encoding="utf8")
+    except OSError as error:
+        raise InputError(str(path), [(None, "", f"can't be written: {error.strerror}")]) from None

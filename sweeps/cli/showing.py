@@ -1,0 +1,187 @@
+"""Commands that show what there is: show, plot, orders, animate, export."""
+
+from pathlib import Path
+
+import click
+
+from sweeps.cli.shared import errors_as_messages, make_folder, names_in
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--where", help="Only variants that meet a condition, such as \"wheel_mass < '900 kg'\".")
+@click.option("--sort", help="Column to sort by.")
+@click.option("--descending", is_flag=True, help="Greatest first.")
+@click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="How many variants to list.")
+@click.option("--columns", help="Summaries to show, separated by commas; all unless given.")
+@errors_as_messages
+def show(file: Path, where: str | None, sort: str | None, descending: bool, limit: int, columns: str | None) -> None:
+    """Show a result file: what it holds, its verdicts, its best variants."""
+    from sweeps.optimising.optimum import is_front, is_search, optimum_text
+    from sweeps.report.result_report import answer_text, counts_text, variants_done_text, variants_text
+    from sweeps.report.sweep_result import SweepResult
+    from sweeps.text.input_files import InputError
+
+    result = SweepResult(file)
+    names = [n.strip() for n in columns.split(",")] if columns else []
+    unknown = [n for n in names if n not in result.columns]
+    if unknown:
+        raise InputError(
+            str(file), [(None, "columns", f"{unknown[0]!r} is not there; there are: {', '.join(result.columns)}")]
+        )
+    goal, usual = result.goal, "front > 0" if is_front(result) else None
+    if sort is None and goal is not None:
+        sort, descending = goal.goal, goal.sign < 0
+    chosen = result.select(where or (goal.where if goal else usual), sort or (usual and "front"), descending)
+    d = result.description
+    click.echo(f"{d.title}: {variants_done_text(result)}")
+    click.echo(f"varied: {d.attributes.get('grid', '')}")
+    if result.fields:
+        click.echo(f"fields over {d.positions} positions: {', '.join(result.fields)}")
+    click.echo(counts_text(result))
+    click.echo(f"{chosen.size} variants meet the condition; the first {min(limit, chosen.size)}:")
+    click.echo(variants_text(result, chosen[:limit], names))
+    if where is None:
+        click.echo((optimum_text if is_search(result) else answer_text)(result))
+
+
+@click.command()
+@click.argument("file")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); beside the file unless given."
+)
+@click.option("--variant", type=int, help="Machine of one variant of a result file.")
+@click.option(
+    "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm'; with commas."
+)
+@click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
+@click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
+@click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")
+@click.option("-x", help="Column along x (results).")
+@click.option("-y", help="Column along y, or shown (results).")
+@click.option("--colour", help="Column shown as colour (results).")
+@errors_as_messages
+def plot(
+    file: str,
+    out: Path | None,
+    variant: int | None,
+    at: str,
+    paths: str,
+    plans: bool,
+    hodograph: bool,
+    beside: str | None,
+    x: str | None,
+    y: str | None,
+    colour: str | None,
+) -> None:
+    """Draw: of a scene its machine and diagrams; of a result file the sweep, or the machine of one variant.
+
+    Of a mechanism that is a drawing and diagrams over its cycle; of rotors and engines among the machine elements plans
+    of their unbalances and sheets of the orders that shake them, told in a table too.
+    """
+    from sweeps.cli.named_machine import is_result, machine_of, positions_of
+    from sweeps.pictures import picture_files
+    from sweeps.pictures.elements.element_pictures import element_tables
+    from sweeps.pictures.plans import plan_pictures
+    from sweeps.text.scene_text import with_values
+
+    tables = ""
+    if is_result(file) and variant is None and not (plans or hodograph or beside):
+        made = picture_files.result_pictures(Path(file), out, x, y, colour)
+    else:
+        scene, values, name = machine_of(file, variant)
+        stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
+        made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths))
+        made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
+        if hodograph or beside:
+            other = machine_of(beside, None) if beside else None
+            made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
+        tables = element_tables(with_values(scene, values))
+    if tables:
+        click.echo(tables)
+    click.echo("\n".join(f"Wrote {path}" for path in made))
+
+
+@click.command()
+@click.argument("file", required=False)
+@click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf) to draw them too.")
+@click.option("--variant", type=int, help="Engines of one variant of a result file.")
+@errors_as_messages
+def orders(file: str | None, out: Path | None, variant: int | None) -> None:
+    """Tell which orders of force, couple and torque remain: of well-known engines, or of those of a scene or result."""
+    from sweeps.cli.named_machine import machine_of
+    from sweeps.pictures.elements.order_picture import order_picture
+    from sweeps.report.order_table import engine_rows, order_table, well_known_engines
+    from sweeps.text.input_files import InputError
+    from sweeps.text.scene_text import with_values
+
+    rows = well_known_engines()
+    if file is not None:
+        scene, values, _ = machine_of(file, variant)
+        rows = engine_rows(with_values(scene, values))
+        if not rows:
+            raise InputError(file, [(None, "elements", 'none is an engine; add [elements.NAME] with type = "engine"')])
+    click.echo(order_table(rows, markdown=False), nl=False)
+    if out is not None:
+        order_picture(out, rows)
+        click.echo(f"Wrote {out}")
+
+
+@click.command()
+@click.argument("file")
+@click.option("--out", type=click.Path(path_type=Path), help="GIF file; NAME.gif unless given.")
+@click.option("--variant", type=int, help="Machine of one variant of a result file.")
+@click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option("--frames", type=click.IntRange(min=4), default=60, show_default=True)
+@errors_as_messages
+def animate(file: str, out: Path | None, variant: int | None, paths: str, frames: int) -> None:
+    """Animate the mechanism of a scene, study or variant as a GIF."""
+    from sweeps.cli.named_machine import machine_of
+    from sweeps.pictures.machine.animation import save_animation
+
+    scene, values, name = machine_of(file, variant)
+    out = out or Path(f"{name}.gif")
+    make_folder(out)
+    save_animation(scene, out, frames=frames, paths=names_in(paths), values=values)
+    click.echo(f"Wrote {out}")
+
+
+@click.command()
+@click.argument("file")
+@click.option("--to", type=click.Path(path_type=Path), required=True, help="File to write: .csv, .svg, .dxf or .toml.")
+@click.option("--variant", type=int, help="One variant of a result file.")
+@click.option("--at", default="", help="Crank angle of the drawing [deg], or displacement such as '20 mm'.")
+@click.option("--where", help="Only variants that meet a condition (CSV of a result).")
+@click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (CSV).")
+@errors_as_messages
+def export(file: str, to: Path, variant: int | None, at: str, where: str | None, history: bool) -> None:
+    """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML)."""
+    from sweeps.cli.named_machine import is_result, machine_of, positions_of
+    from sweeps.pictures import picture_files
+    from sweeps.report import exports
+    from sweeps.text.input_files import InputError
+
+    if history and to.suffix != ".csv":
+        raise InputError(str(to), [(None, "--history", f"writes .csv, not {to.suffix!r}; name a .csv file")])
+    make_folder(to)
+    machine = ""
+    match to.suffix:
+        case ".csv" if history:
+            scene, values, machine = machine_of(file, variant)
+            if ended := exports.history_csv(scene, values, to):
+                click.echo(f"The history ends early: {ended}", err=True)
+        case ".csv" if is_result(file) and variant is None:
+            exports.result_csv(Path(file), to, where)
+        case ".csv":
+            scene, values, machine = machine_of(file, variant)
+            exports.positions_csv(scene, values, to)
+        case ".svg" | ".dxf":
+            scene, values, machine = machine_of(file, variant)
+            picture_files.drawing_file(scene, values, to, next(iter(positions_of(scene, at)), None))
+        case ".toml":
+            scene, values, machine = machine_of(file, variant)
+            exports.scene_toml(scene, values, to)
+        case _:
+            raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are .csv, .svg, .dxf, .toml")])
+    click.echo(f"Wrote {to}" + (f" of {machine}" if machine else ""))

@@ -1,0 +1,38 @@
+"""Commands to start with: list, new."""
+
+from pathlib import Path
+
+import click
+
+from sweeps.cli.shared import errors_as_messages, write_text
+
+
+@click.command("list")
+@errors_as_messages
+def list_command() -> None:
+    """List the bundled studies and the templates for scenes."""
+    from sweeps.study.bundled import questions
+    from sweeps.text.tables import table
+    from sweeps.text.templates import templates
+
+    click.echo("Studies (sweeps run NAME):")
+    click.echo(table(list(questions().items()), "  "))
+    click.echo("Templates (sweeps new NAME):")
+    click.echo(table(list(templates().items()), "  "))
+
+
+@click.command()
+@click.argument("template")
+@click.option("--out", type=click.Path(path_type=Path), help="File to write; TEMPLATE.toml unless given.")
+@errors_as_messages
+def new(template: str, out: Path | None) -> None:
+    """Write a commented scene to start from."""
+    from sweeps.text.input_files import InputError
+    from sweeps.text.templates import template_text
+
+    text = template_text(template)
+    out = out or Path(f"{template}.toml")
+    if out.exists():
+        raise InputError(str(out), [(None, "", "exists already; name another file with --out")])
+    write_text(out, text)
+    click.echo(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")

@@ -1,0 +1,1 @@
+"""Pictures of machines, sweeps and machine elements."""

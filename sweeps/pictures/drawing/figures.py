@@ -1,0 +1,88 @@
+"""A mechanism at some positions as figures in metres, in painting order: what comes later hides what it covers."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from engine import Scene, did_you_mean, has_cycle
+from sweeps.pictures.drawing.frame import frame_parts
+from sweeps.pictures.drawing.links import moving_parts
+from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.names import names_of_points, sense_of_input
+from sweeps.pictures.drawing.symbols import Primitive, line
+from sweeps.pictures.picture_error import PictureError
+
+
+def primitives(
+    scene: Scene, phi: float, values: Mapping[str, float] | None = None, paths: Sequence[str] = ()
+) -> list[Primitive]:
+    """Figures of a mechanism at a position, in painting order.
+
+    Parameters
+    ----------
+    scene : Scene
+    phi : float
+        Crank angle [rad], or displacement of a sliding input [m]; the nearest of 720 nodes is drawn.
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+    paths : sequence of str
+        Points whose paths over the cycle are wanted.
+
+    Returns
+    -------
+    list of Primitive
+        In metres.
+
+    Raises
+    ------
+    PictureError
+        The position can't be drawn, or a point of `paths` doesn't exist.
+    """
+    return figures(DrawnMotion(scene, values), [phi], paths)[-1]
+
+
+def figures(motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = ()) -> list[list[Primitive]]:
+    """Figures of a mechanism at several positions, the first of them whole and last in painting order.
+
+    Parameters
+    ----------
+    motion : DrawnMotion
+    at : sequence of float
+        Crank angles [rad] or displacements [m].
+    paths : sequence of str
+        As of `primitives`.
+
+    Returns
+    -------
+    list of list of Primitive
+        The moving links at the other positions, then everything at the first.
+    """
+    for name in paths:
+        if name not in motion.points:
+            raise PictureError(f"paths: {name!r} is not a point of this scene; {did_you_mean(name, motion.points)}")
+    first, *rest = (motion.node(place) for place in at)
+    trails = [motion.points[n] for n in paths]
+    if has_cycle(motion.scene):
+        trails = [_once(trail, 0.5 * motion.radius) for trail in trails]
+    trails = [line(*trail, layer="paths") for trail in trails]
+    others = [moving_parts(motion, k) for k in rest]
+    whole = [*frame_parts(motion), *trails, *moving_parts(motion, first), *sense_of_input(motion, first)]
+    obstacles = [*whole, *(p for other in others for p in other)]
+    return [*others, [*whole, *names_of_points(motion, [first], [obstacles])[0]]]
+
+
+def _once(path: np.ndarray, near: float) -> np.ndarray:
+    """A closed path; the half of it where the point comes back the way it went, since dashes would fill up."""
+    steps = np.diff(path, append=path[:1])
+    ends = np.flatnonzero((steps * np.roll(steps, 1).conj()).real < 0)
+    if ends.size == 2:
+        there, back = path[ends[0] : ends[1] + 1], np.roll(path, -ends[1])[: path.size - np.diff(ends)[0] + 1]
+        if max(np.abs(back - p).min() for p in there[::10]) < near:
+            return there
+    return np.append(path, path[0])
+
+
+def default_position(motion: DrawnMotion) -> float:
+    """Where to draw a mechanism when nobody says: the crank at 60°, or the middle of the input's range."""
+    return math.pi / 3 if has_cycle(motion.scene) else float(motion.q[motion.q.size // 2])

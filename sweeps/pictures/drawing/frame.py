@@ -1,0 +1,69 @@
+"""What stands still in a drawing: fixed pivots, guides of the frame, pitch circles of gears."""
+
+import cmath
+import math
+
+import numpy as np
+
+from engine import FRAME
+from sweeps.pictures.drawing.motion import DrawnMotion, Slider
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
+
+
+def frame_parts(m: DrawnMotion) -> list[Primitive]:
+    """Fixed pivots, guides of the frame and gears' pitch circles: what is the same at every position."""
+    r, scene, found = m.radius, m.scene, []
+    for slider in m.sliders:
+        if scene.guides[slider.guide].link == FRAME:
+            found += hatched(*_rail(m, slider), r)
+    for group in scene.groups.values():
+        if group.type == "RPP" and scene.guides[group.second.guide].link == FRAME:
+            place, along = (values[0] for values in m.guide(group.second.guide))
+            bush = place + bush_at(m, group) * along
+            for side in (1, -1):
+                ends = [bush + r * along * (side * 1.2j - side * half) for half in (4, -4)]
+                found += hatched(*ends, r)
+    for name, shaft in scene.shafts.items():
+        if shaft.pivot is not None:
+            found += _gearing(
+                *(m.points[p][0] for p in (scene.input.pivot, shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
+            )
+    anchors = m.hinges | {end for s in scene.springs.values() for end in s.between}
+    for name in sorted(anchors):
+        if name in scene.points and scene.points[name].link == FRAME:
+            found += fixed_pivot(m.points[name][0], r)
+    return found
+
+
+def _rail(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
+    """Ends of a fixed guide under a slider, on the side where the mechanism isn't; the frame is on their right."""
+    r = m.radius
+    place, u = (complex(values[0]) for values in m.guide(slider.guide))
+    base = place + 1j * slider.offset * u
+    others = np.concatenate(list(m.points.values()))
+    side = float(np.nanmean(((others - base) / u).imag))
+    if abs(side) < 2 * r:
+        side = u.real if abs(u.real) > 1e-9 else u.imag
+    margin, (low, high) = (HALF_LENGTH + 2) * r, m.range_of(slider.link)
+    ends = [base + s * u - 1j * math.copysign(HALF_HEIGHT * r, side) * u for s in (low - margin, high + margin)]
+    return (ends[0], ends[1]) if side > 0 else (ends[1], ends[0])
+
+
+def bush_at(m: DrawnMotion, group: object) -> float:
+    """Where along its guide the stem of a yoke is held: beyond the stroke."""
+    return m.range_of(group.second.link)[1] + 12 * m.radius
+
+
+def _gearing(a: complex, b: complex, ratio: float) -> list[Primitive]:
+    """Pitch circles of two wheels in mesh; of a belt or chain where both turn the same way."""
+    d = abs(b - a)
+    if d == 0:
+        return []
+    r1, r2 = (d * share / (1 + abs(ratio)) for share in (abs(ratio), 1))
+    straps = []
+    if ratio > 0:
+        r1, r2 = r1 / 2, r2 / 2
+        for side in (1, -1):
+            n = (b - a) / d * cmath.exp(1j * side * math.acos((r1 - r2) / d))
+            straps.append(line(a + r1 * n, b + r2 * n, layer="pitch"))
+    return [Primitive("pitch", "circle", (c,), radius) for c, radius in ((a, r1), (b, r2))] + straps

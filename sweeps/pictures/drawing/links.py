@@ -1,0 +1,97 @@
+"""What moves in a drawing: links, slotted links and their blocks, sliders, springs and joints."""
+
+from engine import FRAME
+from sweeps.pictures.drawing.frame import bush_at
+from sweeps.pictures.drawing.motion import DrawnMotion, Slider
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, line, link_shape, weld, zigzag
+
+
+def moving_parts(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Links, sliders and hinges at a node, without names."""
+    r, scene = m.radius, m.scene
+    under, plates, over = [], [], []
+    carriers = {scene.guides[s.guide].link for s in m.sliders}
+    carriers |= {g.second.link for g in scene.groups.values() if g.type in ("RPR", "RPP")}
+    for link in m.links[:-1]:
+        shape = link_shape([m.axes(link)[0][k], *(m.points[n][k] for n in m.members(link))], r)
+        is_plate = bool(shape) and shape[0].kind == "polygon"
+        (under if link in carriers else plates if is_plate else over).extend(shape)
+    for name, group in scene.groups.items():
+        if group.type in ("RPR", "RPP"):
+            under += _slotted(m, name, k)
+    for slider in m.sliders:
+        if scene.guides[slider.guide].link != FRAME:
+            under += _moving_guide(m, slider, k)
+    boxes = [box(m.points[s.joint][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
+    spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
+    springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
+    return [*under, *boxes, *plates, *over, *springs, *joints(m, k)]
+
+
+def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
+    """Slotted link and block of RPR or RPP."""
+    r, group = m.radius, m.scene.groups[name]
+    origin, u = m.axes(group.second.link)[0][k], m.axes(group.first.link)[1][k]
+    pin = m.points[group.first.joint][k]
+    low, high = m.range_of(group.first.link)
+    foot = origin + m.slides[group.first.link][k] * u
+    block = box(foot, u, HALF_LENGTH * r, HALF_HEIGHT * r)
+    margin = (HALF_LENGTH + 1.5) * r
+    if group.type == "RPR":
+        return [line(*_rod(m, name, k)), line(foot, pin), block]
+    slot = box(origin + (low + high) / 2 * u, u, (high - low) / 2 + margin, HALF_HEIGHT * r, "paper")
+    along = m.axes(group.second.link)[1][k]
+    start = origin + HALF_HEIGHT * r / abs((u / along).imag) * along
+    held = m.guide(group.second.guide)[0][k] + (bush_at(m, group) + 4 * r) * along
+    tip = held + (m.slides[group.second.link][k] - m.range_of(group.second.link)[0] + 1.5 * r) * along
+    below = [line(start, tip), *weld(start, along, u, r), slot, block]
+    if m.scene.guides[group.second.guide].link != FRAME:
+        below.append(box(held - 4 * r * along, along, 4 * r, 1.2 * r))
+    return below
+
+
+def _rod(m: DrawnMotion, name: str, k: int) -> tuple[complex, complex]:
+    """Ends of the rod that serves the rocker of RPR as its slot."""
+    group = m.scene.groups[name]
+    origin, u = (values[k] for values in m.axes(group.second.link))
+    low, high = m.range_of(group.first.link)
+    margin = (HALF_LENGTH + 1.5) * m.radius
+    return origin + min(low - margin, 0) * u, origin + max(high + margin, 0) * u
+
+
+def _moving_guide(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
+    """The rod that guides a slider on a moving link, joined to the link's origin."""
+    r = m.radius
+    place, u = (values[k] for values in m.guide(slider.guide))
+    place = place + 1j * slider.offset * u
+    origin = m.axes(m.scene.guides[slider.guide].link)[0][k]
+    low, high = (s + side * (HALF_LENGTH + 2) * r for s, side in zip(m.range_of(slider.link), (-1, 1), strict=True))
+    apart = (origin - place) / u
+    if abs(apart.imag) < 0.5 * r:
+        return [line(place + min(low, apart.real) * u, place + max(high, apart.real) * u)]
+    foot = place + min(max(low, apart.real), high) * u
+    arm = (origin - foot) / abs(origin - foot)
+    return [line(place + low * u, place + high * u), line(origin, foot), *weld(foot, arm, u, r)]
+
+
+def joints(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Hinges, dots at other points, and a stroke through a hinge where a link goes on beyond it."""
+    r, hinges = m.radius, m.hinges
+    rest = {n for n, p in m.scene.points.items() if p.link == FRAME}
+    found = [
+        Primitive(
+            "joints", "circle", (complex(p[k]),), r if n in hinges else 0.55 * r, "paper" if n in hinges else "solid", n
+        )
+        for n, p in m.points.items()
+        if n in hinges or n not in rest
+    ]
+    rods = {g.second.link: _rod(m, name, k) for name, g in m.scene.groups.items() if g.type == "RPR"}
+    for link in m.links[:-1]:
+        names = m.members(link)
+        shape = link_shape([*rods.get(link, ()), *(m.points[n][k] for n in names)], r)
+        if shape and shape[0].kind == "line":
+            a, b = shape[0].points
+            u = r * (b - a) / abs(b - a)
+            inside = [m.points[n][k] for n in names if n in hinges]
+            found += [line(p - u, p + u, layer="joints") for p in inside if min(abs(p - a), abs(p - b)) > r]
+    return found

@@ -1,0 +1,217 @@
+"""Where the points, links and sliders of a mechanism are over its cycle, as complex numbers x + iy [m]."""
+
+import cmath
+import math
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import (
+    FRAME,
+    SENTENCES,
+    CrankInput,
+    Hinged,
+    Machine,
+    Scene,
+    SceneNumbers,
+    Sliding,
+    Verdict,
+    has_cycle,
+    input_point,
+    order_groups,
+    scene_numbers,
+)
+from sweeps.pictures.picture_error import PictureError
+
+POSITIONS = 720
+
+
+class Slider(NamedTuple):
+    """A link that slides on a guide with its joint at an offset to the guide's left."""
+
+    link: str
+    joint: str
+    guide: str
+    offset: float
+
+
+class DrawnMotion:
+    """Where the points and links of a scene are at every node of the cycle.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+
+    Attributes
+    ----------
+    q : ndarray (nodes,)
+        Crank angles [rad] or displacements of a sliding input [m].
+    points : dict of str to complex ndarray (nodes,)
+    slides : dict of str to ndarray (nodes,)
+    radius : float
+        Radius of a hinge, which scales all symbols [m].
+
+    Raises
+    ------
+    PictureError
+        The mechanism can't be assembled at any position, or a value is outside the limits of its number.
+    """
+
+    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
+        values = dict(values or {})
+        self.scene, structure = scene, order_groups(scene)
+        drive = scene.input
+        moving = [n for n, p in scene.points.items() if p.link != FRAME]
+        moving += [g.inner for g in scene.groups.values() if hasattr(g, "inner")]
+        moving.append(input_point(scene))
+        fields = [f"{n}.{axis}" for n in moving for axis in "xy"] + [f"{n}.slide" for n in structure.sliders]
+        machine = Machine(scene, fields=fields, varied=values, positions=POSITIONS)
+        outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+        self.numbers = SceneNumbers(scene_numbers(scene), values)
+        self.q = machine.nodes
+        if not isinstance(drive, CrankInput):
+            start, stop = self.numbers["input.start"], self.numbers["input.stop"]
+            self.q = start + (stop - start) * self.q
+        at_rest = np.ones_like(self.q)
+        self.points = {
+            n: (self.numbers[f"points.{n}.x"] + 1j * self.numbers[f"points.{n}.y"]) * at_rest
+            for n, p in scene.points.items()
+            if p.link == FRAME
+        }
+        rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
+        self.points |= {n: rows[f"{n}.x"] + 1j * rows[f"{n}.y"] for n in moving}
+        self.slides = {n: rows[f"{n}.slide"] for n in structure.sliders}
+        if not np.isfinite(sum(self.points.values())).any():
+            verdict = SENTENCES[Verdict(int(outcome.status[0]))]
+            raise PictureError(f"this mechanism can't be drawn at any position: {verdict}")
+        self.links = (*structure.links, FRAME)
+        self.axes, self.guide = cache(self._axes), cache(self._guide)
+        self.sliders = tuple(self._sliders())
+        self.radius = self._radius()
+
+    def node(self, at: float) -> int:
+        """Number of the node nearest to a crank angle [rad] or displacement [m].
+
+        Raises
+        ------
+        PictureError
+            The place is outside the range of the input, or the mechanism can't be assembled there.
+        """
+        step = self.q[1] - self.q[0]
+        k = round((at - self.q[0]) / step)
+        if has_cycle(self.scene):
+            k %= self.q.size
+        elif not 0 <= k < self.q.size:
+            raise PictureError(f"position {at:g} is outside the input's range {self.q[0]:g} to {self.q[-1]:g}")
+        if not all(np.isfinite(p[k]) for p in self.points.values()):
+            sentence = SENTENCES[Verdict.CANNOT_ASSEMBLE]
+            raise PictureError(f"position {at:g} can't be drawn: {sentence}; or ask for another position")
+        return k
+
+    def _part(self, link: str) -> tuple[str, object]:
+        """The group and the part of it that a link is."""
+        for name, group in self.scene.groups.items():
+            for part in (group.first, group.second):
+                if part.link == link:
+                    return name, part
+        raise KeyError(link)
+
+    def _axes(self, link: str) -> tuple[np.ndarray, np.ndarray]:
+        """Origin and direction of a link's axes at every node."""
+        drive, one = self.scene.input, np.ones_like(self.q) + 0j
+        if link == FRAME:
+            return 0 * one, one
+        if link == drive.link and isinstance(drive, CrankInput):
+            return self.points[drive.pivot], np.exp(1j * self.q)
+        if link == drive.link:
+            return self.points[drive.point], self.guide(drive.guide)[1]
+        if link in self.scene.shafts:
+            ratio, phase = self.numbers[f"shafts.{link}.ratio"], self.numbers[f"shafts.{link}.phase"]
+            return self.points[self.scene.shafts[link].pivot], np.exp(1j * (ratio * self.q + phase))
+        name, part = self._part(link)
+        group = self.scene.groups[name]
+        if isinstance(part, Hinged):
+            return self.points[part.joint], _unit(self.points[group.inner] - self.points[part.joint])
+        if isinstance(part, Sliding):
+            return self.points[group.inner], self.guide(part.guide)[1]
+        if part is group.first:
+            turned = cmath.exp(1j * self.numbers[f"groups.{name}.second.slot_angle"]) if group.type == "RPP" else 1
+            return self.points[part.joint], self.axes(group.second.link)[1] * turned
+        if group.type == "RPP":
+            place, along = self.guide(part.guide)
+            return place + self.slides[link] * along, along
+        arm = self.points[group.first.joint] - self.points[part.joint]
+        slide = self.slides[group.first.link]
+        return self.points[part.joint], _unit(arm / (slide + 1j * self.numbers[f"groups.{name}.second.offset"]))
+
+    def _guide(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """A point and the direction of a guide at every node."""
+        x, y, angle = (self.numbers[f"guides.{name}.{key}"] for key in ("x", "y", "angle"))
+        origin, direction = self.axes(self.scene.guides[name].link)
+        return origin + (x + 1j * y) * direction, direction * cmath.exp(1j * angle)
+
+    def _sliders(self) -> Iterable[Slider]:
+        drive = self.scene.input
+        if not isinstance(drive, CrankInput):
+            yield Slider(drive.link, drive.point, drive.guide, 0.0)
+        for name, group in self.scene.groups.items():
+            for side in ("first", "second"):
+                part = getattr(group, side)
+                if isinstance(part, Sliding):
+                    offset = self.numbers[f"groups.{name}.{side}.offset"]
+                    yield Slider(part.link, group.inner, part.guide, offset)
+
+    def _radius(self) -> float:
+        """Radius of a hinge: a share of the whole, smaller where links are short."""
+        cloud = np.concatenate([*self.points.values(), *self._stems()])
+        cloud = cloud[np.isfinite(cloud)]
+        whole = abs(np.ptp(cloud.real) + 1j * np.ptp(cloud.imag))
+        lengths = [v for path, v in self.numbers.items() if path.endswith(".length") and path[:6] != "bodies"]
+        return min(whole / 85, max(0.14 * min(lengths, default=math.inf), whole / 170))
+
+    def _stems(self) -> Iterable[np.ndarray]:
+        """How far the stems of yokes reach."""
+        for group in self.scene.groups.values():
+            if group.type == "RPP":
+                place, along = self.guide(group.second.guide)
+                low, high = self.range_of(group.second.link)
+                yield place + (2 * high - low) * along
+
+    def range_of(self, link: str) -> tuple[float, float]:
+        """Least and greatest slide coordinate of a slider over the cycle [m]."""
+        return float(np.nanmin(self.slides[link])), float(np.nanmax(self.slides[link]))
+
+    def members(self, link: str) -> list[str]:
+        """Names of the points of a link, the origin of its axes first where that is a point."""
+        drive, found = self.scene.input, []
+        if link == drive.link:
+            found = [drive.pivot, drive.pin] if isinstance(drive, CrankInput) else [drive.point]
+        elif link in self.scene.shafts:
+            found = [self.scene.shafts[link].pivot]
+        elif link != FRAME:
+            name, part = self._part(link)
+            inner = isinstance(part, (Hinged, Sliding))
+            found = [part.joint] if hasattr(part, "joint") else []
+            found += [self.scene.groups[name].inner] if inner else []
+        return found + [n for n, p in self.scene.points.items() if p.link == link]
+
+    @property
+    def hinges(self) -> set[str]:
+        """Points that are revolute pairs."""
+        drive = self.scene.input
+        found = {drive.pivot} if isinstance(drive, CrankInput) else set()
+        found |= {s.pivot for s in self.scene.shafts.values() if s.pivot is not None}
+        for group in self.scene.groups.values():
+            found |= {p.joint for p in (group.first, group.second) if hasattr(p, "joint")}
+            found |= {group.inner} if hasattr(group, "inner") else set()
+        return found
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    # Where the mechanism can't be assembled, undefined stays undefined.
+    with np.errstate(invalid="ignore"):
+        return vectors / np.abs(vectors)

@@ -1,0 +1,92 @@
+"""What a drawing is lettered with: the names of points, and the arrow of the input's motion."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from engine import CrankInput
+from sweeps.pictures.drawing.links import joints
+from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.symbols import HALF_LENGTH, Primitive, arrow
+
+# Height of a name in radii of a hinge.
+NAME_HEIGHT = 2.6
+
+
+def sense_of_input(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Arrow of the input's motion."""
+    r, drive = m.radius, m.scene.input
+    sense = math.copysign(1, m.numbers["input.speed"])
+    if isinstance(drive, CrankInput):
+        length = m.numbers["input.length"]
+        radius = 0.55 * length if length > 9 * r else length + 3.5 * r
+        turn = max(0.6, min(1.2, 9 * r / radius))
+        angles = m.q[k] + sense * np.linspace(0.25, 0.25 + turn, 24)
+        return arrow(m.points[drive.pivot][k] + radius * np.exp(1j * angles), r)
+    u = m.guide(drive.guide)[1][k]
+    face = m.points[drive.point][k] + sense * (HALF_LENGTH + 1) * r * u
+    return arrow([face, face + 4 * r * sense * u], r)
+
+
+def _segments(drawn: Iterable[Primitive]) -> np.ndarray:
+    """All outlines as segments, complex (segments, 2)."""
+    found = []
+    for p in drawn:
+        corners = np.array(p.points)
+        if p.kind == "circle":
+            corners = p.points[0] + p.size * np.exp(2j * np.pi * np.arange(8) / 8)
+        if p.kind in ("circle", "polygon"):
+            corners = np.append(corners, corners[0])
+        found.append(np.stack([corners[:-1], corners[1:]], axis=1))
+    return np.concatenate(found)
+
+
+def _marks(drawn: Iterable[Primitive], step: float) -> np.ndarray:
+    """Points along all outlines, no farther apart than a step."""
+    pieces = _segments(drawn)
+    pieces = pieces[np.isfinite(pieces).all(axis=1)]
+    counts = np.minimum(np.ceil(np.abs(pieces[:, 1] - pieces[:, 0]) / step).astype(int) + 1, 400)
+    return np.concatenate([np.linspace(a, b, n) for (a, b), n in zip(pieces, counts, strict=True)])
+
+
+def names_of_points(
+    m: DrawnMotion, nodes: Sequence[int], drawn: Sequence[Iterable[Primitive]]
+) -> list[list[Primitive]]:
+    """Names beside their points, at every node on the same side: where they cover least of what is drawn.
+
+    Parameters
+    ----------
+    m : DrawnMotion
+    nodes : sequence of int
+    drawn : sequence of iterable of Primitive
+        What is drawn at each node.
+
+    Returns
+    -------
+    list of list of Primitive
+        The names at each node.
+    """
+    height, found = NAME_HEIGHT * m.radius, [[] for _ in nodes]
+    marks = [_marks(figures, 0.3 * height) for figures in drawn]
+    around = np.exp(1j * np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]))
+    u, reach = np.tile(around, 4), np.repeat([0.25, 0.5, 1.0, 1.7], around.size)
+    square = np.add.outer(np.linspace(-1, 1, 5), 1j * np.linspace(-1, 1, 5)).ravel()
+    for same in zip(*([joint for joint in joints(m, k) if joint.text] for k in nodes), strict=True):
+        joint = same[0]
+        half = complex(0.36 * len(joint.text), 0.5) * height
+        beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * u.imag
+        away = (joint.size + height * reach) * u + beside
+        covered = [_covered(there, j.points[0] + away, half) for there, j in zip(marks, same, strict=True)]
+        chosen = away[np.argmin(3 * np.mean(covered, axis=0) + reach)]
+        for i, j in enumerate(same):
+            at = complex(j.points[0] + chosen)
+            found[i].append(Primitive("names", "text", (at,), height, "none", joint.text))
+            marks[i] = np.append(marks[i], at + square.real * half.real + 1j * square.imag * half.imag)
+    return found
+
+
+def _covered(marks: np.ndarray, places: np.ndarray, half: complex) -> np.ndarray:
+    """How many of the marks a name of half this size would cover at each place."""
+    gap = marks - places[:, None]
+    return ((np.abs(gap.real) < 1.35 * half.real) & (np.abs(gap.imag) < 1.2 * half.imag)).sum(axis=1)

@@ -1,0 +1,131 @@
+"""Figures of a mechanism painted to scale on axes of matplotlib, or to a file."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties
+from matplotlib.patches import Circle, PathPatch, Polygon
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import TextPath
+
+from engine import Scene
+from sweeps.pictures.drawing.figures import default_position, figures
+from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.symbols import Primitive
+from sweeps.pictures.style import MM_PER_INCH, VERMILION, house_style, new_figure, save
+from sweeps.text.engineer_units import engineer_unit
+
+# Line widths [pt] of the layers, and how dark they are.
+WIDTHS = {"frame": 1.0, "hatching": 0.5, "pitch": 0.6, "paths": 0.9, "links": 1.5, "joints": 1.1, "names": 0.8}
+FILLS = {"none": "none", "paper": "white", "tint": "#e4e8ec", "solid": "black"}
+DASHES = {"pitch": (0, (9, 2.5, 1.5, 2.5)), "paths": (0, (5, 2.5))}
+GHOST = "#a8adb3"
+
+
+def draw(
+    scene: Scene,
+    ax: Axes,
+    at: Sequence[float] = (),
+    paths: Sequence[str] = (),
+    values: Mapping[str, float] | None = None,
+) -> None:
+    """Draw a mechanism to scale on axes of matplotlib.
+
+    Parameters
+    ----------
+    scene : Scene
+    ax : matplotlib.axes.Axes
+    at : sequence of float
+        Crank angles [rad] or displacements of a sliding input [m]: the first is drawn in black, the others lightly.
+        Without any, the crank stands at 60°, a sliding input in mid-range.
+    paths : sequence of str
+        Points whose paths over the cycle are drawn dashed.
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+
+    Raises
+    ------
+    PictureError
+        A position can't be drawn, or a point of `paths` doesn't exist.
+    """
+    motion = DrawnMotion(scene, values)
+    poses = figures(motion, list(at) or [default_position(motion)], paths)
+    extent = bounds(q for pose in poses for q in pose)
+    factor = prepare(ax, extent, motion.radius)
+    for pose in poses:
+        paint(ax, pose, factor, ghost=pose is not poses[-1])
+
+
+def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
+    """Least x, least y, greatest x, greatest y of figures [m]."""
+    reach = [
+        (p.points, complex(0.37 * len(p.text), 0.5) * p.size if p.kind == "text" else complex(p.size, p.size))
+        for p in drawn
+    ]
+    x = [c.real + s * half.real for points, half in reach for c in points for s in (-1, 1)]
+    y = [c.imag + s * half.imag for points, half in reach for c in points for s in (-1, 1)]
+    return np.nanmin(x), np.nanmin(y), np.nanmax(x), np.nanmax(y)
+
+
+def prepare(ax: Axes, extent: tuple[float, float, float, float], radius: float) -> float:
+    """Set equal scales, limits and labels of axes; return the factor from metres to the unit shown."""
+    factor, label = engineer_unit("m", np.array(extent))
+    low_x, low_y, high_x, high_y = (factor * value for value in extent)
+    margin = 2.5 * factor * radius
+    ax.set(xlim=(low_x - margin, high_x + margin), ylim=(low_y - margin, high_y + margin))
+    ax.set_aspect("equal")
+    ax.grid(False)
+    ax.set(xlabel=f"x, {label}", ylabel=f"y, {label}")
+    ax.spines[["top", "right"]].set_visible(False)
+    return factor
+
+
+def paint(ax: Axes, drawn: Iterable[Primitive], factor: float, ghost: bool = False) -> None:
+    """Paint figures on axes; lightly where they are of a position that only accompanies another."""
+    ink = GHOST if ghost else "black"
+    for z, p in enumerate(drawn, 2):
+        vertices = factor * np.column_stack([np.real(p.points), np.imag(p.points)])
+        style = {
+            "edgecolor": VERMILION if p.layer == "paths" else ink,
+            "facecolor": {"solid": ink, "tint": "none"}.get(p.fill, FILLS[p.fill]) if ghost else FILLS[p.fill],
+            "linewidth": WIDTHS[p.layer] * (0.6 if ghost else 1.0),
+            "linestyle": DASHES.get(p.layer, "solid"),
+            "zorder": z / 1000 if ghost else 3 + (p.layer == "paths") + 2 * (p.layer in ("joints", "names")) + z / 1000,
+        }
+        if p.kind == "text":
+            ax.add_patch(_lettering(p, factor, style["zorder"]))
+        elif p.kind == "circle":
+            ax.add_patch(Circle(vertices[0], factor * p.size, **style))
+        elif p.kind == "polygon":
+            ax.add_patch(Polygon(vertices, joinstyle="round", **style))
+        else:
+            ax.add_patch(PathPatch(Outline(vertices), **{**style, "facecolor": "none"}, capstyle="round"))
+
+
+def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
+    """A name as outlines of its letters, so that it keeps its size in the drawing whatever the figure's."""
+    path = TextPath((0, 0), p.text, size=factor * p.size, prop=FontProperties(family="DejaVu Serif", style="italic"))
+    box = path.get_extents()
+    at = p.points[0] * factor - complex(box.x0 + box.x1, box.y0 + box.y1) / 2
+    moved = Outline(path.vertices + np.array([at.real, at.imag]), path.codes)
+    return PathPatch(moved, facecolor="black", edgecolor="none", zorder=zorder)
+
+
+def picture(
+    scene: Scene,
+    path: Path | str,
+    at: Sequence[float] = (),
+    paths: Sequence[str] = (),
+    values: Mapping[str, float] | None = None,
+) -> None:
+    """Draw a mechanism to a file by itself (.svg, .pdf, .png), 160 mm wide at most; arguments as of `draw`."""
+    with house_style():
+        fig = new_figure(160, 160)
+        ax = fig.add_subplot()
+        draw(scene, ax, at, paths, values)
+        width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+        scale = min(145 / width, 200 / height)
+        fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 15) / MM_PER_INCH)
+    save(fig, path)

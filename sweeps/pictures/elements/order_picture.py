@@ -1,0 +1,76 @@
+"""An order table of engines to be looked at: the vectors of force and couple that remain."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from engine import Hodograph
+from sweeps.pictures.style import BLUE, GREY, ORANGE, house_style, new_figure, save
+from sweeps.report.order_table import (
+    BALANCED,
+    ORDER_HEADS,
+    EngineRow,
+    ellipse_text,
+    remaining_orders,
+    subscript_of,
+    well_known_engines,
+)
+
+
+def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow] | None = None) -> Figure:
+    """Vectors that remain of each engine, drawn as they swing and circle: an order table to be looked at.
+
+    Parameters
+    ----------
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    rows : sequence of EngineRow, optional
+        `well_known_engines` where not given.
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, or it can't be written.
+    """
+    rows = well_known_engines() if rows is None else rows
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 12 + 12 * len(rows))
+        axes = figure.subplots(len(rows), 4, squeeze=False)
+        for row, line in zip(rows, axes, strict=True):
+            found = remaining_orders(row)
+            vectors = [(v, order) for v in (found.forces, found.couples) for order in (1, 2)]
+            for ax, (vector, order) in zip(line, vectors, strict=True):
+                _draw(ax, vector, order)
+            line[0].set_ylabel(row.name, rotation=0, ha="right", va="center")
+        for ax, head in zip(axes[0], ORDER_HEADS[2:6], strict=True):
+            ax.set_title(
+                f"{head}\nin {'m r ω² A' if 'force' in head else 'm r ω² a A'}{subscript_of(1 + ('sec' in head))}"
+            )
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _draw(ax: Axes, vector: Hodograph, order: int) -> None:
+    """One vector's hodograph over the turn, the engine's own axis upwards; a dot where it starts."""
+    i = vector.orders.index(order)
+    one = Hodograph((order,), vector.forward[i : i + 1], vector.backward[i : i + 1])
+    way = one.at(np.linspace(0, 2 * math.pi / order, 181)) * 1j
+    size = one.major[0]
+    ax.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.3, 6.5), ylim=(-1.2, 1.2))
+    ax.grid(False)
+    for side in ax.spines.values():
+        side.set_visible(False)
+    if size == 0:
+        ax.plot(0, 0, ".", color=GREY, markersize=3)
+        return
+    way = way / size
+    shape = BLUE if one.minor[0] <= BALANCED * size else ORANGE
+    ax.plot(way.real, way.imag, color=shape)
+    ax.plot([0, way[0].real], [0, way[0].imag], color=GREY, linewidth=0.6)
+    ax.plot(way[0].real, way[0].imag, "o", color=shape, markersize=2.5)
+    ax.text(1.15, 0, ellipse_text(vector, order), ha="left", va="center", fontsize=6.5)

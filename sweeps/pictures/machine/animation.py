@@ -1,0 +1,105 @@
+"""A mechanism in motion, as an animated GIF."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from PIL import Image
+
+from engine import Scene, has_cycle
+from sweeps.pictures.drawing import FILLS, DrawnMotion, bounds, figures, names_of_points, paint, prepare
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import VERMILION, house_style
+
+DOTS_PER_INCH = 100
+LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4
+
+
+def save_animation(
+    scene: Scene,
+    path: Path | str,
+    frames: int = 60,
+    fps: int = 20,
+    paths: Sequence[str] = (),
+    values: Mapping[str, float] | None = None,
+) -> None:
+    """Write a mechanism's motion as a GIF that repeats for ever; a limited input goes to and fro.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : path
+        File to write, ending in .gif.
+    frames : int
+        Pictures per cycle, at least 4.
+    fps : int
+        Pictures per second, 1 to 50 (browsers slow down what is faster).
+    paths : sequence of str
+        Points whose paths are drawn.
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+
+    Raises
+    ------
+    PictureError
+        The mechanism can't be drawn at some position, a point doesn't exist, or a setting is out of range.
+    """
+    if Path(path).suffix.lower() != ".gif":
+        raise PictureError(f"{path}: an animation is a .gif file")
+    if frames < 4:
+        raise PictureError(f"frames = {frames}: at least 4 are needed, such as 60")
+    if not 1 <= fps <= 50:
+        raise PictureError(f"fps = {fps}: allowed are 1 to 50, such as 20")
+    motion = DrawnMotion(scene, values)
+    moments = _moments(motion, frames)
+    poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
+    # Names that hop from side to side would distract.
+    names = names_of_points(motion, [motion.node(at) for at in moments], poses)
+    pictures = _pictures(motion, [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)])
+    indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
+    # The format counts in hundredths of a second.
+    indexed[0].save(path, save_all=True, append_images=indexed[1:], duration=10 * round(100 / fps), loop=0)
+
+
+def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:
+    """Positions of the pictures, against the sense of counting where the input runs backwards."""
+    if has_cycle(motion.scene):
+        share = np.arange(frames) / frames
+        cycle = motion.q[-1] + motion.q[1]
+        return cycle * (share if motion.numbers["input.speed"] >= 0 else -share)
+    swing = (1 - np.cos(2 * np.pi * np.arange(frames) / frames)) / 2
+    return motion.q[0] + (motion.q[-1] - motion.q[0]) * swing
+
+
+def _palette() -> Image.Image:
+    """The colours of a drawing and what lies between each and white, where edges are smoothed."""
+    inks = np.array([to_rgb("black"), to_rgb(VERMILION)])
+    shades = 1 - np.linspace(0, 1, 20)[:, None] * (1 - inks[:, None])
+    shades = np.append(shades.reshape(-1, 3), [to_rgb(FILLS["tint"])], axis=0)
+    holder = Image.new("P", (1, 1))
+    holder.putpalette(np.rint(255 * shades).astype(int).ravel().tolist())
+    return holder
+
+
+def _pictures(motion: DrawnMotion, poses: list[list]) -> list[Image.Image]:
+    """Every pose on axes that stay the same."""
+    with house_style():
+        figure = Figure(dpi=DOTS_PER_INCH, layout="constrained")
+        canvas, ax = FigureCanvasAgg(figure), figure.add_subplot()
+        factor = prepare(ax, bounds(p for pose in poses for p in pose), motion.radius)
+        width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+        scale = min((LARGEST_WIDTH - 0.7) / width, (LARGEST_HEIGHT - 0.6) / height)
+        figure.set_size_inches(scale * width + 0.7, scale * height + 0.6)
+        pictures = []
+        for pose in poses:
+            for patch in list(ax.patches):
+                patch.remove()
+            paint(ax, pose, factor)
+            canvas.draw()
+            # Settled once, the axes must not move again.
+            figure.set_layout_engine("none")
+            pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    return pictures

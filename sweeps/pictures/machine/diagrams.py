@@ -1,0 +1,270 @@
+"""Diagrams of one machine over its cycle: reduced inertia and moment, work, the energy loop, the speed that follows."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+
+from engine import FRAME, SENTENCES, CrankInput, Machine, Scene, Verdict, has_cycle, sliders_of
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, house_style, new_figure, save
+from sweeps.text.engineer_units import engineer_unit
+
+# Beyond this the ends of an axis overflow.
+LARGEST = 1e300
+
+
+class CycleCurves(NamedTuple):
+    """Rows of one machine, ready to be shown.
+
+    Attributes
+    ----------
+    q : ndarray (positions,)
+        Crank angle [deg], or displacement of a sliding input in the unit of `q_label`.
+    q_label : str
+    rows : dict of str to ndarray (positions,)
+        Fields by name, SI.
+    units : dict of str to str
+    closed : bool
+        Whether the first position follows the last.
+    main : str or None
+        The slider whose dead centres are marked.
+    dead_centres : tuple of float
+        Where they are, as of q.
+    """
+
+    q: np.ndarray
+    q_label: str
+    rows: dict[str, np.ndarray]
+    units: dict[str, str]
+    closed: bool
+    main: str | None
+    dead_centres: tuple[float, ...]
+
+
+def main_slider(scene: Scene) -> str | None:
+    """The slider that matters most: a cylinder's piston, else the last one on a guide of the frame."""
+    for cylinder in scene.cylinders.values():
+        return cylinder.piston
+    parts = (part for group in scene.groups.values() for part in (group.first, group.second))
+    on_frame = {p.link for p in parts if hasattr(p, "guide") and scene.guides[p.guide].link == FRAME}
+    return next((name for name in reversed(sliders_of(scene)) if name in on_frame), None)
+
+
+def _has_flywheel(scene: Scene) -> bool:
+    wheel = scene.flywheel
+    return wheel is not None and (wheel.inertia is not None or wheel.speed_fluctuation is not None)
+
+
+def cycle_curves(
+    scene: Scene, values: Mapping[str, float] | None = None, fields: Mapping[str, np.ndarray] | None = None
+) -> CycleCurves:
+    """Compute the rows of one machine.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+    fields : mapping of str to ndarray (positions,), optional
+        Fields that are known already, from an `Outcome` or a result file; all over the same positions.
+
+    Raises
+    ------
+    PictureError
+        The machine can't be computed.
+    """
+    values, known = dict(values or {}), dict(fields or {})
+    positions = next((len(row) for row in known.values()), 720)
+    if not has_cycle(scene) and known:
+        positions -= 1
+    names = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment", "input_moment"]
+    names += ["work", *(["speed"] if _has_flywheel(scene) else [])] if has_cycle(scene) else []
+    main = main_slider(scene)
+    ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and has_cycle(scene) else []
+    machine = Machine(scene, ends, [n for n in names if n not in known], values, positions)
+    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    verdict = Verdict(int(outcome.status[0]))
+    if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
+        raise PictureError(f"no diagrams of this machine: {SENTENCES[verdict]}")
+    rows = known | {name: row[0].astype(float) for name, row in outcome.fields.items()}
+    q, label, factor = _input_axis(scene, values, machine.nodes)
+    centres = (math.degrees(outcome.summaries[end][0]) for end in ends)
+    units = {name: quantity.units for name, quantity in machine.available_fields.items()}
+    centres = tuple(c for c in centres if math.isfinite(c))
+    return CycleCurves(q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres)
+
+
+def _input_axis(scene: Scene, values: Mapping[str, float], nodes: np.ndarray) -> tuple[np.ndarray, str, float]:
+    """Values, label and factor of the axis of the input's position."""
+    if isinstance(scene.input, CrankInput):
+        return nodes, "crank angle φ, °", 180 / math.pi
+    start, stop = (values.get(f"input.{end}", getattr(scene.input, end)) for end in ("start", "stop"))
+    q = start + (stop - start) * nodes
+    factor, label = engineer_unit("m", q)
+    return q, f"displacement of {scene.input.link} q, {label}", factor
+
+
+def diagrams(
+    scene: Scene,
+    target: Path | str | Figure,
+    values: Mapping[str, float] | None = None,
+    fields: Mapping[str, np.ndarray] | None = None,
+) -> Figure:
+    """Diagrams of one machine on one sheet, 180 mm wide.
+
+    Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I) with Wittenbauer's tangents where a coefficient of
+    speed fluctuation is asked for, and ω(φ). Where the input doesn't turn fully there is no cycle to close: I,
+    its derivative, M and the input moment.
+
+    Parameters
+    ----------
+    scene : Scene
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    values, fields : mapping, optional
+        As of `cycle_curves`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    PictureError
+        The machine can't be computed, or the file's ending isn't a picture's.
+    """
+    cycle = cycle_curves(scene, values, fields)
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 115)
+        if has_cycle(scene):
+            _sheet_of_cycle(figure, scene, dict(values or {}), cycle)
+        else:
+            _sheet_of_range(figure, cycle)
+        if scene.title:
+            figure.suptitle(scene.title, fontweight="bold")
+        if cycle.dead_centres:
+            figure.supxlabel(f"Dotted lines: dead centres of {cycle.main}.", fontsize=7, x=0.01, ha="left")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _sheet_of_cycle(figure: Figure, scene: Scene, values: Mapping[str, float], cycle: CycleCurves) -> None:
+    axes = figure.subplots(2, 3)
+    _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced moment of inertia", "I")
+    _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dφ")
+    with np.errstate(over="ignore"):
+        mean = float(cycle.rows["reduced_moment"].mean())
+    _panel(axes[0, 2], cycle, "reduced_moment", "Moment, mean", "M", mean)
+    _panel(axes[1, 0], cycle, "work", "Work, change of energy", "W = ΔE")
+    _energy_loop(axes[1, 1], scene, values, cycle)
+    speed = cycle.rows.get("speed", np.array([np.nan]))
+    if np.isfinite(speed).all():
+        # The mean that δ refers to is half the sum of the extremes.
+        middle = (speed.max() + speed.min()) / 2
+        _panel(axes[1, 2], cycle, "speed", f"δ = {np.ptp(speed) / abs(middle):.3g}, mean speed", "ω", middle)
+    else:
+        why = "the machine stops within the cycle" if "speed" in cycle.rows else "no flywheel is described"
+        _say(axes[1, 2], f"ω(φ): {why}")
+
+
+def _say(ax: Axes, why: str) -> None:
+    """A sentence in place of what can't be shown."""
+    ax.text(0.5, 0.5, why, ha="center", va="center", color=GREY, transform=ax.transAxes)
+    ax.set_axis_off()
+
+
+def _sheet_of_range(figure: Figure, cycle: CycleCurves) -> None:
+    axes = figure.subplots(2, 2)
+    _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced inertia", "I")
+    _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dq")
+    _panel(axes[1, 0], cycle, "reduced_moment", "Reduced moment or force", "M")
+    _panel(axes[1, 1], cycle, "input_moment", "Input moment or force at uniform speed", "$M_{in}$")
+
+
+def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mean: float | None = None) -> None:
+    """One quantity over the input's position, with its mean (SI) if that is given."""
+    row = cycle.rows[name]
+    if np.isfinite(row).sum() < 2 or np.nanmax(np.abs(row)) > LARGEST:
+        _say(ax, f"{symbol}: infinite or undefined")
+        return
+    factor, label = engineer_unit(cycle.units[name], row)
+    q, shown = cycle.q, factor * row
+    if cycle.closed:
+        # The cycle closes: its first position is shown again at its end.
+        q, shown = np.append(q, 2 * q[-1] - q[-2]), np.append(shown, shown[:1])
+    ax.plot(q, shown, color=BLUE)
+    if mean is not None and math.isfinite(mean):
+        middle = factor * mean if abs(mean) > 1e-12 * np.abs(row).max() else 0.0
+        ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
+        title += f" {middle:.4g} {label}".replace("-", "\N{MINUS SIGN}")
+    for centre in cycle.dead_centres:
+        ax.axvline(centre, color="black", linewidth=0.7, linestyle=":")
+    _show_range(ax, shown)
+    ax.set(title=title, xlabel=cycle.q_label, ylabel=f"{symbol}, {label}", xlim=(q[0], q[-1]))
+    if "°" in cycle.q_label:
+        turn = q[-1] - q[0]
+        ax.xaxis.set_major_locator(MultipleLocator(next(s for s in (10, 30, 60, 90, 180) if turn <= 6 * s or s == 180)))
+
+
+def _show_range(ax: Axes, shown: np.ndarray) -> None:
+    """Keep a quantity that is constant but for rounding from being blown up to noise."""
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-9 * size or size == 0:
+        ax.set_ylim(low - 0.1 * size - (size == 0), high + 0.1 * size + (size == 0))
+
+
+def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: CycleCurves) -> None:
+    """The loop W(I), with Wittenbauer's tangents and the flywheel they give where δ is asked for."""
+    inertia, work = cycle.rows["reduced_inertia"], cycle.rows["work"]
+    with np.errstate(over="ignore", invalid="ignore"):
+        span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
+        ends = np.array([inertia.min() - span_i, inertia.max() + span_i])
+        tangents = _tangents(scene, values, inertia, work)
+        heights = [[height + slope * end for end in ends] for slope, height, _ in tangents]
+    if not np.max(np.abs([span_i, span_w, *np.ravel(heights)])) < LARGEST:
+        _say(ax, "Energy loop: infinite or undefined")
+        return
+    (fi, unit_i), (fw, unit_w) = engineer_unit(cycle.units["reduced_inertia"], inertia), engineer_unit("J", work)
+    ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
+    ax.plot(fi * inertia[0], fw * work[0], "o", color=BLUE, markersize=3)
+    ax.xaxis.set_major_locator(MaxNLocator(4))
+    ax.set(title="Energy loop", xlabel=f"I, {unit_i}", ylabel=f"ΔE, {unit_w}")
+    ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))
+    ax.set_ylim(fw * (work.min() - 0.35 * span_w), fw * (work.max() + 0.45 * span_w))
+    if not tangents:
+        return
+    for (_, _, k), at_ends, colour, word in zip(tangents, heights, (VERMILION, GREEN), ("max", "min"), strict=True):
+        label = rf"tangent of slope ½ω$_\mathrm{{{word}}}$²"
+        ax.plot(fi * ends, fw * np.array(at_ends), color=colour, linewidth=0.9, label=label)
+        ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
+    (steep, upper, _), (flat, lower, _) = tangents
+    # δω² is the difference of ω² at the two speeds over 2.
+    wheel = (upper - lower) / (steep - flat)
+    factor, unit = engineer_unit("kg m2", np.array([wheel]))
+    ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
+    # Within the axes it would cover one of the tangents, whatever their slopes.
+    ax.figure.legend(loc="outside lower right", ncols=2)
+
+
+def _tangents(
+    scene: Scene, values: Mapping[str, float], inertia: np.ndarray, work: np.ndarray
+) -> list[tuple[float, float, int]]:
+    """Wittenbauer's tangents of the greatest and of the least speed: slope, height at I = 0, node touched."""
+    if scene.flywheel is None or scene.flywheel.speed_fluctuation is None:
+        return []
+    delta = values.get("flywheel.speed_fluctuation", scene.flywheel.speed_fluctuation)
+    omega = np.float64(values.get("input.speed", scene.input.speed))
+    found = []
+    for sign, best in ((1, np.argmax), (-1, np.argmin)):
+        slope = 0.5 * (omega * (1 + sign * delta / 2)) ** 2
+        k = best(work - slope * inertia)
+        found.append((slope, work[k] - slope * inertia[k], k))
+    return found

@@ -1,0 +1,102 @@
+"""Hodographs of the shaking force of machines, such as one before and after balancing, and its orders of the crank."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from engine import SENTENCES, Machine, Scene, Verdict, has_cycle
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import PALETTE, house_style, new_figure, save
+from sweeps.text.engineer_units import engineer_unit
+
+ORDERS = np.arange(1, 9)
+POSITIONS = 720
+
+
+def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figure:
+    """Shaking forces of machines over their cycle, 180 mm wide: hodographs on the left, their orders on the right.
+
+    Parameters
+    ----------
+    scenes : mapping of str to Scene
+        Machines by the names to show, such as "before" and "after".
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+
+    Raises
+    ------
+    PictureError
+        A machine can't be computed or its crank doesn't turn fully, or the file's ending isn't a picture's.
+    """
+    forces = {name: shaking_force(scene) for name, scene in scenes.items()}
+    factor, unit = engineer_unit("N", np.abs(np.concatenate(list(forces.values()))))
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 85)
+        left, right = figure.subplots(1, 2)
+        _hodographs(left, forces, factor, unit)
+        _orders(right, {n: order_sizes(f, scenes[n].input.revolutions) for n, f in forces.items()}, factor, unit)
+        titles = {scene.title for scene in scenes.values()}
+        title = titles.pop() if len(titles) == 1 else ""
+        figure.suptitle(f"{title}: shaking force" if title else "Shaking force", fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def shaking_force(scene: Scene) -> np.ndarray:
+    """Shaking force over the cycle as F_x + i F_y (positions,) [N].
+
+    Raises
+    ------
+    PictureError
+        The machine can't be computed, or its crank doesn't turn fully.
+    """
+    if scene.input is None or not has_cycle(scene):
+        raise PictureError("no hodograph of this scene: it needs a crank that turns fully")
+    outcome = Machine(scene, fields=["shaking_force_x", "shaking_force_y"], positions=POSITIONS).evaluate({})
+    verdict = Verdict(int(outcome.status[0]))
+    if verdict != Verdict.OK:
+        raise PictureError(f"no hodograph of this machine: {SENTENCES[verdict]}")
+    return outcome.fields["shaking_force_x"][0] + 1j * outcome.fields["shaking_force_y"][0]
+
+
+def order_sizes(force: np.ndarray, revolutions: int) -> np.ndarray:
+    """Longer half axes of the ellipses that the `ORDERS` of a shaking force draw.
+
+    Parameters
+    ----------
+    force : ndarray of complex (positions,)
+        Over a cycle of `revolutions` turns of the crank.
+    revolutions : int
+    """
+    parts = np.abs(np.fft.fft(force)) / force.size
+    return parts[ORDERS * revolutions] + parts[-ORDERS * revolutions]
+
+
+def _hodographs(axes: Axes, forces: Mapping[str, np.ndarray], factor: float, unit: str) -> None:
+    for (name, force), colour in zip(forces.items(), PALETTE, strict=False):
+        loop = np.append(force, force[0]) * factor
+        axes.plot(loop.real, loop.imag, color=colour, label=name)
+        # Where the crank stands at 0.
+        axes.plot(loop[0].real, loop[0].imag, "o", color=colour, markersize=3.5)
+    axes.plot(0, 0, "+", color="black", markersize=7)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel(f"$F_x$, {unit}")
+    axes.set_ylabel(f"$F_y$, {unit}")
+    axes.set_title("Hodograph (dot: crank angle 0)", loc="left")
+
+
+def _orders(axes: Axes, sizes: Mapping[str, np.ndarray], factor: float, unit: str) -> None:
+    width = 0.8 / len(sizes)
+    for i, ((name, size), colour) in enumerate(zip(sizes.items(), PALETTE, strict=False)):
+        axes.bar(ORDERS - 0.4 + width * (i + 0.5), size * factor, width, color=colour, label=name)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.grid(visible=False, axis="x")
+    axes.set_xlabel("order of the crank's speed")
+    axes.set_ylabel(f"longer half axis, {unit}")
+    axes.set_title("Orders", loc="left")
+    axes.legend(loc="upper right")

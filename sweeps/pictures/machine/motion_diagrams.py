@@ -1,0 +1,231 @@
+"""Diagrams of a machine's true motion: its history through the regimes, and the cycle of a steady regime."""
+
+import math
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+
+from engine import History, Machine, Scene, SteadyRegime, Verdict
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, house_style, new_figure, save
+from sweeps.report.regime_words import failure_text
+from sweeps.text.engineer_units import engineer_unit
+
+_COLOURS = {
+    "motors": BLUE,
+    "driving": SKY,
+    "useful": VERMILION,
+    "harmful": ORANGE,
+    "braking": PURPLE,
+    "other": GREY,
+}
+_WORDS = {
+    "motors": "motors",
+    "driving": "driving actions",
+    "useful": "useful resistances",
+    "harmful": "harmful resistances",
+    "braking": "brakes",
+    "other": "gravity and springs",
+}
+# Instants drawn of a regime; of more than these, the least and the greatest values between them.
+MOST_INSTANTS = 20_000
+# Share of the width that the shortest regime gets, of what it would have if all were equally long.
+LEAST_SHARE = 0.5
+
+
+class _Course(NamedTuple):
+    """One regime of a history; rows (instants,) in SI units."""
+
+    name: str
+    time: np.ndarray
+    angle: np.ndarray
+    speed: np.ndarray
+    acceleration: np.ndarray
+    energy: np.ndarray
+    moments: dict[str, np.ndarray]
+    works: dict[str, np.ndarray]
+
+    @property
+    def acting(self) -> dict[str, np.ndarray]:
+        """Moments of what acts in this regime."""
+        return {key: row for key, row in self.moments.items() if np.any(row)}
+
+    @property
+    def powers(self) -> dict[str, np.ndarray]:
+        """Powers of what acts in this regime [W]."""
+        return {key: row * self.speed for key, row in self.acting.items()}
+
+
+def courses(seen: History) -> list[_Course]:
+    """A history regime by regime, with the moments that act at all and their works since its begin.
+
+    Parameters
+    ----------
+    seen : History
+    """
+    whole = np.isfinite(seen.speed) & np.isfinite(seen.time)
+    moments = {"motors": seen.motor_moment} | seen.load_moments
+    moments = {name: row for name, row in moments.items() if np.any(row[whole])}
+    found = []
+    done = dict.fromkeys(moments, 0.0)
+    for name in dict.fromkeys(seen.regime):
+        chosen = whole & (seen.regime == name)
+        if chosen.sum() < 2:
+            continue
+        turned = np.diff(seen.angle[chosen])
+        own = {key: row[chosen] for key, row in moments.items()}
+        works = {
+            key: done[key] + np.concatenate(([0.0], np.cumsum(0.5 * turned * (row[1:] + row[:-1]))))
+            for key, row in own.items()
+        }
+        done = {key: row[-1] for key, row in works.items()}
+        time = seen.time[chosen] - seen.time[chosen][0]
+        rows = (row[chosen] for row in (seen.angle, seen.speed, seen.acceleration, seen.energy))
+        found.append(_Course(str(name), time, *rows, own, works))
+    return found
+
+
+def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -> Figure:
+    """Speed, moments, power, energy and works against time, a column for each regime.
+
+    Parameters
+    ----------
+    scene : Scene
+    seen : History
+        What `engine.motion.history.history` found of it.
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's.
+    """
+    parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 190 if parts else 30)
+        if parts:
+            _history_sheet(figure, scene, parts)
+        if seen.verdict == Verdict.OK:
+            figure.suptitle(title, fontweight="bold")
+        else:
+            figure.suptitle(f"{title}\n{textwrap.fill(failure_text(scene, seen), 110)}", fontsize=8)
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> None:
+    times = np.array([max(part.time[-1], 1e-9) for part in parts])
+    widths = np.maximum(times / times.sum(), LEAST_SHARE / len(parts))
+    axes = figure.subplots(4, len(parts), sharex="col", sharey="row", squeeze=False, width_ratios=widths)
+    rows = (
+        ("ω", "rad s-1", [{"speed": part.speed} for part in parts]),
+        ("M", "N m", [part.acting for part in parts]),
+        ("P", "W", [part.powers for part in parts]),
+        ("E, W", "J", [{"energy": part.energy} | part.works for part in parts]),
+    )
+    for row, (symbol, units, columns) in zip(axes, rows, strict=True):
+        factor, label = engineer_unit(
+            units, np.concatenate([v for column in columns for v in column.values()] or [[0]])
+        )
+        for ax, part, column in zip(row, parts, columns, strict=True):
+            _lines(ax, part.time, {key: factor * values for key, values in column.items()})
+        row[0].set_ylabel(f"{symbol}, {label}")
+    for ax, part in zip(axes[0], parts, strict=True):
+        kind = " (one cycle)" if isinstance(scene.regimes[part.name], SteadyRegime) else ""
+        ax.set_title(f"{part.name}{kind}", fontweight="bold")
+    for ax, part, width in zip(axes[-1], parts, widths / widths.sum(), strict=True):
+        ax.set_xlabel("t, s")
+        ax.set_xlim(0, part.time[-1] if part.time[-1] > 0 else 1)
+        ax.xaxis.set_major_locator(MaxNLocator(max(2, int(10 * width))))
+    _legend(figure, axes)
+
+
+def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
+    own = {"speed": (BLUE, None), "energy": ("black", "kinetic energy E"), "acceleration": (GREEN, None)}
+    for key, row in rows.items():
+        colour, label = own.get(key) or (_COLOURS[key], _WORDS[key])
+        ax.plot(*_thinned(x, row), color=colour, label=label, linewidth=1.0)
+
+
+def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A long row by the least and the greatest value of every so many instants."""
+    every = -(-row.size // MOST_INSTANTS)
+    if every == 1:
+        return x, row
+    count = row.size // every
+    pieces = row[: count * every].reshape(count, every)
+    return np.repeat(x[: count * every : every], 2), np.stack((pieces.min(axis=1), pieces.max(axis=1)), axis=1).ravel()
+
+
+def _legend(figure: Figure, axes: np.ndarray) -> None:
+    handles = {}
+    for ax in axes.flat:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    if handles:
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=min(len(handles), 4))
+
+
+def cycle_diagrams(scene: Scene, seen: History, regime: str, target: Path | str | Figure) -> Figure:
+    """A steady regime over the crank angle: speed with its mean and δ, acceleration, moments and power.
+
+    Parameters
+    ----------
+    scene : Scene
+    seen : History
+    regime : str
+        Name of a steady regime that the history holds.
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+
+    Raises
+    ------
+    PictureError
+        There is no such motion in the history, or the file's ending isn't a picture's.
+    """
+    part = next((p for p in courses(seen) if p.name == regime), None)
+    if part is None:
+        raise PictureError(f"no steady motion {regime!r}: {failure_text(scene, seen)}")
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 125)
+        axes = figure.subplots(2, 2, sharex=True)
+        _speed_panel(axes[0, 0], scene, part)
+        _panel(axes[1, 0], part, "Angular acceleration", "ε", "rad s-2", {"acceleration": part.acceleration})
+        _panel(axes[0, 1], part, "Moments on the crank", "M", "N m", part.acting)
+        _panel(axes[1, 1], part, "Power", "P", "W", part.powers)
+        for ax in axes[1]:
+            ax.set_xlabel("crank angle φ, °")
+        _legend(figure, axes)
+        figure.suptitle(f"{scene.title or 'Machine'}: {regime}", fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _panel(ax: Axes, part: _Course, title: str, symbol: str, units: str, rows: dict[str, np.ndarray]) -> None:
+    factor, label = engineer_unit(units, np.concatenate(list(rows.values()) or [np.zeros(1)]))
+    phi = np.degrees(part.angle)
+    _lines(ax, phi, {key: factor * row for key, row in rows.items()})
+    turn = abs(phi[-1] - phi[0])
+    ax.set(title=title, ylabel=f"{symbol}, {label}", xlim=(phi[0], phi[-1]))
+    ax.xaxis.set_major_locator(MultipleLocator(90 if turn < 400 else 180))
+
+
+def _speed_panel(ax: Axes, scene: Scene, part: _Course) -> None:
+    names = [f"{part.name}.{key}" for key in ("speed_min", "speed_max", "mean_speed", "speed_fluctuation")]
+    found = Machine(scene, names).evaluate({}).summaries
+    low, high, mean, delta = (float(found[name][0]) for name in names)
+    factor, label = engineer_unit("rad s-1", part.speed)
+    _panel(ax, part, f"δ = {delta:.3g}, mean speed {factor * mean:.4g} {label}", "ω", "rad s-1", {"speed": part.speed})
+    way = factor * math.copysign(1.0, part.speed[0])
+    ax.axhline(way * mean, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
+    for end in (low, high):
+        ax.axhline(way * end, color=GREY, linewidth=0.8, linestyle=":")

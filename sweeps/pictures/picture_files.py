@@ -1,0 +1,227 @@
+"""The pictures that a command makes: of a machine its drawing and diagrams, of a result its sweep and best machine."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from engine import Scene, SteadyRegime, Verdict, history
+from sweeps.optimising.optimum import is_front
+from sweeps.pictures.drawing import DrawnMotion, picture
+from sweeps.pictures.drawing.figures import default_position
+from sweeps.pictures.elements.element_pictures import element_pictures
+from sweeps.pictures.machine.diagrams import diagrams
+from sweeps.pictures.machine.hodographs import hodographs
+from sweeps.pictures.machine.motion_diagrams import courses, cycle_diagrams, history_diagrams
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.plans import reaction_pictures
+from sweeps.pictures.sweep.front_picture import front_picture
+from sweeps.pictures.sweep.maps import plot_result
+from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.report.sweep_result import SweepResult
+from sweeps.store import read_columns
+from sweeps.study.sensitivity import RSS, WORST_CASE
+from sweeps.text.scene_text import with_values
+
+Named = tuple[Scene, Mapping[str, float], str]
+
+# Fields larger than this are not read for a picture.
+LARGEST_FIELD = 256e6
+
+
+def machine_pictures(
+    scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
+) -> list[Path]:
+    """Drawing of a machine and its diagrams in two files; its regimes, rotors and engines in further ones.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        Numbers of the scene (SI) to be replaced.
+    path : Path
+        File of the drawing; the diagrams' name has `_diagrams` added.
+    at : sequence of float
+        Positions of the input to draw; one that shows the machine well if none is given.
+    paths : sequence of str
+        Points whose paths are drawn.
+
+    Returns
+    -------
+    list of Path
+        The files made.
+
+    Raises
+    ------
+    PictureError
+        The scene has machine elements alone that no picture is made of, or its mechanism can't be assembled.
+    """
+    made = element_pictures(with_values(scene, values), path)
+    if scene.input is None:
+        if not made:
+            raise PictureError("the scene has machine elements alone, no rotor and no engine: there is nothing to draw")
+        return made
+    second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
+    picture(scene, path, at, paths, values)
+    diagrams(scene, second, values)
+    return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *made]
+
+
+def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
+    """Draw the shaking force of a machine over its cycle, with another one's or with the scene's as it was given.
+
+    Parameters
+    ----------
+    machine : (Scene, mapping of path to float, str)
+        With numbers (SI) to be replaced, and its name.
+    beside : (Scene, mapping of path to float, str), optional
+        Another machine; unless given, and where numbers are replaced, the scene without that.
+    path : Path
+        The name of the picture is this one's with `_hodograph` added.
+
+    Returns
+    -------
+    Path
+        The file made.
+
+    Raises
+    ------
+    PictureError
+        A machine can't be computed or its crank doesn't turn fully.
+    """
+    scene, values, name = machine
+    shown = {}
+    if beside is not None:
+        shown[beside[2]] = with_values(*beside[:2])
+    elif values:
+        shown["scene"] = scene
+    # Of two with the same name the first says that it stands beside.
+    shown = {f"{other} (beside)" if other == name else other: s for other, s in shown.items()}
+    target = path.with_name(f"{path.stem}_hodograph{path.suffix}")
+    hodographs({**shown, name: with_values(scene, values)}, target)
+    return target
+
+
+def motion_pictures(scene: Scene, path: Path) -> list[Path]:
+    """History of a machine through its regimes, and the cycle of each of its steady ones.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+        The names of the pictures are this one's with `_history` and `_REGIME` added.
+
+    Returns
+    -------
+    list of Path
+        The files made; none of what a machine that fails doesn't come to.
+    """
+    seen = history(scene)
+    made = [path.with_name(f"{path.stem}_history{path.suffix}")]
+    history_diagrams(scene, seen, made[0])
+    reached = {part.name for part in courses(seen)}
+    for name, regime in scene.regimes.items():
+        if isinstance(regime, SteadyRegime) and name in reached:
+            made.append(path.with_name(f"{path.stem}_{name}{path.suffix}"))
+            cycle_diagrams(scene, seen, name, made[-1])
+    return made
+
+
+def result_pictures(
+    path: Path, out: Path | None = None, x: str | None = None, y: str | None = None, colour: str | None = None
+) -> list[Path]:
+    """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine and the reactions kept.
+
+    Without a goal, the reactions are those of the first variant that works.
+
+    Parameters
+    ----------
+    path : Path
+        Result file.
+    out : Path, optional
+        Picture; beside the result unless given.
+    x, y, colour : str, optional
+        Columns to show.
+
+    Returns
+    -------
+    list of Path
+        The files made.
+    """
+    result = SweepResult(path)
+    if result.description.variants == 1:
+        values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
+        if result.scene.input is None:
+            return machine_pictures(result.scene, values, picture_file)
+        made = machine_pictures(result.scene, values, picture_file)
+        return made + reaction_pictures(result.scene, picture_file, result.fields, values)
+    best = result.best()
+    made = [out or path.with_suffix(".png")]
+    if is_front(result) and x is y is colour is None:
+        front_picture(result, sweep_data(result, ()), made[0])
+        return made
+    plot_result(sweep_data(result, (x, y, colour)), made[0], x, y, colour, best)
+    if out is None and x is y is colour is None:
+        made += _pictures_of_one(result, best)
+    return made
+
+
+def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
+    """The best machine and the reactions kept; without a goal those of the first variant that works."""
+    path = result.path
+    if best is None:
+        first = np.flatnonzero(result.columns["status"] == Verdict.OK)[:1]
+        if first.size == 0 or result.goal is not None or result.scene.input is None:
+            return []
+        stem = path.with_name(f"{path.stem}_{first[0]}.png")
+        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(int(first[0])))
+    stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
+    if result.scene.input is None:
+        return element_pictures(with_values(result.scene, values), stem)
+    made = machine_pictures(result.scene, values, stem)
+    return made + reaction_pictures(result.scene, stem, result.fields, values)
+
+
+def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position: float | None = None) -> None:
+    """Drawing of the mechanism at one position, SVG or DXF by the file's ending; where it shows it well, if not said.
+
+    Raises
+    ------
+    PictureError
+        The scene has machine elements alone, or can't be drawn so.
+    """
+    if scene.input is None:
+        raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+    if out.suffix == ".dxf":
+        from sweeps.pictures.drawing.dxf import write_dxf
+
+        shown = default_position(DrawnMotion(scene, values)) if position is None else position
+        write_dxf(out, scene, shown, dict(values))
+        return
+    picture(scene, out, () if position is None else (position,), values=values)
+
+
+def sweep_data(result: SweepResult, asked: Sequence[str | None]) -> SweepData:
+    """What is drawn of a result; of its fields those asked for, if they fit in memory."""
+    d = result.description
+    arrays = dict(result.columns)
+    small = d.variants * d.positions * 8 <= LARGEST_FIELD
+    arrays |= read_columns(result.path, [f for f in result.fields if f in asked and small])
+    goal = result.goal
+    # Tolerances are shown as bands about their summaries.
+    alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
+    summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
+    position = read_columns(result.path, [result.position_name])[result.position_name] if result.fields else None
+    return SweepData(
+        arrays,
+        result.units,
+        result.long_names,
+        result.varied,
+        summaries,
+        result.shape,
+        np.asarray(result.columns["status"]),
+        position,
+        result.units.get(result.position_name, "rad"),
+        goal.where or "" if goal else "",
+        result.candidates(),
+    )

@@ -1,0 +1,198 @@
+"""Load of a bearing over the cycle: polar diagrams in the axes of the frame and of both links, loads by direction."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
+
+from engine import FRAME, CrankInput, Pair, did_you_mean, pairs_of
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.reaction_curves import reaction_panel
+from sweeps.pictures.plans.sheets import heading, place, sheet, write
+from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, house_style
+from sweeps.text.engineer_units import engineer_unit
+
+SECTORS = 36
+# A film of oil wants its hole where the load is least over so much of the shaft's circumference.
+SPAN = 120.0
+# Marks nearer to each other than this share of the greatest load aren't all lettered.
+CROWDED = 0.12
+
+
+class BearingLoad(NamedTuple):
+    """Load of a revolute pair over the cycle, in the axes of one link.
+
+    Attributes
+    ----------
+    pair : Pair
+    axes : str
+        Link in whose axes it is.
+    on : str
+        Link on which it acts.
+    q : ndarray (positions,)
+        Positions of the input [rad or m].
+    force : complex ndarray (positions,)
+        x + iy [N].
+    turns, closed : bool
+        Whether the input is a crank, and whether the first position follows the last.
+    """
+
+    pair: Pair
+    axes: str
+    on: str
+    q: np.ndarray
+    force: np.ndarray
+    turns: bool
+    closed: bool
+
+    @property
+    def peak(self) -> int:
+        """Number of the position of the greatest load."""
+        return int(np.nanargmax(np.abs(self.force)))
+
+
+def revolute_pairs(cycle: MachineCycle) -> list[Pair]:
+    """The bearings of a machine that are loaded at all."""
+    found = [pair for pair in pairs_of(cycle.scene) if pair.kind == "revolute"]
+    return [pair for pair in found if np.nanmax(np.abs(cycle.force(f"{pair.name}.reaction"))) > 0]
+
+
+def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLoad:
+    """Load of a bearing in the axes of a link: on the pair's other link in that one's axes, else on its own link.
+
+    Parameters
+    ----------
+    cycle : MachineCycle
+    pair : str
+        A revolute pair: `input`, `GROUP.first`, `GROUP.inner`, `GROUP.second`, or a shaft.
+    axes : str
+        The frame or one of the two links.
+
+    Raises
+    ------
+    PictureError
+        There is no such pair, or it is not revolute, or the axes are of neither link.
+    """
+    known = {p.name: p for p in pairs_of(cycle.scene) if p.kind == "revolute"}
+    if pair not in known:
+        raise PictureError(f"bearing load: {pair!r} is not a revolute pair of this scene; {did_you_mean(pair, known)}")
+    found = known[pair]
+    allowed = (FRAME, found.link, found.other)
+    if axes not in allowed:
+        raise PictureError(f"bearing load of {pair}: axes {axes!r} are of neither link; {did_you_mean(axes, allowed)}")
+    force = cycle.force(f"{pair}.reaction")
+    on = found.other if axes == found.other != FRAME else found.link
+    sign = 1 if on == found.link else -1
+    turned = sign * force * cycle.motion.axes(axes)[1].conj()
+    turns = isinstance(cycle.scene.input, CrankInput)
+    return BearingLoad(found, axes, on, cycle.motion.q, turned, turns, cycle.is_closed)
+
+
+def shares(load: BearingLoad) -> np.ndarray:
+    """Share of the load's sum over the cycle by its direction, (`SECTORS`,), the first sector centred on the x axis."""
+    force = load.force[np.isfinite(load.force)]
+    sector = np.round(np.angle(force) * SECTORS / (2 * np.pi)).astype(int) % SECTORS
+    weights = np.bincount(sector, np.abs(force), SECTORS)
+    return weights / weights.sum()
+
+
+def least_loaded(load: BearingLoad) -> float:
+    """Direction about which the load's sum over `SPAN` degrees is least [rad]; the middle one of several."""
+    half = round(SPAN / 360 * SECTORS / 2)
+    share = shares(load)
+    around = sum(np.roll(share, i) for i in range(-half, half + 1))
+    least = around <= around.min() + 1e-12
+    # Of directions that are equally free, the middle of the longest run, around the circle.
+    longest, middle = 0, 0.0
+    for first in np.flatnonzero(least):
+        run = next((n for n in range(SECTORS) if not least[(first + n) % SECTORS]), SECTORS)
+        if run > longest:
+            longest, middle = run, first + (run - 1) / 2
+    return float(middle % SECTORS * 2 * np.pi / SECTORS)
+
+
+def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
+    """Draw a load's polar diagram: its end over the cycle, marked every 30° of the crank, and its peak.
+
+    Parameters
+    ----------
+    load : BearingLoad
+    ax : PolarAxes
+        Made with projection="polar".
+    """
+    factor, unit = engineer_unit("N", np.abs(load.force))
+    z = factor * (np.append(load.force, load.force[0]) if load.closed else load.force)
+    ax.plot(np.angle(z), np.abs(z), color=BLUE, linewidth=1.1)
+    every = max(1, round(math.pi / 6 / (load.q[1] - load.q[0])) if load.turns else load.q.size // 12)
+    top, lettered = factor * np.nanmax(np.abs(load.force)), np.empty(0, complex)
+    for k in range(0, load.force.size, every):
+        end = factor * load.force[k]
+        ax.plot(np.angle(end), abs(end), "o", color=BLUE, markersize=2.5)
+        if np.isfinite(end) and (np.abs(lettered - end) > CROWDED * top).all():
+            lettered = np.append(lettered, end)
+            text = f"{np.degrees(load.q[k]):.0f}°" if load.turns else f"{1e3 * load.q[k]:.3g} mm"
+            ax.annotate(text, (np.angle(end), abs(end)), (2, 2), textcoords="offset points", fontsize=6)
+    peak = factor * load.force[load.peak]
+    ax.plot(np.angle(peak), abs(peak), "*", color=VERMILION, markersize=7)
+    _axes(ax, unit)
+    whose = "frame axes" if load.axes == FRAME else f"axes of {load.axes}"
+    ax.set_title(f"on {load.on}, {whose}\npeak {abs(peak):.4g} {unit}", fontsize=7.5, pad=8)
+
+
+def load_rose(load: BearingLoad, ax: PolarAxes) -> None:
+    """Draw how much of the load comes in which direction, and the least loaded one; arguments as of `load_polar`."""
+    share, width = shares(load), 2 * np.pi / SECTORS
+    ax.bar(np.arange(SECTORS) * width, 100 * share, width=width, color=SKY, edgecolor="white", linewidth=0.3)
+    free = least_loaded(load)
+    ax.plot([free, free], [0, 100 * share.max()], color=VERMILION, linewidth=1.2, linestyle=(0, (4, 2)))
+    _axes(ax, "%")
+    ax.set_title(f"share by direction on {load.on}\nleast about {np.degrees(free):.0f}°", fontsize=7.5, pad=8)
+
+
+def _axes(ax: PolarAxes, unit: str) -> None:
+    ax.set_thetagrids(np.arange(0, 360, 30))
+    ax.yaxis.set_major_locator(MaxNLocator(4))
+    ax.tick_params(labelsize=6, pad=-1, labelcolor=GREY)
+    ax.tick_params(axis="y", labelcolor="black")
+    ax.set_rlabel_position(15)
+    ax.set_ylim(0, None)
+    ax.text(1.0, 0.0, unit, transform=ax.transAxes, fontsize=7)
+
+
+def bearing_sheet(cycle: MachineCycle, pair: str) -> Figure:
+    """Sheet of a bearing's load, 180 mm wide: polar diagrams in all axes, shares by direction.
+
+    Parameters
+    ----------
+    cycle : MachineCycle
+    pair : str
+        A revolute pair.
+    """
+    frame = bearing_load(cycle, pair)
+    link, other = frame.pair.link, frame.pair.other
+    with house_style():
+        figure = sheet(180, 185)
+        heading(figure, cycle.scene, f"load of {pair} ({frame.pair.place})")
+        corners = [(14, 101), (104, 101), (14, 16), (104, 16)]
+        polar = [place(figure, *corner, 62, 62, projection="polar") for corner in corners[:2] + corners[3:]]
+        own = bearing_load(cycle, pair, link)
+        load_polar(frame, polar[0])
+        load_polar(own, polar[1])
+        load_rose(own, polar[2])
+        if other == FRAME:
+            panel = place(figure, 16, 20, 66, 56)
+            reaction_panel(cycle, frame.pair, panel)
+            panel.legend(fontsize=6.5, ncols=3, loc="best")
+        else:
+            ax = place(figure, *corners[2], 62, 62, projection="polar")
+            load_polar(bearing_load(cycle, pair, other), ax)
+        note = (
+            "Marks: position of the input. Load in the axes of a link: 0° along its x axis. A journal is pressed on "
+            "the side opposite\nto the load on it, a bush on the side it points to."
+        )
+        write(figure, 4, 9, note, fontsize=6.5)
+    return figure

@@ -1,0 +1,88 @@
+"""Files of plans: velocities, accelerations and forces at a position, reactions and bearing loads over the cycle."""
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from engine import Scene, pairs_of
+from sweeps.pictures.plans.bearing_loads import bearing_sheet, revolute_pairs
+from sweeps.pictures.plans.pose import MachineCycle
+from sweeps.pictures.plans.reaction_curves import reaction_sheet
+from sweeps.pictures.plans.sheets import force_sheet, kinematic_sheet
+from sweeps.pictures.style import save
+
+
+def plan_pictures(
+    scene: Scene, path: Path, at: float | None = None, values: Mapping[str, float] | None = None
+) -> list[Path]:
+    """Draw all plans of a machine at one position, and its reactions over the cycle.
+
+    Plans of velocities and accelerations; where anything loads the machine, a sheet of forces for each group and for
+    the input link, the reactions of all pairs, and the load of each bearing.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+        The names of the pictures are this one's with `_velocity`, `_acceleration`, `_forces_GROUP`, `_reactions` and
+        `_bearing_PAIR` added.
+    at : float, optional
+        Crank angle [rad] or displacement of a sliding input [m]; one that shows the machine well unless given.
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+
+    Returns
+    -------
+    list of Path
+        The files made.
+
+    Raises
+    ------
+    PictureError
+        The position can't be drawn, or the file's ending isn't a picture's.
+    """
+    cycle = MachineCycle(scene, values)
+    pose = cycle.at(at)
+    made = [_saved(kinematic_sheet(pose, which), path, which) for which in ("velocity", "acceleration")]
+    if revolute_pairs(cycle):
+        parts = (scene.input.link, *scene.groups)
+        made += [_saved(force_sheet(pose, part), path, f"forces_{part}") for part in parts]
+        made += _reactions(cycle, path, {pair.name for pair in pairs_of(scene)})
+    return made
+
+
+def reaction_pictures(
+    scene: Scene, path: Path, fields: Collection[str], values: Mapping[str, float] | None = None
+) -> list[Path]:
+    """Draw the reactions over the cycle, and the load of each bearing that some fields are of.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+        As of `plan_pictures`.
+    fields : collection of str
+        Names of fields; nothing is drawn where none is of a pair's reaction.
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+
+    Returns
+    -------
+    list of Path
+        The files made.
+    """
+    asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
+    return _reactions(MachineCycle(scene, values), path, asked) if asked else []
+
+
+def _reactions(cycle: MachineCycle, path: Path, asked: Collection[str]) -> list[Path]:
+    made = [_saved(reaction_sheet(cycle), path, "reactions")]
+    bearings = [pair.name for pair in revolute_pairs(cycle) if pair.name in asked]
+    return made + [_saved(bearing_sheet(cycle, name), path, f"bearing_{name.replace('.', '_')}") for name in bearings]
+
+
+def _saved(figure: Figure, path: Path, what: str) -> Path:
+    target = path.with_name(f"{path.stem}_{what}{path.suffix}")
+    save(figure, target)
+    return target

@@ -1,0 +1,103 @@
+"""Force plan: the closed polygon of all forces on a group or on one link, inertia forces among them."""
+
+from collections.abc import Sequence
+from itertools import accumulate
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from engine import did_you_mean
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.plans.loads import DrawnLoad, group_loads, loads_on_links
+from sweeps.pictures.plans.paper import Paper
+from sweeps.pictures.plans.pose import Pose
+from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, VERMILION
+from sweeps.text.engineer_units import engineer_unit
+
+# By the letter of the force: reaction, weight, inertia force, force of the scene.
+COLOURS = {"R": BLUE, "G": GREEN, "U": ORANGE, "F": VERMILION, "M": VERMILION}
+
+
+def colour_of(load: DrawnLoad) -> str:
+    """Colour of a force or moment, by what it is."""
+    return PURPLE if load.is_friction else COLOURS[load.text[1]]
+
+
+def force_polygon(pose: Pose, of: str) -> list[DrawnLoad]:
+    """Forces on a group (all but those of its inner pair) or on a link, in the order of their polygon.
+
+    Parameters
+    ----------
+    pose : Pose
+    of : str
+        A group or a moving link.
+
+    Returns
+    -------
+    list of DrawnLoad
+        Known forces first, reactions last; their sum is zero but for rounding.
+
+    Raises
+    ------
+    PictureError
+        There is no such group or link, or forces have no value at this position.
+    """
+    if of in pose.scene.groups:
+        loads = group_loads(pose, of)
+    else:
+        links = loads_on_links(pose)
+        if of not in links:
+            known = did_you_mean(of, [*pose.scene.groups, *links])
+            raise PictureError(f"force plan: {of!r} is neither a group nor a moving link of this scene; {known}")
+        loads = sorted((load for load in links[of] if not load.is_moment), key=lambda load: load.pair != "")
+    if not np.isfinite([load.force for load in loads]).all():
+        raise PictureError(f"force plan of {of}: forces have no value at {pose.title}; ask for another position")
+    return loads
+
+
+def force_plan(pose: Pose, of: str, ax: Axes) -> list[DrawnLoad]:
+    """Draw the force plan of a group or a link.
+
+    Parameters
+    ----------
+    pose : Pose
+    of : str
+        A group or a moving link.
+    ax : matplotlib.axes.Axes
+        Of the size on paper that they will keep: the scale μ holds for it.
+
+    Returns
+    -------
+    list of DrawnLoad
+        The sides of the polygon.
+    """
+    loads = force_polygon(pose, of)
+    if not loads:
+        ax.set_axis_off()
+        ax.text(0.5, 0.5, "no forces", ha="center", va="center", transform=ax.transAxes)
+        return loads
+    factor, unit = engineer_unit("N", np.array([abs(load.force) for load in loads]))
+    sides = [factor * load.force for load in loads]
+    corners = list(accumulate(sides, initial=0j))
+    paper = Paper(ax, corners)
+    for start, side, load in zip(corners, sides, loads, strict=False):
+        paper.arrow(start, side, load.text, colour_of(load))
+    paper.letter()
+    paper.scale(f"{20 * paper.per_mm:g} {unit}", rf"$\mu_F$ = {paper.per_mm:g} {unit}/mm")
+    return loads
+
+
+def force_lines(loads: Sequence[DrawnLoad]) -> list[str]:
+    """Values of forces and moments, line by line: magnitude and direction, and the friction circle they touch."""
+    found = []
+    for load in loads:
+        value = load.moment if load.is_moment else abs(load.force)
+        factor, unit = engineer_unit("N m" if load.is_moment else "N", np.array([value]))
+        text = f"{load.text} = {factor * value:.4g} {unit}".replace("-", "\N{MINUS SIGN}")
+        turned = "" if load.is_moment else f" ∠ {round(np.degrees(np.angle(load.force)), 1) % 360:.1f}°"
+        found.append(text + turned)
+        if load.rho:
+            factor, unit = engineer_unit("m", np.array([load.rho]))
+            circle = load.text.replace("$R", r"$\rho")
+            found.append(f"{circle} = {factor * load.rho:.4g} {unit}")
+    return found

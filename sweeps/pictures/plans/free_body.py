@@ -1,0 +1,132 @@
+"""Free-body diagram: one link by itself with every force and moment that acts on it, at its friction circles."""
+
+import cmath
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from engine import RPP, RPR, Sliding
+from sweeps.pictures.drawing import Primitive
+from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, box, line, link_shape
+from sweeps.pictures.plans.force_plan import colour_of
+from sweeps.pictures.plans.lettering import subscript
+from sweeps.pictures.plans.loads import DrawnLoad, loads_on_links
+from sweeps.pictures.plans.paper import Paper
+from sweeps.pictures.plans.pose import Pose
+
+# Arrows on paper [mm]: longest, shortest, and how far collinear ones are drawn apart; radius of a moment's arc.
+LONGEST, SHORTEST, APART, ARC = 15.0, 6.0, 1.8, 4.5
+# Least half-width of what is drawn, in radii of a hinge.
+LEAST = 9.0
+# Radius of the least friction circle that is drawn [mm].
+SEEN = 0.2
+# Smaller shares of the greatest are rounding.
+NOTHING = 1e-10
+
+
+def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
+    """Draw a link by itself, its loads as arrows at their points; the arrows' lengths are not to scale.
+
+    Parameters
+    ----------
+    pose : Pose
+    link : str
+    ax : matplotlib.axes.Axes
+        Of the size on paper that they will keep.
+
+    Returns
+    -------
+    list of DrawnLoad
+        What acts on the link.
+    """
+    loads = _felt(loads_on_links(pose)[link], pose.motion.radius)
+    figure = link_figure(pose.motion, link, pose.k)
+    outline = np.array([p for primitive in figure for p in primitive.points])
+    middle = complex(outline.real.min() + outline.real.max(), outline.imag.min() + outline.imag.max()) / 2
+    # A slider by itself is drawn no larger than its symbol needs.
+    least = middle + LEAST * pose.motion.radius * np.array([-1 - 1j, 1 + 1j])
+    paper = Paper(ax, [*outline, *least], margin=LONGEST + 4)
+    paper.figures(figure)
+    for name in pose.motion.members(link):
+        paper.name(complex(pose.motion.points[name][pose.k]), f"${subscript(name)}$", clear=1.3)
+    for load in loads:
+        if load.rho > SEEN * paper.per_mm:
+            paper.line(load.middle + load.rho * np.exp(2j * np.pi * np.arange(49) / 48), colour_of(load))
+    _forces(paper, [load for load in loads if not load.is_moment], middle)
+    for i, load in enumerate(load for load in loads if load.is_moment):
+        _moment(paper, middle, load, ARC + 2 * i)
+    paper.letter()
+    return loads
+
+
+def _felt(loads: list[DrawnLoad], length: float) -> list[DrawnLoad]:
+    """Loads that are more than rounding."""
+    force = max((abs(load.force) for load in loads), default=0.0)
+    moment = max([force * length, *(abs(load.moment) for load in loads)])
+    return [load for load in loads if abs(load.force) > NOTHING * force or abs(load.moment) > NOTHING * moment]
+
+
+def _forces(paper: Paper, loads: list[DrawnLoad], middle: complex) -> None:
+    """Arrows at their points; those on one line side by side."""
+    greatest = max((abs(load.force) for load in loads), default=1.0)
+    drawn: list[tuple[complex, complex]] = []
+    for load in sorted(loads, key=lambda load: -abs(load.force)):
+        u = load.force / abs(load.force)
+        length = SHORTEST + (LONGEST - SHORTEST) * math.sqrt(abs(load.force) / greatest)
+        inward = middle - load.at
+        # A force that presses into the link points to its point, any other begins there.
+        presses = abs(inward) > 3 * paper.per_mm and (u.conjugate() * inward).real > 0.5 * abs(inward)
+        beside = sum(abs(at - load.at) < 2 * paper.per_mm and abs((u.conjugate() * v).imag) < 0.15 for at, v in drawn)
+        shift = APART * paper.per_mm * 1j * (u if u.imag > 0 or (u.imag == 0 and u.real > 0) else -u) * beside
+        start = load.at + shift - (length * paper.per_mm * u if presses else 0)
+        paper.arrow(start, length * paper.per_mm * u, load.text, colour_of(load))
+        drawn.append((load.at, u))
+
+
+def _moment(paper: Paper, centre: complex, load: DrawnLoad, radius: float) -> None:
+    """An arc about the middle of the link with an arrow's head, in the sense of the moment."""
+    sense = math.copysign(1.0, load.moment)
+    angles = math.pi / 2 + sense * np.linspace(-1.9, 1.5, 40)
+    arc = centre + radius * paper.per_mm * np.exp(1j * angles)
+    paper.line(arc, colour_of(load), 1.0)
+    tangent = sense * 1j * cmath.exp(1j * float(angles[-1]))
+    paper.arrow(complex(arc[-1]), 3.0 * paper.per_mm * tangent, "", colour_of(load))
+    paper.name(complex(arc[20]), load.text, colour_of(load))
+
+
+def link_figure(m: DrawnMotion, link: str, k: int) -> list[Primitive]:
+    """A link by itself as it is drawn within the mechanism, with its joints."""
+    r, places = m.radius, [complex(m.points[n][k]) for n in m.members(link)]
+    found = link_shape(places, r)
+    for group in m.scene.groups.values():
+        found = [*_sliding_part(m, group, link, k), *found]
+    if link == m.scene.input.link and len(places) == 1:
+        found.append(box(places[0], complex(m.axes(link)[1][k]), HALF_LENGTH * r, HALF_HEIGHT * r))
+    hinges = [n for n in m.members(link) if n in m.hinges]
+    others = [n for n in m.members(link) if n not in m.hinges]
+    found += [Primitive("joints", "circle", (complex(m.points[n][k]),), r, "paper", n) for n in hinges]
+    return found + [Primitive("joints", "circle", (complex(m.points[n][k]),), 0.55 * r, "solid", n) for n in others]
+
+
+def _sliding_part(m: DrawnMotion, group: object, link: str, k: int) -> list[Primitive]:
+    """What a group's slider, block or slotted link has besides the line through its points."""
+    r = m.radius
+    origin, u = (complex(values[k]) for values in m.axes(link))
+    half = (HALF_LENGTH * r, HALF_HEIGHT * r)
+    blocks = [part.link for part in (group.first, group.second) if isinstance(part, Sliding)]
+    if isinstance(group, (RPR, RPP)):
+        blocks.append(group.first.link)
+    if link in blocks:
+        return [box(origin, u, *half)]
+    if link != group.second.link or not isinstance(group, (RPR, RPP)):
+        return []
+    low, high = m.range_of(group.first.link)
+    margin = (HALF_LENGTH + 1.5) * r
+    if isinstance(group, RPR):
+        return [line(origin + min(low - margin, 0) * u, origin + max(high + margin, 0) * u)]
+    slot = complex(m.axes(group.first.link)[1][k])
+    reach = [((m.points[n][k] - origin) / u).real for n in m.members(link)]
+    stem = line(origin + min([0.0, *reach]) * u, origin + max([12 * r, *reach]) * u)
+    return [stem, box(origin + (low + high) / 2 * slot, slot, (high - low) / 2 + margin, half[1], "paper")]

@@ -1,0 +1,108 @@
+"""Plans of velocities and accelerations as drawings, each vector from the pole or from the image of another point."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from engine import FRAME
+from sweeps.pictures.plans.lettering import image_name, subscript, symbol
+from sweeps.pictures.plans.paper import Paper
+from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
+from sweeps.pictures.plans.pose import Pose
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+
+COLOURS = {"whole": BLUE, "normal": GREEN, "tangential": VERMILION, "coriolis": PURPLE, "relative": ORANGE}
+
+
+def velocity_plan(pose: Pose, ax: Axes) -> VectorPlan:
+    """Draw the plan of velocities.
+
+    Parameters
+    ----------
+    pose : Pose
+    ax : matplotlib.axes.Axes
+        Of the size on paper that they will keep: the scale μ holds for it.
+
+    Returns
+    -------
+    VectorPlan
+        The numbers behind the drawing.
+    """
+    plan = velocities(pose)
+    _draw(plan, ax, "v", "m/s")
+    return plan
+
+
+def acceleration_plan(pose: Pose, ax: Axes) -> VectorPlan:
+    """Draw the plan of accelerations at uniform input speed; arguments as of `velocity_plan`."""
+    plan = accelerations(pose)
+    _draw(plan, ax, "a", "m/s²")
+    return plan
+
+
+def _draw(plan: VectorPlan, ax: Axes, letter: str, unit: str) -> None:
+    paper = Paper(ax, [0j, *plan.images.values(), *_corners(plan)])
+    for names in plan.links:
+        outline = [plan.images.get(n, 0j) for n in names]
+        paper.line([*outline, outline[0]], GREY, 0.4, (0, (4, 2)))
+    _points(paper, plan, letter)
+    led = {leg.end for leg in plan.legs if leg.start not in plan.images and len(leg.steps) == 1}
+    for name, image in plan.images.items():
+        if name not in led and not name.endswith("'"):
+            paper.arrow(0j, image, "", "black", 0.6)
+    for leg in plan.legs:
+        at = plan.images.get(leg.start, 0j)
+        for step in leg.steps:
+            paper.arrow(at, step.vector, step.text, COLOURS[step.kind])
+            at += step.vector
+    paper.letter()
+    paper.scale(f"{20 * paper.per_mm:g} {unit}", rf"$\mu_{letter}$ = {paper.per_mm:g} ({unit})/mm")
+
+
+def _corners(plan: VectorPlan) -> list[complex]:
+    """Places between the steps of legs."""
+    found = []
+    for leg in plan.legs:
+        found += list(plan.images.get(leg.start, 0j) + np.cumsum([step.vector for step in leg.steps]))
+    return found
+
+
+def _points(paper: Paper, plan: VectorPlan, letter: str) -> None:
+    """The pole and the images, those in one place named together."""
+    at_rest = [image_name(n) for n in plan.pole if n != FRAME]
+    places: list[tuple[complex, list[str]]] = [(0j, [f"$p_{letter}$", *at_rest])]
+    for name, image in plan.images.items():
+        near = next((names for place, names in places if abs(place - image) < 0.3 * paper.per_mm), None)
+        if near is None:
+            places.append((image, [image_name(name)]))
+        else:
+            near.append(image_name(name))
+    for place, names in places:
+        paper.dot(place, ", ".join(dict.fromkeys(names)))
+
+
+def velocity_lines(pose: Pose, plan: VectorPlan) -> list[str]:
+    """Values of a plan of velocities, line by line: of points and of links."""
+    return [*_values(plan, "v", "m/s"), *_turns(pose, r"\omega", 0, "rad/s")]
+
+
+def acceleration_lines(pose: Pose, plan: VectorPlan) -> list[str]:
+    """Values of a plan of accelerations, line by line."""
+    steps = [step for leg in plan.legs if len(leg.steps) > 1 for step in leg.steps]
+    parts = [f"{step.text} = {abs(step.vector):.4g} m/s²" for step in steps if step.vector]
+    return [*_values(plan, "a", "m/s²"), *parts, *_turns(pose, r"\varepsilon", 1, "rad/s²")]
+
+
+def _values(plan: VectorPlan, letter: str, unit: str) -> list[str]:
+    found = [f"{symbol(letter, subscript(name))} = {abs(image):.4g} {unit}" for name, image in plan.images.items()]
+    whole = [step for leg in plan.legs if len(leg.steps) == 1 and leg.start in plan.images for step in leg.steps]
+    return found + [f"{step.text} = {abs(step.vector):.4g} {unit}" for step in whole]
+
+
+def _turns(pose: Pose, letter: str, which: int, unit: str) -> list[str]:
+    found = []
+    for link in pose.cycle.structure.links:
+        value = pose.turn(link)[which]
+        if value:
+            shown = f"{value:.4g}".replace("-", "\N{MINUS SIGN}")
+            found.append(f"{symbol(letter, str(pose.number(link)))} = {shown} {unit}")
+    return found

@@ -1,0 +1,238 @@
+"""Everything that acts on each link of a mechanism at a position, inertia forces included: what balances.
+
+A link is in equilibrium under its loads: the reactions of its pairs, weights, inertia forces (d'Alembert), the forces
+and moments of the scene, what gears pass on, and at the input what drives it.
+
+The reaction of a journal with friction touches its friction circle. A guide with friction presses where the moment on
+its slider puts it, or with both edges where that lies outside the slider; friction acts along it.
+"""
+
+from typing import NamedTuple
+
+from engine import (
+    FRAME,
+    Brake,
+    CrankInput,
+    DCMotor,
+    InductionMotor,
+    Pair,
+    TorsionSpring,
+    bearer_of,
+    body_mass,
+    friction_in_pairs,
+    guide_edge_forces,
+    holder_of,
+    pairs_of,
+    slider_tilts,
+)
+from sweeps.pictures.plans.lettering import numbered, subscript, symbol
+from sweeps.pictures.plans.pose import Pose
+
+
+class DrawnLoad(NamedTuple):
+    """A force with its point, or a moment.
+
+    Attributes
+    ----------
+    text : str
+        Its symbol.
+    force : complex
+        x + iy [N]; 0 for a moment.
+    at : complex
+        Point of the force [m].
+    moment : float
+        [N·m], counter-clockwise.
+    pair : str
+        Name of the pair whose reaction or friction it is; "" for what is neither.
+    middle : complex, optional
+        Middle of the joint [m], of a reaction that touches a friction circle.
+    """
+
+    text: str
+    force: complex
+    at: complex
+    moment: float = 0.0
+    pair: str = ""
+    middle: complex | None = None
+
+    @property
+    def is_friction(self) -> bool:
+        """Whether it is the friction in a guide."""
+        return bool(self.pair) and self.text[1] == "F"
+
+    @property
+    def rho(self) -> float:
+        """Radius of the friction circle that it touches [m]; 0 for what touches none."""
+        return 0.0 if self.middle is None else abs(self.at - self.middle)
+
+    @property
+    def is_moment(self) -> bool:
+        """Whether it is a moment."""
+        return self.force == 0
+
+    def moment_about(self, place: complex) -> float:
+        """Moment about a place [N·m]."""
+        return self.moment + ((self.at - place).conjugate() * self.force).imag
+
+
+def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
+    """What acts on each moving link, by its name; nothing that is zero.
+
+    Parameters
+    ----------
+    pose : Pose
+    """
+    return _Collector(pose).found()
+
+
+def group_loads(pose: Pose, name: str) -> list[DrawnLoad]:
+    """What acts on the two links of a group together: all but its inner pair, what its first pair does last.
+
+    Parameters
+    ----------
+    pose : Pose
+    name : str
+        A group.
+    """
+    group, loads = pose.scene.groups[name], loads_on_links(pose)
+    both = [load for part in (group.first, group.second) for load in loads[part.link]]
+    both = [load for load in both if not load.is_moment]
+    outer = [load for side in ("second", "first") for load in both if load.pair == f"{name}.{side}"]
+    own = {f"{name}.first", f"{name}.inner", f"{name}.second"}
+    return [load for load in both if load.pair not in own] + outer
+
+
+class _Collector:
+    """Gathers the loads of all links."""
+
+    def __init__(self, pose: Pose) -> None:
+        self.pose, self.k, self.forces = pose, pose.k, pose.cycle.forces
+        self.loads: dict[str, list[DrawnLoad]] = {link: [] for link in pose.cycle.link_numbers}
+        self.frictions = friction_in_pairs(pose.scene)
+
+    def found(self) -> dict[str, list[DrawnLoad]]:
+        for name in self.pose.scene.bodies:
+            self._body(name)
+        self._actions()
+        for pair in pairs_of(self.pose.scene):
+            self._pair(pair)
+        self._gears()
+        self._drive()
+        return {link: loads for link, loads in self.loads.items() if link != FRAME}
+
+    def _add(self, link: str, text: str, force: complex, at: complex) -> None:
+        if force != 0:
+            self.loads[link].append(DrawnLoad(text, force, at))
+
+    def _twist(self, link: str, text: str, moment: float, pair: str = "") -> None:
+        if moment != 0:
+            self.loads[link].append(DrawnLoad(text, 0j, 0j, moment, pair))
+
+    def _force(self, name: str) -> complex:
+        return complex(self.pose.cycle.force(name)[self.k])
+
+    def _body(self, name: str) -> None:
+        pose, link = self.pose, self.pose.scene.bodies[name].link
+        alone = sum(body.link == link for body in pose.scene.bodies.values()) == 1
+        index = str(pose.number(link)) if alone else subscript(name)
+        numbers = pose.cycle.numbers
+        weight = float(body_mass(pose.scene, name, numbers) * numbers["gravity"])
+        centre = pose.centre(name).place
+        self._add(link, symbol("G", index), -1j * weight, centre)
+        self._add(link, symbol("U", index), self._force(f"{name}.inertia_force"), centre)
+        self._twist(link, symbol("M", f"U{index}"), float(self.forces[f"{name}.inertia_moment"][self.k]))
+
+    def _actions(self) -> None:
+        scene, points = self.pose.scene, self.pose.motion.points
+        for name, force in scene.forces.items():
+            at = complex(points[force.on][self.k])
+            self._add(holder_of(scene, force.on), symbol("F", subscript(name)), self._force(f"{name}.force"), at)
+        for name, spring in scene.springs.items():
+            pull = self._force(f"{name}.force")
+            for end, sign in zip(spring.between, (-1, 1), strict=True):
+                at = complex(points[end][self.k])
+                self._add(holder_of(scene, end), symbol("F", subscript(name)), sign * pull, at)
+        for name, cylinder in scene.cylinders.items():
+            push, at = self._force(f"{name}.force"), self.pose.origin(cylinder.piston).place
+            self._add(cylinder.piston, symbol("F", subscript(name)), push, at)
+            self._add(bearer_of(scene, cylinder.piston), symbol("F", subscript(name)), -push, at)
+        for name, moment in scene.moments.items():
+            if not isinstance(moment, (Brake, DCMotor, InductionMotor)):
+                value = float(self.forces[f"{name}.acting_moment"][self.k])
+                self._twist(moment.on, symbol("M", subscript(name)), value)
+                if isinstance(moment, TorsionSpring):
+                    self._twist(FRAME, symbol("M", subscript(name)), -value)
+
+    def _pair(self, pair: Pair) -> None:
+        """The reaction of a pair on its link, and the opposite on the other, with its friction."""
+        friction = float(self.forces[self.frictions[pair.name]][self.k]) if pair.name in self.frictions else 0.0
+        force, at = self._force(f"{pair.name}.reaction"), self.pose.origin(pair.link).place
+        if pair.kind == "prismatic":
+            self._in_guide(pair, force, at)
+            self._both(pair, "F", friction * self.pose.direction(pair.link), at, before=r"\mathrm{f}")
+            return
+        if pair.name.endswith(".inner"):
+            group = self.pose.scene.groups[pair.name.removesuffix(".inner")]
+            at = complex(self.pose.motion.points[group.inner][self.k])
+        if friction and force:
+            self._both(pair, "R", force, at - 1j * force * friction / abs(force) ** 2, at)
+        else:
+            self._both(pair, "R", force, at)
+
+    def _both(
+        self, pair: Pair, letter: str, force: complex, at: complex, middle: complex | None = None, **index: str
+    ) -> None:
+        """A force of a pair on its link and the opposite on the other."""
+        one, two = self.pose.number(pair.other), self.pose.number(pair.link)
+        if force != 0:
+            text, opposite = numbered(letter, one, two, **index), numbered(letter, two, one, **index)
+            self.loads[pair.link].append(DrawnLoad(text, force, at, 0.0, pair.name, middle))
+            self.loads[pair.other].append(DrawnLoad(opposite, -force, at, 0.0, pair.name, middle))
+
+    def _in_guide(self, pair: Pair, force: complex, at: complex) -> None:
+        """What presses in a guide: a force with a moment, or where the slider's length is known, where that bears."""
+        moment = float(self.forces[f"{pair.name}.reaction_moment"][self.k])
+        length = self._length(pair)
+        if length is None:
+            self._both(pair, "R", force, at)
+            one, two = self.pose.number(pair.other), self.pose.number(pair.link)
+            self._twist(pair.link, numbered("M", one, two), moment, pair.name)
+            self._twist(pair.other, numbered("M", two, one), -moment, pair.name)
+            return
+        u = self.pose.direction(pair.link)
+        normal = (force / (1j * u)).real
+        if not slider_tilts(normal, moment, length / 2):
+            self._both(pair, "R", force, at + (moment / normal * u if normal else 0))
+            return
+        edges = guide_edge_forces(normal, moment, length / 2)
+        for prime, edge, side in zip(("\\prime", "\\prime\\prime"), edges, (1, -1), strict=True):
+            self._both(pair, "R", edge * 1j * u, at + side * length / 2 * u, power=prime)
+
+    def _length(self, pair: Pair) -> float | None:
+        """Length of the slider in a guide with friction [m]; None where it isn't given."""
+        name = next((n for n, friction in self.pose.scene.friction.items() if friction.pair == pair.name), None)
+        return None if name is None else self.pose.cycle.numbers.get(f"friction.{name}.length")
+
+    def _gears(self) -> None:
+        """Moments of gears: they balance each shaft and load what drives it by the ratio."""
+        pose = self.pose
+        for element in reversed(pose.cycle.structure.elements):
+            if element.kind != "shaft":
+                continue
+            name, shaft = element.name, pose.scene.shafts[element.name]
+            inertia = pose.cycle.numbers[f"shafts.{name}.inertia"]
+            self._twist(name, symbol("M", f"U{pose.number(name)}"), -inertia * pose.turn(name).epsilon)
+            origin = pose.origin(name).place
+            total = sum(load.moment_about(origin) for load in self.loads[name])
+            driver, n = shaft.geared_to, pose.number
+            self._twist(name, numbered("M", n(driver), n(name)), -total)
+            self._twist(driver, numbered("M", n(name), n(driver)), total * pose.cycle.numbers[f"shafts.{name}.ratio"])
+
+    def _drive(self) -> None:
+        drive = self.pose.scene.input
+        value = float(self.forces["input_moment_by_equilibrium"][self.k])
+        if isinstance(drive, CrankInput):
+            self._twist(drive.link, symbol("M", r"\mathrm{in}"), value)
+        else:
+            at = self.pose.origin(drive.link).place
+            self._add(drive.link, symbol("F", r"\mathrm{in}"), value * self.pose.guide(drive.guide), at)

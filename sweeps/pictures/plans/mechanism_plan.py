@@ -1,0 +1,67 @@
+"""The mechanism at one position, to a scale of drawing, its points named and its links numbered."""
+
+from matplotlib.axes import Axes
+
+from engine import FRAME
+from sweeps.pictures.drawing import bounds, figures
+from sweeps.pictures.plans.lettering import subscript
+from sweeps.pictures.plans.paper import Paper
+from sweeps.pictures.plans.pose import Pose
+from sweeps.pictures.style import BLUE
+
+# Radius of a hinge on paper [mm], as far as links are long enough for it.
+HINGE = 0.85
+
+
+def mechanism_plan(pose: Pose, ax: Axes) -> Paper:
+    """Draw the mechanism to scale.
+
+    Parameters
+    ----------
+    pose : Pose
+    ax : matplotlib.axes.Axes
+        Of the size on paper that they will keep.
+    """
+    motion = pose.motion
+    whole = _figures(pose)
+    paper = _laid_out(ax, whole)
+    usual = motion.radius
+    motion.radius = min(max(usual, HINGE * paper.per_mm), 2.2 * usual)
+    whole = _figures(pose)
+    paper = _laid_out(ax, whole)
+    paper.figures(whole)
+    for joint in whole:
+        if joint.layer == "joints" and joint.text:
+            paper.name(joint.points[0], f"${subscript(joint.text)}$", clear=joint.size / paper.per_mm)
+    for link in pose.cycle.structure.links:
+        _number(paper, pose, link)
+    motion.radius = usual
+    paper.letter()
+    scale = 1e3 * paper.per_mm
+    ratio = f"1 : {scale:g}" if scale >= 1 else f"{1 / scale:g} : 1"
+    paper.scale(f"{20 * scale:g} mm", ratio)
+    return paper
+
+
+def _figures(pose: Pose) -> list:
+    drawn = figures(pose.motion, [pose.motion.q[pose.k]])[-1]
+    return [p for p in drawn if p.kind != "text"]
+
+
+def _laid_out(ax: Axes, drawn: list) -> Paper:
+    ax.clear()
+    low_x, low_y, high_x, high_y = bounds(drawn)
+    return Paper(ax, [complex(low_x, low_y), complex(high_x, high_y)], margin=5.0)
+
+
+def _number(paper: Paper, pose: Pose, link: str) -> None:
+    """A link's number, beside its middle."""
+    if link == FRAME:
+        return
+    places = [complex(pose.motion.points[n][pose.k]) for n in pose.motion.members(link)]
+    if len(places) > 1:
+        a, b = max(((p, q) for p in places for q in places), key=lambda ends: abs(ends[1] - ends[0]))
+        middle = (a + b) / 2
+    else:
+        middle = complex(pose.motion.axes(link)[0][pose.k])
+    paper.name(middle, str(pose.number(link)), BLUE, clear=1.2 if len(places) > 1 else 2.6)

@@ -1,0 +1,226 @@
+"""A drawing on axes to a scale that a ruler reads: vectors, figures of a mechanism, letters clear of lines."""
+
+import math
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Polygon
+from matplotlib.textpath import TextPath
+
+from sweeps.pictures.drawing import Primitive, paint
+from sweeps.pictures.style import GREY, MM_PER_INCH
+
+MM_PER_POINT = MM_PER_INCH / 72
+LETTERS = 8.0
+# Sizes on paper [mm].
+HEAD, HALF_HEAD = 2.4, 0.55
+# Height of the strip along the lower edge that the scale is written in.
+STRIP = 5.0
+LEAST_VECTOR = 0.4
+MARK = 0.5
+GAPS = (0.5, 1.5, 3.0, 5.0, 7.5)
+_STEPS = (1.0, 1.5, 2.0, 2.5, 4.0, 5.0, 7.5, 10.0)
+
+
+def round_scale(least: float) -> float:
+    """Least of the scales 1, 1.5, 2, 2.5, 4, 5, 7.5 times a power of ten that isn't below a value.
+
+    Parameters
+    ----------
+    least : float
+        What one millimetre of paper must stand for at least; positive.
+    """
+    power = 10.0 ** math.floor(math.log10(least))
+    # A value that is itself a scale may come with a rounding error.
+    return next(step for step in _STEPS if step * power >= least * (1 - 1e-9)) * power
+
+
+class _Label(NamedTuple):
+    """A text with the places it may have: centres [mm] and what each costs; where a leader to it begins."""
+
+    text: str
+    colour: str
+    places: np.ndarray
+    costs: np.ndarray
+    half: complex
+    origin: complex
+
+
+@lru_cache(maxsize=4096)
+def half_size(text: str) -> complex:
+    """Half the width and height of a text on paper [mm]."""
+    box = TextPath((0, 0), text, size=LETTERS).get_extents()
+    return complex(box.width, max(box.height, 0.55 * LETTERS)) * MM_PER_POINT / 2
+
+
+class Paper:
+    """Axes as a sheet of paper with a round scale; lettered at the end, when all lines are known.
+
+    The scale holds for the size that the axes have when the paper is laid out.
+
+    Parameters
+    ----------
+    ax : Axes
+    cloud : sequence of complex
+        What has to find room, x + iy in units of the drawing.
+    margin : float
+        Room for letters around it [mm].
+
+    Attributes
+    ----------
+    per_mm : float
+        Units of the drawing to a millimetre of paper.
+    """
+
+    def __init__(self, ax: Axes, cloud: Sequence[complex], margin: float = 8.0) -> None:
+        self.ax, points = ax, np.asarray(cloud, complex)
+        inches = ax.figure.get_size_inches() * ax.get_position().size
+        self.size = complex(*(MM_PER_INCH * inches))
+        low, high = (complex(f(points.real), f(points.imag)) for f in (np.min, np.max))
+        room = self.size - complex(2 * margin, 2 * margin + STRIP)
+        span = high - low
+        self.per_mm = round_scale(max(span.real / room.real, span.imag / room.imag) or 1.0)
+        self.corner = (low + high) / 2 - self.per_mm * (self.size + 1j * STRIP) / 2
+        top = self.corner + self.per_mm * self.size
+        ax.set(xlim=(self.corner.real, top.real), ylim=(self.corner.imag, top.imag))
+        ax.set_axis_off()
+        self._marks: list[np.ndarray] = []
+        self._labels: list[_Label] = []
+
+    def _mm(self, places: object) -> object:
+        return (places - self.corner) / self.per_mm
+
+    def mark(self, points: Sequence[complex]) -> None:
+        """Keep letters off a line through some points."""
+        ends = self._mm(np.asarray(points, complex))
+        for a, b in pairwise(ends):
+            self._marks.append(np.linspace(a, b, min(int(abs(b - a) / MARK) + 2, 1000)))
+
+    def figures(self, drawn: Iterable[Primitive]) -> None:
+        """Paint figures of a mechanism, without their names."""
+        drawn = [p for p in drawn if p.kind != "text"]
+        paint(self.ax, drawn, 1.0)
+        for p in drawn:
+            corners = np.array(p.points)
+            if p.kind == "circle":
+                corners = p.points[0] + p.size * np.exp(2j * np.pi * np.arange(9) / 8)
+            elif p.kind == "polygon":
+                corners = np.append(corners, corners[:1])
+            self.mark(corners)
+
+    def line(self, points: Sequence[complex], colour: str = GREY, width: float = 0.5, dashes: object = "solid") -> None:
+        """A line through some points."""
+        z = np.asarray(points, complex)
+        self.ax.plot(z.real, z.imag, color=colour, linewidth=width, linestyle=dashes, zorder=6, solid_capstyle="round")
+        self.mark(points)
+
+    def is_seen(self, vector: complex) -> bool:
+        """Whether a vector is long enough on paper to be drawn."""
+        return abs(vector) >= LEAST_VECTOR * self.per_mm
+
+    def arrow(self, start: complex, vector: complex, text: str, colour: str, width: float = 1.1) -> None:
+        """A vector with its symbol; nothing if it is too short to be seen."""
+        if not self.is_seen(vector):
+            return
+        length, u = abs(vector) / self.per_mm, vector / abs(vector)
+        head = min(HEAD, 0.6 * length) * self.per_mm
+        tip = start + vector
+        wings = [tip - head * u + side * HALF_HEAD / HEAD * head * 1j * u for side in (1, -1)]
+        shaft = np.array([start, tip - 0.8 * head * u])
+        self.ax.plot(shaft.real, shaft.imag, color=colour, linewidth=width, zorder=7, solid_capstyle="butt")
+        corners = [(z.real, z.imag) for z in (tip, *wings)]
+        self.ax.add_patch(Polygon(corners, closed=True, facecolor=colour, edgecolor="none", zorder=7.5))
+        self.mark([start, tip])
+        self.mark([tip, wings[0], wings[1], tip])
+        if text:
+            self._beside(start, vector, text, colour)
+
+    def _beside(self, start: complex, vector: complex, text: str, colour: str) -> None:
+        """Ask for a place beside a vector."""
+        a, b, half = self._mm(start), self._mm(start + vector), half_size(text)
+        normal = 1j * (b - a) / abs(b - a)
+        reach = abs(normal.real) * half.real + abs(normal.imag) * half.imag
+        found = [
+            (a + t * (b - a) + side * (reach + gap) * normal, gap + 4 * abs(t - 0.5))
+            for t in (0.5, 0.4, 0.6, 0.3, 0.7, 0.15, 0.85)
+            for side in (1, -1)
+            for gap in GAPS
+        ]
+        self._ask(text, colour, found, half, (a + b) / 2)
+
+    def name(self, at: complex, text: str, colour: str = "black", clear: float = 0.7) -> None:
+        """Ask for a place beside a point, `clear` from it [mm]."""
+        c, half = self._mm(at), half_size(text)
+        found = []
+        for angle in np.arange(0, 2 * np.pi, np.pi / 8):
+            u = np.exp(1j * angle)
+            beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * np.clip(1.5 * u.imag, -1, 1)
+            found += [(c + (clear + gap) * u + beside, gap) for gap in GAPS]
+        self._ask(text, colour, found, half, c)
+
+    def _ask(self, text: str, colour: str, found: list[tuple[complex, float]], half: complex, origin: complex) -> None:
+        places, costs = (np.array(part) for part in zip(*found, strict=True))
+        self._labels.append(_Label(text, colour, places, costs, half, origin))
+
+    def dot(self, at: complex, text: str, size: float = 0.45) -> None:
+        """A point with its name, `size` its radius [mm]."""
+        self.ax.add_patch(Circle((at.real, at.imag), size * self.per_mm, facecolor="black", edgecolor="none", zorder=8))
+        around = at + size * self.per_mm * np.exp(2j * np.pi * np.arange(5) / 4)
+        self.mark(around)
+        self.name(at, text, clear=size + 0.3)
+
+    def scale(self, bar: str, note: str, length: float = 20.0) -> None:
+        """A scale bar in the lower left corner, with the value of its length and the scale in words."""
+        a = self.corner + (2 + 3j) * self.per_mm
+        b = a + length * self.per_mm
+        ends = [a + 1j * self.per_mm, a, b, b + 1j * self.per_mm]
+        self.ax.plot(np.real(ends), np.imag(ends), color="black", linewidth=0.8, solid_joinstyle="miter")
+        middle = (a + b) / 2
+        self.ax.text(middle.real, middle.imag + 0.4 * self.per_mm, bar, fontsize=6.5, ha="center", va="bottom")
+        self.ax.text(b.real + 3 * self.per_mm, b.imag, note, fontsize=7, ha="left", va="bottom")
+
+    def letter(self) -> None:
+        """Put every text where it covers least: names before the symbols of vectors, as they were asked for."""
+        marks = np.concatenate(self._marks) if self._marks else np.empty(0, complex)
+        taken: list[tuple[complex, complex]] = []
+        for label in self._labels:
+            half = label.half + complex(0.3, 0.25)
+            gap = marks[None, :] - label.places[:, None]
+            covered = ((np.abs(gap.real) < half.real) & (np.abs(gap.imag) < half.imag)).sum(axis=1)
+            overlaps = sum(_overlap(label.places - centre, half + other) for centre, other in taken)
+            cost = label.costs + 1.5 * covered + 8 * overlaps + 10 * self._outside(label.places, half)
+            best = complex(label.places[np.argmin(cost)])
+            taken.append((best, half))
+            self._write(label, best)
+        self._labels.clear()
+
+    def _outside(self, places: np.ndarray, half: complex) -> np.ndarray:
+        """How far texts would reach beyond the paper, or into the strip of its scale [mm]."""
+        low, high = places - half, places + half - self.size
+        beyond = (-low.real, STRIP - low.imag, high.real, high.imag)
+        return sum(np.clip(part, 0, None) for part in beyond)
+
+    def _write(self, label: _Label, place: complex) -> None:
+        at = self.corner + self.per_mm * place
+        self.ax.text(
+            at.real, at.imag, label.text, color=label.colour, fontsize=LETTERS, ha="center", va="center", zorder=9
+        )
+        away = place - label.origin
+        edge = min(
+            label.half.real / abs(away.real) if away.real else math.inf,
+            label.half.imag / abs(away.imag) if away.imag else math.inf,
+        )
+        # A leader only where the text stands so far off that it might be anything's.
+        if (1 - edge) * abs(away) > 4:
+            ends = self.corner + self.per_mm * np.array([label.origin, place - edge * away])
+            self.ax.plot(ends.real, ends.imag, color=GREY, linewidth=0.4, zorder=5)
+
+
+def _overlap(apart: np.ndarray, both: complex) -> np.ndarray:
+    """Area that two texts share, from the distance of their centres and the sum of their half sizes [mm²]."""
+    wide, high = both.real - np.abs(apart.real), both.imag - np.abs(apart.imag)
+    return np.clip(wide, 0, None) * np.clip(high, 0, None)

@@ -1,0 +1,206 @@
+"""Velocity and acceleration plans as numbers: images of points from a pole, and the vectors that lead to them.
+
+Every dyad gives two ways to the image of one point, which must meet there: RRR along both of its bars; RRP along the
+rod and along the guide; RPR along the slotted link and its slot; PRP along both guides; RPP along guide and slot. An
+acceleration goes such a way in two steps: normal and tangential on a bar, Coriolis and relative along a guide that
+turns. What is at rest has its image in the pole.
+
+Source: any course of the theory of mechanisms, chapter on plans of velocities and accelerations, e.g.
+I. I. Artobolevsky, Theory of Mechanisms and Machines.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+from engine import FRAME, RPP, RPR, CrankInput, Hinged
+from sweeps.pictures.plans.lettering import subscript, symbol
+from sweeps.pictures.plans.pose import Movement, Pose, Turn
+
+
+class PlanStep(NamedTuple):
+    """A vector of a plan: its symbol, itself (x + iy), and what it is.
+
+    `kind` is "whole", "normal", "tangential", "coriolis" or "relative".
+    """
+
+    text: str
+    vector: complex
+    kind: str
+
+
+class Leg(NamedTuple):
+    """A way from the image of one point to that of another."""
+
+    start: str
+    end: str
+    steps: tuple[PlanStep, ...]
+
+
+class VectorPlan(NamedTuple):
+    """A plan of velocities or accelerations.
+
+    Attributes
+    ----------
+    images : dict of str to complex
+        Vector from the pole to the image of each point [m/s or m/s²].
+    legs : tuple of Leg
+    pole : tuple of str
+        Points at rest, whose image is the pole.
+    links : tuple of tuple of str
+        Images of one link's points: they form a figure like the link itself.
+    under : dict of str to str
+        Places that lie under a point of another link, by their names (the point's with primes): the link they are of.
+    """
+
+    images: dict[str, complex]
+    legs: tuple[Leg, ...]
+    pole: tuple[str, ...]
+    links: tuple[tuple[str, ...], ...]
+    under: dict[str, str]
+
+
+class _Order(NamedTuple):
+    """What a plan of velocities or of accelerations is made of."""
+
+    letter: str
+    image: Callable[[Movement], complex]
+    turned: Callable[[Turn, complex], list[tuple[str, complex, str]]]
+    slid: Callable[[Turn, complex, complex], list[tuple[str, complex, str]]]
+
+
+_VELOCITY = _Order(
+    "v",
+    lambda moving: moving.v,
+    lambda turn, arm: [("", 1j * turn.omega * arm, "whole")],
+    lambda _, v, a: [("", v, "relative")],
+)
+_ACCELERATION = _Order(
+    "a",
+    lambda moving: moving.a,
+    lambda turn, arm: [("n", -(turn.omega**2) * arm, "normal"), ("t", 1j * turn.epsilon * arm, "tangential")],
+    lambda turn, v, a: [("c", 2j * turn.omega * v, "coriolis"), ("r", a, "relative")],
+)
+
+
+def velocities(pose: Pose) -> VectorPlan:
+    """Plan of velocities of all points of a mechanism [m/s]."""
+    return _Composer(pose, _VELOCITY).plan()
+
+
+def accelerations(pose: Pose) -> VectorPlan:
+    """Plan of accelerations of all points of a mechanism at uniform input speed [m/s²]."""
+    return _Composer(pose, _ACCELERATION).plan()
+
+
+class _Composer:
+    """Puts a plan together, group by group."""
+
+    def __init__(self, pose: Pose, order: _Order) -> None:
+        self.pose, self.order = pose, order
+        self.images: dict[str, complex] = {}
+        self.legs: list[Leg] = []
+        self.rest: dict[str, None] = {}
+        self.under: dict[str, str] = {}
+
+    def plan(self) -> VectorPlan:
+        scene, drive = self.pose.scene, self.pose.scene.input
+        if isinstance(drive, CrankInput):
+            self._bar(drive.link, drive.pivot, drive.pin)
+        else:
+            self._along_guide(drive.link, drive.guide, drive.point)
+        for element in self.pose.cycle.structure.elements:
+            if element.kind == "group":
+                self._group(scene.groups[element.name])
+        links = [self._others_on(link) for link in self.pose.cycle.structure.links]
+        return VectorPlan(self.images, tuple(self.legs), tuple(self.rest), tuple(filter(None, links)), self.under)
+
+    # Images
+
+    def _image(self, name: str, moving: Movement, at_rest: bool = False) -> str:
+        if at_rest:
+            self.rest[name] = None
+        else:
+            self.images[name] = self.order.image(moving)
+        return name
+
+    def _point(self, name: str) -> str:
+        points = self.pose.scene.points
+        at_rest = name in points and points[name].link == FRAME
+        return self._image(name, self.pose.point(name), at_rest)
+
+    def _under(self, link: str, point: str, primes: str) -> str:
+        """Image of the place of a link that lies under a point of another; the point's name with primes."""
+        if link == FRAME:
+            return FRAME
+        self.under[point + primes] = link
+        return self._image(point + primes, self.pose.rigid(link, self.pose.point(point).place))
+
+    def _others_on(self, link: str) -> tuple[str, ...]:
+        """Images of a link's points, its centres of mass among them; nothing where a leg says it all."""
+        pose = self.pose
+        names = [self._point(n) for n in pose.motion.members(link)]
+        places = [pose.motion.points[n][pose.k] for n in names]
+        bodies = [name for name, body in pose.scene.bodies.items() if body.link == link]
+        for i, name in enumerate(bodies):
+            centre = pose.centre(name)
+            if all(abs(centre.place - p) > 0.5 * pose.motion.radius for p in places):
+                label = f"S{pose.number(link)}" + (f"_{i + 1}" if len(bodies) > 1 else "")
+                names.append(self._image(label, centre))
+        return tuple(names) if len(names) > 2 else ()
+
+    # Legs
+
+    def _leg(self, start: str, end: str, steps: Iterable[tuple[str, complex, str]], start_at_rest: bool) -> None:
+        sub = subscript(end) if start_at_rest else subscript(end, start)
+        made = [PlanStep(symbol(self.order.letter, sub, sup), vector, kind) for sup, vector, kind in steps]
+        if not start_at_rest:
+            made = [step._replace(kind="relative") if step.kind == "whole" else step for step in made]
+        self.legs.append(Leg(start, end, tuple(made)))
+
+    def _bar(self, link: str, start: str, end: str) -> None:
+        """From one point of a link to another."""
+        self._point(start)
+        if end not in self.images:
+            self._point(end)
+        arm = self._place(end) - self._place(start)
+        self._leg(start, end, self.order.turned(self.pose.turn(link), arm), start in self.rest)
+
+    def _place(self, name: str) -> complex:
+        return complex(self.pose.motion.points[name.rstrip("'")][self.pose.k])
+
+    def _along_guide(self, slider: str, guide: str, point: str, primes: str = "'") -> None:
+        """From the place under a slider's joint to the joint."""
+        carrier, u = self.pose.scene.guides[guide].link, self.pose.guide(guide)
+        self._slid(self._under(carrier, point, primes), self._point(point), slider, carrier, u)
+
+    def _slid(self, start: str, end: str, slider: str, carrier: str, u: complex) -> None:
+        v, a = (rate * u for rate in self.pose.slide(slider))
+        steps = self.order.slid(self.pose.turn(carrier), v, a)
+        if carrier == FRAME:
+            # Nothing to tell apart: the relative motion is the whole one.
+            steps = [("", steps[-1][1], "whole")]
+        self._leg(start, end, steps, start == FRAME)
+
+    def _group(self, group: object) -> None:
+        if isinstance(group, RPR):
+            pin, rocker = group.first.joint, group.second
+            under = self._under(rocker.link, pin, "'")
+            self._bar(rocker.link, rocker.joint, under)
+            self._slid(under, self._point(pin), group.first.link, rocker.link, self.pose.direction(rocker.link))
+        elif isinstance(group, RPP):
+            pin, yoke = group.first.joint, group.second
+            carrier, u = self.pose.scene.guides[yoke.guide].link, self.pose.guide(yoke.guide)
+            under = self._under(yoke.link, pin, "'")
+            self._slid(self._under(carrier, pin, "''"), under, yoke.link, carrier, u)
+            # The yoke turns with what carries its guide.
+            slot = self.pose.direction(group.first.link)
+            v, a = (rate * slot for rate in self.pose.slide(group.first.link))
+            self._leg(under, pin, self.order.slid(self.pose.turn(carrier), v, a), False)
+        else:
+            primes = "'"
+            for part in (group.first, group.second):
+                if isinstance(part, Hinged):
+                    self._bar(part.link, part.joint, group.inner)
+                else:
+                    self._along_guide(part.link, part.guide, group.inner, primes)
+                    primes = "''"

@@ -1,0 +1,108 @@
+"""Sheets of plans: the mechanism at a position beside its plan, with the values behind it."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from engine import FRAME, Scene
+from sweeps.pictures.plans.force_plan import force_lines, force_plan
+from sweeps.pictures.plans.free_body import free_body
+from sweeps.pictures.plans.kinematic_plans import acceleration_lines, acceleration_plan, velocity_lines, velocity_plan
+from sweeps.pictures.plans.lettering import subscript
+from sweeps.pictures.plans.mechanism_plan import mechanism_plan
+from sweeps.pictures.plans.pose import Pose
+from sweeps.pictures.style import MM_PER_INCH, house_style
+
+WIDTH, HEIGHT = 180.0, 130.0
+HEADING = 8.0
+
+
+def sheet(width: float = WIDTH, height: float = HEIGHT) -> Figure:
+    """An empty sheet of paper [mm]; its axes keep the places they are given."""
+    return Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+
+
+def place(figure: Figure, left: float, bottom: float, width: float, height: float, **kind: str) -> Axes:
+    """Axes at a place on a sheet [mm]."""
+    w, h = figure.get_size_inches() * MM_PER_INCH
+    return figure.add_axes((left / w, bottom / h, width / w, height / h), **kind)
+
+
+def write(figure: Figure, left: float, top: float, text: str, **look: object) -> None:
+    """Text at a place on a sheet [mm], below and to the right of it."""
+    w, h = figure.get_size_inches() * MM_PER_INCH
+    figure.text(left / w, top / h, text, ha="left", va="top", **look)
+
+
+def heading(figure: Figure, scene: Scene, what: str) -> None:
+    """Title of a sheet."""
+    height = figure.get_size_inches()[1] * MM_PER_INCH
+    text = f"{scene.title}: {what}" if scene.title else what[:1].upper() + what[1:]
+    write(figure, 4, height - 3, text, fontsize=10, fontweight="bold")
+
+
+def links_line(pose: Pose) -> str:
+    """The numbers of links in words."""
+    return ", ".join(f"{n} {link}" for link, n in pose.cycle.link_numbers.items() if link != FRAME)
+
+
+def columns(lines: list[str], rows: int) -> list[str]:
+    """Lines in columns of at most so many rows."""
+    return ["\n".join(lines[i : i + rows]) for i in range(0, len(lines), rows)]
+
+
+def kinematic_sheet(pose: Pose, which: str) -> Figure:
+    """Sheet of the "velocity" or the "acceleration" plan, 180 mm wide, with the mechanism beside it.
+
+    Parameters
+    ----------
+    pose : Pose
+    which : {"velocity", "acceleration"}
+    """
+    draw, lines_of = {
+        "velocity": (velocity_plan, velocity_lines),
+        "acceleration": (acceleration_plan, acceleration_lines),
+    }[which]
+    with house_style():
+        figure = sheet()
+        heading(figure, pose.scene, f"{which} plan at {pose.title}")
+        mechanism_plan(pose, place(figure, 2, 54, 76, HEIGHT - HEADING - 54))
+        plan = draw(pose, place(figure, 80, 2, 98, HEIGHT - HEADING - 2))
+        for i, text in enumerate(columns(lines_of(pose, plan), 11)):
+            write(figure, 4 + 26 * i, 52, text, fontsize=6.5, linespacing=1.45)
+        under = [f"${subscript(n)}$ on {pose.number(link)}" for n, link in plan.under.items()]
+        notes = [f"links: {links_line(pose)}"] + [f"places under points: {', '.join(under)}"] * bool(under)
+        write(figure, 4, 4 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
+    return figure
+
+
+def force_sheet(pose: Pose, of: str) -> Figure:
+    """Sheet of a group's force plan with its links drawn apart, or of one link's, 180 mm wide.
+
+    Parameters
+    ----------
+    pose : Pose
+    of : str
+        A group or a moving link.
+    """
+    group = pose.scene.groups.get(of)
+    links = [of] if group is None else [group.first.link, group.second.link]
+    with house_style():
+        figure = sheet(WIDTH, 185)
+        heading(figure, pose.scene, f"forces on {of} at {pose.title}")
+        width = 176 / len(links)
+        for i, link in enumerate(links):
+            loads = free_body(pose, link, place(figure, 2 + i * width, 98, width, 74))
+            write(figure, 5 + i * width, 175, f"{pose.number(link)} {link}", fontsize=8, fontweight="bold")
+            text = "\n".join(force_lines(loads))
+            write(figure, 4 + 33 * i, 46, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.4)
+        mechanism_plan(pose, place(figure, 2, 48, 62, 50))
+        force_plan(pose, of, place(figure, 66, 9, 112, 88))
+        notes = [
+            f"links: 0 frame, {links_line(pose)}",
+            "$R_{12}$: force of link 1 on link 2; $G$ weight, $U$ inertia force; ∠ from x, counter-clockwise. "
+            "Arrows at links are not to scale.",
+        ]
+        if pose.scene.friction:
+            notes.insert(0, r"$F_{\mathrm{f}12}$: friction in a guide; $\rho_{12}$: radius of the friction circle")
+        write(figure, 4, 1.6 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
+    return figure

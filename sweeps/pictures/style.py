@@ -1,0 +1,89 @@
+"""The look of all pictures, their sizes on paper and their files."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from sweeps.pictures.picture_error import PictureError
+
+MM_PER_INCH = 25.4
+# Colours that stay apart for the colour-blind (Okabe and Ito).
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#d55e00",
+    "#cc79a7",
+    "#56b4e9",
+)
+GREY = "#8a8f94"
+# What was computed but isn't wanted.
+PALE = "#c9cdd1"
+# Map of colours for numbers.
+COLOURS = "cividis"
+FORMATS = (".svg", ".pdf", ".png")
+_STYLE = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "mathtext.fontset": "dejavusans",
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.labelsize": 8,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "legend.fontsize": 7,
+    "figure.titlesize": 10,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 1.3,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.linewidth": 0.4,
+    "grid.color": "#d5d8dc",
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-4, 5),
+    "legend.framealpha": 0.85,
+    "legend.edgecolor": "none",
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "hatch.linewidth": 0.5,
+    "pdf.fonttype": 42,
+    "svg.fonttype": "path",
+    # The same picture gives the same file.
+    "svg.hashsalt": "machine-sweeps",
+    "savefig.dpi": 200,
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Fonts, lines and colours of all pictures, for what is made and saved inside."""
+    with rc_context(_STYLE):
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Figure of a size on paper [mm]; 180 mm fill the width of A4 between its margins."""
+    return Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout="constrained")
+
+
+def save(figure: Figure, path: Path | str) -> None:
+    """Save a figure as .svg, .pdf (vector fonts) or .png, the same bytes every time.
+
+    Raises
+    ------
+    PictureError
+        The ending is another one, or the file can't be written.
+    """
+    ending = Path(path).suffix.lower()
+    if ending not in FORMATS:
+        raise PictureError(f"{path}: ending {ending!r} isn't a picture's; allowed are {', '.join(FORMATS)}")
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
+    try:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        with house_style():
+            figure.savefig(path, metadata=undated)
+    except OSError as error:
+        raise PictureError(f"{path} can't be written: {error.strerror}") from None

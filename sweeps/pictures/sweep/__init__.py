@@ -1,0 +1,1 @@
+"""Pictures of sweeps and searches: curves, maps, scatters, parallel coordinates, fronts."""

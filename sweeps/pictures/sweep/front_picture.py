@@ -1,0 +1,90 @@
+"""Picture of a Pareto front among all candidates, with chosen points of it drawn as mechanisms to one scale."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sweeps.optimising.optimum import Choice, choices, front, met, objectives
+from sweeps.pictures.drawing import draw
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.report.sweep_result import SweepResult
+
+WIDTH, HEIGHT, DRAWING = 180, 105, 62
+# Candidates far from the front would squeeze it into a corner: so many of its widths are shown beyond it.
+ROUND_ABOUT = 0.6
+
+
+def front_picture(result: SweepResult, data: SweepData, path: Path | str) -> Figure:
+    """Draw the front of a search with several objectives, to a file (.svg, .pdf, .png).
+
+    The first two objectives are the axes, a third is the colour of the front.
+
+    Parameters
+    ----------
+    result : SweepResult
+    data : SweepData
+        The same result as it is drawn.
+    path : path
+
+    Raises
+    ------
+    PictureError
+        The front is empty, or the file can't be written.
+    """
+    if not front(result).size:
+        raise PictureError("no candidate meets all conditions: there is no front to draw")
+    chosen = choices(result)
+    drawn = [] if result.scene.input is None else chosen
+    with house_style():
+        figure = new_figure(WIDTH, HEIGHT + (DRAWING if drawn else 0))
+        rows = figure.subfigures(2, 1, height_ratios=[HEIGHT, DRAWING]) if drawn else [figure]
+        _scatter(rows[0].subplots(), result, data, chosen)
+        if drawn:
+            _mechanisms(rows[1].subplots(1, len(drawn), squeeze=False)[0], result, drawn)
+    save(figure, path)
+    return figure
+
+
+def _scatter(ax: Axes, result: SweepResult, data: SweepData, chosen: Sequence[Choice]) -> None:
+    """All candidates computed, the front, and the chosen points by letter."""
+    there, names = front(result), [name for name, _ in objectives(result)]
+    (x, x_label, _), (y, y_label, _) = (data.shown(name) for name in names[:2])
+    meets = met(result)
+    for which, colour, label in ((data.ok & ~meets, PALE, "misses a condition"), (meets, BLUE, "meets all conditions")):
+        if which.any():
+            ax.scatter(x[which], y[which], s=2, c=colour, linewidths=0, rasterized=True, label=label)
+    if len(names) > 2:
+        shades, label, _ = data.shown(names[2])
+        dots = ax.scatter(x[there], y[there], s=14, c=shades[there], cmap=COLOURS, label="Pareto front", zorder=3)
+        ax.figure.colorbar(dots, ax=ax, label=label, pad=0.02)
+    else:
+        ax.plot(x[there], y[there], "o", color=VERMILION, markersize=2.5, label="Pareto front")
+    for letter, choice in zip("ABCDEFGH", chosen, strict=False):
+        at = x[choice.variant], y[choice.variant]
+        ax.plot(*at, "o", markersize=9, markerfacecolor="none", markeredgecolor="black", zorder=4)
+        ax.annotate(letter, at, (7, 7), textcoords="offset points", fontsize=10, fontweight="bold", zorder=4)
+    for set_limits, values in ((ax.set_xlim, x[there]), (ax.set_ylim, y[there])):
+        room = ROUND_ABOUT * (np.ptp(values) or abs(values[0]) or 1.0)
+        set_limits(values.min() - room / 3, values.max() + room)
+    ax.set(xlabel=x_label, ylabel=y_label)
+    ax.legend(loc="best", markerscale=2)
+    hidden = np.count_nonzero(~data.ok)
+    words = f"{hidden} of {data.ok.size} candidates failed or were dropped" if hidden else ""
+    ax.set_title(words, fontsize=7, loc="right", color=GREY)
+
+
+def _mechanisms(axes: Sequence[Axes], result: SweepResult, chosen: Sequence[Choice]) -> None:
+    """The machines of chosen points, all to the same scale."""
+    for letter, ax, choice in zip("ABCDEFGH", axes, chosen, strict=False):
+        draw(result.scene, ax, values=result.variant_values(choice.variant))
+        ax.set_title("\n".join(wrapped(f"{letter}: {choice.why}", 30)))
+        ax.tick_params(labelsize=6)
+    x, y = ([f(ax) for ax in axes] for f in (Axes.get_xlim, Axes.get_ylim))
+    for ax in axes:
+        ax.set_xlim(min(low for low, _ in x), max(high for _, high in x))
+        ax.set_ylim(min(low for low, _ in y), max(high for _, high in y))

@@ -1,0 +1,380 @@
+"""Pictures of a sweep's results: curves, bands of fields, maps and scatter; which of them suits what varies."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MultipleLocator
+
+from engine import Verdict
+from sweeps.optimising.pareto import pareto_front
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
+from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.study.sensitivity import RSS, WORST_CASE
+from sweeps.text.engineer_units import engineer_unit
+
+REASONS = {
+    Verdict.CANNOT_ASSEMBLE: "can't be assembled",
+    Verdict.SINGULAR: "singular position",
+    Verdict.OUTSIDE_LIMITS: "outside limits",
+    Verdict.DROPPED: "dropped by a constraint",
+    Verdict.NOT_FINITE: "infinite or undefined",
+    Verdict.STALLS: "stalls",
+    Verdict.RUNS_AWAY: "runs away",
+    Verdict.NO_END: "doesn't come to its end",
+    Verdict.JAMS: "friction jams",
+    Verdict.NOT_COMPUTED: "not computed yet",
+}
+
+
+VEIL = "#e9ebed"
+# Share of a curve's range from which on a band about it can be seen.
+SEEN = 0.002
+
+
+def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int | None = None) -> None:
+    """Summaries against one parameter, one panel each, with their error bands where these can be seen.
+
+    Parameters
+    ----------
+    figure : Figure
+        Empty; stays empty of anything else.
+    data : SweepData
+    x : str
+        Parameter along the axis.
+    ys : sequence of str
+        Summaries.
+    best : int, optional
+        Variant to be marked.
+    """
+    along, label, _ = data.shown(x)
+    order = np.argsort(along, kind="stable")
+    axes = figure.subplots(len(ys), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, y in zip(axes, ys, strict=True):
+        values, y_label, factor = data.shown(y)
+        values = np.where(data.ok, values, np.nan)
+        few = np.count_nonzero(data.ok) <= 60
+        ax.plot(along[order], values[order], color=BLUE, marker="o" if few else None, markersize=2.5)
+        error = factor * np.asarray(data.arrays.get(f"{y}_error", np.zeros_like(values)), dtype=float)
+        if data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > SEEN * np.ptp(values[data.ok]):
+            low, high = (values - error)[order], (values + error)[order]
+            ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error figure")
+        _tolerance_bands(ax, data, along[order], y, order)
+        if data.out.any():
+            shown = np.where(data.out, values, np.nan)[order]
+            look = {"color": PALE, "marker": "o" if few else None, "markersize": 3, "linewidth": 1.8}
+            ax.plot(along[order], shown, **look, label=_missing(data))
+        _mark_failed(ax, along, data.status)
+        if best is not None:
+            ax.plot(along[best], values[best], "*", color=VERMILION, markersize=10, label="best")
+        ax.set_ylabel(y_label)
+    axes[-1].set_xlabel(label)
+    _legend_below(figure, axes)
+
+
+def _tolerance_bands(ax: Axes, data: SweepData, along: np.ndarray, y: str, order: np.ndarray) -> None:
+    """How far tolerances of the machine as built may take a summary, at worst and statistically."""
+    values, _, factor = data.shown(y)
+    for ending, alpha, words in ((WORST_CASE, 0.15, "worst case"), (RSS, 0.25, "root of sum of squares")):
+        band = np.where(data.ok, factor * np.asarray(data.arrays.get(f"{y}.{ending}", 0.0), float), np.nan)
+        if data.ok.any() and np.nanmax(np.nan_to_num(band)) > SEEN * np.ptp(values[data.ok]):
+            ends, look = ((values - band)[order], (values + band)[order]), {"color": VERMILION, "linewidth": 0}
+            ax.fill_between(along, *ends, alpha=alpha, label=f"within tolerances, {words}", **look)
+
+
+def _mark_failed(ax: Axes, along: np.ndarray, status: np.ndarray) -> None:
+    """Crosses at the foot of the panel where variants failed, a colour for each reason."""
+    for colour, code in zip(PALETTE[2:] + PALETTE[1:2], _failures(status), strict=False):
+        where = along[status == code]
+        foot = np.full(where.shape, 0.03)
+        ax.plot(where, foot, "x", color=colour, markersize=4, transform=ax.get_xaxis_transform(), label=_reason(code))
+
+
+def _failures(status: np.ndarray) -> list[int]:
+    return [int(code) for code in np.unique(status) if code != Verdict.OK]
+
+
+def _reason(code: int) -> str:
+    return REASONS.get(code, f"status {code}")
+
+
+def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) -> None:
+    """A field over the input's position: the band of all variants, its middle, and the best variant.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+    name : str
+        A field; `data.position` must be there.
+    best : int, optional
+        Variant drawn by itself.
+
+    Raises
+    ------
+    PictureError
+        There is no such field, or no variant that was computed.
+    """
+    values, label, _ = data.shown(name)
+    if values.ndim != 2 or data.position is None:
+        raise PictureError(f"{name!r} is not a field of this result")
+    sound = data.ok & np.isfinite(values).all(axis=1)
+    if not sound.any():
+        raise PictureError(f"{name!r}: no variant was computed without complaint, there is nothing to show")
+    factor, unit = engineer_unit(data.position_units, data.position)
+    position = factor * data.position
+    step = position[1] - position[0]
+    if unit == "°" and round((position[-1] + step) % 360, 6) in (0, 360):
+        # The cycle closes: its first position is shown again at its end.
+        position, values = np.append(position, position[-1] + step), np.append(values, values[:, :1], axis=1)
+    if data.out.any():
+        _band(ax, position, values[sound], PALE, 0.5, f"all {np.count_nonzero(sound)} variants")
+    chosen = sound & ~data.out
+    if chosen.any():
+        words = f"{np.count_nonzero(chosen)} variants"
+        _band(ax, position, values[chosen], BLUE, 0.18, data.legend_of(f"{words} with") if data.out.any() else words)
+        middle = np.median(values[chosen], axis=0)
+        ax.plot(position, middle, color=BLUE, linewidth=1, linestyle=(0, (5, 2)), label="median")
+    if best is not None:
+        ax.plot(position, values[best], color=VERMILION, label="best variant")
+    ax.set(xlabel=f"crank angle φ, {unit}" if unit == "°" else f"position q, {unit}", ylabel=label)
+    ax.set_xlim(position[0], position[-1])
+    if unit == "°":
+        ax.xaxis.set_major_locator(MultipleLocator(90 if np.ptp(position) > 180 else 30))
+    ax.legend(loc="best")
+
+
+def _band(ax: Axes, position: np.ndarray, values: np.ndarray, colour: str, alpha: float, label: str) -> None:
+    low, high = values.min(axis=0), values.max(axis=0)
+    ax.fill_between(position, low, high, color=colour, alpha=alpha, linewidth=0, label=label)
+
+
+def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | None = None) -> None:
+    """A summary over two parameters of a grid, as colours with contour lines; failed cells grey with the reason.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+        Its grid has exactly two axes with more than one place.
+    x, y : str
+        The parameters along those axes, in either order.
+    colour : str
+        The summary.
+    best : int, optional
+        Variant to be marked.
+
+    Raises
+    ------
+    PictureError
+        The variants don't form such a grid, or an array doesn't exist.
+    """
+    along = data.grid_parameters()
+    if sorted(along) != sorted((x, y)):
+        raise PictureError(f"a map needs a grid over {x} and {y}; this grid is over {', '.join(along) or 'nothing'}")
+    sizes = [size for size in data.shape if size > 1]
+    turn = along[0] == x
+    (xs, x_label, _), (ys, y_label, _), (values, label, _) = (data.shown(name) for name in (x, y, colour))
+
+    def cells(flat: np.ndarray) -> np.ndarray:
+        grid = np.asarray(flat).reshape(sizes)
+        return grid.T if turn else grid
+
+    places_x, places_y = cells(xs)[0], cells(ys)[:, 0]
+    sound = data.ok & np.isfinite(values)
+    grid = cells(np.where(sound, values, np.nan))
+    status = np.where(data.ok & ~sound, Verdict.NOT_FINITE, data.status)
+    _failed_cells(ax, places_x, places_y, cells(status))
+    if sound.any():
+        mesh = ax.pcolormesh(places_x, places_y, grid, cmap=COLOURS, shading="nearest", rasterized=grid.size > 10_000)
+        ax.figure.colorbar(mesh, ax=ax, label=label, pad=0.02)
+        if min(grid.shape) > 2 and np.nanmax(grid) > np.nanmin(grid):
+            lines = ax.contour(places_x, places_y, grid, levels=8, colors="white", linewidths=0.7)
+            ax.clabel(lines, fontsize=6.5, fmt="%.4g")
+    if best is not None:
+        ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="white", markersize=13, label="best")
+    ax.set(xlabel=x_label, ylabel=y_label)
+    ax.grid(False)
+    handles = ax.get_legend_handles_labels()[0]
+    if data.out.any():
+        _veil(ax, places_x, places_y, cells(data.out))
+        handles.append(Patch(label=_missing(data), facecolor=VEIL, linewidth=0))
+    for k, code in enumerate(_failures(status)):
+        handles.append(Patch(label=_reason(code), linewidth=0, **_failed_look(k)))
+    if handles:
+        ax.figure.legend(handles=handles, loc="outside lower center", ncols=3)
+
+
+def _missing(data: SweepData) -> str:
+    return data.legend_of("doesn't meet:")
+
+
+def _legend_below(figure: Figure, axes: Sequence[Axes]) -> None:
+    """One legend for all panels, where it covers nothing."""
+    entries = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    if entries:
+        figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=3)
+
+
+def _veil(ax: Axes, xs: np.ndarray, ys: np.ndarray, out: np.ndarray) -> None:
+    """Cover the cells of variants that miss the condition, so that their colours only shimmer through."""
+    there = np.ma.masked_where(~out, np.ones(out.shape))
+    face = ListedColormap([VEIL])
+    ax.pcolormesh(xs, ys, there, cmap=face, shading="nearest", alpha=0.8, linewidth=0, rasterized=out.size > 10_000)
+
+
+def _failed_look(k: int) -> dict[str, str]:
+    return {
+        "facecolor": ("#9aa0a6", "#c3c8cc", "#7f858a", "#dcdfe2")[k % 4],
+        "hatch": ("////", "\\\\\\\\", "xxxx", "....")[k % 4],
+        "edgecolor": "white",
+    }
+
+
+def _failed_cells(ax: Axes, xs: np.ndarray, ys: np.ndarray, status: np.ndarray) -> None:
+    """Grey cells, hatched by reason."""
+    for k, code in enumerate(_failures(status)):
+        there = np.ma.masked_where(status != code, np.ones(status.shape))
+        look = _failed_look(k)
+        face = ListedColormap([look["facecolor"]])
+        cells = ax.pcolor(xs, ys, there, cmap=face, shading="nearest", rasterized=status.size > 10_000)
+        cells.set(linewidth=0, hatch=look["hatch"], edgecolor=look["edgecolor"])
+
+
+def scatter(
+    ax: Axes,
+    data: SweepData,
+    x: str,
+    y: str,
+    colour: str | None = None,
+    best: int | None = None,
+    minimise: tuple[bool, bool] | None = None,
+) -> None:
+    """Two arrays against each other, coloured by a third, with the Pareto front of the two if it is asked for.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+    x, y : str
+    colour : str, optional
+    best : int, optional
+        Variant to be marked.
+    minimise : (bool, bool), optional
+        Whether x and y should be small; with it the front is drawn.
+    """
+    (xs, x_label, _), (ys, y_label, _) = data.shown(x), data.shown(y)
+    finite = data.ok & np.isfinite(xs) & np.isfinite(ys)
+    sound = finite & ~data.out
+    size = float(np.clip(3000 / max(1, np.count_nonzero(finite)), 0.5, 14))
+    out = finite & data.out
+    if out.any():
+        ax.scatter(xs[out], ys[out], c=PALE, s=size, linewidths=0, rasterized=True, label=_missing(data))
+    shades, label = (BLUE, "") if colour is None else (data.shown(colour)[0][sound], data.shown(colour)[1])
+    dots = ax.scatter(
+        xs[sound], ys[sound], c=shades, s=size, cmap=None if colour is None else COLOURS, linewidths=0, rasterized=True
+    )
+    if colour is not None:
+        ax.figure.colorbar(dots, ax=ax, label=label, pad=0.02)
+    if minimise is not None and sound.any():
+        _front(ax, xs, ys, sound, minimise)
+    if best is not None:
+        ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="black", markersize=12, label="best")
+    failed = np.count_nonzero(~data.ok)
+    ax.set(xlabel=x_label, ylabel=y_label)
+    if failed:
+        ax.set_title(
+            f"{failed} of {data.ok.size} variants failed or were dropped and aren't shown",
+            fontsize=7,
+            loc="right",
+            color=GREY,
+        )
+    _legend_below(ax.figure, [ax])
+
+
+def _front(ax: Axes, xs: np.ndarray, ys: np.ndarray, sound: np.ndarray, minimise: tuple[bool, bool]) -> None:
+    """The Pareto front of the sound variants, as steps: what lies beyond them no variant reaches."""
+    front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
+    front = front[np.lexsort((ys[front], xs[front]))]
+    look = {"color": VERMILION, "linewidth": 1, "markersize": 2.5, "label": "Pareto front"}
+    ax.plot(xs[front], ys[front], "o-", drawstyle="steps-post" if minimise[0] else "steps-pre", **look)
+
+
+def plot_result(
+    data: SweepData,
+    path: Path | str,
+    x: str | None = None,
+    y: str | None = None,
+    colour: str | None = None,
+    best: int | None = None,
+    minimise: tuple[bool, bool] | None = None,
+) -> Figure:
+    """Draw a sweep in the way that suits what varies, to a file (.svg, .pdf, .png).
+
+    A field asked for as `y` is drawn as a band. A grid of one axis gives curves, of two axes a map; otherwise a
+    scatter where `x` or `y` is given, and parallel coordinates where not.
+
+    Parameters
+    ----------
+    data : SweepData
+    path : path
+    x, y, colour : str, optional
+        Arrays to be shown instead of the first that suit.
+    best : int, optional
+        Variant to be marked.
+    minimise : (bool, bool), optional
+        Whether x and y of a scatter should be small, to draw their Pareto front.
+
+    Raises
+    ------
+    PictureError
+        An array doesn't exist, nothing can be shown, or the file's ending isn't a picture's.
+    """
+    for name in (x, y, colour):
+        if name is not None and data.shown(name)[0].ndim == 2 and name != y:
+            raise PictureError(f"{name!r} is a field, not one value for each variant; fields are shown as y")
+    with house_style():
+        figure = new_figure(180, 110)
+        _choose(figure, data, x, y, colour, best, minimise)
+    save(figure, path)
+    return figure
+
+
+def _choose(
+    figure: Figure,
+    data: SweepData,
+    x: str | None,
+    y: str | None,
+    colour: str | None,
+    best: int | None,
+    minimise: tuple[bool, bool] | None,
+) -> None:
+    along, summaries = data.grid_parameters(), data.summaries
+    if y is not None and np.ndim(data.arrays[y]) == 2:
+        return field_band(figure.add_subplot(), data, y, best)
+    if not summaries:
+        raise PictureError("this result holds no summaries; ask for a field, or add summaries to the study")
+    on_axes = {name for name in (x, y) if name is not None} <= set(along)
+    if len(along) == 1 and x in (None, *along) and colour is None:
+        shown = [y] if y else summaries[:4]
+        figure.set_figheight(figure.get_figwidth() * (0.28 + 0.27 * len(shown)))
+        return curves(figure, data, along[0], shown, best)
+    if len(along) == 2 and on_axes:
+        first = x or next(name for name in along if name != y)
+        second = next(name for name in along if name != first)
+        return map2d(figure.add_subplot(), data, first, second, colour or summaries[0], best)
+    if x is None and y is None:
+        colour = colour or summaries[0]
+        names = chosen_columns(data, colour)
+        # Slanting labels need room.
+        figure.set_figheight(figure.get_figwidth() * (0.75 if len(names) > 6 else 0.61))
+        return parallel(figure.add_subplot(), data, names, colour, best)
+    others = [name for name in (*summaries, *data.varied) if name not in (x, y)]
+    x, y = x or others[0], y or others[0]
+    return scatter(figure.add_subplot(), data, x, y, colour, best, minimise)

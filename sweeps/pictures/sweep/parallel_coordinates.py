@@ -1,0 +1,133 @@
+"""Parallel coordinates of a sweep: many columns at once, each variant a line across upright axes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION
+from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+
+MOST_LINES = 3000
+MOST_COLUMNS = 10
+# Letters that fit side by side below the axes of a picture of 180 mm, with what a colour bar leaves of it.
+LETTERS_ACROSS = 78
+LONGEST_LABEL = 80
+
+
+def chosen_columns(data: SweepData, colour: str) -> list[str]:
+    """Columns that can be read side by side: what was varied, then the summaries, the one that colours first.
+
+    Parameters
+    ----------
+    data : SweepData
+    colour : str
+        Array that colours the lines.
+
+    Returns
+    -------
+    list of str
+        At most 10, at least one of them a summary if there is any; without those that are the same in all variants.
+    """
+    summaries = sorted(data.summaries, key=lambda name: name != colour)
+    varied, summaries = ([n for n in names if _differs(data, n)] for names in (data.varied, summaries))
+    return [*varied[: MOST_COLUMNS - bool(summaries)], *summaries][:MOST_COLUMNS]
+
+
+def _differs(data: SweepData, name: str) -> bool:
+    values = np.asarray(data.arrays[name])[data.ok]
+    return values.size > 0 and bool((values != values[0]).any())
+
+
+def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best: int | None = None) -> None:
+    """Parallel coordinates: a line for each variant across upright axes, coloured by one array.
+
+    Parameters
+    ----------
+    ax : Axes
+    data : SweepData
+    names : sequence of str
+        Parameters and summaries, an upright axis each; those that don't vary are left out.
+    colour : str
+        Array that colours the lines.
+    best : int, optional
+        Variant to be marked.
+
+    Raises
+    ------
+    PictureError
+        Nothing varies, or an array doesn't exist.
+    """
+    columns = [(*data.shown(name)[:2], name) for name in names]
+    shades, label, _ = data.shown(colour)
+    sound = data.ok & np.isfinite(shades)
+    for values, _, _ in columns:
+        sound &= np.isfinite(values)
+    columns = [c for c in columns if sound.any() and np.ptp(c[0][sound]) > 0]
+    if not columns:
+        raise PictureError(f"no column varies among the {np.count_nonzero(sound)} computed variants: nothing to show")
+    rows = np.flatnonzero(sound)
+    if rows.size > MOST_LINES:
+        ax.set_title(f"{MOST_LINES} of {rows.size} variants, evenly taken", fontsize=7, loc="right", color=GREY)
+        rows = rows[np.linspace(0, rows.size - 1, MOST_LINES).astype(int)]
+    lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
+    heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
+    places = np.arange(len(columns))
+    look = {"linewidths": 0.7, "alpha": float(np.clip(300 / rows.size, 0.12, 0.8)), "rasterized": True}
+    out, rows = rows[data.out[rows]], rows[~data.out[rows]]
+    if out.size:
+        ax.add_collection(LineCollection(_paths(places, heights[out]), color=PALE, **look))
+        ax.plot([], color=PALE, label=data.legend_of("doesn't meet:"))
+    if rows.size:
+        lines = LineCollection(_paths(places, heights[rows]), array=shades[rows], cmap=COLOURS, **look)
+        ax.add_collection(lines)
+        ax.figure.colorbar(lines, ax=ax, label=label, pad=0.02).solids.set_alpha(1)
+    if best is not None:
+        ax.plot(places, heights[best], color=VERMILION, linewidth=2, marker="o", markersize=4, label="best")
+    if ax.get_legend_handles_labels()[0]:
+        ax.figure.legend(loc="outside upper left", ncols=2)
+    _uprights(ax, [text for _, text, _ in columns], lows, highs)
+
+
+def _paths(places: np.ndarray, heights: np.ndarray) -> list[np.ndarray]:
+    return [np.column_stack([places, row]) for row in heights]
+
+
+def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarray) -> None:
+    """The axes of parallel coordinates, with the least and greatest value of each."""
+    numbers = [(f"{low:.4g}", f"{high:.4g}") for low, high in zip(lows, highs, strict=True)]
+    # Numbers too wide to stand side by side stand on two levels in turn.
+    widest = max(len(number) for pair in numbers for number in pair)
+    step = 0.09 if (widest + 1) * len(labels) > LETTERS_ACROSS else 0.0
+    for place, (low, high) in enumerate(numbers):
+        away = 0.02 + step * (place % 2)
+        ax.plot([place, place], [0, 1], color="black", linewidth=0.8)
+        ax.text(place, 1 + away, high, ha="center", va="bottom", fontsize=7)
+        ax.text(place, -away, low, ha="center", va="top", fontsize=7)
+    ax.set(xlim=(-0.4, len(labels) - 0.6), ylim=(-0.09 - step, 1.09 + step), yticks=[])
+    _label(ax, labels)
+    ax.tick_params(axis="x", length=0)
+    ax.grid(False)
+    ax.spines[:].set_visible(False)
+
+
+def _label(ax: Axes, labels: Sequence[str]) -> None:
+    """Label the uprights: level where the words fit between them, else slanting."""
+    across, places = min(18, LETTERS_ACROSS // len(labels)), range(len(labels))
+    texts = [label.replace(".\n", ".").replace("\n", " ") for label in labels]
+    level = [wrapped(text, across) for text in texts]
+    if all(len(line) <= across for lines in level for line in lines):
+        ax.set_xticks(places, ["\n".join(lines) for lines in level])
+    else:
+        slanting = ["\n".join(_two_lines(text)) for text in texts]
+        ax.set_xticks(places, slanting, rotation=45, ha="right", rotation_mode="anchor", fontsize=7)
+
+
+def _two_lines(text: str) -> list[str]:
+    words, comma, unit = text.rpartition(", ")
+    if len(text) > LONGEST_LABEL and comma:
+        text = f"{words[: LONGEST_LABEL - len(unit)].rpartition(' ')[0]} …, {unit}"
+    widths = range(max(18, len(text) // 2), len(text) + 1)
+    return next((lines for width in widths if len(lines := wrapped(text, width)) <= 2), [text])

@@ -1,0 +1,216 @@
+"""What a study will compute, what not and why, and what it will cost, in words and tables."""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from engine import (
+    SENTENCES,
+    AccurateMachine,
+    ElementsAlone,
+    InputUnits,
+    Machine,
+    Model,
+    Outcome,
+    Scene,
+    Verdict,
+    assembly_ranges,
+    computed_levels,
+    group_links,
+    made_ready,
+    regime_text,
+)
+from sweeps.report import accuracy_words
+from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
+from sweeps.report.result_report import drop_lines
+from sweeps.run.cost import probe
+from sweeps.run.runner import LARGEST_BLOCK, layout_of
+from sweeps.study.default_summaries import telling_summaries
+from sweeps.study.study import Study
+from sweeps.text.engineer_units import quantity_text
+from sweeps.text.tables import table
+
+# Up to so many variants `check` tells what each condition drops by looking at all of them.
+MOST_COUNTED = 16 * LARGEST_BLOCK
+
+
+def structure_text(scene: Scene) -> str:
+    """The mechanism in the mechanic's words: input, groups in order, mobility."""
+    if scene.input is None:
+        return "none; machine elements alone"
+    links = 1 + sum(2 for _ in scene.groups)
+    pairs = 1 + 3 * len(scene.groups)
+    lines = [f"input {scene.input.link} ({scene.input.type})"]
+    lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
+    lines.append(f"W = 3n − 2p₁ = 3·{links} − 2·{pairs} = {3 * links - 2 * pairs}")
+    return "\n".join(lines)
+
+
+def assembly_text(scene: Scene) -> str:
+    """Whether the machine as it is assembles all through its cycle."""
+    ranges = assembly_ranges(scene)
+    units = InputUnits.of(scene).q
+    machine = Machine(scene)
+    nodes = machine.input_values
+    step = nodes[1] - nodes[0]
+    if len(ranges) == 1 and ranges[0].stop - ranges[0].start >= nodes[-1] - nodes[0] - 1e-9 * step:
+        return "assembles over the whole cycle" if machine.has_cycle else "assembles over the whole range of its input"
+    if not ranges:
+        return "can't be assembled at any position of the input: a length or a mode is wrong"
+    shown = ", ".join(f"{quantity_text(r.start, units)} … {quantity_text(r.stop, units)}" for r in ranges)
+    return f"assembles only for the input at {shown}: give input.start and input.stop, or change the lengths"
+
+
+def nominal_text(study: Study) -> str:
+    """Characteristic numbers of the scene as it is."""
+    if study.scene.input is None:
+        return _elements_text(study.scene)
+    available = Machine(study.scene).available_summaries
+    wanted = [n for n in available if n.endswith((".stroke", ".swing", "_time_ratio", ".transmission_angle"))]
+    machine = Machine(study.scene, wanted)
+    outcome = machine.evaluate({})
+    rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
+    verdict = Verdict(outcome.status[0])
+    lines = [assembly_text(study.scene)]
+    if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
+        lines.append(SENTENCES[verdict])
+    return "\n".join([*lines, table(rows)] if rows else lines)
+
+
+def _elements_text(scene: Scene) -> str:
+    """Results of machine elements alone as they are."""
+    machine = made_ready(scene, made_ready(scene).available_summaries)
+    outcome = machine.evaluate({})
+    rows = _asked_rows(machine, outcome, machine.asked_summaries)
+    verdict = Verdict(outcome.status[0])
+    return table(rows) if verdict == Verdict.OK else f"{SENTENCES[verdict]}\n{table(rows)}"
+
+
+def regimes_text(scene: Scene, positions: int) -> str:
+    """What each regime is, by which method it is computed, and what the machine as it is does in it."""
+    model = Model(scene)
+    machine = Machine(scene, telling_summaries(model), positions=positions)
+    outcome = machine.evaluate({})
+    asked = by_regime(scene, machine.asked_summaries)
+    lines = []
+    for name, case, method in regime_text(model):
+        lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}"]
+        if outcome.status[0] == Verdict.OK:
+            lines += table(_asked_rows(machine, outcome, asked[name]), "  ").splitlines()
+    verdict = Verdict(outcome.status[0])
+    if verdict in MOTION_VERDICTS:
+        lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene)}")
+    return "\n".join(lines)
+
+
+def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, str]]:
+    """Summaries of the first variant with their error figures."""
+    units = machine.available_summaries
+    return [
+        (n, quantity_text(float(outcome.summaries[n][0]), units[n].units, float(outcome.errors[n][0]))) for n in names
+    ]
+
+
+def plan_text(machine: Machine) -> tuple[str, str]:
+    """What is computed per position, and what is left out because nothing asked needs it."""
+    kept = computed_levels(machine.source("whole").steps)
+    everything = computed_levels(machine.model.program.steps)
+    computed = [f"{subject}: {', '.join(levels)}" for subject, levels in kept.items()]
+    left = []
+    for subject, levels in everything.items():
+        missing = [level for level in levels if level not in kept.get(subject, ())]
+        if missing:
+            left.append(f"{subject}: {', '.join(missing)}")
+    return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
+
+
+def check_text(study: Study, out: Path) -> str:
+    """Everything `sweeps check` says of a study."""
+    machine = study.machine()
+    sections = [
+        ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
+        ("Mechanism", structure_text(study.scene)),
+        ("Machine as it is", nominal_text(study)),
+        *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes else []),
+        ("Variants", f"{study.design.size} = {_design_text(study)}"),
+        ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
+        *_plan_sections(machine),
+        *_cost_sections(study, machine, out),
+    ]
+    return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
+
+
+def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:
+    if isinstance(machine, ElementsAlone):
+        return [("Computed once for each variant", ", ".join(machine.elements))]
+    computed, left = plan_text(machine)
+    return [
+        (f"Computed at each of {_positions_text(machine)}", computed),
+        ("Left out, as nothing asked needs it", left),
+    ]
+
+
+def _positions_text(machine: Machine) -> str:
+    if isinstance(machine, AccurateMachine):
+        return f"as many positions as an accuracy of {accuracy_words.share_text(machine.accuracy)} takes"
+    return f"{machine.nodes.size} positions"
+
+
+def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
+    """How a study is evaluated, and its time, memory and file."""
+    cost, layout = probe(study, machine), layout_of(study, machine)
+    way = "each variant from its own numbers"
+    if cost.form == "factorised":
+        reused = ", ".join(p for p in study.paths if not _decides_shape(machine, p))
+        way = f"kinematics once for each geometry, reused for {reused}"
+    seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
+    if machine.schedule is not None:
+        seconds += "; the first time up to a minute more, to compile"
+    numbers = 8 * (len(machine.source("whole").slots) + 4 * len(study.summaries))
+    memory = layout.block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
+    free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
+    reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
+    return [
+        *reached,
+        ("Evaluation", f"{way}; {study.precision}; saved after every {layout.block} variants"),
+        ("Time", seconds),
+        ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
+        ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
+    ]
+
+
+def _decides_shape(machine: Machine, path: str) -> bool:
+    """Whether a number decides the shape of the motion: perturbing it changes a slot of shape."""
+    source = machine.source("whole")
+    nominal = machine.model.numbers({})
+    changed = machine.model.numbers({path: np.array([1.1 * nominal[path] + 0.01])})
+    slots = [machine.model.program.slots[s] for s in source.slots[: source.shape_slots]]
+    with np.errstate(all="ignore"):
+        return any(
+            not np.allclose(s.compute(nominal), s.compute(changed), rtol=0, atol=0, equal_nan=True) for s in slots
+        )
+
+
+def _design_text(study: Study) -> str:
+    axes = " × ".join(f"{' + '.join(axis.names)} [{axis.size}]" for axis in study.design.axes)
+    notes = [axis.note for axis in study.design.axes if getattr(axis, "note", "")]
+    derived = [f"{path} = {e.text}" for path, e in study.derived.items()]
+    return "\n".join([axes or "the scene as it is", *derived, *_required_text(study), *notes])
+
+
+def _required_text(study: Study) -> list[str]:
+    """How many variants each condition drops; of many variants, by a sample of them."""
+    if not study.require:
+        return []
+    size, block = study.design.size, LARGEST_BLOCK
+    whole = size <= MOST_COUNTED
+    starts = range(0, size, block) if whole else np.linspace(0, size - block, MOST_COUNTED // block).astype(np.int64)
+    found = [study.values_and_misses(int(start), min(int(start) + block, size))[1] for start in starts]
+    missed = np.concatenate(found, axis=1)
+    texts = [" ".join(e.text.split()) for e in study.require]
+    lines = drop_lines(list(zip(texts, missed, strict=True)), None if whole else size)
+    dropped = missed.any(axis=0).sum() / missed.shape[1]
+    share = f"{int(dropped * size)}" if whole else f"about {100 * dropped:.3g} %"
+    return [f"required, {share} of {size} dropped:", *(f"  {line}" for line in lines)]

@@ -1,0 +1,250 @@
+"""Order tables of engines: which forces, couples and torques remain, as a textbook lists them, and pictures of them."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import (
+    FOUR_STROKE,
+    SHAKING_ORDERS,
+    Engine,
+    EngineElement,
+    EngineLayout,
+    Hodograph,
+    MasterRod,
+    Scene,
+    boxer_engine,
+    crank_radius,
+    engine_shaking,
+    even_firing_order,
+    firing_angles,
+    firing_intervals,
+    firing_sums,
+    in_line_engine,
+    piston_harmonics,
+    radial_engine,
+    usual_throws,
+    v_engine,
+    w_engine,
+)
+from sweeps.text.tables import table
+
+# Ratio of the rows; without master rods the multiples are the same for any other.
+RATIO = 0.3
+# Amplitudes are multiples of those of one cylinder: no greater than this they are rounding.
+BALANCED = 1e-12
+HIGHEST_TORQUE_ORDER = 6
+ORDER_HEADS = (
+    "engine",
+    "firing",
+    "primary force",
+    "secondary force",
+    "primary couple",
+    "secondary couple",
+    "higher orders",
+    "torque orders",
+)
+
+
+class EngineRow(NamedTuple):
+    """An engine of an order table.
+
+    Attributes
+    ----------
+    name : str
+    layout : EngineLayout
+        With a spacing of 1.
+    firing_order : tuple of int, optional
+        An even one is looked for where it is not given.
+    master : MasterRod, optional
+        Its lengths as multiples of the crank's, the rod being 1/λ of it.
+    ratio : float
+        λ, crank over rod.
+    offset : float
+        Of the gudgeon pins' ways, as a multiple of the crank's length.
+    """
+
+    name: str
+    layout: EngineLayout
+    firing_order: tuple[int, ...] | None = None
+    master: MasterRod | None = None
+    ratio: float = RATIO
+    offset: float = 0.0
+
+
+class Remaining(NamedTuple):
+    """What remains of an engine, as multiples of m r ω² A_n and of m r ω² A_n a.
+
+    Attributes
+    ----------
+    forces, couples : Hodograph
+    torque_orders : tuple of float
+        Those to which all cylinders' firing adds up; None where no firing order is known.
+    intervals : ndarray or None
+        Between firings [rad].
+    """
+
+    forces: Hodograph
+    couples: Hodograph
+    torque_orders: tuple[float, ...] | None
+    intervals: np.ndarray | None
+
+
+def well_known_engines() -> list[EngineRow]:
+    """Engines that textbooks list."""
+    right, narrow = math.pi / 2, math.pi / 3
+    rows = [
+        EngineRow("single cylinder", in_line_engine(1).layout(), (1,)),
+        EngineRow("in-line 2, 360°", in_line_engine(2, (0, 0)).layout(), (1, 2)),
+        EngineRow("in-line 2, 180°", in_line_engine(2).layout(), (1, 2)),
+        EngineRow("V2 90°", v_engine(2).layout(right), (1, 2)),
+        EngineRow("V2 52°, pins 76°", v_engine(2).layout(math.radians(52), math.radians(76)), (1, 2)),
+    ]
+    rows += [EngineRow(f"in-line {n}", in_line_engine(n).layout()) for n in (3, 4, 5, 6, 8)]
+    rows += [EngineRow(f"boxer {n}", boxer_engine(n).layout()) for n in (2, 4, 6)]
+    rows += [
+        EngineRow("V6 90°, 3 throws", v_engine(6).layout(right), (1, 5, 2, 6, 3, 4)),
+        EngineRow("V6 60°, pins 60°", v_engine(6).layout(narrow, narrow)),
+        EngineRow("V8 90° cross-plane", v_engine(8).layout(right)),
+        EngineRow("V8 90° flat-plane", v_engine(8, usual_throws(4)).layout(right)),
+        EngineRow("V10 72°", v_engine(10).layout(math.radians(72))),
+        EngineRow("V12 60°", v_engine(12).layout(narrow)),
+        EngineRow("W12 60°", w_engine(12).layout(narrow)),
+    ]
+    rows += [EngineRow(f"radial {n}", radial_engine(n).layout()) for n in (3, 5, 7, 9)]
+    master = MasterRod(0, 0.9, 1 / RATIO - 0.9)
+    return [*rows, EngineRow("radial 9, master rod", radial_engine(9).layout(), master=master)]
+
+
+def engine_rows(scene: Scene) -> list[EngineRow]:
+    """The engines of a scene; couples are multiples of their spacing, or of the rods' distance on one throw.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+    return [_row(name, e) for name, e in scene.elements.items() if isinstance(e, EngineElement)]
+
+
+def _row(name: str, engine: EngineElement) -> EngineRow:
+    unit = engine.spacing or abs(engine.rod_distance) or 1.0
+    bank, pins = engine.bank_angle or 0.0, engine.pin_offset or 0.0
+    # Without a spacing couples aren't asked for; with one of 1 they are those of the layout.
+    spacing = 1.0 if engine.spacing is None else engine.spacing / unit
+    layout = engine.pattern().layout(bank, pins, spacing, engine.rod_distance / unit)
+    radius = float(crank_radius(engine.stroke, engine.rod, engine.gudgeon_offset or 0.0))
+    index, master = engine.master_index, None
+    if index is not None:
+        master = MasterRod(index, engine.knuckle_radius / radius, engine.link_rod / radius)
+    ratio, offset = radius / engine.rod, (engine.gudgeon_offset or 0.0) / radius
+    return EngineRow(name, layout, engine.firing_order, master, ratio, offset)
+
+
+def remaining_orders(row: EngineRow) -> Remaining:
+    """Forces, couples and torque orders of an engine with balanced rotating masses.
+
+    Parameters
+    ----------
+    row : EngineRow
+    """
+    found = engine_shaking(Engine(row.layout, 1.0, 1.0 / row.ratio, offset=row.offset, master=row.master))
+    units = np.abs(piston_harmonics(row.ratio, SHAKING_ORDERS, row.offset * row.ratio))
+    forces, couples = (
+        Hodograph(SHAKING_ORDERS, _clean(vector.forward / units), _clean(vector.backward / units))
+        for vector in (found.forces, found.couples)
+    )
+    order = row.firing_order or even_firing_order(row.layout)
+    if order is None:
+        return Remaining(forces, couples, None, None)
+    angles = firing_angles(row.layout, order)
+    orders = np.arange(1, 2 * HIGHEST_TORQUE_ORDER + 1) / 2
+    left = orders[np.abs(firing_sums(orders, angles)) > BALANCED * len(order)]
+    return Remaining(forces, couples, tuple(left.tolist()), firing_intervals(angles, FOUR_STROKE))
+
+
+def order_table(rows: Sequence[EngineRow] | None = None, markdown: bool = True) -> str:
+    """Table of the orders that remain, with a line below it that says what its numbers are.
+
+    Parameters
+    ----------
+    rows : sequence of EngineRow, optional
+        `well_known_engines` where not given.
+    markdown : bool
+        Or columns of plain text.
+    """
+    rows = well_known_engines() if rows is None else rows
+    cells = [_cells(row) for row in rows]
+    if markdown:
+        lines = [ORDER_HEADS, ("---",) * len(ORDER_HEADS), *cells]
+        shown = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    else:
+        shown = table([ORDER_HEADS, *cells])
+    kinds = dict.fromkeys((row.ratio, row.offset) for row in rows)
+    return f"{shown}\n\n{_LEGEND} {' '.join(_harmonics_text(*kind) for kind in kinds)}\n"
+
+
+def _harmonics_text(ratio: float, offset: float) -> str:
+    harmonics = piston_harmonics(ratio, SHAKING_ORDERS, offset * ratio)
+    sizes = np.abs(harmonics) if offset else harmonics.real
+    values = ", ".join(f"A{subscript_of(n)} = {value:.4g}" for n, value in zip(SHAKING_ORDERS, sizes, strict=True))
+    aside = f" and an offset of {offset:.3g} r" if offset else ""
+    return f"At λ = {ratio:.4g}{aside}: {values}."
+
+
+_LEGEND = (
+    "Forces as multiples of m r ω² Aₙ, couples of m r ω² Aₙ a (a: spacing of the throws), rotating masses balanced; "
+    "an ellipse by its half axes. ↺ turns with the crank, ↻ against it; counterweights balance a primary ↺ circle. "
+    "Four strokes; torque orders per turn of the crank, link rods' dead centres taken as even. "
+    "Only with a master rod do the multiples depend on λ."
+)
+
+
+def subscript_of(n: int) -> str:
+    """A digit as a subscript."""
+    """A digit as a subscript."""
+    return "₀₁₂₃₄₅₆₇₈₉"[n]
+
+
+def _clean(part: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(part) > BALANCED, part, 0.0)
+
+
+def _cells(row: EngineRow) -> tuple[str, ...]:
+    found = remaining_orders(row)
+    vectors = (found.forces, found.couples)
+    amplitudes = [ellipse_text(vector, order) for vector in vectors for order in (1, 2)]
+    higher = [
+        f"{kind} {order}: {ellipse_text(vector, order)}"
+        for vector, kind in zip(vectors, ("force", "couple"), strict=True)
+        for order in SHAKING_ORDERS[2:]
+        if any(abs(part) for part in vector.of(order))
+    ]
+    return row.name, _firing_text(found.intervals), *amplitudes, "; ".join(higher) or "0", _torque_text(found)
+
+
+def ellipse_text(vector: Hodograph, order: int) -> str:
+    """The vector of one order: 0, a line's or circle's size, or an ellipse's half axes."""
+    i = vector.orders.index(order)
+    major, minor = vector.major[i], vector.minor[i]
+    if major == 0:
+        return "0"
+    turns = "↺" if abs(vector.forward[i]) > abs(vector.backward[i]) else "↻"
+    if minor <= BALANCED * major:
+        return f"{major:.4g} line"
+    return f"{major:.4g} {turns}" if major - minor <= BALANCED * major else f"{major:.4g} × {minor:.4g} {turns}"
+
+
+def _firing_text(intervals: np.ndarray | None) -> str:
+    if intervals is None:
+        return "–"
+    degrees = list(dict.fromkeys(f"{math.degrees(x):.4g}" for x in intervals))
+    return "/".join(degrees) + "°"
+
+
+def _torque_text(found: Remaining) -> str:
+    if found.torque_orders is None:
+        return "–"
+    shown = [f"{n:g}" for n in found.torque_orders[:4]]
+    return ", ".join(shown) + (" …" if len(found.torque_orders) > len(shown) else "")

@@ -1,0 +1,163 @@
+"""What the results of a sweep say, in words and tables."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from engine import (
+    SENTENCES,
+    Brake,
+    Scene,
+    Verdict,
+)
+from sweeps.report import accuracy_words
+from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
+from sweeps.report.sweep_result import SweepResult
+from sweeps.store import StoreError, part_path
+from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
+from sweeps.text.scene_text import with_values
+from sweeps.text.tables import table
+
+
+def kept_text(path: Path, variants: int) -> str:
+    """How many variants an interrupted run into a file leaves behind."""
+    try:
+        done = SweepResult(part_path(path)).done
+    except StoreError:
+        done = 0
+    return f"{done} of {variants} variants are done and kept"
+
+
+def variants_done_text(result: SweepResult) -> str:
+    """How many variants there are, and how many of them are done if not all."""
+    count, done = result.description.variants, result.done
+    words = f"{count} variant{'' if count == 1 else 's'}"
+    return f"{words}, all done" if done == count else f"{done} of {words} done; run the study again to go on"
+
+
+def counts_text(result: SweepResult) -> str:
+    """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
+    status = result.columns["status"]
+    rows = []
+    for verdict in Verdict:
+        failed = status == verdict
+        if failed.any():
+            sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
+            rows.append((f"{int(failed.sum())}", verdict.name.lower().replace("_", " "), sentence))
+            lines = drop_lines(list(result.missed().items())) if verdict == Verdict.DROPPED else _blame(result, failed)
+            if verdict in MOTION_VERDICTS and status.size > 1:
+                shown = f"sweeps plot {result.path} --variant {int(np.argmax(failed))}"
+                lines = [f"the motion of the first of them, as far as it goes: {shown}"]
+            rows += [("", "", line) for line in lines]
+    return "\n".join([table(rows), *accuracy_words.of_result(result)])
+
+
+def drop_lines(missed: Sequence[tuple[str, np.ndarray]], variants: int | None = None) -> list[str]:
+    """For each condition how many variants fail it, and how many of them fail no other.
+
+    Parameters
+    ----------
+    missed : sequence of (str, ndarray of bool)
+        Condition and whether each variant fails it.
+    variants : int, optional
+        Number of all variants, where those looked at are a sample.
+    """
+    total = np.sum([m for _, m in missed], axis=0)
+    lines = []
+    for text, m in missed:
+        counts = [int(m.sum()), int((m & (total == 1)).sum())]
+        first, alone = (f"{c}" if variants is None else f"about {c * variants // m.size}" for c in counts)
+        lines.append(f"{text}: {first}" + (f", {alone} by this alone" if len(missed) > 1 else ""))
+    return lines
+
+
+def _blame(result: SweepResult, failed: np.ndarray) -> list[str]:
+    """For each group that fails: how often, and between which input positions it does so first."""
+    groups = result.description.attributes.get("groups", "").split(", ")
+    number, at = result.columns["status_group"], result.columns["status_at"]
+    lines = []
+    for i, group in enumerate(groups):
+        chosen = failed & (number == i)
+        if chosen.any():
+            first, last = (
+                quantity_text(float(v), result.units["status_at"]) for v in (at[chosen].min(), at[chosen].max())
+            )
+            place = first if first == last else f"{first} … {last}"
+            lines.append(f"group {group}: {int(chosen.sum())}, first at {place}")
+    return lines
+
+
+def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> str:
+    """Table of some variants: their parameters and summaries with error figures."""
+    shown = [*result.parameters, *(names or result.summaries)]
+    units = {name: engineer_unit(result.units[name], result.columns[name]) for name in shown}
+    rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
+    for variant in variants:
+        cells = [str(variant)]
+        for name, (factor, _) in units.items():
+            value = result.columns[name][variant]
+            error = result.columns.get(f"{name}_error")
+            shown = None if error is None else error[variant] * factor
+            cells.append(figure_text(value * factor, shown, 6) if np.isfinite(value) else "–")
+        rows.append(cells)
+    return table(rows)
+
+
+def answer_text(result: SweepResult) -> str:
+    """The answer to the study's question: its best variant, by name, parameters and results."""
+    goal = result.goal
+    if result.description.variants == 1:
+        return "\n".join([*([result.question] if result.question else []), _only_text(result)])
+    if goal is None:
+        return "No [best] in the study: nothing to choose by. Look with `sweeps show`."
+    best = result.best()
+    word = "least" if goal.sign > 0 else "greatest"
+    if best is None:
+        return f"No variant was computed that meets the conditions; none has the {word} {goal.goal}."
+    lines = [result.question] if result.question else []
+    value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
+    condition = f" where {goal.where}" if goal.where else ""
+    rivals = result.rivals(best)
+    lines.append(f"Answer: the {word} {goal.goal}{condition} is {value}, with variant {best}:")
+    rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
+    rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
+    lines.append(table(rows, "  "))
+    if rivals:
+        lines.append(f"{rivals} other variants are as good within the error figures: choose among them by other needs.")
+    return "\n".join(lines)
+
+
+def _only_text(result: SweepResult) -> str:
+    """Summaries of a single machine, those of each regime together, or why its motion fails."""
+    scene, verdict = result.scene, Verdict(int(result.columns["status"][0]))
+    if not scene.regimes:
+        return table(_summary_rows(result, 0), "  ")
+    parts, failed = [], verdict in MOTION_VERDICTS
+    for regime, names in by_regime(scene, result.summaries).items():
+        if regime and failed:
+            continue
+        head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
+        parts.append(f"{head}\n{table(_summary_rows(result, 0, names), '  ')}")
+    if failed:
+        parts.append(failure_text(with_values(scene, result.variant_values(0))))
+    return "\n".join(parts)
+
+
+def _cycle_words(scene: Scene) -> str:
+    speed = quantity_text(abs(scene.input.speed), "rad s-1")
+    braked = any(isinstance(moment, Brake) for moment in scene.moments.values())
+    return f"cycle at {speed}, driven by a constant moment, everything acting{' but brakes' if braked else ''}"
+
+
+def _summary_rows(result: SweepResult, variant: int, names: Iterable[str] | None = None) -> list[tuple[str, str, str]]:
+    """Summaries of a variant with their error figures."""
+    return [
+        (name, "→", quantity_text(result.columns[name][variant], result.units[name], _error(result, name, variant)))
+        for name in (result.summaries if names is None else names)
+    ]
+
+
+def _error(result: SweepResult, name: str, variant: int) -> float | None:
+    errors = result.columns.get(f"{name}_error")
+    return None if errors is None else float(errors[variant])

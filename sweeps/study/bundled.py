@@ -1,0 +1,40 @@
+"""Studies that come with the package, and how a study is found by name."""
+
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+from sweeps.text.input_files import InputError
+from sweeps.text.names import unknown_name_message
+
+STUDIES = Path(str(files("sweeps") / "studies"))
+
+
+def bundled_studies() -> dict[str, Path]:
+    """Studies that come with the package, by name."""
+    return {path.stem: path for path in sorted(STUDIES.glob("*.toml"))}
+
+
+def questions() -> dict[str, str]:
+    """The question that each bundled study answers, by the study's name."""
+    return {name: tomllib.loads(path.read_text("utf8"))["question"] for name, path in bundled_studies().items()}
+
+
+def find_study(name: str) -> Path:
+    """Path of a study: a file, or the name of a bundled one.
+
+    Raises
+    ------
+    InputError
+        There is neither.
+    """
+    path = Path(name)
+    if path.is_file():
+        return path
+    if path.is_dir():
+        raise InputError(name, [(None, "", "is a folder; give a study or a scene (.toml), or a bundled study's name")])
+    known = bundled_studies()
+    if name in known:
+        return known[name]
+    message = unknown_name_message(name, known)
+    raise InputError(name, [(None, "", f"there is no such file, and no bundled study of that name. {message}")])

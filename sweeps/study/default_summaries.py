@@ -1,0 +1,58 @@
+"""What is asked of a machine where a study names nothing, and what is worth asking of its regimes."""
+
+from engine import Machine, Model, Regime, RunRegime, Scene, made_ready
+
+
+def default_summaries(scene: Scene) -> tuple[str, ...]:
+    """What is asked of a machine where nothing is named: all of its cycle and its flywheel, strokes, its regimes."""
+    if scene.input is None:
+        return tuple(made_ready(scene).available_summaries)
+    left_out = ("first_kind_inertia", "power_balance_residual", "loop_closure_residual")
+    machine = Machine(scene)
+    names = {n: n.partition(".")[0] for n in machine.available_summaries if n not in left_out}
+    telling = (".stroke", "_angle")
+    kept = (
+        name
+        for name, owner in names.items()
+        if owner in scene.elements or (owner not in scene.regimes and ("." not in name or name.endswith(telling)))
+    )
+    return (*kept, *telling_summaries(machine.model))
+
+
+def telling_summaries(model: Model) -> tuple[str, ...]:
+    """Summaries of all regimes that say something: works only of what acts, no speed that is given anyway.
+
+    Parameters
+    ----------
+    model : Model
+    """
+    scene, found = model.scene, []
+    for name, regime in scene.regimes.items():
+        keys = _run_keys(regime) if isinstance(regime, RunRegime) else ["mean_speed", *_SPEEDS, "speed_fluctuation"]
+        keys += _work_keys(model, regime)
+        if not isinstance(regime, RunRegime):
+            motors = (m for m in model.moments.motors if m not in regime.off)
+            keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
+            keys.append("multiplier")
+            if scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation:
+                keys.append("flywheel")
+        found += [f"{name}.{key}" for key in keys]
+    return tuple(found)
+
+
+_SPEEDS = ("speed_min", "speed_max")
+
+
+def _run_keys(regime: RunRegime) -> list[str]:
+    given = regime.rest or regime.speed is not None
+    return ["time", "angle", *(() if given else ("final_speed", *_SPEEDS))]
+
+
+def _work_keys(model: Model, regime: Regime) -> list[str]:
+    """Works of what is at work."""
+    roles = {term.role for term in model.moments.terms if term.action not in regime.off}
+    motors = set(model.moments.motors) - set(regime.off)
+    keys = ["motor_moment_peak", "motor_moment_rms", "motor_power", "motor_work"] if motors else []
+    channels = {"driving": "driving_work", "useful": "useful_work", "harmful": "harmful_work", "braking": "brake_heat"}
+    keys += [key for role, key in channels.items() if role in roles]
+    return [*keys, "efficiency"] if "useful" in roles and (motors or "driving" in roles) else keys

@@ -1,0 +1,390 @@
+"""What varies in a study, and the numbers of every variant, computed from the variant's index alone.
+
+Any block of variants can be asked for by itself, in any order and size, on any worker: its numbers are
+the same bit for bit, and only the block is held in memory.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+
+from sweeps.study.unit_points import SOBOL_LARGEST, latin_points, random_points, sobol_points
+
+LARGEST = 2**63 - 1
+
+_UNIT_POINTS = {"random": random_points, "sobol": sobol_points, "latin": latin_points}
+
+
+class SamplingError(ValueError):
+    """A choice of variants that can't be made; the message names the path and the value."""
+
+
+class Axis(Protocol):
+    """Parameters that vary together: `size` sets of values for `names`."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Dotted paths of the parameters."""
+
+    @property
+    def size(self) -> int:
+        """How many sets of values there are."""
+
+    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
+        """Values of each parameter at the indices (int64, each in 0..size-1), as float64."""
+
+
+@dataclass(frozen=True, eq=False)
+class Listed:
+    """One parameter that takes the values of a list.
+
+    Raises
+    ------
+    SamplingError
+        If the list is empty or holds anything but finite numbers.
+    """
+
+    name: str
+    listed: Sequence[float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "listed", _column(self.name, self.listed))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter's path."""
+        return (self.name,)
+
+    @property
+    def size(self) -> int:
+        """Length of the list."""
+        return len(self.listed)
+
+    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
+        """Values at the indices."""
+        return {self.name: self.listed[indices]}
+
+
+@dataclass(frozen=True)
+class Linear:
+    """One parameter in `count` equal steps from `start` to `stop`, both hit exactly.
+
+    Raises
+    ------
+    SamplingError
+        If count < 1, if one value should serve for two different ends, or if an end isn't finite.
+    """
+
+    name: str
+    start: float
+    stop: float
+    count: int
+
+    def __post_init__(self) -> None:
+        _check_range(self.name, self.start, self.stop, self.count)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter's path."""
+        return (self.name,)
+
+    @property
+    def size(self) -> int:
+        """The count."""
+        return self.count
+
+    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
+        """Values at the indices."""
+        step = (self.stop - self.start) / max(self.count - 1, 1)
+        steps = self.start + indices * step
+        return {self.name: np.where(indices == self.count - 1, self.stop, steps)}
+
+
+@dataclass(frozen=True)
+class Logarithmic:
+    """One parameter in `count` equal ratios from `start` to `stop`, both hit exactly.
+
+    Raises
+    ------
+    SamplingError
+        As for `Linear`, and if the range touches or crosses zero.
+    """
+
+    name: str
+    start: float
+    stop: float
+    count: int
+
+    def __post_init__(self) -> None:
+        _check_range(self.name, self.start, self.stop, self.count)
+        _check_ratio(self.name, self.start, self.stop)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter's path."""
+        return (self.name,)
+
+    @property
+    def size(self) -> int:
+        """The count."""
+        return self.count
+
+    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
+        """Values at the indices."""
+        logarithm = math.log(self.stop / self.start) / max(self.count - 1, 1)
+        steps = self.start * np.exp(indices * logarithm)
+        return {self.name: np.where(indices == self.count - 1, self.stop, steps)}
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Several parameters that vary together, row by row of a table.
+
+    `table` has a column for each of `names`: its values in all rows.
+
+    Raises
+    ------
+    SamplingError
+        If the columns' lengths differ or aren't as many as the names, if the table is empty, or if it
+        holds anything but finite numbers.
+    """
+
+    names: tuple[str, ...]
+    table: Sequence[Sequence[float]]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", _together(self.names))
+        if len(self.table) != len(self.names):
+            raise SamplingError(f"{', '.join(self.names)}: {len(self.table)} columns for {len(self.names)} names")
+        columns = tuple(_column(name, column) for name, column in zip(self.names, self.table, strict=True))
+        for name, column in zip(self.names, columns, strict=True):
+            if len(column) != len(columns[0]):
+                first = f"{self.names[0]} has {len(columns[0])}"
+                raise SamplingError(f"{name}: {len(column)} values, but {first}; give equally many")
+        object.__setattr__(self, "table", columns)
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return len(self.table[0])
+
+    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
+        """Values in the rows with these indices."""
+        return {name: column[indices] for name, column in zip(self.names, self.table, strict=True)}
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Several parameters sampled together, each between its own limits.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Paths of the parameters.
+    lows, highs : sequence of float
+        Limits of each.
+    count : int
+        Number of samples.
+    method : {"random", "sobol", "latin"}
+        "random": independent and uniform. "sobol": scrambled Sobol' points, those of `scipy.stats.qmc.Sobol`.
+        With both, a larger count keeps the earlier samples. "latin": a Latin hypercube, in which each
+        parameter has exactly one sample in each of `count` equal strata; another count, another hypercube.
+    seed : int
+        Equal seeds give equal samples.
+    logarithmic : sequence of bool, optional
+        For each parameter, whether its logarithm is sampled evenly; none by default.
+
+    Raises
+    ------
+    SamplingError
+        If count < 1, low > high, a logarithmic range touches zero, a limit isn't finite, the lengths
+        differ, the method is unknown, the seed is outside 0..2**64-1, or Sobol' is asked for more than
+        2**30 points.
+    """
+
+    names: tuple[str, ...]
+    lows: tuple[float, ...]
+    highs: tuple[float, ...]
+    count: int
+    method: Literal["random", "sobol", "latin"] = "random"
+    seed: int = 0
+    logarithmic: tuple[bool, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", _together(self.names))
+        object.__setattr__(self, "lows", tuple(self.lows))
+        object.__setattr__(self, "highs", tuple(self.highs))
+        logarithmic = tuple(self.logarithmic) or (False,) * len(self.names)
+        object.__setattr__(self, "logarithmic", logarithmic)
+        paths = ", ".join(self.names)
+        _check_count(paths, self.count)
+        for what, given in (("lows", self.lows), ("highs", self.highs), ("logarithmic flags", logarithmic)):
+            if len(given) != len(self.names):
+                raise SamplingError(f"{paths}: {len(given)} {what} for {len(self.names)} names")
+        for name, low, high, is_logarithmic in zip(self.names, self.lows, self.highs, logarithmic, strict=True):
+            _check_finite(name, low, high)
+            if low > high:
+                raise SamplingError(f"{name}: low {low!r} is above high {high!r}; exchange them")
+            if is_logarithmic:
+                _check_ratio(name, low, high)
+        self._check_method(paths)
+
+    def _check_method(self, paths: str) -> None:
+        if self.method not in _UNIT_POINTS:
+            raise SamplingError(f"{paths}: unknown method {self.method!r}; allowed are {', '.join(_UNIT_POINTS)}")
+        if type(self.seed) is not int or not 0 <= self.seed < 2**64:
+            raise SamplingError(f"{paths}: seed {self.seed!r} must be a whole number from 0 to 2**64 - 1")
+        if self.method == "sobol" and self.count > SOBOL_LARGEST:
+            raise SamplingError(
+                f"{paths}: count {self.count} is above the {SOBOL_LARGEST} points of the "
+                "Sobol' sequence; take 'random' or 'latin'"
+            )
+
+    @property
+    def size(self) -> int:
+        """The count."""
+        return self.count
+
+    @property
+    def note(self) -> str:
+        """A warning about the choice made, or an empty text."""
+        if self.method != "sobol" or self.count.bit_count() == 1:
+            return ""
+        below = 2 ** (self.count.bit_length() - 1)
+        paths = ", ".join(self.names)
+        return f"{paths}: {self.count} Sobol' points are unevenly spread; {below} or {2 * below} would be even"
+
+    def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
+        """Values of the samples with these indices."""
+        # In a product with other axes the same sample serves many times.
+        distinct, back = np.unique(indices, return_inverse=True)
+        unit = _UNIT_POINTS[self.method](self.seed, self.count, len(self.names), distinct)
+        limits = zip(self.names, unit.T, self.lows, self.highs, self.logarithmic, strict=True)
+        return {
+            name: between(fraction, low, high, is_logarithmic)[back]
+            for name, fraction, low, high, is_logarithmic in limits
+        }
+
+
+@dataclass(frozen=True)
+class Design:
+    """The product of axes: every set of one with every set of the others, the last axis fastest.
+
+    Without axes it is a single variant in which nothing varies.
+
+    Raises
+    ------
+    SamplingError
+        If two axes have a name in common, or the product exceeds 2**63 - 1 variants.
+    """
+
+    axes: tuple[Axis, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", tuple(self.axes))
+        _distinct(self.names)
+        if self.size > LARGEST:
+            raise SamplingError(f"{' x '.join(map(str, self.shape))} = {self.size} variants; at most {LARGEST}")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Paths of all parameters that vary, in the order of the axes."""
+        return tuple(name for axis in self.axes for name in axis.names)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The axes' sizes."""
+        return tuple(axis.size for axis in self.axes)
+
+    @property
+    def size(self) -> int:
+        """Number of variants."""
+        return math.prod(self.shape)
+
+    def values(self, start: int, stop: int) -> dict[str, np.ndarray]:
+        """Parameters of the variants start..stop-1.
+
+        Returns
+        -------
+        dict of str to ndarray
+            For each of `names`, float64 of shape (stop - start,).
+
+        Raises
+        ------
+        SamplingError
+            Unless 0 <= start <= stop <= size.
+        """
+        if not 0 <= start <= stop <= self.size:
+            raise SamplingError(f"variants {start} to {stop} are outside 0 to {self.size}")
+        remaining = np.arange(start, stop, dtype=np.int64)
+        found: dict[str, np.ndarray] = {}
+        for axis in reversed(self.axes):
+            remaining, indices = np.divmod(remaining, axis.size)
+            found |= axis.values(indices)
+        return {name: found[name] for name in self.names}
+
+
+def _distinct(names: Sequence[str]) -> tuple[str, ...]:
+    names = tuple(names)
+    for name in names:
+        if names.count(name) > 1:
+            raise SamplingError(f"{name}: varies twice; leave one of the two out")
+    return names
+
+
+def _together(names: Sequence[str]) -> tuple[str, ...]:
+    if not names:
+        raise SamplingError("no names are given for what should vary together")
+    return _distinct(names)
+
+
+def _column(name: str, values: Sequence[float]) -> np.ndarray:
+    column = np.asarray(values)
+    if column.ndim != 1 or column.size == 0:
+        raise SamplingError(f"{name}: {values!r} must list one or more numbers")
+    if column.dtype.kind not in "iuf":
+        raise SamplingError(f"{name}: {values!r} must hold numbers only")
+    column = column.astype(np.float64)
+    if len(wrong := np.flatnonzero(~np.isfinite(column))):
+        raise SamplingError(f"{name}: value {wrong[0] + 1} is {column[wrong[0]]}; it must be finite")
+    column.setflags(write=False)
+    return column
+
+
+def _check_count(name: str, count: int) -> None:
+    if type(count) is not int or not 1 <= count <= LARGEST:
+        raise SamplingError(f"{name}: count {count!r} must be a whole number, 1 or more")
+
+
+def _check_finite(name: str, low: float, high: float) -> None:
+    if not math.isfinite(high - low):
+        raise SamplingError(f"{name}: the range from {low!r} to {high!r} must be finite")
+
+
+def _check_range(name: str, start: float, stop: float, count: int) -> None:
+    _check_count(name, count)
+    _check_finite(name, start, stop)
+    if count == 1 and start != stop:
+        raise SamplingError(
+            f"{name}: count 1 can't hit both {start!r} and {stop!r}; take 2 or more, or give a single value"
+        )
+
+
+def _check_ratio(name: str, low: float, high: float) -> None:
+    if low == 0 or high == 0 or (low < 0) != (high < 0):
+        raise SamplingError(
+            f"{name}: a logarithmic range can't touch zero, but this one goes from {low!r} to {high!r}; "
+            "take a linear one, or limits of equal sign"
+        )
+    if not 0 < high / low < math.inf:
+        raise SamplingError(f"{name}: the ratio of {high!r} to {low!r} is too large")
+
+
+def between(fraction: np.ndarray, low: float, high: float, is_logarithmic: bool) -> np.ndarray:
+    """Numbers at fractions from 0 to 1 of the way from one end to the other, or of that between their logarithms."""
+    steps = low * np.exp(fraction * math.log(high / low)) if is_logarithmic else low + fraction * (high - low)
+    # Rounding may lead out by a unit in the last place.
+    return np.clip(steps, low, high)

@@ -1,0 +1,251 @@
+"""What a search is after: objectives, conditions, what it may change and where it begins; read from a study."""
+
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from engine import AskError, UnitError, any_quantity, in_text, made_ready, recognised, scene_numbers
+from sweeps.study.search_variables import Variables
+from sweeps.study.study_text import Optimise
+from sweeps.study.tolerances import Tolerance, read_tolerances
+from sweeps.text.dimension_check import dimension_of, dimension_of_unit, unit_of_dimension
+from sweeps.text.engineer_units import quantity_text
+from sweeps.text.expressions import Expression, ExpressionError, parse
+from sweeps.text.input_files import InputError
+from sweeps.text.names import unknown_name_message
+from sweeps.text.toml_text import line_of
+
+if TYPE_CHECKING:
+    from sweeps.study.study import Study
+
+EVOLUTION, GENETIC, LOCAL = "differential evolution", "NSGA-II", "local"
+
+
+class Objective(NamedTuple):
+    """What should be small (sign +1) or great (−1): an expression, its SI unit, and the column that holds it."""
+
+    name: str
+    expression: Expression
+    sign: float
+    units: str
+
+    @property
+    def way(self) -> str:
+        """The key under which it was given."""
+        return "minimise" if self.sign > 0 else "maximise"
+
+    @property
+    def is_column(self) -> bool:
+        """Whether it is a column of the result by itself."""
+        return self.name == self.expression.tree
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A search, ready to begin.
+
+    Attributes
+    ----------
+    study : Study
+        With all that the search needs among its summaries, and without fields.
+    variables : Variables
+    objectives : tuple of Objective
+    conditions : tuple of Expression
+        What results must meet, besides what the study requires of parameters.
+    method : {"differential evolution", "NSGA-II", "local"}
+    population, generations, seed : int
+    start : ndarray (variables,)
+        Coordinates of the candidate to begin with.
+    tolerances : tuple of Tolerance
+    """
+
+    study: "Study"
+    variables: Variables
+    objectives: tuple[Objective, ...]
+    conditions: tuple[Expression, ...]
+    method: str
+    population: int
+    generations: int
+    seed: int
+    start: np.ndarray
+    tolerances: tuple[Tolerance, ...]
+
+    @property
+    def digest(self) -> str:
+        """Name of the search's content."""
+        content = [
+            self.study.digest,
+            [(o.way, o.expression.text) for o in self.objectives],
+            [e.text for e in self.conditions],
+            [self.method, self.population, self.generations, self.seed],
+            self.start.tolist(),
+            self.tolerances,
+        ]
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def task_of(study: "Study") -> Task:
+    """What a study has to be searched for: its [optimise], or its [best] over all that varies.
+
+    Raises
+    ------
+    InputError
+        All that is wrong with it.
+    """
+    return _TaskReader(study).task()
+
+
+class _TaskReader:
+    """Reads the search out of a study, collecting problems with their lines."""
+
+    def __init__(self, study: "Study") -> None:
+        self.study, self.raw = study, study.optimise or Optimise()
+        self.problems: list[tuple[int | None, str, str]] = []
+        self.units = {name: study.unit(name) for name in study.parameters}
+        self.units |= {name: q.units for name, q in study.machine().available_summaries.items()}
+        self.fixed_summaries = dict.fromkeys(study.summaries)
+
+    def task(self) -> Task:
+        texts = [
+            (key, text, sign) for key, sign in (("minimise", 1.0), ("maximise", -1.0)) for text in self._goals(key)
+        ]
+        objectives = [o for i, (key, text, sign) in enumerate(texts, 1) if (o := self._objective(key, text, sign, i))]
+        conditions = [e for text in self._conditions() if (e := self._expression("subject_to", text, True))]
+        variables = Variables.of(self.study.design)
+        method = self.raw.method or (EVOLUTION if len(texts) < 2 else GENETIC)
+        self._check_method(method, len(texts), variables)
+        start, tolerances = self._start(variables), self._tolerances()
+        if self.problems:
+            raise InputError(f"{self.study.name}.toml", self.problems)
+        study = replace(self.study, summaries=tuple(self.fixed_summaries), fields=(), derivatives=(), tolerances={})
+        found = (tuple(objectives), tuple(conditions), method)
+        numbers = (self.raw.population, self.raw.generations, self.raw.seed)
+        return Task(study, variables, *found, *numbers, start, tolerances)
+
+    def _problem(self, keys: list[str], message: str) -> None:
+        line = line_of(self.study.text, keys) or line_of(self.study.text, keys[:1])
+        self.problems.append((line, ".".join(keys), message))
+
+    # Objectives and conditions
+
+    def _goals(self, key: str) -> list[str]:
+        raw, best = self.raw, self.study.best
+        if raw.minimise or raw.maximise:
+            return getattr(raw, key)
+        if best is not None:
+            return [goal] if (goal := getattr(best, key)) else []
+        if key == "minimise":
+            message = "nothing to search for: give minimise or maximise, expressions over summaries and parameters"
+            self._problem(["optimise"], message)
+        return []
+
+    def _conditions(self) -> list[str]:
+        best, own = self.study.best, self.raw.minimise or self.raw.maximise
+        inherited = [best.where] if best and best.where and not own else []
+        return [*inherited, *self.raw.subject_to]
+
+    def _objective(self, key: str, text: str, sign: float, number: int) -> Objective | None:
+        expression = self._expression(key, text, False)
+        if expression is None:
+            return None
+        plain = isinstance(expression.tree, str)
+        units = self.units[expression.tree] if plain else self._units_of(expression)
+        return Objective(expression.tree if plain else f"objective_{number}", expression, sign, units)
+
+    def _units_of(self, expression: Expression) -> str:
+        if not all(self.units[name] for name in expression.names):
+            return ""
+        return unit_of_dimension(dimension_of(expression, self._dimensions(expression))) or "1"
+
+    def _dimensions(self, expression: Expression) -> dict:
+        return {name: dimension_of_unit(self.units[name]) for name in expression.names}
+
+    def _expression(self, key: str, text: str, condition: bool) -> Expression | None:
+        keys = ["optimise", key]
+        try:
+            expression = parse(text, any_quantity)
+            if expression.is_condition != condition:
+                kinds = ("a number; a condition such as 'a < b'", "a condition; a number")
+                raise ExpressionError(f"{text!r} is {kinds[not condition]} is needed here")
+            unknown = [name for name in expression.names if not self._is_known(name, keys)]
+            if unknown:
+                return None
+            if all(self.units[name] for name in expression.names):
+                dimension_of(expression, self._dimensions(expression))
+        except ExpressionError as error:
+            self._problem(keys, str(error))
+            return None
+        return expression
+
+    def _is_known(self, name: str, keys: list[str]) -> bool:
+        """Whether a name is a parameter or can be asked of the machine; what can, is asked."""
+        if name in self.study.parameters or name in self.fixed_summaries:
+            return True
+        try:
+            machine = made_ready(self.study.scene, [name])
+        except AskError:
+            self._problem(keys, unknown_name_message(name, self.units))
+            return False
+        self.units[name] = machine.available_summaries[name].units
+        self.fixed_summaries[name] = None
+        return True
+
+    # Method, start, tolerances
+
+    def _check_method(self, method: str, objectives: int, variables: Variables) -> None:
+        keys = ["optimise", "method"]
+        if not variables.varies or not self.study.paths:
+            self._problem(["vary"], "nothing of the scene varies; give ranges or lists of what may be changed")
+        elif method == LOCAL and not variables.free.any():
+            message = f"{LOCAL!r} goes along ranges, but only lists vary: give low and high, or take {EVOLUTION!r}"
+            self._problem(keys, message)
+        if method == GENETIC and objectives == 1:
+            self._problem(keys, f"{GENETIC!r} weighs several objectives, here is one: take {EVOLUTION!r}")
+        if method != GENETIC and objectives > 1:
+            message = f"{method!r} follows one objective, here are {objectives}: take {GENETIC!r}, or join them in one"
+            self._problem(keys, message)
+
+    def _start(self, variables: Variables) -> np.ndarray:
+        """Coordinates of the start: as given, else of the scene as it is."""
+        given = {}
+        for name, value in self.raw.start.items():
+            keys = ["optimise", "start", name]
+            if name not in variables.names:
+                self._problem(keys, unknown_name_message(name, variables.names))
+            elif (number := self._quantity(name, value, keys)) is not None:
+                given[name] = number
+        place = variables.coordinates(self.study.fixed | given)
+        found = variables.values(place[None])
+        for name, value in given.items():
+            # Going to a coordinate and back costs some roundings.
+            if not np.isclose(found[name][0], value, rtol=1e-12, atol=0):
+                keys, text = ["optimise", "start", name], quantity_text(value, self.units[name])
+                self._problem(keys, f"{text} is not among what vary.{name} allows; {self._allowed(name, variables)}")
+        return place
+
+    def _allowed(self, name: str, variables: Variables) -> str:
+        span = next((s for s in variables.spans if s.name == name), None)
+        if span is not None:
+            low, high = (quantity_text(end, self.units[name]) for end in (span.low, span.high))
+            return f"allowed is {low} to {high}"
+        axis = next(a for a in variables.choices if name in a.names)
+        listed = axis.values(np.arange(axis.size))[name]
+        return f"allowed are {', '.join(quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
+
+    def _quantity(self, name: str, value: float | str, keys: Iterable[str]) -> float | None:
+        number = scene_numbers(self.study.scene).get(name)
+        try:
+            return recognised(value)[0] if number is None else in_text(value, number.dimension)
+        except UnitError as error:
+            self._problem(list(keys), str(error))
+            return None
+
+    def _tolerances(self) -> tuple[Tolerance, ...]:
+        found, problems = read_tolerances(self.study.scene, self.study.tolerances)
+        for path, message in problems:
+            self._problem(["tolerances", path], message)
+        return found

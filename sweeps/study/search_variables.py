@@ -1,0 +1,92 @@
+"""What a search may change: each range and each list of a study as a coordinate from 0 to 1."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from sweeps.study.sampling import Axis, Columns, Design, Listed, Logarithmic, Sampled, between
+
+
+class Span(NamedTuple):
+    """One number anywhere between two ends, evenly or, if `logarithmic`, by its logarithm."""
+
+    name: str
+    low: float
+    high: float
+    logarithmic: bool = False
+
+
+@dataclass(frozen=True)
+class Variables:
+    """Coordinates of a search: first those of ranges, then those of lists, one for each list.
+
+    Attributes
+    ----------
+    spans : tuple of Span
+    choices : tuple of Axis
+        Lists and tables, of which a candidate takes one entry or row.
+    names : tuple of str
+        Paths of all that varies, in the order of the study.
+    """
+
+    spans: tuple[Span, ...]
+    choices: tuple[Axis, ...]
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, design: Design) -> "Variables":
+        """Coordinates of a study's axes; the counts of ranges are of no influence."""
+        spans: list[Span] = []
+        choices: list[Axis] = []
+        for axis in design.axes:
+            if isinstance(axis, Listed | Columns):
+                choices.append(axis)
+            elif isinstance(axis, Sampled):
+                spans += map(Span, axis.names, axis.lows, axis.highs, axis.logarithmic)
+            else:
+                ends = sorted((axis.start, axis.stop))
+                spans.append(Span(axis.name, *ends, isinstance(axis, Logarithmic)))
+        return cls(tuple(spans), tuple(choices), design.names)
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.spans) + len(self.choices)
+
+    @property
+    def free(self) -> np.ndarray:
+        """Which coordinates change something, step by step (size,) of bool."""
+        return np.array([*(span.low < span.high for span in self.spans), *(False for _ in self.choices)], bool)
+
+    @property
+    def varies(self) -> bool:
+        """Whether there is anything to choose."""
+        return bool(self.free.any()) or any(axis.size > 1 for axis in self.choices)
+
+    def values(self, coordinates: np.ndarray) -> dict[str, np.ndarray]:
+        """Parameters (SI) at coordinates (candidates, size), each from 0 to 1."""
+        found: dict[str, np.ndarray] = {}
+        for x, (name, low, high, logarithmic) in zip(coordinates.T, self.spans, strict=False):
+            found[name] = between(x, low, high, logarithmic)
+        for x, axis in zip(coordinates.T[len(self.spans) :], self.choices, strict=True):
+            found |= axis.values(np.minimum((x * axis.size).astype(np.int64), axis.size - 1))
+        return {name: found[name] for name in self.names}
+
+    def coordinates(self, known: Mapping[str, float]) -> np.ndarray:
+        """Coordinates (size,) of known parameters; in the middle, or at the first of a list, where nothing is known."""
+        places = [_place(span, known.get(span.name, math.nan)) for span in self.spans]
+        for axis in self.choices:
+            rows = axis.values(np.arange(axis.size))
+            like = np.all([rows[n] == known.get(n, math.nan) for n in axis.names], axis=0)
+            places.append((np.argmax(like) + 0.5) / axis.size)
+        return np.array(places)
+
+
+def _place(span: Span, value: float) -> float:
+    _, low, high, logarithmic = span
+    if not low < high or not low <= value <= high:
+        return 0.5
+    return math.log(value / low) / math.log(high / low) if logarithmic else (value - low) / (high - low)

@@ -1,0 +1,251 @@
+"""How results of a sweep change with numbers of the machine: derivatives that are asked for, and tolerance bands.
+
+To first order a result f of a machine whose numbers may be off by ± t₁, ± t₂, … is off by Σ |∂f/∂pᵢ| tᵢ at worst, and
+by √Σ (∂f/∂pᵢ tᵢ)² if the numbers are off independently and each tᵢ is as rare (root of the sum of squares, RSS).
+Source: any handbook of tolerance analysis, linear stack-up.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from engine import (
+    ACCURACY_SUMMARIES,
+    EVALUATIONS_PER_DERIVATIVE,
+    PLACE_STATISTICS,
+    AskError,
+    Derivatives,
+    ElementsAlone,
+    Machine,
+    Move,
+    Quantity,
+    Verdict,
+    derivatives_along,
+    made_ready,
+    scale_of,
+    scene_numbers,
+    unit_over,
+)
+from sweeps.store import Column
+from sweeps.study.tolerances import Tolerance, read_tolerances
+from sweeps.text.names import unknown_name_message
+
+if TYPE_CHECKING:
+    from sweeps.study.study import Study
+
+# Variants whose neighbours are computed together, so that memory stays bounded.
+TOGETHER = 2048
+WORST_CASE, RSS = "tolerance_worst_case", "tolerance_rss"
+
+
+class AskedDerivative(NamedTuple):
+    """A derivative that is asked for: of a summary, by a number of the scene or a free parameter."""
+
+    of: str
+    by: str
+
+    @property
+    def name(self) -> str:
+        """Name of its column."""
+        return f"{self.of}.by.{self.by}"
+
+    @classmethod
+    def read(cls, text: str) -> "AskedDerivative":
+        """A text such as "excess_work by input.length".
+
+        Raises
+        ------
+        AskError
+            It isn't one.
+        """
+        words = text.split()
+        if len(words) != 3 or words[1] != "by":
+            raise AskError(f"{text!r}: write a summary, 'by' and a number, such as 'excess_work by input.length'")
+        return cls(words[0], words[2])
+
+
+class Sensitivity:
+    """Derivatives and tolerance bands of a study's variants.
+
+    A derivative takes along what the study derives from its number. A tolerance doesn't: numbers derived from one with
+    a tolerance were made by the same drawing, but each by itself.
+
+    Parameters
+    ----------
+    study : Study
+
+    Raises
+    ------
+    AskError
+        A summary or a number doesn't exist, or has no derivative.
+    """
+
+    def __init__(self, study: "Study") -> None:
+        self.study = study
+        self.tolerances, _ = read_tolerances(study.scene, study.tolerances)
+        left_out = (*PLACE_STATISTICS, *ACCURACY_SUMMARIES)
+        self._summaries = [name for name in study.summaries if not name.endswith(left_out)] if self.tolerances else []
+        for asked in study.derivatives:
+            self._check(asked)
+
+    def _check(self, asked: AskedDerivative) -> None:
+        study, numbers = self.study, scene_numbers(self.study.scene)
+        known = dict.fromkeys([*numbers, *study.parameters])
+        if asked.by not in known:
+            raise AskError(f"{asked.by!r} is no number of the scene. {unknown_name_message(asked.by, known)}")
+        if asked.of.endswith(PLACE_STATISTICS):
+            raise AskError(f"{asked.of!r} is known to a position only, and moves in jumps: it has no derivative")
+        if asked.by in numbers:
+            scale_of(study.scene, {asked.by: np.array([numbers[asked.by].value])}, asked.by)
+            made_ready(study.scene, [asked.of], (), [asked.by])
+        made_ready(study.scene, [asked.of])
+
+    @cached_property
+    def machine(self) -> Machine | ElementsAlone:
+        """The machine that answers, always in float64, at the study's positions or to its accuracy."""
+        study = self.study
+        names = dict.fromkeys([*(asked.of for asked in study.derivatives), *self._summaries])
+        moved = (name for name in (*self._derived_by, *(t.path for t in self.tolerances)) if name in study.fixed)
+        varied = dict.fromkeys([*study.paths, *moved])
+        return made_ready(study.scene, names, (), varied, study.positions, accuracy=study.accuracy)
+
+    @property
+    def _derived_by(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(asked.by for asked in self.study.derivatives))
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of each variant beside its own."""
+        return EVALUATIONS_PER_DERIVATIVE * len({*self._derived_by, *(t.path for t in self.tolerances)})
+
+    @cached_property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What is found of each variant, with an error figure each."""
+        available = self.machine.available_summaries if self.evaluations else {}
+        found = []
+        for asked in self.study.derivatives:
+            of = available[asked.of]
+            units = unit_over(of.units, self.study.unit(asked.by) or "1")
+            found.append(Quantity(asked.name, f"derivative by {asked.by} of: {of.long_name}", units))
+        for name in self._summaries:
+            words, units = available[name].long_name, available[name].units
+            found.append(Quantity(f"{name}.{WORST_CASE}", f"worst case within tolerances, ±, of: {words}", units))
+            found.append(Quantity(f"{name}.{RSS}", f"root of the sum of squares of tolerances, ±, of: {words}", units))
+        return tuple(found)
+
+    @property
+    def columns(self) -> list[Column]:
+        """Columns that `of_variants` fills."""
+        found = []
+        for name, words, units in self.quantities:
+            found += [Column(name, words, units), Column(f"{name}_error", f"error figure of: {words}", units)]
+        words = "verdict on the neighbours of the variant by"
+        return found + [Column(f"status_by.{by}", f"{words} {by}", "1", dtype=np.uint8) for by in self._derived_by]
+
+    def of_variants(self, values: Mapping[str, np.ndarray], status: np.ndarray) -> dict[str, np.ndarray]:
+        """Columns of a block of variants.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray (variants,)
+            Their parameters (SI), derived ones among them.
+        status : ndarray (variants,) of uint8
+            Their verdicts; only those without complaint are looked at.
+        """
+        names = [quantity.name for quantity in self.quantities]
+        found = {name: np.full(status.size, np.nan) for name in (*names, *(f"{name}_error" for name in names))}
+        found |= {f"status_by.{by}": status.copy() for by in self._derived_by}
+        chosen = np.flatnonzero(status == Verdict.OK) if self.evaluations else np.zeros(0, int)
+        for start in range(0, chosen.size, TOGETHER):
+            some = chosen[start : start + TOGETHER]
+            part = self._of_some({name: array[some] for name, array in values.items()}, some.size)
+            for name, array in part.items():
+                found[name][some] = array
+        return found
+
+    def _of_some(self, values: Mapping[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
+        known = {path: np.full(count, value) for path, value in self.study.fixed.items()} | values
+        slopes: dict[tuple[str, bool], Derivatives] = {}
+        found = {}
+
+        def along(by: str, followed: bool) -> Derivatives:
+            key = (by, followed and self._is_followed(by))
+            if key not in slopes:
+                slopes[key] = derivatives_along(self.machine, self._move(known, *key))
+            return slopes[key]
+
+        for asked in self.study.derivatives:
+            by = along(asked.by, True)
+            found |= {asked.name: by.values[asked.of], f"{asked.name}_error": by.errors[asked.of]}
+            found[f"status_by.{asked.by}"] = by.status
+        return found | self._bands(known, along) if self.tolerances else found
+
+    # Moves
+
+    def _is_followed(self, by: str) -> bool:
+        """Whether anything is derived from a number, directly or by way of others."""
+        moved = {by}
+        for path, expression in self.study.derived.items():
+            if moved.intersection(expression.names):
+                moved.add(path)
+        return len(moved) > 1
+
+    def _move(self, known: Mapping[str, np.ndarray], by: str, followed: bool) -> Move:
+        study, paths = self.study, self.machine.varied
+        needed = {*paths, *(name for expression in study.derived.values() for name in expression.names)}
+
+        def varied(places: np.ndarray, variants: np.ndarray) -> dict[str, np.ndarray]:
+            numbers = {name: known[name][variants] for name in needed} | {by: places}
+            for path, expression in study.derived.items() if followed else ():
+                if path != by:
+                    numbers[path] = np.broadcast_to(expression.evaluate(numbers), places.shape).astype(float)
+            return {path: numbers[path] for path in paths}
+
+        size = np.abs(known[by])
+        scale = scale_of(study.scene, known, by) if by in study.fixed else np.where(size > 0, size, 1.0)
+        return Move(known[by], scale, varied)
+
+    # Tolerances
+
+    def _bands(
+        self, known: Mapping[str, np.ndarray], along: Callable[[str, bool], Derivatives]
+    ) -> dict[str, np.ndarray]:
+        slopes = [along(tolerance.path, False) for tolerance in self.tolerances]
+        bends = [self._bend(known, tolerance) for tolerance in self.tolerances]
+        found = {}
+        for name in self._summaries:
+            parts = _table(slope.values[name] * t.half_width for slope, t in zip(slopes, self.tolerances, strict=True))
+            doubts = _table(slope.errors[name] * t.half_width for slope, t in zip(slopes, self.tolerances, strict=True))
+            doubts += _table(bend[name] for bend in bends)
+            parts = np.where(np.isfinite(doubts), parts, np.nan)
+            for ending, added in ((WORST_CASE, np.sum), (RSS, np.linalg.norm)):
+                found[f"{name}.{ending}"] = added(np.abs(parts), axis=0)
+                found[f"{name}.{ending}_error"] = added(doubts, axis=0)
+        return found
+
+    def _bend(self, known: Mapping[str, np.ndarray], tolerance: Tolerance) -> dict[str, np.ndarray]:
+        """What the first order leaves out at the ends of one tolerance; NaN where no machine can be built there."""
+        move, count = self._move(known, tolerance.path, False), known[tolerance.path].size
+        offsets = np.array([0.0, 1.0, -1.0])[:, None] * tolerance.half_width
+        outcome = self.machine.evaluate(move.varied((move.at + offsets).ravel(), np.tile(np.arange(count), 3)))
+        found = {}
+        for name, values in outcome.summaries.items():
+            here, more, less = np.where(outcome.status == Verdict.OK, values, np.nan).reshape(3, count)
+            found[name] = np.abs((more - here) + (less - here)) / 2
+        return found
+
+
+def _table(rows: Iterable[np.ndarray]) -> np.ndarray:
+    return np.stack(list(rows))
+
+
+def refusals(study: "Study") -> list[tuple[str, str]]:
+    """Key and message of all that is wrong with what a study asks of derivatives and tolerances."""
+    found = [(f"tolerances.{path}", message) for path, message in read_tolerances(study.scene, study.tolerances)[1]]
+    try:
+        Sensitivity(study)
+    except AskError as error:
+        found.append(("outputs.derivatives", str(error)))
+    return found

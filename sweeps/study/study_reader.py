@@ -1,0 +1,299 @@
+"""Reading a study's text: its scene, what varies, expressions with their dimensions; problems with their lines."""
+
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from engine import (
+    ACCURACY_SUMMARIES,
+    DIMENSIONS,
+    AskError,
+    Scene,
+    UnitError,
+    any_quantity,
+    in_text,
+    recognised,
+    scene_numbers,
+)
+from sweeps.study.default_summaries import default_summaries
+from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
+from sweeps.study.sensitivity import RSS, WORST_CASE, AskedDerivative
+from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
+from sweeps.text.csv_text import read_csv
+from sweeps.text.dimension_check import check_yields, dimension_of, dimension_of_unit, unit_of_dimension
+from sweeps.text.expressions import Expression, ExpressionError, parse
+from sweeps.text.input_files import InputError, read_text
+from sweeps.text.names import unknown_name_message
+from sweeps.text.scene_text import scene_from
+from sweeps.text.toml_text import line_of, parse_toml, validate
+
+
+class StudyReader:
+    """Reads the text of a study, collecting problems with their lines.
+
+    Parameters
+    ----------
+    path : Path
+        Where it lies; files that it names lie beside it.
+    text : str
+    data : dict
+        The parsed text.
+
+    Raises
+    ------
+    InputError
+        The text has other keys than a study's, or its scene is refused.
+    """
+
+    def __init__(self, path: Path, text: str, data: dict[str, Any]) -> None:
+        self.path, self.text, self.folder = path, text, path.parent
+        for key, leaves in (("vary", AXIS_KEYS), ("derive", None), ("tolerances", TOLERANCE_KEYS)):
+            if isinstance(data.get(key), dict):
+                data[key] = flatten(data[key], leaves)
+        if isinstance(data.get("optimise"), dict) and isinstance(data["optimise"].get("start"), dict):
+            data["optimise"]["start"] = flatten(data["optimise"]["start"], None)
+        self.raw = validate(StudyText, data, text, path.name)
+        self.scene = self._scene()
+        self.numbers = scene_numbers(self.scene)
+        self.problems: list[tuple[int | None, str, str]] = []
+        self.dimensions = {path: dimension_of_unit(DIMENSIONS[n.dimension].unit) for path, n in self.numbers.items()}
+
+    def _scene(self) -> Scene:
+        if isinstance(self.raw.scene, dict):
+            return scene_from(self.raw.scene, self.text, self.path.name, self.folder, ("scene",))
+        path = self.folder / self.raw.scene
+        try:
+            text = read_text(path)
+        except InputError as error:
+            raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", str(error))]) from None
+        return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
+
+    def content(self) -> dict[str, Any]:
+        """What the text says, by the names of `Study`'s attributes.
+
+        Raises
+        ------
+        InputError
+            All that is wrong with what varies and with the expressions.
+        """
+        design = self._design()
+        names = design.names if design else ()
+        derived = self._derived(names)
+        require = tuple(e for i, t in enumerate(self.raw.require) if (e := self._condition(t, i)))
+        derivatives = self._derivatives()
+        if self.problems:
+            raise InputError(self.path.name, self.problems)
+        outputs = self.raw.outputs
+        summaries = tuple(dict.fromkeys(outputs.summaries))
+        if not summaries and not outputs.fields:
+            summaries = default_summaries(self.scene)
+        if self.raw.best:
+            summaries = tuple(dict.fromkeys([*summaries, *self._asked_for(self.raw.best.goal, derivatives)]))
+        if self.raw.accuracy is not None:
+            summaries = tuple(dict.fromkeys((*summaries, *ACCURACY_SUMMARIES)))
+        free = (name for name in (*names, *derived) if name not in self.numbers)
+        return {
+            "scene": self.scene,
+            "design": design,
+            "derived": derived,
+            "require": require,
+            "summaries": summaries,
+            "fields": tuple(dict.fromkeys(outputs.fields)),
+            "derivatives": derivatives,
+            "positions": self.raw.positions,
+            "precision": self.raw.precision,
+            "accuracy": self.raw.accuracy,
+            "name": self.path.stem,
+            "title": self.raw.title or self.scene.title,
+            "question": self.raw.question,
+            "text": self.text,
+            "best": self.raw.best,
+            "optimise": self.raw.optimise,
+            "tolerances": self.raw.tolerances,
+            "free_units": {name: unit_of_dimension(self.dimensions[name]) for name in free},
+        }
+
+    def _asked_for(self, goal: str, derivatives: Iterable[AskedDerivative]) -> tuple[str, ...]:
+        """Summaries that a goal needs: itself, that of its tolerance band, or none if it is a derivative asked for."""
+        if goal in [asked.name for asked in derivatives]:
+            return ()
+        summary, _, ending = goal.rpartition(".")
+        return (summary if self.raw.tolerances and ending in (WORST_CASE, RSS) else goal,)
+
+    def _derivatives(self) -> tuple[AskedDerivative, ...]:
+        found = []
+        for text in dict.fromkeys(self.raw.outputs.derivatives):
+            try:
+                found.append(AskedDerivative.read(text))
+            except AskError as error:
+                self._problem(["outputs", "derivatives"], str(error))
+        return tuple(found)
+
+    def _problem(self, keys: list[str], message: str, line: int | None = None) -> None:
+        line = line or line_of(self.text, keys) or line_of(self.text, _split(keys))
+        self.problems.append((line, ".".join(keys), message))
+
+    # What varies
+
+    def _design(self) -> Design | None:
+        axes: list[Axis] = []
+        sampled: dict[str, Between] = {}
+        for path, axis in self.raw.vary.items():
+            if not self._is_variable(path, ["vary", path]):
+                continue
+            if isinstance(axis, Between):
+                sampled[path] = axis
+            else:
+                self._add(axes, path, axis)
+        if self.raw.variants is not None:
+            self._add_columns(axes, self.raw.variants)
+        if sampled:
+            self._add_sampled(axes, sampled)
+        elif self.raw.sampling is not None:
+            self._problem(["sampling"], "nothing is sampled; give low and high for what varies, or leave this out")
+        try:
+            return Design(tuple(axes))
+        except SamplingError as error:
+            self._problem(["vary"], str(error))
+            return None
+
+    def _is_variable(self, path: str, keys: list[str]) -> bool:
+        if path in self.numbers or (path.isidentifier() and self._used(path)):
+            return True
+        message = unknown_name_message(path, self.numbers)
+        self._problem(keys, f"is not a number of the scene. {message}")
+        return False
+
+    def _used(self, name: str) -> bool:
+        """Whether a free parameter enters any expression."""
+        for text in (*self.raw.derive.values(), *self.raw.require):
+            with suppress(ExpressionError):
+                if name in parse(text, any_quantity).names:
+                    return True
+        return False
+
+    def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
+        """Values in SI units; None if one of them is refused."""
+        try:
+            if path in self.numbers:
+                return [in_text(value, self.numbers[path].dimension) for value in values]
+            found = [recognised(value) for value in values]
+        except UnitError as error:
+            self._problem(keys, str(error))
+            return None
+        # A bare 0 goes with every unit.
+        kinds = dict.fromkeys(kind for number, kind in found if number or kind != "number") or ["number"]
+        if len(kinds) > 1:
+            words = " and ".join(kind.replace("_", " ") for kind in kinds)
+            self._problem(keys, f"takes values of several kinds ({words}); give all of them in units of one kind")
+            return None
+        self.dimensions[path] = dimension_of_unit(DIMENSIONS[next(iter(kinds))].unit)
+        return [number for number, _ in found]
+
+    def _add(self, axes: list[Axis], path: str, axis: Range | Listing) -> None:
+        keys = ["vary", path]
+        numbers = self._quantities(path, axis.values if isinstance(axis, Listing) else (axis.start, axis.stop), keys)
+        if numbers is None:
+            return
+        try:
+            if isinstance(axis, Listing):
+                axes.append(Listed(path, tuple(numbers)))
+            else:
+                kind = Linear if axis.spacing == "linear" else Logarithmic
+                axes.append(kind(path, *numbers, axis.count))
+        except SamplingError as error:
+            self._problem(keys, str(error))
+
+    def _add_columns(self, axes: list[Axis], name: str) -> None:
+        try:
+            columns = read_csv(self.folder / name)
+        except InputError as error:
+            self._problem(["variants"], str(error))
+            return
+        table = [
+            self._quantities(path, (f"{v} {unit}".strip() for v in values), ["variants"])
+            for path, (unit, values) in columns.items()
+            if self._is_variable(path, ["variants"])
+        ]
+        if len(table) == len(columns) and None not in table:
+            axes.append(Columns(tuple(columns), tuple(tuple(t) for t in table)))
+
+    def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:
+        sampling = self.raw.sampling
+        if sampling is None and self.raw.optimise is not None:
+            # A search needs none; a sweep takes as many variants as one of its populations.
+            sampling = Sampling(method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed)
+        if sampling is None:
+            self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
+            return
+        ends = {p: self._quantities(p, (a.low, a.high), ["vary", p]) for p, a in sampled.items()}
+        if self.problems:
+            return
+        lows, highs = zip(*ends.values(), strict=True)
+        logs = tuple(a.spacing == "log" for a in sampled.values())
+        try:
+            axes.append(Sampled(tuple(sampled), lows, highs, sampling.count, sampling.method, sampling.seed, logs))
+        except SamplingError as error:
+            self._problem(["sampling"], str(error))
+
+    # Expressions
+
+    def _derived(self, varied: tuple[str, ...]) -> dict[str, Expression]:
+        found: dict[str, Expression] = {}
+        for path, text in self.raw.derive.items():
+            keys = ["derive", path]
+            if path in varied:
+                self._problem(keys, "varies already; a number is either varied or derived")
+            elif self._is_variable(path, keys):
+                expression = self._expression(text, keys, {*self.numbers, *varied, *found})
+                if expression and expression.is_condition:
+                    self._problem(keys, f"{text!r} is a condition; a number is needed here")
+                elif expression and self._has_dimension(expression, path, keys):
+                    found[path] = expression
+        return found
+
+    def _has_dimension(self, expression: Expression, path: str, keys: list[str]) -> bool:
+        """Whether a derived number has the dimension of its path; a free one gets that of its expression."""
+        try:
+            if path in self.numbers:
+                check_yields(expression, self.dimensions[path], self.dimensions)
+            else:
+                self.dimensions[path] = dimension_of(expression, self.dimensions)
+        except ExpressionError as error:
+            self._problem(keys, str(error))
+            return False
+        return True
+
+    def _condition(self, text: str, entry: int) -> Expression | None:
+        keys, start = ["require"], line_of(self.text, ["require"])
+        within = (n for n, line in enumerate(self.text.splitlines(), 1) if n >= (start or 1) and text in line)
+        line = next(within, start)
+        expression = self._expression(text, keys, self.dimensions, line)
+        try:
+            if expression and not expression.is_condition:
+                message = f"{text!r}, is a number; a condition such as 'a < b' is needed here"
+                self._problem(keys, f"entry {entry + 1}, {message}", line)
+            elif expression:
+                dimension_of(expression, self.dimensions)
+                return expression
+        except ExpressionError as error:
+            self._problem(keys, str(error), line)
+        return None
+
+    def _expression(
+        self, text: str, keys: list[str], known: Iterable[str], line: int | None = None
+    ) -> Expression | None:
+        try:
+            expression = parse(text, any_quantity)
+        except ExpressionError as error:
+            self._problem(keys, str(error), line)
+            return None
+        unknown = [name for name in expression.names if name not in set(known)]
+        for name in unknown:
+            self._problem(keys, unknown_name_message(name, known), line)
+        return None if unknown else expression
+
+
+def _split(keys: list[str]) -> list[str]:
+    return [part for key in keys for part in key.split(".")]

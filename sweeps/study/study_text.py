@@ -1,0 +1,177 @@
+"""The keys of a study's text: a scene, what varies in it, and what is asked of it."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from engine import PlainNumber, ScenePart
+
+
+class Range(ScenePart):
+    """`count` values from `from` to `to`, ends included; a grid axis."""
+
+    start: Annotated[float | str, Field(alias="from")]
+    stop: Annotated[float | str, Field(alias="to")]
+    count: Annotated[int, Field(ge=1)]
+    spacing: Literal["linear", "log"] = "linear"
+
+
+class Listing(ScenePart):
+    """Explicit values; a grid axis."""
+
+    values: Annotated[list[float | str], Field(min_length=1)]
+
+
+class Between(ScenePart):
+    """Anywhere between two values, drawn by the study's sampling together with all others of its kind."""
+
+    low: float | str
+    high: float | str
+    spacing: Literal["linear", "log"] = "linear"
+
+
+class Sampling(ScenePart):
+    """How the numbers given by `low` and `high` are drawn."""
+
+    method: Literal["random", "sobol", "latin"] = "sobol"
+    count: Annotated[int, Field(ge=1)]
+    seed: Annotated[int, Field(ge=0)] = 0
+
+
+class Outputs(ScenePart):
+    """What is kept: summaries (numbers per variant), fields (rows over the crank angle), derivatives of summaries.
+
+    A derivative is asked for as "excess_work by input.length".
+    """
+
+    summaries: list[str] = []
+    fields: list[str] = []
+    derivatives: list[str] = []
+
+
+class Best(ScenePart):
+    """Which variant answers the study's question: the least or greatest of a summary, among those that meet `where`."""
+
+    minimise: str | None = None
+    maximise: str | None = None
+    where: str | None = None
+
+    @model_validator(mode="after")
+    def _one_goal(self) -> "Best":
+        if (self.minimise is None) == (self.maximise is None):
+            raise ValueError("give either minimise or maximise, the name of a summary")
+        return self
+
+    @property
+    def goal(self) -> str:
+        """Name of the summary that decides."""
+        return self.minimise or self.maximise
+
+    @property
+    def sign(self) -> float:
+        """+1 to minimise, −1 to maximise."""
+        return 1.0 if self.minimise else -1.0
+
+
+def _listed(value: object) -> object:
+    """A single text as a list of one."""
+    return [value] if isinstance(value, str) else value
+
+
+Texts = Annotated[list[str], BeforeValidator(_listed)]
+
+
+class Optimise(ScenePart):
+    """What a search looks for: expressions over parameters and summaries, the conditions they meet, and the way.
+
+    Without `minimise` and `maximise` the goal is that of the study's `best`; without `method` it is differential
+    evolution for one objective and NSGA-II for several. `start` holds numbers of a candidate to begin with.
+    """
+
+    minimise: Texts = []
+    maximise: Texts = []
+    subject_to: Texts = []
+    method: Literal["differential evolution", "NSGA-II", "local"] | None = None
+    population: Annotated[int, Field(ge=8)] = 100
+    generations: Annotated[int, Field(ge=1)] = 100
+    seed: Annotated[int, Field(ge=0)] = 0
+    start: dict[str, float | str] = {}
+
+
+def _tolerance(value: object) -> object:
+    """A bare quantity as a tolerance of the usual distribution."""
+    return value if isinstance(value, dict) else {"plus_minus": value}
+
+
+class ToleranceText(ScenePart):
+    """How far a number of the machine as built may be off: evenly within ±, or normally with ± as three deviations."""
+
+    plus_minus: float | str
+    distribution: Literal["uniform", "normal"] = "uniform"
+
+
+def _kind_of_axis(axis: object) -> str:
+    """Which kind of axis the keys mean, misspelt ones apart."""
+    keys = set(axis) if isinstance(axis, dict) else set()
+    if keys & {"low", "high"}:
+        return "between"
+    return "listing" if "values" in keys else "range"
+
+
+AxisText = Annotated[
+    Annotated[Range, Tag("range")] | Annotated[Listing, Tag("listing")] | Annotated[Between, Tag("between")],
+    Discriminator(_kind_of_axis),
+]
+
+
+class StudyText(ScenePart):
+    """A study as it stands in its file.
+
+    `scene` names a scene file beside it, or holds the scene itself. `vary` maps paths of the scene's numbers
+    (or free parameters, names without a dot) to axes; `variants` names a CSV file whose columns vary together.
+    `derive` ties further numbers to those by arithmetic; `require` drops variants that don't meet a condition.
+    `optimise` is what `sweeps optimise` searches for, instead of all variants; `tolerances` say how far numbers of
+    the machine as built may be off. `accuracy` is the allowed error of every summary, as a share of its magnitude:
+    each variant then gets as many positions as that takes, and `positions` is how many the fields have.
+    """
+
+    title: str = ""
+    question: str = ""
+    source: str = ""
+    scene: str | dict[str, Any]
+    positions: int = 720
+    accuracy: Annotated[PlainNumber, Field(gt=0, lt=1)] | None = None
+    precision: Literal["float64", "float32"] = "float64"
+    vary: dict[str, AxisText] = {}
+    variants: str | None = None
+    sampling: Sampling | None = None
+    derive: dict[str, str] = {}
+    require: list[str] = []
+    outputs: Outputs = Outputs()
+    best: Best | None = None
+    optimise: Optimise | None = None
+    tolerances: dict[str, Annotated[ToleranceText, BeforeValidator(_tolerance)]] = {}
+
+
+TOLERANCE_KEYS = set(ToleranceText.model_fields)
+AXIS_KEYS = {"from", "to", "values", "low", "high", "count", "spacing"}
+
+
+def flatten(table: object, leaf_keys: set[str] | None, path: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Tables by dotted path, whether a path was written quoted or as nested keys.
+
+    Parameters
+    ----------
+    table : object
+        Parsed TOML.
+    leaf_keys : set of str or None
+        Keys that tell an axis from a step of a path; None where leaves are not tables.
+    path : tuple of str
+        Path of `table`.
+    """
+    if not isinstance(table, dict) or (path and leaf_keys and leaf_keys & set(table)):
+        return {".".join(path): table}
+    found: dict[str, Any] = {}
+    for key, inner in table.items():
+        found |= flatten(inner, leaf_keys, (*path, key))
+    return found

@@ -1,0 +1,56 @@
+"""Tolerances of a study: how far numbers of the machine as built may be off."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import Scene, UnitError, in_text, scene_numbers
+from sweeps.study.study_text import ToleranceText
+from sweeps.text.names import unknown_name_message
+
+
+class Tolerance(NamedTuple):
+    """How far a number of the machine as built may be off: evenly within ± `half_width`, or normally with σ = ±/3."""
+
+    path: str
+    half_width: float
+    distribution: str
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation."""
+        return self.half_width / (3.0 if self.distribution == "normal" else 3.0**0.5)
+
+
+def read_tolerances(
+    scene: Scene, texts: Mapping[str, ToleranceText]
+) -> tuple[tuple[Tolerance, ...], list[tuple[str, str]]]:
+    """Tolerances in SI units, and what is wrong with the others.
+
+    Parameters
+    ----------
+    scene : Scene
+    texts : mapping of str to ToleranceText
+        By path of the number.
+
+    Returns
+    -------
+    tolerances : tuple of Tolerance
+    problems : list of (str, str)
+        Path and message.
+    """
+    numbers, found, problems = scene_numbers(scene), [], []
+    for path, text in texts.items():
+        if path not in numbers:
+            problems.append((path, f"is not a number of the scene. {unknown_name_message(path, numbers)}"))
+            continue
+        try:
+            half_width = in_text(text.plus_minus, numbers[path].dimension)
+        except UnitError as error:
+            problems.append((path, str(error)))
+            continue
+        if not 0 < half_width < np.inf:
+            problems.append((path, f"{text.plus_minus!r}: a tolerance is greater than 0, such as '0.1 mm'"))
+        found.append(Tolerance(path, half_width, text.distribution))
+    return tuple(found), problems

@@ -1,0 +1,149 @@
+"""Scenes as TOML files: reading, with the CSV tables beside them, and writing."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from engine import DIMENSIONS, Scene, SceneError, order_groups, scene_numbers
+from sweeps.text.csv_text import read_csv
+from sweeps.text.input_files import InputError, read_text
+from sweeps.text.toml_text import line_of, parse_toml, validate
+
+
+def read_scene(path: Path | str) -> Scene:
+    """Scene from a TOML file.
+
+    Parameters
+    ----------
+    path : Path or str
+
+    Raises
+    ------
+    InputError
+        Anything wrong with the text or with the mechanism it describes.
+    """
+    path = Path(path)
+    text = read_text(path)
+    return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
+
+
+def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefix: tuple[str, ...] = ()) -> Scene:
+    """Scene from parsed tables; checks that the mechanism can be ordered.
+
+    Parameters
+    ----------
+    data : dict
+        Parsed tables of the scene.
+    text, source : str
+        The text they come from and its name, for error messages.
+    folder : Path
+        Where CSV files are looked for.
+    prefix : tuple of str
+        Keys of the table in which the scene stands in the text.
+    """
+    for table in ("forces", "moments"):
+        actions = data.get(table)
+        for name, action in actions.items() if isinstance(actions, dict) else ():
+            if isinstance(action, dict) and "file" in action:
+                where = (line_of(text, [*prefix, table, name, "file"]), f"{table}.{name}.file")
+                columns = _table_columns(folder, action.pop("file"), source, where)
+                twice = [key for key in columns if key in action]
+                if twice:
+                    raise InputError(
+                        source, [(*where, f"the file has {twice[0]!r}, and so has the text; give it once")]
+                    )
+                action |= columns
+    scene = validate(Scene, data, text, source, prefix)
+    try:
+        if scene.input is not None:
+            order_groups(scene)
+    except SceneError as error:
+        problems = [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in error.problems]
+        raise InputError(source, problems) from None
+    return scene
+
+
+def _table_columns(folder: Path, name: object, source: str, where: tuple[int | None, str]) -> dict[str, list[str]]:
+    """Columns of a CSV table as lists of texts with units."""
+    try:
+        columns = read_csv(folder / str(name))
+    except InputError as error:
+        raise InputError(source, [(*where, str(error))]) from None
+    return {key: [f"{value} {unit}".strip() for value in values] for key, (unit, values) in columns.items()}
+
+
+# CF spellings that the reader of texts takes as they are, but for a number without a unit.
+def number_text(value: float, dimension: str) -> str | float:
+    """A number as a scene text writes it, in SI units."""
+    unit = DIMENSIONS[dimension].unit
+    if dimension == "number":
+        return value
+    return f"{value!r} {_TEXT_UNITS.get(dimension, unit)}"
+
+
+_TEXT_UNITS = {
+    "angular_speed": "rad/s",
+    "speed": "m/s",
+    "acceleration": "m/s2",
+    "density": "kg/m3",
+    "stiffness": "N/m",
+    "torsional_stiffness": "N m/rad",
+    "damping": "N s/m",
+    "torsional_damping": "N m s/rad",
+    "quadratic_drag": "N s2/m2",
+    "torsional_quadratic_drag": "N m s2/rad2",
+    "inertia": "kg m2",
+    "moment": "N m",
+}
+
+
+def write_scene(scene: Scene, values: dict[str, float] | None = None) -> str:
+    """TOML text of a scene, with some of its numbers replaced.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : dict of str to float, optional
+        New values (SI) by path, such as those of one variant of a study.
+    """
+    data = scene.model_dump(exclude_none=True, exclude_defaults=True, mode="json")
+    for path, number in scene_numbers(scene).items():
+        value = number.value if values is None or path not in values else values[path]
+        *tables, last = path.split(".")
+        table = data
+        for key in tables:
+            table = table.setdefault(key, {})
+        if last in table or (values is not None and path in values):
+            table[last] = int(value) if last == "mode" else number_text(value, number.dimension)
+    _label_tables(scene, data)
+    return tomli_w.dumps(data)
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """A scene with some of its numbers replaced, such as the machine of one variant of a study.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        New values (SI).
+    """
+    if not values:
+        return scene
+    text = write_scene(scene, dict(values))
+    return scene_from(parse_toml(text, scene.title), text, scene.title or "scene", Path())
+
+
+def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
+    """Write the columns of tables, and the throws of engines, with their units."""
+    for element in data.get("elements", {}).values():
+        if "throws" in element:
+            element["throws"] = [f"{angle!r} rad" for angle in element["throws"]]
+    units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
+    for table, unit in (("forces", "N"), ("moments", "N m")):
+        for action in data.get(table, {}).values():
+            for key in (*units, "force", "moment"):
+                if isinstance(action.get(key), list):
+                    action[key] = [f"{v!r} {units.get(key, unit)}" for v in action[key]]

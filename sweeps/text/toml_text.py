@@ -1,0 +1,196 @@
+"""Reading TOML texts into validated models; errors name file, line, key, value, what is allowed and the mend."""
+
+import re
+import tomllib
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, Tag, ValidationError
+
+from engine import nearest_names
+from sweeps.text.input_files import InputError
+
+
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """Tables of a TOML text.
+
+    Raises
+    ------
+    InputError
+        The text is not TOML; the message tells line and column.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
+        line = int(found[1]) if found else None
+        message = str(error).split(" (at ")[0]
+        raise InputError(source, [(line, "", f"not valid TOML: {message}")]) from None
+    except (ValueError, RecursionError):
+        raise InputError(source, [(None, "", "not valid TOML: a number too long, or tables nested too deep")]) from None
+
+
+def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: str, prefix: tuple[str, ...] = ()) -> Any:
+    """A model from parsed TOML.
+
+    Parameters
+    ----------
+    model : type of BaseModel
+    data : dict
+        Parsed tables.
+    text, source : str
+        The text, to find lines in, and its name.
+    prefix : tuple of str
+        Keys of the table in which the data stand in the text.
+
+    Raises
+    ------
+    InputError
+        All that is wrong with it, not only the first.
+    """
+    try:
+        return model.model_validate(data, context={"text": True})
+    except ValidationError as error:
+        raise InputError(source, [_problem(model, data, text, e, prefix) for e in error.errors()]) from None
+
+
+def _problem(
+    model: type[BaseModel], data: dict, text: str, error: dict, prefix: tuple[str, ...]
+) -> tuple[int | None, str, str]:
+    keys = [*prefix, *_keys(data, error)]
+    return line_of(text, keys), ".".join(str(k) for k in keys), _message(model, error, keys)
+
+
+def _keys(data: object, error: dict) -> list[str | int]:
+    """Location of an error without the tags of unions that pydantic puts into it."""
+    keys: list[str | int] = []
+    loc = list(error["loc"])
+    for i, item in enumerate(loc):
+        in_list = isinstance(data, list) and isinstance(item, int) and item < len(data)
+        present = (isinstance(data, dict) and item in data) or in_list
+        absent_key = i == len(loc) - 1 and error["type"] == "missing" and isinstance(item, str)
+        if present:
+            data = data[item]
+            keys.append(item)
+        elif absent_key:
+            keys.append(item)
+    return keys
+
+
+def _shown(value: object) -> str:
+    shown = repr(value)
+    return shown if len(shown) <= 60 else shown[:57] + "..."
+
+
+def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
+    kind, value, context = error["type"], error["input"], error.get("ctx", {})
+    last = str(keys[-1]) if keys else ""
+    match kind:
+        case "extra_forbidden":
+            allowed = _fields_at(model, error["loc"][:-1])
+            return "unknown key" + _allowed(last, allowed)
+        case "missing":
+            return "is missing" if isinstance(error["loc"][-1], str) else "has too few entries"
+        case "union_tag_invalid":
+            allowed = re.findall(r"'([^']+)'", context.get("expected_tags", ""))
+            tag = str(context.get("tag"))
+            return f"type {tag!r} is not known" + _allowed(tag, allowed)
+        case "union_tag_not_found":
+            return "the key 'type' is missing: it says what kind this is"
+        case "literal_error":
+            allowed = re.findall(r"'([^']+)'", context["expected"])
+            return f"{_shown(value)} is not allowed" + (
+                _allowed(str(value), allowed) or f"; allowed: {context['expected']}"
+            )
+        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
+            words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+            bound = next(f"{words[k]} {context[k]:g}" for k in words if k in context)
+            return f"must be {bound}, got {_shown(value)}"
+        case "string_pattern_mismatch":
+            return f"{_shown(value)} is not a name: use letters, digits and single underscores, a letter first"
+        case "value_error":
+            return str(context["error"])
+        case "model_type" | "dict_type" | "model_attributes_type":
+            return f"expected a table of keys, got {_shown(value)}"
+        case _:
+            return f"{error['msg']}, got {_shown(value)}"
+
+
+def _allowed(name: str, allowed: list[str]) -> str:
+    if not allowed:
+        return ""
+    near = nearest_names(name, allowed)
+    return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
+
+
+def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
+    """Keys that the model allows at a location (with union tags in it)."""
+    here: Any = model
+    for item in loc:
+        here = _descend(here, item)
+    here = _bare(here)
+    return list(here.model_fields) if isinstance(here, type) and issubclass(here, BaseModel) else []
+
+
+def _bare(annotation: Any) -> Any:
+    """An annotation without its marks and without None."""
+    while get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    if _is_union(annotation):
+        arms = [a for a in get_args(annotation) if a is not type(None)]
+        if len(arms) == 1:
+            return _bare(arms[0])
+    return annotation
+
+
+def _is_union(annotation: Any) -> bool:
+    return get_origin(annotation) is Union or type(annotation).__name__ == "UnionType"
+
+
+def _descend(annotation: Any, item: str | int) -> Any:
+    """Annotation of a key, an entry of a table, or an arm of a union named by its tag."""
+    here = _bare(annotation)
+    if _is_union(here):
+        return next((_bare(a) for a in get_args(here) if item in _tags(a)), None)
+    if isinstance(here, type) and issubclass(here, BaseModel):
+        field = here.model_fields.get(str(item))
+        return field.annotation if field else None
+    if get_origin(here) in (dict, list, tuple):
+        return get_args(here)[-1]
+    return here
+
+
+def _tags(arm: Any) -> tuple[object, ...]:
+    """Tags by which an arm of a union is named: its own, or the values of its key "type"."""
+    own = tuple(mark.tag for mark in getattr(arm, "__metadata__", ()) if isinstance(mark, Tag))
+    if own:
+        return own
+    model = _bare(arm)
+    field = getattr(model, "model_fields", {}).get("type")
+    return get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
+
+
+_HEADER = re.compile(r"^\s*\[\[?(?P<keys>[^\[\]]+)\]\]?\s*(#.*)?$")
+_KEY = re.compile(r"""^\s*(?P<keys>(?:"[^"]*"|'[^']*'|[\w-]+)(?:\s*\.\s*(?:"[^"]*"|'[^']*'|[\w-]+))*)\s*=""")
+_PART = re.compile(r""""[^"]*"|'[^']*'|[\w-]+""")
+
+
+def line_of(text: str, keys: list[str | int]) -> int | None:
+    """Line of a TOML text that holds a key, or the deepest table or key around it that has a line of its own."""
+    names = [part for k in keys if not isinstance(k, int) for part in str(k).split(".")]
+    best, deepest = None, 0
+    table: list[str] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if header := _HEADER.match(line):
+            table = here = _split(header["keys"])
+        elif key := _KEY.match(line):
+            here = table + _split(key["keys"])
+        else:
+            continue
+        depth = min(len(here), len(names))
+        if depth > deepest and names[:depth] == here[:depth]:
+            best, deepest = number, depth
+    return best
+
+
+def _split(keys: str) -> list[str]:
+    return [name for part in _PART.findall(keys) for name in part.strip("\"'").split(".")]
