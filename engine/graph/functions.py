@@ -32,8 +32,6 @@ from numba import njit
 dtype = np.{dtype}
 '''
 
-_EVENTS = "Curves that switch something, and their derivatives."
-
 
 class Landmark(NamedTuple):
     """Ends of a curve over the cycle: which event it is, and rows of P for its ends and their places (−1: none)."""
@@ -51,7 +49,7 @@ class Functions(NamedTuple):
     Attributes
     ----------
     text : str
-        Source of a module with `events_scan`, `events_at`, `levels`, `states`, `curves`.
+        Source of a module with `events`, `levels`, `states`, `curves`.
     rows : dict of Node to int
         Row of P of each number: the range of the input first, then numbers of the variant, of the cycle, of the panel.
     numbers : tuple of Number or Constant
@@ -119,8 +117,7 @@ def functions_of(
     places = {node: i for i, (node, _) in enumerate(events)}
     parts, laws, missing = [], [], []
     for name, doc, outputs, stage, positions, inline in (
-        ("events_scan", _EVENTS, event_nodes, Stage.POSITION, PANEL_POSITIONS, True),
-        ("events_at", f"{_EVENTS} At one position.", event_nodes, Stage.POSITION, 1, True),
+        ("events", "Curves that switch something, and their derivatives.", event_nodes, Stage.POSITION, None, True),
         ("levels", "Numbers of the cycle, from the ends of strokes.", cycle, Stage.CYCLE, 1, True),
         ("states", "What a panel holds.", [h.operands[0] for h in held], Stage.POSITION, 1, True),
         ("curves", "All that is asked at a position.", curves, Stage.POSITION, PANEL_POSITIONS, False),
