@@ -17,9 +17,9 @@ from machines import crank, four_bar, frame, on, rpr, rrp, slider_crank
 
 from engine import Scene
 from engine.graph.nodes import Graph, Node
+from engine.mechanism.actions.tables import time_of
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
-from engine.mechanism.tables import time_of
 from engine.scene.structure import order
 
 some = settings(deadline=None, max_examples=40)

@@ -21,7 +21,7 @@ from engine.laws.indicator_diagrams import (
     two_stroke_branch,
 )
 from engine.mechanism.acting import Characteristic, Grip, Load, load
-from engine.mechanism.characteristics import sense_of_input
+from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.pairs import bearer_of
 
@@ -68,7 +68,7 @@ class _Diagram:
         self.at_high = self.cylinder.head == "high"
         self.head = high if self.at_high else low
         self.travel = high - d if self.at_high else d - low
-        self.rate = (-v if self.at_high else v) * sense_of_input(kinematics)
+        self.rate = (-v if self.at_high else v) * input_sense(kinematics)
 
     def pressure(self) -> Node:
         """Absolute pressure on the piston [Pa]."""
@@ -90,7 +90,7 @@ class _Diagram:
 
     def _four_stroke(self) -> Node:
         head_at = self.graph.found(*self.slide[:2], "high_at" if self.at_high else "low_at")
-        turning = (head_at, *self._numbers("firing_angle"), sense_of_input(self.kinematics))
+        turning = (head_at, *self._numbers("firing_angle"), input_sense(self.kinematics))
         branch = self.graph.apply(four_stroke_branch, self.rate, self.graph.q, *turning)
         return self._along(branch, *self._numbers(*_ENGINE), self.graph.one)
 
