@@ -1,5 +1,6 @@
 """Running a study block by block into a result file, resumable at any moment."""
 
+import json
 import platform
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
@@ -13,6 +14,7 @@ import numpy as np
 from engine import SENTENCES, InputUnits, Machine, Outcome, Quantity, Verdict, threads
 from sweeps.store import Column, FileLayout, Store
 from sweeps.study.study import Study
+from sweeps.study.study_record import study_record
 from sweeps.text.scene_text import write_scene
 
 # A block is long enough that its overhead (a few milliseconds) doesn't count, short enough that a killed sweep
@@ -22,6 +24,8 @@ BYTES_PER_BLOCK = 96e6
 LARGEST_BLOCK = 65_536
 # Motion takes a thousand times as long as a cycle at uniform speed.
 LARGEST_BLOCK_IN_MOTION = 4096
+# Operations of a variant for each of its numbers, as many panels as it usually takes.
+WORK_OF_A_NUMBER = 500
 
 
 def block_size(study: Study, machine: Machine) -> int:
@@ -34,10 +38,11 @@ def block_size(study: Study, machine: Machine) -> int:
 
 def largest_block(study: Study, machine: Machine) -> int:
     """As `block_size`, however many variants there are."""
-    work = machine.nodes.size * (len(machine.source("whole").steps) + 10) * (1 + study.sensitivity.evaluations)
+    work = WORK_OF_A_NUMBER * machine.numbers_kept * (1 + study.sensitivity.evaluations)
+    work += machine.nodes.size * machine.numbers_kept * len(study.fields)
     row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
     asked = len(study.summaries) + len(study.sensitivity.quantities)
-    numbers = 8 * (2 * asked + 4 * len(study.parameters) + len(machine.source("whole").slots) + 8)
+    numbers = 8 * (2 * asked + 4 * len(study.parameters) + machine.numbers_kept + 8)
     most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
     fitting = min(WORK_PER_BLOCK * 10 / work, BYTES_PER_BLOCK / (row + numbers), most)
     return int(max(2 ** int(np.log2(max(fitting, 1))), 16))
@@ -89,17 +94,10 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
     return {
         "title": study.title or study.name,
         "question": study.question,
-        "parameters": " ".join(study.parameters),
-        "varied": " ".join(study.design.names),
-        "best": _goal_text(study),
-        "require": "\n".join(" ".join(e.text.split()) for e in study.require),
-        "position": _position_name(study),
         "study": study.text,
+        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups)}),
         "scene": write_scene(study.scene),
         "study_hash": study.digest,
-        **({} if study.accuracy is None else {"accuracy": repr(study.accuracy)}),
-        "groups": ", ".join(machine.groups),
-        "grid": " x ".join(f"{'+'.join(axis.names)}[{axis.size}]" for axis in study.design.axes),
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
         "machine": f"{platform.machine()} {platform.system()}, {threads()} threads",
     }
@@ -107,13 +105,6 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
 
 def _position_name(study: Study) -> str:
     return "phi" if InputUnits.of(study.scene).q == "rad" else "travel"
-
-
-def _goal_text(study: Study) -> str:
-    if study.best is None:
-        return ""
-    way = "minimise" if study.best.minimise else "maximise"
-    return f"{way} {study.best.goal}" + (f" where {study.best.where}" if study.best.where else "")
 
 
 def run_study(
