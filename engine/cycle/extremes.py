@@ -31,8 +31,9 @@ SEARCH = 11
 # Where no position is chosen.
 NONE = 99.0
 
-# How far a curve may go beyond three neighbours, by what they differ: twice what any parabola does.
-BEYOND = 0.25
+# How far a curve may go beyond three neighbours, by what they differ. Positions lie up to three times farther apart on
+# one side than on the other: a parabola's top may then be 0.55 of the differences above the highest of the three.
+BEYOND = 1.0
 # How far beyond all positions, as a share of the range of the values in a panel.
 REACH = 0.1
 # The last of Newton's steps, as a share of half the panel: it leaves the square of this.
@@ -129,7 +130,10 @@ def _choose_among(begin: int, end: int, combined: Memory, search: Memory, found:
             j = end - 1 - i
             here = combined[j, lane]
             fall, rise = here - combined[max(j - 1, 0), lane], here - combined[min(j + 1, DEGREE), lane]
-            is_top = (fall >= 0.0) & (rise >= 0.0) & (here + BEYOND * (fall + rise) >= enough)
+            # At an end of the panel the next step on tells how the curve bends.
+            on = abs(combined[1, lane] - combined[2, lane]) if j == 0 else 0.0
+            on = abs(combined[DEGREE - 1, lane] - combined[DEGREE - 2, lane]) if j == DEGREE else on
+            is_top = (fall >= 0.0) & (rise >= 0.0) & (here + BEYOND * (fall + rise + on) >= enough)
             chosen = float(j) if is_top & (j > previous) else chosen
         search[CHOSEN, lane] = chosen
 
