@@ -57,10 +57,9 @@ WEIGHTS = _of_even @ EVEN
 
 
 def _missed() -> np.ndarray:
-    """How far the rule is off for T_k, k = n + 2, n + 4, … 2n, which look like T_{2n−k} at the positions; by pairs."""
+    """How far the rule is off for T_k, k = n + 2, n + 4, … 2n, which look like T_{2n−k} at the positions."""
     k = np.arange(DEGREE + 2, 2 * DEGREE + 1, 2)
-    return np.abs(2.0 / (1.0 - k**2.0) - 2.0 / (1.0 - (2 * DEGREE - k) ** 2.0)).reshape(-1, 2).sum(axis=1)
+    return np.abs(2.0 / (1.0 - k**2.0) - 2.0 / (1.0 - (2 * DEGREE - k) ** 2.0))
 
 
-# Coefficients beyond the last are taken four at a time.
 MISSED = _missed()

@@ -185,7 +185,7 @@ def improve(search: Memory) -> bool:
         low = x if slope > 0.0 else search[LOW, lane]
         high = search[HIGH, lane] if slope > 0.0 else x
         ahead = x - slope / bend
-        ahead = ahead if (bend < 0.0) & (ahead > low) & (ahead < high) else 0.5 * (low + high)
+        ahead = ahead if (bend < 0.0) & (ahead >= low) & (ahead <= high) else 0.5 * (low + high)
         there = not search[LENGTH, lane] > FOUND
         search[LENGTH, lane] = 0.0 if there else abs(ahead - x)
         search[X, lane] = x if there else ahead
