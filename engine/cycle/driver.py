@@ -379,7 +379,9 @@ def follow(
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures)
-            broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
+            broken |= compare_with_tolerance(
+                tile, figures, c, task.tolerances[c], task.longest[0], scales, walk
+            )
         if not judge(task.longest[0], walk):
             continue
         if broken:

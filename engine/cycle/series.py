@@ -13,15 +13,16 @@ from engine.cycle.compiling import routine, scalar
 from engine.cycle.lanes import LANES, Memory, memory
 
 # Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
-# of that integral lies beyond degree 16; greatest magnitude; whether coefficients don't fall at all (1 or 0).
-SUM, TAIL, MISSING, MAGNITUDE, NOISE = range(5)
+# of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).
+SUM, TAIL, MISSING, MAGNITUDE, FLAT = range(5)
 FIGURES = 5
 of_figures = memory(FIGURES, LANES)
 
 # Share by which each coefficient is taken to fall at least.
 SLOWEST = 0.85
-# Last coefficients this share of half the range of the values or more are rounding: those of a jump are a third of it.
-NOISY = 0.15
+# The last coefficients are level where they are no less than this share of those eight degrees before: those of a kink are
+# a fifth of them, those of a jump two fifths.
+LEVEL = 0.5
 # By how much what is left may exceed what the fall makes of it, of random curves, in one case of a thousand.
 MARGIN = 3.0
 TINY = 1e-300
@@ -41,10 +42,10 @@ def smaller(a: float, b: float) -> float:
 
 @scalar
 def _even(tile: Memory, curve: int, i: int, lane: int) -> float:
-    """Coefficient 2i of a curve's series."""
-    total = EVEN[i, MIDDLE] * tile[curve, MIDDLE, lane]
+    """Coefficient 2i of a curve's series, i > 0; the value in the middle is taken out as a constant."""
+    total, middle = 0.0, tile[curve, MIDDLE, lane]
     for j in range(MIDDLE):
-        total += EVEN[i, j] * (tile[curve, j, lane] + tile[curve, DEGREE - j, lane])
+        total += EVEN[i, j] * ((tile[curve, j, lane] - middle) + (tile[curve, DEGREE - j, lane] - middle))
     return total
 
 
@@ -69,10 +70,10 @@ def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
         Receives them in the curve's rows.
     """
     for lane in range(LANES):
-        total = WEIGHTS[MIDDLE] * tile[curve, MIDDLE, lane]
-        low = high = tile[curve, MIDDLE, lane]
+        middle = tile[curve, MIDDLE, lane]
+        total, low, high = 0.0, middle, middle
         for j in range(MIDDLE):
-            total += WEIGHTS[j] * (tile[curve, j, lane] + tile[curve, DEGREE - j, lane])
+            total += WEIGHTS[j] * ((tile[curve, j, lane] - middle) + (tile[curve, DEGREE - j, lane] - middle))
             low = smaller(smaller(tile[curve, j, lane], tile[curve, DEGREE - j, lane]), low)
             high = larger(larger(tile[curve, j, lane], tile[curve, DEGREE - j, lane]), high)
         # Of degree 6 to 8 and 13 to 16.
@@ -88,8 +89,8 @@ def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
         missing = 0.0
         for i in range(MISSED.shape[0]):
             missing = square * (MISSED[MISSED.shape[0] - 1 - i] + missing)
-        figures[curve, SUM, lane] = total
+        figures[curve, SUM, lane] = middle + middle + total
         figures[curve, TAIL, lane] = MARGIN * level * fall / (1.0 - fall)
         figures[curve, MISSING, lane] = MARGIN * level * missing
         figures[curve, MAGNITUDE, lane] = larger(abs(low), abs(high))
-        figures[curve, NOISE, lane] = 1.0 if last > NOISY * 0.5 * (high - low) else 0.0
+        figures[curve, FLAT, lane] = 1.0 if last >= LEVEL * before else 0.0
