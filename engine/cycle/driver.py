@@ -379,9 +379,7 @@ def follow(
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures)
-            broken |= compare_with_tolerance(
-                tile, figures, c, task.tolerances[c], task.longest[0], scales, walk
-            )
+            broken |= compare_with_tolerance(tile, figures, c, task.tolerances[c], task.longest[0], scales, walk)
         if not judge(task.longest[0], walk):
             continue
         if broken:

@@ -80,7 +80,14 @@ def test_powers_follow_their_derivative(exponent):
 
 def test_what_is_not_known_stays_unknown():
     unknown = Measured([math.nan, 1.0], [0.0, 0.1])
-    for result in (unknown + 1.0, 2.0 * unknown, 1.0 / unknown, sqrt(unknown), abs(unknown), maximum(unknown, measured(0.0))):
+    for result in (
+        unknown + 1.0,
+        2.0 * unknown,
+        1.0 / unknown,
+        sqrt(unknown),
+        abs(unknown),
+        maximum(unknown, measured(0.0)),
+    ):
         assert np.isnan(result.value[0])
         assert np.isnan(result.error[0])
         assert np.isfinite(result.value[1])

@@ -113,7 +113,9 @@ def test_values_and_zeros_against_closed_forms(curves):
     found = smooth(values=((0, 5), (1, 5)), zeros=(2,), tolerance=1e-12).evaluate(numbers)
     x = numbers[5] - phase
     assert np.mean(np.abs(found.values.value[0] - 1.0 / (1.0 + 0.4 * np.cos(x))) <= found.values.error[0]) > 0.999
-    assert np.mean(np.abs(found.values.value[1] - np.sqrt(1.0 - 0.16 * np.sin(x) ** 2)) <= found.values.error[1]) > 0.999
+    assert (
+        np.mean(np.abs(found.values.value[1] - np.sqrt(1.0 - 0.16 * np.sin(x) ** 2)) <= found.values.error[1]) > 0.999
+    )
     assert np.all(found.zero_counts == 2)
     exact = np.sort(np.remainder(np.array([phase + 0.5 * math.pi, phase - 0.5 * math.pi]), TURN), axis=0)
     assert np.mean(np.abs(found.zeros.value[0, :2] - exact) <= found.zeros.error[0, :2] + 4e-16) > 0.999
