@@ -29,7 +29,6 @@ from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
 from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels import (
     ACCEPTED,
-    ACTIVE,
     EDGES,
     TAKEN,
     WALK,
@@ -150,15 +149,6 @@ class Answers(NamedTuple):
     panels: np.ndarray
     broken_at: np.ndarray
     short_of_room: np.ndarray
-
-
-@routine
-def any_active(walk: Memory) -> bool:
-    """Whether any lane is still on its way."""
-    going = False
-    for lane in range(LANES):
-        going |= walk[ACTIVE, lane] > 0.0
-    return going
 
 
 @routine
@@ -372,7 +362,10 @@ def follow(
     record: Record,
     work: Workspace,
 ) -> int:
-    """Walk over each lane's range, add up what is to be integrated and keep what is to be kept; returns the steps kept."""
+    """Walk over each lane's range, add up what is to be integrated keep what is asked to be kept; returns the steps kept.
+
+    One more than there is room for where there isn't enough.
+    """
     count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
     block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
     cos_q, sin_q = in_lanes(work.place[1]), in_lanes(work.place[2])
@@ -386,7 +379,7 @@ def follow(
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures)
-            broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
+            broken |= compare_with_tolerance(tile, figures, c, task.tolerances[c], task.longest[0], scales, walk)
         if not judge(task.longest[0], walk):
             continue
         if broken:
@@ -395,7 +388,7 @@ def follow(
             add_panels(tile, figures, task.integrals[k], walk, integrals, k)
         if kept > 0:
             if step == work.reaches.shape[0]:
-                break
+                return step + 1
             keep_panels(walk, step, record.panels)
             for k in range(kept):
                 keep_curve(tile, task.kept[k], figures, walk, record, k, step)
@@ -465,6 +458,9 @@ def evaluate_blocks(
         steps = follow(
             states, curves, task, tables, edges, cuts, walk, figures, scales, integrals, broken_at, record, work
         )
+        answers.short_of_room[b] = steps > work.reaches.shape[0]
+        if answers.short_of_room[b]:
+            continue
         for k in range(task.works.shape[0]):
             add_work(record, to_integrals, steps, task.works[k], kept + k, sums)
         for f in range(task.landmark_rows.shape[0]):
@@ -501,4 +497,3 @@ def evaluate_blocks(
             hand_out(record.whole[k, FIRST], first, answers.firsts[k])
         hand_out(walk[TAKEN], first, answers.panels)
         hand_out(broken_at, first, answers.broken_at)
-        answers.short_of_room[b] = any_active(walk)

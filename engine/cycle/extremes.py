@@ -19,7 +19,7 @@ from engine.cycle.integrals import ROUNDING
 from engine.cycle.lanes import LANES, Memory
 from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
 from engine.cycle.record import MIDDLE as MIDDLE_ROW
-from engine.cycle.series import larger, smaller
+from engine.cycle.series import TINY, larger, smaller
 
 # Rows of an extreme: its value, its place, what they may be off by, b − b₀ there.
 VALUE, VALUE_ERROR, AT, AT_ERROR, OTHER = range(5)
@@ -39,6 +39,8 @@ REACH = 0.1
 # The last of Newton's steps, as a share of half the panel: it leaves the square of this.
 FOUND = 1e-6
 MOST_TOPS, MOST_STEPS = 4, 30
+# Rounding of values tells on slopes as 1/√(1 − x²), but at the ends of a panel.
+STEEPEST = 0.05
 
 
 class Search(NamedTuple):
@@ -189,7 +191,7 @@ def improve(search: Memory) -> bool:
         low = x if slope > 0.0 else search[LOW, lane]
         high = search[HIGH, lane] if slope > 0.0 else x
         ahead = x - slope / bend
-        ahead = ahead if (bend < 0.0) & (ahead > low) & (ahead < high) else 0.5 * (low + high)
+        ahead = ahead if (bend < 0.0) & (ahead >= low) & (ahead <= high) else 0.5 * (low + high)
         there = not search[LENGTH, lane] > FOUND
         search[LENGTH, lane] = 0.0 if there else abs(ahead - x)
         search[X, lane] = x if there else ahead
@@ -242,9 +244,9 @@ def compare(
         offset = whole[a, OFFSET, lane] + weight * whole[b, OFFSET, lane]
         sample, top, x = search[SAMPLE, lane], search[TOP, lane], search[X, lane]
         half, middle = panels[step, HALF, lane], panels[step, MIDDLE_ROW, lane]
-        between = top > sample
-        value = top if between else sample
-        x = x if between else search[PLACE, lane]
+        # What rises above the position by no more than rounding isn't known to be higher.
+        value = top if top > sample + noise else sample
+        x = x if top > sample - noise else search[PLACE, lane]
         place = middle + half * x
         # Between the positions the series is off by 2 |sin 16θ sin mθ| times coefficient 16 + m, where x = cos θ.
         cosine = 2.0 * x * x - 1.0
@@ -254,7 +256,8 @@ def compare(
         sine = math.sqrt(larger(1.0 - cosine * cosine, 0.0))
         value_error = noise + offset + 2.0 * tail * sine
         inside = abs(x) < 1.0
-        aside = (2.0 * DEGREE * tail + 2.0 * noise) / larger(-search[BEND, lane], 1e-300)
+        across = larger(math.sqrt(larger(1.0 - x * x, 0.0)), STEEPEST)
+        aside = (2.0 * DEGREE * tail + 8.0 * noise / across) / larger(-search[BEND, lane], TINY)
         place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if inside else 0.0)
         # Of two that may be the same, either may be the extreme.
         before, at_before = found[VALUE, lane], found[AT, lane]

@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.cycle.chebyshev import DEGREE, PLACES
 from engine.cycle.compiling import routine
-from engine.cycle.extremes import HIGH, LENGTH, LOW, SLOPE, TOP, Search, X, evaluate, value_of_series
+from engine.cycle.extremes import HIGH, LENGTH, LOW, SLOPE, TOP, Search, X, evaluate
 from engine.cycle.integrals import ROUNDING
 from engine.cycle.lanes import LANES, Memory, memory
 from engine.cycle.record import HALF, MIDDLE, OFFSET, SCALE, TAIL, Record, known_slot
@@ -40,7 +40,7 @@ def value_at(
     result : rows (2, LANES)
         Receives value and error; NaN where the place is outside of the range.
     """
-    search, values, panels = work.search, work.other, record.panels
+    search, panels = work.search, record.panels
     for lane in range(LANES):
         result[FOUND, lane] = result[ERROR, lane] = math.nan
     for step in range(steps):
@@ -53,11 +53,13 @@ def value_at(
         if not inside:
             continue
         slot = known_slot(record, matrix, curve, step)
-        value_of_series(record.coefficients, slot, search, values)
+        evaluate(record.coefficients[slot], search)
         for lane in range(LANES):
             here = abs(search[X, lane]) <= 1.0
-            noise = ROUNDING * record.whole[curve, SCALE, lane] + record.whole[curve, OFFSET, lane]
-            result[FOUND, lane] = values[lane] if here else result[FOUND, lane]
+            # Rounding of values and of the place.
+            moved = abs(at[lane] * search[SLOPE, lane] / panels[step, HALF, lane])
+            noise = ROUNDING * (record.whole[curve, SCALE, lane] + moved) + record.whole[curve, OFFSET, lane]
+            result[FOUND, lane] = search[TOP, lane] if here else result[FOUND, lane]
             off = 2.0 * record.errors[slot, TAIL, lane] + noise
             result[ERROR, lane] = off if here else result[ERROR, lane]
 
