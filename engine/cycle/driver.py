@@ -23,7 +23,7 @@ from engine.cycle.events import (
     of_landmarks,
     scan_positions,
 )
-from engine.cycle.extremes import EXTREME, SEARCH, Search, find_extreme
+from engine.cycle.extremes import CANDIDATE, EXTREME, SEARCH, Search, find_extreme, of_candidates
 from engine.cycle.fluctuation import FLUCTUATION, RESULTS, find_fluctuation
 from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
 from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, in_panels, lane_of, rows, tiles
@@ -214,9 +214,9 @@ class Workspace(NamedTuple):
     sums : ndarray (WORK_ROWS, LANES)
     marks : ndarray (5, LANES)
         Zeros; first position where a curve isn't finite; three rows used meanwhile.
-    combined : ndarray (2, POSITIONS, LANES)
-    reaches : ndarray (steps, LANES)
-    search : ndarray (SEARCH + 1, LANES)
+    series : ndarray (2, POSITIONS, LANES)
+    candidates : ndarray (steps, CANDIDATE, LANES)
+    search : ndarray (SEARCH, LANES)
     found : ndarray (2 EXTREME, LANES)
     result : ndarray (FLUCTUATION, LANES)
     zeros : ndarray (most, 2, LANES)
@@ -244,8 +244,8 @@ class Workspace(NamedTuple):
     edges: np.ndarray
     sums: np.ndarray
     marks: np.ndarray
-    combined: np.ndarray
-    reaches: np.ndarray
+    series: np.ndarray
+    candidates: np.ndarray
     search: np.ndarray
     found: np.ndarray
     result: np.ndarray
@@ -279,8 +279,8 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(WORK_ROWS, aside=ASIDE),
         rows(5, aside=ASIDE),
         tiles(2),
-        rows(steps, aside=ASIDE),
-        rows(SEARCH + 1, aside=ASIDE),
+        rows(steps, CANDIDATE, aside=ASIDE),
+        rows(SEARCH, aside=ASIDE),
         rows(2 * EXTREME, aside=ASIDE),
         rows(FLUCTUATION, aside=ASIDE),
         rows(MOST_ZEROS, 2, aside=ASIDE),
@@ -340,7 +340,6 @@ def cut(
             crossings,
             marks,
             counts,
-            spare,
         )
     solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, crossed, crossings)
     return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
@@ -387,7 +386,7 @@ def follow(
         for k in range(task.integrals.shape[0]):
             add_panels(tile, figures, task.integrals[k], walk, integrals, k)
         if kept > 0:
-            if step == work.reaches.shape[0]:
+            if step == work.candidates.shape[0]:
                 return step + 1
             keep_panels(walk, step, record.panels)
             for k in range(kept):
@@ -442,8 +441,8 @@ def evaluate_blocks(
     integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
     marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
     zeros, landmarks, record = of_zeros(work.zeros), of_landmarks(work.landmarks), record_in(work.room)
-    combined, others = in_panels(work.combined), in_lanes(work.search)
-    search = Search(combined[0], combined[1], in_lanes(work.reaches), others, others[SEARCH])
+    series = in_panels(work.series)
+    search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
     high, low, none, broken_at, counts = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
     for i in range(begin, end):
         b = blocks[i]
@@ -458,7 +457,7 @@ def evaluate_blocks(
         steps = follow(
             states, curves, task, tables, edges, cuts, walk, figures, scales, integrals, broken_at, record, work
         )
-        answers.short_of_room[b] = steps > work.reaches.shape[0]
+        answers.short_of_room[b] = steps > work.candidates.shape[0]
         if answers.short_of_room[b]:
             continue
         for k in range(task.works.shape[0]):

@@ -31,7 +31,7 @@ RESULTS = 8
 
 # Greatest δ: the machine stops at its slowest.
 MOST = 2.0
-FOUND = 1e-9
+FOUND = 1e-6
 MOST_STEPS = 40
 
 
@@ -66,7 +66,8 @@ def _improve(
         there = not result[STEP, lane] > 0.0
         step = abs(ahead - delta)
         result[STEP, lane] = 0.0 if there else (step if step > FOUND * ahead else -1.0)
-        off = (high[VALUE_ERROR, lane] + low[VALUE_ERROR, lane]) / fall
+        # The last step leaves its square.
+        off = (high[VALUE_ERROR, lane] + low[VALUE_ERROR, lane]) / fall + step * step
         result[DELTA, lane] = delta if there else ahead
         result[DELTA_ERROR, lane] = result[DELTA_ERROR, lane] if there else off
         result[SLOWEST_AT, lane] = result[SLOWEST_AT, lane] if there else low[AT, lane]
