@@ -11,7 +11,6 @@ from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
 from engine.compiling.jit import set_threads
 
-
 # The same examples in every run of CI; others on every developer's machine.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):

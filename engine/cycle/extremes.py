@@ -3,10 +3,10 @@
 Looked for is the greatest value of s (a − c (b − b₀)), s = ±1, of two kept curves a and b with a factor c of each
 lane's own; b₀ is the value of b at the first position. Of a single curve, c = 0.
 
-In each panel, the position that its neighbours don't exceed and beside which the curve may reach farthest is a candidate.
-Of its candidates each lane takes the one that may reach farthest, finds the top of the polynomial there by Newton's
-method, kept between the neighbours, and goes on with the next for as long as that may reach beyond what it has found.
-Panels include their ends, so a curve that jumps from one to the next has its extremes on either side.
+In each panel, the position that its neighbours don't exceed and beside which the curve may reach farthest is a
+candidate. Of its candidates each lane takes the one that may reach farthest, finds the top of the polynomial there by
+Newton's method, kept between the neighbours, and goes on with the next for as long as that may reach beyond what it
+has found. Panels include their ends, so a curve that jumps from one to the next has its extremes on either side.
 """
 
 import math
@@ -32,8 +32,8 @@ of_candidates = memory(CANDIDATE, LANES)
 # Rows of a search: greatest value at any position, NaN if one isn't finite; the candidate taken, with its STEP, its
 # position, HALF and MIDDLE of its panel, what lies beyond the series there.
 BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
-# The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the top;
-# value, slope and bend at X.
+# The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
+# top; value, slope and bend at X.
 LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND = range(7, 17)
 SEARCH = 17
 # Of no candidate.
@@ -68,9 +68,7 @@ class Search(NamedTuple):
 
 
 @scalar
-def combined(
-    values: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, j: int, lane: int
-) -> float:
+def combined(values: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, j: int, lane: int) -> float:
     """Value of s (a − c (b − b₀)) at a position, from the slots of a and b."""
     return sign * (values[a, j, lane] - factor[lane] * (values[b, j, lane] - base[lane]))
 
