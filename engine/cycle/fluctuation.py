@@ -1,8 +1,8 @@
 """The coefficient of speed fluctuation δ of the steady cycle with a given flywheel.
 
 Let W be the work about the mean since the first position, I the machine's inertia and I_F that of the flywheel, both
-reduced to the input link. The kinetic energy ½ω² (I + I_F) changes by W. With ω_max,min = ω_m (1 ± δ/2), the energy both
-at the greatest and that at the least speed differ from the first one's by extremes of W − ½ω² I at fixed ω:
+reduced to the input link. The kinetic energy ½ω² (I + I_F) changes by W. With ω_max,min = ω_m (1 ± δ/2), the energy
+both at the greatest and that at the least speed differ from the first one's by extremes of W − ½ω² I at fixed ω:
 
     h(δ) = max[W − ½ω_max² (I − I_1)] − min[W − ½ω_min² (I − I_1)] − δ ω_m² (I_1 + I_F) = 0,
 
