@@ -220,7 +220,9 @@ share of figures that fall short by more than {slight:g} of the quantity, and th
 
 The truth comes from closed formulas in extended precision (80 bits) by another method; what it leaves open itself is
 taken off the errors. The last two coefficients of its series are at most {tail:.0e} of the greatest (near dead centres
-{near_tail:.0e}). Errors are relative to the peak of the field, for statistics of fields; to the value, for others.
+{near_tail:.0e}); the root of a magnitude with a sharp dip it resolves
+less well: the greatest shortfall of a mean is probably its own.
+Errors are relative to the peak of the field, for statistics of fields; to the value, for others.
 {failed}Made by `python results/accuracy/calibration.py`, in {minutes:.0f} minutes of processor time; {system}.
 
 ![figures against errors](calibration.png)
