@@ -302,7 +302,9 @@ class Machine:
         self._kept.fill(functions, table, self._positions_of(table), room)
         for name, values in zip(self._fields, room, strict=True):
             outcome.fields[name][keep] = values
-        return ~np.isfinite(room.sum(axis=(0, 2)))
+        # Infinities of both signs have no sum.
+        with np.errstate(invalid="ignore"):
+            return ~np.isfinite(room.sum(axis=(0, 2)))
 
     def _positions_of(self, table: np.ndarray) -> np.ndarray:
         """Input positions of the fields, (positions,), or (positions, variants) where the range varies."""
