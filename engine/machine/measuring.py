@@ -92,9 +92,8 @@ class Measuring:
     def _taking_part(self, nodes: Iterable[Node]) -> tuple[str, ...]:
         """Groups on whose position some nodes depend."""
         behind = set(reached(nodes))
-        sines = self.mechanics.kinematics.sines
-        # The law that gives the quality of transmission gives the group's position too.
-        return tuple(g for g, sine in sines.items() if sine in behind or behind.intersection(sine.operands))
+        kinematics = self.mechanics.kinematics
+        return tuple(g for g in kinematics.sines if behind.intersection(kinematics.solution(g)))
 
     def _margins(self, nodes: Iterable[Node]) -> dict[str, Node]:
         """Margins against jamming of the groups on whose friction some nodes depend."""
