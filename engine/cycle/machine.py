@@ -57,9 +57,7 @@ _LEAST_SIDE, _GREATEST_SIDE = range(2)
 
 
 @curves_function
-def absent(
-    P: np.ndarray, T: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray, tile: np.ndarray
-) -> None:
+def absent(P: np.ndarray, T: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray, tile: np.ndarray) -> None:
     """A machine's function of no curves."""
 
 

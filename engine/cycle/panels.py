@@ -34,6 +34,9 @@ of_edges = memory(EDGES, LANES)
 
 # A panel is made this much shorter, of its length, or longer than the one before, at most.
 SHORTER, LONGER = 0.25, 1.5
+# Coefficients that don't fall are taken for rounding in panels no longer than this share of the range, or where what is
+# left is no more than this share of the greatest magnitude.
+RESOLVING, FAINT = 0.06, 1e-12
 # Share of the tolerance that a panel's length is chosen for.
 AIM = 0.2
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on from edge to edge.

@@ -294,6 +294,9 @@ class Machine:
         if self._fields:
             undefined |= self._keep(outcome, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
+        failed = keep[outcome.status[keep] != Verdict.OK]
+        for name in self._summaries:
+            outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
 
