@@ -37,9 +37,11 @@ SHORTER, LONGER = 0.25, 1.5
 # Coefficients that don't fall are taken for rounding in panels no longer than this share of the range, or where what is
 # left is no more than this share of the greatest magnitude.
 RESOLVING, FAINT = 0.06, 1e-12
+# Length of the panels of a lane that has taken as many as it may, as a share of the range.
+LAST_ONES = 0.1
 # Share of the tolerance that a panel's length is chosen for.
 AIM = 0.2
-# Least length of a panel as a share of the range, and most panels a lane takes before it goes on from edge to edge.
+# Least length of a panel as a share of the range, and most panels a lane takes before it goes on in long ones.
 FLOOR, MOST = 1e-7, 200
 # Coefficients that are level are taken for rounding in panels no longer than this share of the longest, which a wave
 # would have been resolved by, where what is left is this small a share of the greatest magnitude, or where the curve
@@ -95,8 +97,10 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
     going = False
     for lane in range(LANES):
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
-        pieces = math.ceil((edge - begin) / walk[WANTED, lane] * (1.0 - 1e-9))
-        at_once = (pieces <= 1.0) | (walk[TAKEN, lane] >= MOST)
+        # A lane that has taken as many as it may goes on in a few long ones.
+        wanted = walk[WANTED, lane] if walk[TAKEN, lane] < MOST else LAST_ONES * walk[RANGE, lane]
+        pieces = math.ceil((edge - begin) / wanted * (1.0 - 1e-9))
+        at_once = pieces <= 1.0
         end = edge if at_once else begin + (edge - begin) / pieces
         direction = walk[DIRECTION, lane]
         walk[END, lane] = end if active else walk[END, lane]
