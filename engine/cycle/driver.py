@@ -114,25 +114,25 @@ class Answers(NamedTuple):
 
     Attributes
     ----------
-    integrals : ndarray (integrals, 2, variants)
+    integrals : ndarray (integrals × 2, variants)
         Value and error.
-    extremes : ndarray (extremes, 2, 4, variants)
+    extremes : ndarray (extremes × 2 × 4, variants)
         Of the least and the greatest value: value, its error, place, its error.
-    fluctuations : ndarray (fluctuations, RESULTS, variants)
+    fluctuations : ndarray (fluctuations × RESULTS, variants)
         As of `engine.cycle.fluctuation`.
-    values : ndarray (values, 2, variants)
+    values : ndarray (values × 2, variants)
         Value and error.
-    zeros : ndarray (curves, most, 2, variants)
+    zeros : ndarray (curves × most × 2, variants)
         Places and errors, then NaN.
     zero_counts : ndarray (curves, variants)
         How many zeros there are.
-    landmarks : ndarray (functions, LANDMARKS, variants)
+    landmarks : ndarray (functions × LANDMARKS, variants)
         As of `engine.cycle.events`.
     firsts : ndarray (kept, variants)
         First values of the kept curves.
-    panels : ndarray (variants,)
+    panels : ndarray (1, variants)
         How many panels were taken.
-    broken_at : ndarray (variants,)
+    broken_at : ndarray (1, variants)
         First position where a curve isn't finite; NaN where there is none.
     short_of_room : ndarray (blocks,) of bool
         Whether a block would have needed a longer record.
@@ -154,17 +154,20 @@ class Answers(NamedTuple):
 @routine
 def gather(numbers: np.ndarray, begin: int, block: Memory) -> None:
     """Numbers of a block of variants; lanes beyond the last variant repeat it."""
-    last = numbers.shape[1] - 1
+    whole = min(LANES, numbers.shape[1] - begin)
     for i in range(numbers.shape[0]):
-        for lane in range(LANES):
-            block[i, lane] = numbers[i, min(begin + lane, last)]
+        for lane in range(whole):
+            block[i, lane] = numbers[i, begin + lane]
+        for lane in range(whole, LANES):
+            block[i, lane] = block[i, whole - 1]
 
 
 @routine
-def hand_out(block: Memory, begin: int, answers: np.ndarray) -> None:
-    """Write a row of a block to its variants."""
-    for lane in range(min(LANES, answers.shape[0] - begin)):
-        answers[begin + lane] = block[lane]
+def hand_out(count: int, block: Memory, begin: int, row: int, answers: np.ndarray) -> None:
+    """Write rows of a block to their variants, to rows of the answers from `row` on."""
+    for i in range(count):
+        for lane in range(min(LANES, answers.shape[1] - begin)):
+            answers[row + i, begin + lane] = block[i, lane]
 
 
 @routine
@@ -440,7 +443,8 @@ def evaluate_blocks(
     )
     integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
     marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
-    zeros, landmarks, record = of_zeros(work.zeros), of_landmarks(work.landmarks), record_in(work.room)
+    zeros, all_zeros, landmarks = of_zeros(work.zeros), in_lanes(work.zeros), of_landmarks(work.landmarks)
+    record = record_in(work.room)
     series = in_panels(work.series)
     search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
     high, low, none, broken_at, counts = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
@@ -463,36 +467,29 @@ def evaluate_blocks(
         for k in range(task.works.shape[0]):
             add_work(record, to_integrals, steps, task.works[k], kept + k, sums)
         for f in range(task.landmark_rows.shape[0]):
-            for part in range(LANDMARKS):
-                hand_out(landmarks[f, part], first, answers.landmarks[f, part])
+            hand_out(LANDMARKS, landmarks[f], first, f * LANDMARKS, answers.landmarks)
         for k in range(integrated):
-            for part in range(2):
-                hand_out(integrals[k, part], first, answers.integrals[k, part])
+            hand_out(2, integrals[k], first, 2 * k, answers.integrals)
         for k in range(task.extremes.shape[0]):
             x, y, row = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2]
             for side in range(2):
                 factor = block[row] if row >= 0 else none
                 find_extreme(record, to_coefficients, steps, x, y, factor, 2.0 * side - 1.0, search, found)
-                for part in range(4):
-                    hand_out(found[part], first, answers.extremes[k, side, part])
+                hand_out(4, found, first, 4 * (2 * k + side), answers.extremes)
         for k in range(task.fluctuations.shape[0]):
             x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]
             speed, wheel = block[task.fluctuations[k, 2]], block[task.fluctuations[k, 3]]
             find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, high, low, result)
-            for part in range(RESULTS):
-                hand_out(result[part], first, answers.fluctuations[k, part])
+            hand_out(RESULTS, result, first, RESULTS * k, answers.fluctuations)
         for k in range(task.values.shape[0]):
             x, row = task.values[k, 0], task.values[k, 1]
             value_at(record, to_coefficients, steps, x, block[row], search, result)
-            for part in range(2):
-                hand_out(result[part], first, answers.values[k, part])
+            hand_out(2, result, first, 2 * k, answers.values)
         for k in range(task.zeros.shape[0]):
             zeros_of(record, to_coefficients, steps, task.zeros[k], search, counts, MOST_ZEROS, zeros)
-            for z in range(MOST_ZEROS):
-                for part in range(2):
-                    hand_out(zeros[z, part], first, answers.zeros[k, z, part])
-            hand_out(counts, first, answers.zero_counts[k])
+            hand_out(2 * MOST_ZEROS, all_zeros, first, 2 * MOST_ZEROS * k, answers.zeros)
+            hand_out(1, in_lanes(work.marks[2:]), first, k, answers.zero_counts)
         for k in range(kept):
-            hand_out(record.whole[k, FIRST], first, answers.firsts[k])
-        hand_out(walk[TAKEN], first, answers.panels)
-        hand_out(broken_at, first, answers.broken_at)
+            hand_out(1, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
+        hand_out(1, in_lanes(work.walk[TAKEN:]), first, 0, answers.panels)
+        hand_out(1, in_lanes(work.marks[1:]), first, 0, answers.broken_at)

@@ -29,8 +29,7 @@ EXTREME = 5
 REACH, POSITION, NEXT_REACH = range(3)
 CANDIDATE = 3
 of_candidates = memory(CANDIDATE, LANES)
-# Rows of a search: greatest value at any position, NaN if one isn't finite; the candidate taken, with its STEP, its
-# position, HALF and MIDDLE of its panel, what lies beyond the series there.
+# Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of its panel, what lies beyond the series there.
 BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
 # The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the top;
 # value, slope and bend at X.
@@ -66,11 +65,9 @@ class Search(NamedTuple):
 
 
 @scalar
-def combined(
-    values: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, j: int, lane: int
-) -> float:
-    """Value of s (a − c (b − b₀)) at a position, from the slots of a and b."""
-    return sign * (values[a, j, lane] - factor[lane] * (values[b, j, lane] - base[lane]))
+def combined(values: Memory, a: int, b: int, factor: float, sign: float, j: int, lane: int) -> float:
+    """Value of s (a − c b) at a position, from the slots of a and b."""
+    return sign * values[a, j, lane] - (sign * factor) * values[b, j, lane]
 
 
 @routine
@@ -88,33 +85,28 @@ def scan(
 ) -> None:
     """Candidates in the panels of a step; widen the greatest value by those there."""
     for lane in range(LANES):
-        best, reach, next_reach, position, total = -math.inf, -math.inf, -math.inf, NONE, 0.0
-        before = here = combined(values, a, b, factor, base, sign, 0, lane)
+        best, reach, next_reach, position = -math.inf, -math.inf, -math.inf, NONE
+        here, fall = combined(values, a, b, factor[lane], sign, 0, lane), 0.0
         # In two, each short enough to be unrolled.
         for j in range(MIDDLE):
-            after = combined(values, a, b, factor, base, sign, j + 1, lane)
-            fall, rise = here - before, here - after
+            after = combined(values, a, b, factor[lane], sign, j + 1, lane)
+            rise = here - after
             mine = here + BEYOND * (fall + rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
-            best, reach, total = larger(here, best), larger(mine, reach), total + here
-            before, here = here, after
+            best, reach, here, fall = larger(here, best), larger(mine, reach), after, -rise
         for j in range(MIDDLE, POSITIONS):
-            after = combined(values, a, b, factor, base, sign, min(j + 1, DEGREE), lane)
-            fall, rise = here - before, here - after
+            after = combined(values, a, b, factor[lane], sign, min(j + 1, DEGREE), lane)
+            rise = here - after
             mine = here + BEYOND * (fall + rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
-            best, reach, total = larger(here, best), larger(mine, reach), total + here
-            before, here = here, after
-        taken = panels[step, HALF, lane] != 0.0
-        candidates[step, REACH, lane] = reach if taken else -math.inf
-        candidates[step, NEXT_REACH, lane] = next_reach if taken else -math.inf
+            best, reach, here, fall = larger(here, best), larger(mine, reach), after, -rise
+        taken, shift = panels[step, HALF, lane] != 0.0, sign * factor[lane] * base[lane]
+        candidates[step, REACH, lane] = reach + shift if taken else -math.inf
+        candidates[step, NEXT_REACH, lane] = next_reach + shift if taken else -math.inf
         candidates[step, POSITION, lane] = position
-        # NaN is there to stay.
-        broken = taken & (not abs(total) < math.inf)
-        best = larger(best, search[BEST, lane]) if taken else search[BEST, lane]
-        search[BEST, lane] = math.nan if broken | (search[BEST, lane] != search[BEST, lane]) else best
+        search[BEST, lane] = larger(best + shift, search[BEST, lane]) if taken else search[BEST, lane]
 
 
 @routine
@@ -129,7 +121,7 @@ def take(steps: int, candidates: Memory, search: Memory, found: Memory) -> bool:
             search[STEP, lane] = float(step) if farther else search[STEP, lane]
     taken = False
     for lane in range(LANES):
-        enough = search[TAKEN, lane] >= larger(search[BEST, lane], found[VALUE, lane])
+        enough = (search[TAKEN, lane] >= search[BEST, lane]) & (search[TAKEN, lane] > found[VALUE, lane])
         search[STEP, lane] = search[STEP, lane] if enough else NONE
         taken |= enough
     return taken
@@ -141,23 +133,29 @@ def leave_next(
     a: int,
     b: int,
     factor: Memory,
-    base: Memory,
     sign: float,
     step: int,
-    lane: int,
     candidates: Memory,
+    search: Memory,
 ) -> None:
-    """After a panel's best candidate the next best is its best; there is none after that."""
-    reach, position, done = -math.inf, NONE, int(candidates[step, POSITION, lane])
-    for j in range(POSITIONS):
-        here = combined(values, a, b, factor, base, sign, j, lane)
-        fall = here - combined(values, a, b, factor, base, sign, max(j - 1, 0), lane)
-        rise = here - combined(values, a, b, factor, base, sign, min(j + 1, DEGREE), lane)
-        mine = here + BEYOND * (fall + rise)
-        if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
-            reach, position = mine, float(j)
-    candidates[step, REACH, lane], candidates[step, NEXT_REACH, lane] = candidates[step, NEXT_REACH, lane], -math.inf
-    candidates[step, POSITION, lane] = position
+    """Where a panel's best candidate was taken, the next best becomes its best if it may reach far enough.
+
+    There is none after that.
+    """
+    for lane in range(LANES):
+        if search[STEP, lane] != float(step) or candidates[step, NEXT_REACH, lane] <= search[BEST, lane]:
+            continue
+        reach, position, done = -math.inf, NONE, int(search[AT_POSITION, lane])
+        for j in range(POSITIONS):
+            here = combined(values, a, b, factor[lane], sign, j, lane)
+            fall = here - combined(values, a, b, factor[lane], sign, max(j - 1, 0), lane)
+            rise = here - combined(values, a, b, factor[lane], sign, min(j + 1, DEGREE), lane)
+            mine = here + BEYOND * (fall + rise)
+            if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
+                reach, position = mine, float(j)
+        candidates[step, REACH, lane] = candidates[step, NEXT_REACH, lane]
+        candidates[step, NEXT_REACH, lane] = -math.inf
+        candidates[step, POSITION, lane] = position
 
 
 @routine
@@ -170,9 +168,16 @@ def fetch(
     base: Memory,
     sign: float,
     work: Search,
-) -> None:
-    """Copy what is known of a step's panels for the lanes whose candidate is there."""
+) -> bool:
+    """Copy what is known of a step's panels for the lanes whose candidate is there, and cross this off.
+
+    Returns
+    -------
+    bool
+        Whether there are other candidates in any of these panels.
+    """
     search, series, other, coefficients = work.rows, work.series, work.other_series, record.coefficients
+    candidates, others = work.candidates, False
     for k in range(POSITIONS):
         for lane in range(LANES):
             mine = search[STEP, lane] == float(step)
@@ -186,8 +191,11 @@ def fetch(
         search[BEYOND_SERIES, lane] = tail if mine else search[BEYOND_SERIES, lane]
         search[PANEL_HALF, lane] = record.panels[step, HALF, lane] if mine else search[PANEL_HALF, lane]
         search[PANEL_CENTRE, lane] = record.panels[step, PANEL_MIDDLE, lane] if mine else search[PANEL_CENTRE, lane]
-        position = work.candidates[step, POSITION, lane]
+        position = candidates[step, POSITION, lane]
         search[AT_POSITION, lane] = position if mine else search[AT_POSITION, lane]
+        candidates[step, REACH, lane] = -math.inf if mine else candidates[step, REACH, lane]
+        others |= mine & (candidates[step, NEXT_REACH, lane] > search[BEST, lane])
+    return others
 
 
 @routine
@@ -343,12 +351,8 @@ def find_extreme(
                 mine |= search[STEP, lane] == float(step)
             if mine:
                 slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
-                fetch(record, step, slot_a, slot_b, factor, base, sign, work)
-                for lane in range(LANES):
-                    if search[STEP, lane] == float(step):
-                        candidates[step, REACH, lane] = -math.inf
-                        if candidates[step, NEXT_REACH, lane] >= search[BEST, lane]:
-                            leave_next(record.values, slot_a, slot_b, factor, base, sign, step, lane, candidates)
+                if fetch(record, step, slot_a, slot_b, factor, base, sign, work):
+                    leave_next(record.values, slot_a, slot_b, factor, sign, step, candidates, search)
         climb(work.series, search)
         value_of_series(work.other_series, search, search[HERE])
         compare(record, a, b, factor, search[HERE], search, found)
@@ -356,7 +360,8 @@ def find_extreme(
     for lane in range(LANES):
         beyond = search[TAKEN, lane] - found[VALUE, lane] if left & (search[STEP, lane] >= 0.0) else 0.0
         found[VALUE_ERROR, lane] = larger(found[VALUE_ERROR, lane], beyond)
-        unknown = not abs(found[VALUE, lane] + search[BEST, lane]) < math.inf
+        # Where a value isn't finite, the greatest magnitude isn't.
+        unknown = not abs(found[VALUE, lane]) + record.whole[a, SCALE, lane] + record.whole[b, SCALE, lane] < math.inf
         found[VALUE, lane] = math.nan if unknown else sign * found[VALUE, lane]
         for part in range(VALUE_ERROR, EXTREME):
             found[part, lane] = math.nan if unknown else found[part, lane]

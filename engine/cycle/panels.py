@@ -9,6 +9,8 @@ What a lane does depends on nothing but the lane.
 
 import math
 
+import numpy as np
+
 from engine.cycle.chebyshev import DEGREE
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.lanes import LANES, Memory, memory
@@ -92,7 +94,7 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
     going = False
     for lane in range(LANES):
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
-        pieces = math.ceil((edge - begin) / walk[WANTED, lane] * (1.0 - 1e-9))
+        pieces = np.ceil((edge - begin) / walk[WANTED, lane] * (1.0 - 1e-9))
         at_once = (pieces <= 1.0) | (walk[TAKEN, lane] >= MOST)
         end = edge if at_once else begin + (edge - begin) / pieces
         direction = walk[DIRECTION, lane]
