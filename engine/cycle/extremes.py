@@ -17,7 +17,7 @@ import numpy as np
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory, memory
+from engine.cycle.lanes import LANES, Memory, any_positive, memory
 from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
 from engine.cycle.record import MIDDLE as PANEL_MIDDLE
 from engine.cycle.series import TINY, larger, smaller
@@ -32,9 +32,9 @@ of_candidates = memory(CANDIDATE, LANES)
 # Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of its panel, what lies beyond the series there.
 BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
 # The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the top;
-# value, slope and bend at X.
-LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND = range(7, 17)
-SEARCH = 17
+# value, slope and bend at X; a MARK.
+LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND, MARK = range(7, 18)
+SEARCH = 18
 # Of no candidate.
 NONE = -1.0
 
@@ -119,12 +119,11 @@ def take(steps: int, candidates: Memory, search: Memory, found: Memory) -> bool:
             farther = candidates[step, REACH, lane] > search[TAKEN, lane]
             search[TAKEN, lane] = candidates[step, REACH, lane] if farther else search[TAKEN, lane]
             search[STEP, lane] = float(step) if farther else search[STEP, lane]
-    taken = False
     for lane in range(LANES):
         enough = (search[TAKEN, lane] >= search[BEST, lane]) & (search[TAKEN, lane] > found[VALUE, lane])
         search[STEP, lane] = search[STEP, lane] if enough else NONE
-        taken |= enough
-    return taken
+        search[MARK, lane] = 1.0 if enough else 0.0
+    return any_positive(search[MARK])
 
 
 @routine
@@ -177,25 +176,28 @@ def fetch(
         Whether there are other candidates in any of these panels.
     """
     search, series, other, coefficients = work.rows, work.series, work.other_series, record.coefficients
-    candidates, others = work.candidates, False
+    candidates = work.candidates
     for k in range(POSITIONS):
         for lane in range(LANES):
-            mine = search[STEP, lane] == float(step)
-            value = sign * (coefficients[slot_a, k, lane] - factor[lane] * coefficients[slot_b, k, lane])
-            series[k, lane] = value if mine else series[k, lane]
-            other[k, lane] = coefficients[slot_b, k, lane] if mine else other[k, lane]
+            mine, of_a, of_b = search[STEP, lane] == float(step), coefficients[slot_a, k, lane], coefficients[slot_b, k, lane]
+            series_before, other_before = series[k, lane], other[k, lane]
+            series[k, lane] = sign * (of_a - factor[lane] * of_b) if mine else series_before
+            other[k, lane] = of_b if mine else other_before
     for lane in range(LANES):
         mine = search[STEP, lane] == float(step)
         series[0, lane] += sign * factor[lane] * base[lane] if mine else 0.0
         tail = record.errors[slot_a, TAIL, lane] + abs(factor[lane]) * record.errors[slot_b, TAIL, lane]
-        search[BEYOND_SERIES, lane] = tail if mine else search[BEYOND_SERIES, lane]
-        search[PANEL_HALF, lane] = record.panels[step, HALF, lane] if mine else search[PANEL_HALF, lane]
-        search[PANEL_CENTRE, lane] = record.panels[step, PANEL_MIDDLE, lane] if mine else search[PANEL_CENTRE, lane]
-        position = candidates[step, POSITION, lane]
-        search[AT_POSITION, lane] = position if mine else search[AT_POSITION, lane]
-        candidates[step, REACH, lane] = -math.inf if mine else candidates[step, REACH, lane]
-        others |= mine & (candidates[step, NEXT_REACH, lane] > search[BEST, lane])
-    return others
+        half, middle = record.panels[step, HALF, lane], record.panels[step, PANEL_MIDDLE, lane]
+        position, reach = candidates[step, POSITION, lane], candidates[step, REACH, lane]
+        tail_before, half_before = search[BEYOND_SERIES, lane], search[PANEL_HALF, lane]
+        middle_before, position_before = search[PANEL_CENTRE, lane], search[AT_POSITION, lane]
+        search[BEYOND_SERIES, lane] = tail if mine else tail_before
+        search[PANEL_HALF, lane] = half if mine else half_before
+        search[PANEL_CENTRE, lane] = middle if mine else middle_before
+        search[AT_POSITION, lane] = position if mine else position_before
+        candidates[step, REACH, lane] = -math.inf if mine else reach
+        search[MARK, lane] = 1.0 if mine & (candidates[step, NEXT_REACH, lane] > search[BEST, lane]) else 0.0
+    return any_positive(search[MARK])
 
 
 @routine
@@ -234,21 +236,21 @@ def improve(search: Memory) -> bool:
     bool
         Whether any lane isn't there yet. A lane that is there stays.
     """
-    going = False
     for lane in range(LANES):
         x, slope, bend = search[X, lane], search[SLOPE, lane], search[BEND, lane]
         low = x if slope > 0.0 else search[LOW, lane]
         high = search[HIGH, lane] if slope > 0.0 else x
         ahead = x - slope / bend
         ahead = ahead if (bend < 0.0) & (ahead >= low) & (ahead <= high) else 0.5 * (low + high)
-        there, step = not search[LENGTH, lane] > FOUND, ahead - x
-        search[TOP, lane] = search[TOP, lane] if there else search[HERE, lane] + step * (slope + 0.5 * bend * step)
-        search[TOP_BEND, lane] = search[TOP_BEND, lane] if there else bend
-        search[LENGTH, lane] = search[LENGTH, lane] if there else abs(step)
+        there, step, length = not search[LENGTH, lane] > FOUND, ahead - x, search[LENGTH, lane]
+        top, top_ahead = search[TOP, lane], search[HERE, lane] + step * (slope + 0.5 * bend * step)
+        bend_before = search[TOP_BEND, lane]
+        search[TOP, lane], search[TOP_BEND, lane] = top if there else top_ahead, bend_before if there else bend
+        search[LENGTH, lane] = length if there else abs(step)
         search[X, lane] = x if there else ahead
         search[LOW, lane], search[HIGH, lane] = low, high
-        going |= search[LENGTH, lane] > FOUND
-    return going
+        search[MARK, lane] = 1.0 if search[LENGTH, lane] > FOUND else 0.0
+    return any_positive(search[MARK])
 
 
 @routine
@@ -346,10 +348,9 @@ def find_extreme(
         if not take(steps, candidates, search, found):
             break
         for step in range(steps):
-            mine = False
             for lane in range(LANES):
-                mine |= search[STEP, lane] == float(step)
-            if mine:
+                search[MARK, lane] = 1.0 if search[STEP, lane] == float(step) else 0.0
+            if any_positive(search[MARK]):
                 slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
                 if fetch(record, step, slot_a, slot_b, factor, base, sign, work):
                     leave_next(record.values, slot_a, slot_b, factor, sign, step, candidates, search)

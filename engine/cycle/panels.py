@@ -13,7 +13,7 @@ import numpy as np
 
 from engine.cycle.chebyshev import DEGREE
 from engine.cycle.compiling import routine, scalar
-from engine.cycle.lanes import LANES, Memory, memory
+from engine.cycle.lanes import LANES, Memory, any_positive, memory
 from engine.cycle.series import FLAT as FLAT_FIGURE
 from engine.cycle.series import MAGNITUDE, SUM, TAIL, TINY, larger, smaller
 
@@ -86,24 +86,22 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
         walk[OPENED, lane] = walk[NEXT_OPENED, lane]
     for e in range(count):
         for lane in range(LANES):
-            edge, close = edges[e, PLACE, lane], walk[CLOSE, lane]
-            ahead = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close)
-            nearest = ahead & (edge < walk[EDGE, lane])
-            walk[EDGE, lane] = edge if nearest else walk[EDGE, lane]
-            walk[AHEAD, lane] = edges[e, PLACE_ERROR, lane] if nearest else walk[AHEAD, lane]
-    going = False
+            edge, off, close = edges[e, PLACE, lane], edges[e, PLACE_ERROR, lane], walk[CLOSE, lane]
+            ahead, off_ahead = walk[EDGE, lane], walk[AHEAD, lane]
+            nearer = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close) & (edge < ahead)
+            walk[EDGE, lane], walk[AHEAD, lane] = edge if nearer else ahead, off if nearer else off_ahead
     for lane in range(LANES):
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
         pieces = np.ceil((edge - begin) / walk[WANTED, lane] * (1.0 - 1e-9))
         at_once = (pieces <= 1.0) | (walk[TAKEN, lane] >= MOST)
         end = edge if at_once else begin + (edge - begin) / pieces
-        direction = walk[DIRECTION, lane]
-        walk[END, lane] = end if active else walk[END, lane]
-        walk[MIDDLE, lane] = direction * (0.5 * (begin + end)) if active else walk[MIDDLE, lane]
-        walk[HALF, lane] = direction * (0.5 * (end - begin)) if active else walk[HALF, lane]
+        direction, end_before = walk[DIRECTION, lane], walk[END, lane]
+        middle_before, half_before = walk[MIDDLE, lane], walk[HALF, lane]
+        walk[END, lane] = end if active else end_before
+        walk[MIDDLE, lane] = direction * (0.5 * (begin + end)) if active else middle_before
+        walk[HALF, lane] = direction * (0.5 * (end - begin)) if active else half_before
         walk[EXCESS, lane] = 0.0
-        going |= active
-    return going
+    return any_positive(walk[ACTIVE])
 
 
 @routine
@@ -145,7 +143,7 @@ def compare_with_tolerance(
     bool
         Whether a value in any lane's panel isn't finite.
     """
-    broken = restless = False
+    broken = False
     for lane in range(LANES):
         scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, lane])
         scales[curve, lane] = scale
@@ -154,9 +152,8 @@ def compare_with_tolerance(
         flat = (figures[curve, FLAT_FIGURE, lane] > 0.0) & short & (excess > 1.0)
         walk[NOW, lane] = 0.0 if flat & (excess * tolerance <= SMALL) else excess
         walk[FLAT, lane] = 1.0 if flat else 0.0
-        restless |= flat
         broken |= not abs(figures[curve, SUM, lane]) < math.inf
-    if restless:
+    if any_positive(walk[FLAT]):
         forgive_noise(tile, curve, walk)
     for lane in range(LANES):
         walk[EXCESS, lane] = larger(walk[NOW, lane], walk[EXCESS, lane])
@@ -178,7 +175,6 @@ def judge(longest: float, walk: Memory) -> bool:
     bool
         Whether any lane's panel was accepted.
     """
-    any_accepted = False
     for lane in range(LANES):
         begin, end, excess = walk[BEGIN, lane], walk[END, lane], walk[EXCESS, lane]
         length, active = end - begin, walk[ACTIVE, lane] > 0.0
@@ -197,5 +193,4 @@ def judge(longest: float, walk: Memory) -> bool:
         opened = walk[AHEAD, lane] if end == walk[EDGE, lane] else 0.0
         walk[NEXT_OPENED, lane] = opened if accepted else walk[OPENED, lane]
         walk[ACTIVE, lane] = 1.0 if active & ((not enough) | (end < walk[LAST, lane])) else 0.0
-        any_accepted |= accepted
-    return any_accepted
+    return any_positive(walk[ACCEPTED])
