@@ -448,6 +448,9 @@ def evaluate_blocks(
     series = in_panels(work.series)
     search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
     high, low, none, broken_at, counts = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
+    # Read off arrays, as a function is compiled once more for every number that is known.
+    one, two, most = answers.panels.shape[0], work.zeros.shape[1], work.zeros.shape[0]
+    of_landmark, of_fluctuation = work.landmarks.shape[1], work.result.shape[0] - 3
     for i in range(begin, end):
         b = blocks[i]
         first = b * LANES
@@ -467,29 +470,29 @@ def evaluate_blocks(
         for k in range(task.works.shape[0]):
             add_work(record, to_integrals, steps, task.works[k], kept + k, sums)
         for f in range(task.landmark_rows.shape[0]):
-            hand_out(LANDMARKS, landmarks[f], first, f * LANDMARKS, answers.landmarks)
+            hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
         for k in range(integrated):
-            hand_out(2, integrals[k], first, 2 * k, answers.integrals)
+            hand_out(two, integrals[k], first, two * k, answers.integrals)
         for k in range(task.extremes.shape[0]):
             x, y, row = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2]
             for side in range(2):
                 factor = block[row] if row >= 0 else none
                 find_extreme(record, to_coefficients, steps, x, y, factor, 2.0 * side - 1.0, search, found)
-                hand_out(4, found, first, 4 * (2 * k + side), answers.extremes)
+                hand_out(two * two, found, first, two * two * (two * k + side), answers.extremes)
         for k in range(task.fluctuations.shape[0]):
             x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]
             speed, wheel = block[task.fluctuations[k, 2]], block[task.fluctuations[k, 3]]
             find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, high, low, result)
-            hand_out(RESULTS, result, first, RESULTS * k, answers.fluctuations)
+            hand_out(of_fluctuation, result, first, of_fluctuation * k, answers.fluctuations)
         for k in range(task.values.shape[0]):
             x, row = task.values[k, 0], task.values[k, 1]
             value_at(record, to_coefficients, steps, x, block[row], search, result)
-            hand_out(2, result, first, 2 * k, answers.values)
+            hand_out(two, result, first, two * k, answers.values)
         for k in range(task.zeros.shape[0]):
-            zeros_of(record, to_coefficients, steps, task.zeros[k], search, counts, MOST_ZEROS, zeros)
-            hand_out(2 * MOST_ZEROS, all_zeros, first, 2 * MOST_ZEROS * k, answers.zeros)
-            hand_out(1, in_lanes(work.marks[2:]), first, k, answers.zero_counts)
+            zeros_of(record, to_coefficients, steps, task.zeros[k], search, counts, most, zeros)
+            hand_out(two * most, all_zeros, first, two * most * k, answers.zeros)
+            hand_out(one, in_lanes(work.marks[2:]), first, k, answers.zero_counts)
         for k in range(kept):
-            hand_out(1, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
-        hand_out(1, in_lanes(work.walk[TAKEN:]), first, 0, answers.panels)
-        hand_out(1, in_lanes(work.marks[1:]), first, 0, answers.broken_at)
+            hand_out(one, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
+        hand_out(one, in_lanes(work.walk[TAKEN:]), first, one - one, answers.panels)
+        hand_out(one, in_lanes(work.marks[1:]), first, one - one, answers.broken_at)
