@@ -262,7 +262,7 @@ def on_all_threads(function: Callable, pieces: Sequence) -> list:
         What the function returned, in the order of the pieces.
     """
     workers = threads()
-    if workers == 1 or len(pieces) <= 1:
+    if workers == 1 or len(pieces) <= 1 or getattr(_here, "alone", False):
         return [function(piece) for piece in pieces]
 
     def alone(piece: object) -> object:
@@ -276,6 +276,17 @@ def on_all_threads(function: Callable, pieces: Sequence) -> list:
 
 
 def run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
+    """Run a compiled function over a range 0 … count − 1, in pieces on all threads.
+
+    Parameters
+    ----------
+    kernel : callable
+        Its first two arguments are the range it works on.
+    count : int
+        Length of the whole range.
+    arguments : tuple
+        Passed on after the range.
+    """
     workers = threads()
     pieces = min(count, workers * PIECES_PER_THREAD)
     if workers == 1 or pieces <= 1 or getattr(_here, "alone", False):

@@ -364,7 +364,7 @@ def follow(
     record: Record,
     work: Workspace,
 ) -> int:
-    """Walk over each lane's range, add up what is to be integrated keep what is asked to be kept; returns the steps kept.
+    """Walk over each lane's range, add up what is to be integrated, keep what is to be kept; returns the steps kept.
 
     One more than there is room for where there isn't enough.
     """
@@ -400,21 +400,21 @@ def follow(
 
 @driver
 def evaluate_blocks(
-    begin,
-    end,
-    blocks,
-    events,
-    levels,
-    states,
-    curves,
-    task,
-    numbers,
-    tables,
-    to_coefficients,
-    to_integrals,
-    answers,
-    work,
-):
+    begin: int,
+    end: int,
+    blocks: np.ndarray,
+    events: Callable,
+    levels: Callable,
+    states: Callable,
+    curves: Callable,
+    task: Task,
+    numbers: np.ndarray,
+    tables: np.ndarray,
+    to_coefficients: np.ndarray,
+    to_integrals: np.ndarray,
+    answers: Answers,
+    work: Workspace,
+) -> None:
     """Evaluate blocks of variants.
 
     Parameters

@@ -3,10 +3,10 @@
 Looked for is the greatest value of s (a − c (b − b₀)), s = ±1, of two kept curves a and b with a factor c of each
 lane's own; b₀ is the value of b at the first position. Of a single curve, c = 0.
 
-In each panel, the position that its neighbours don't exceed and beside which the curve may reach farthest is a candidate.
-Of its candidates each lane takes the one that may reach farthest, finds the top of the polynomial there by Newton's
-method, kept between the neighbours, and goes on with the next for as long as that may reach beyond what it has found.
-Panels include their ends, so a curve that jumps from one to the next has its extremes on either side.
+In each panel, the position that its neighbours don't exceed and beside which the curve may reach farthest is a
+candidate. Of its candidates each lane takes the one that may reach farthest, finds the top of the polynomial there by
+Newton's method, kept between the neighbours, and goes on with the next for as long as that may reach beyond what it
+has found. Panels include their ends, so a curve that jumps from one to the next has its extremes on either side.
 """
 
 import math
@@ -31,15 +31,30 @@ CANDIDATE = 3
 of_candidates = memory(CANDIDATE, LANES)
 # Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of its panel, what lies beyond the series there.
 BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
-# The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the top;
-# value, slope and bend at X; a MARK.
+# The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
+# top; value, slope and bend at X; a MARK.
 LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND, MARK = range(7, 18)
 SEARCH = 18
 # Of no candidate.
 NONE = -1.0
 
-# How far a curve may go beyond three neighbours, by what they differ: twice what any parabola does.
-BEYOND = 0.25
+
+def _beyond() -> tuple[np.ndarray, np.ndarray]:
+    """How far a curve may go beyond a position, as shares of how far it falls to its neighbours on either side.
+
+    Twice what a parabola through the three may: with distances g and h to the neighbours, at equal heights of the
+    position and the neighbour at h, it rises by h²/(4 g (g + h)) of the fall to that at g. At an end of a panel, where
+    the fall from the neighbour to the next but one takes the place of that on the outside, by g²/(4 h (g + h)) of it.
+    """
+    gap = np.diff(PLACES)
+    g, h = gap[:-1], gap[1:]
+    left, right = np.zeros(POSITIONS), np.zeros(POSITIONS)
+    left[1:-1], right[1:-1] = h**2 / (g * (g + h)), g**2 / (h * (g + h))
+    left[0] = right[-1] = gap[0] ** 2 / (gap[1] * (gap[0] + gap[1]))
+    return 0.5 * left, 0.5 * right
+
+
+LEFT, RIGHT = _beyond()
 # The last of Newton's steps, as a share of half the panel: it leaves the square of this.
 FOUND = 1e-5
 MOST_TOPS, MOST_STEPS = 8, 40
@@ -85,23 +100,31 @@ def scan(
 ) -> None:
     """Candidates in the panels of a step; widen the greatest value by those there."""
     for lane in range(LANES):
-        best, reach, next_reach, position = -math.inf, -math.inf, -math.inf, NONE
-        here, fall = combined(values, a, b, factor[lane], sign, 0, lane), 0.0
+        here, after = (
+            combined(values, a, b, factor[lane], sign, 0, lane),
+            combined(values, a, b, factor[lane], sign, 1, lane),
+        )
+        fall = larger(after - combined(values, a, b, factor[lane], sign, 2, lane), 0.0)
+        best, reach, next_reach, position = here, -math.inf, -math.inf, NONE
         # In two, each short enough to be unrolled.
         for j in range(MIDDLE):
             after = combined(values, a, b, factor[lane], sign, j + 1, lane)
             rise = here - after
-            mine = here + BEYOND * (fall + rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
-            best, reach, here, fall = larger(here, best), larger(mine, reach), after, -rise
-        for j in range(MIDDLE, POSITIONS):
-            after = combined(values, a, b, factor[lane], sign, min(j + 1, DEGREE), lane)
+            best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
+        for j in range(MIDDLE, DEGREE):
+            after = combined(values, a, b, factor[lane], sign, j + 1, lane)
             rise = here - after
-            mine = here + BEYOND * (fall + rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
-            best, reach, here, fall = larger(here, best), larger(mine, reach), after, -rise
+            best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
+        rise = larger(here - fall - combined(values, a, b, factor[lane], sign, DEGREE - 2, lane), 0.0)
+        mine = here + RIGHT[DEGREE] * rise if fall >= 0.0 else -math.inf
+        next_reach = larger(smaller(mine, reach), next_reach)
+        position, reach = float(DEGREE) if mine > reach else position, larger(mine, reach)
         taken, shift = panels[step, HALF, lane] != 0.0, sign * factor[lane] * base[lane]
         candidates[step, REACH, lane] = reach + shift if taken else -math.inf
         candidates[step, NEXT_REACH, lane] = next_reach + shift if taken else -math.inf
@@ -146,10 +169,16 @@ def leave_next(
             continue
         reach, position, done = -math.inf, NONE, int(search[AT_POSITION, lane])
         for j in range(POSITIONS):
+            # Of an end of the panel, the fall from the neighbour to the next but one.
+            inner = 1 if j == 0 else j
+            fall = combined(values, a, b, factor[lane], sign, inner, lane)
+            fall -= combined(values, a, b, factor[lane], sign, 2 if j == 0 else j - 1, lane)
+            inner = DEGREE - 1 if j == DEGREE else j
+            rise = combined(values, a, b, factor[lane], sign, inner, lane)
+            rise -= combined(values, a, b, factor[lane], sign, DEGREE - 2 if j == DEGREE else j + 1, lane)
+            fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
             here = combined(values, a, b, factor[lane], sign, j, lane)
-            fall = here - combined(values, a, b, factor[lane], sign, max(j - 1, 0), lane)
-            rise = here - combined(values, a, b, factor[lane], sign, min(j + 1, DEGREE), lane)
-            mine = here + BEYOND * (fall + rise)
+            mine = here + (LEFT[j] * fall + RIGHT[j] * rise)
             if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
                 reach, position = mine, float(j)
         candidates[step, REACH, lane] = candidates[step, NEXT_REACH, lane]
@@ -179,7 +208,11 @@ def fetch(
     candidates = work.candidates
     for k in range(POSITIONS):
         for lane in range(LANES):
-            mine, of_a, of_b = search[STEP, lane] == float(step), coefficients[slot_a, k, lane], coefficients[slot_b, k, lane]
+            mine, of_a, of_b = (
+                search[STEP, lane] == float(step),
+                coefficients[slot_a, k, lane],
+                coefficients[slot_b, k, lane],
+            )
             series_before, other_before = series[k, lane], other[k, lane]
             series[k, lane] = sign * (of_a - factor[lane] * of_b) if mine else series_before
             other[k, lane] = of_b if mine else other_before

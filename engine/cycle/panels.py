@@ -23,8 +23,8 @@ BEGIN, END, EDGE, LAST, RANGE, CLOSE = range(6)
 # The length WANTED of the next panel, how many were TAKEN; DIRECTION 1 or −1; the panel's MIDDLE and HALF length as the
 # machine's functions see them.
 WANTED, TAKEN, DIRECTION, MIDDLE, HALF = range(6, 11)
-# Whether the lane is still on its way; whether its panel is ACCEPTED; EXCESS of what is left over what is tolerated, that
-# of one curve NOW; whether the last coefficients of this are FLAT, and how often it TURNS.
+# Whether the lane is still on its way; whether its panel is ACCEPTED; EXCESS of what is left over what is tolerated,
+# that of one curve NOW; whether the last coefficients of this are FLAT, and how often it TURNS.
 ACTIVE, ACCEPTED, EXCESS, NOW, FLAT, TURNS = range(11, 17)
 # What the place may be off by of the edges where this panel begins, where the next one does, and of the edge AHEAD.
 OPENED, NEXT_OPENED, AHEAD = range(17, 20)
@@ -40,9 +40,9 @@ SHORTER, LONGER = 0.25, 1.5
 AIM = 0.2
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on from edge to edge.
 FLOOR, MOST = 1e-7, 200
-# Coefficients that are level are taken for rounding in panels no longer than this share of the longest, which a wave would
-# have been resolved by, where what is left is this small a share of the greatest magnitude, or where the curve turns at
-# so many positions, as a narrow peak doesn't.
+# Coefficients that are level are taken for rounding in panels no longer than this share of the longest, which a wave
+# would have been resolved by, where what is left is this small a share of the greatest magnitude, or where the curve
+# turns at so many positions, as a narrow peak doesn't.
 SHORT, SMALL, RESTLESS = 0.25, 1e-7, 6.0
 # Edges that are closer than this share of the greatest position are one.
 SAME = 2e-15
@@ -162,7 +162,7 @@ def compare_with_tolerance(
 
 @scalar
 def sixteenth_root(x: float) -> float:
-    """x to the power 1/16."""
+    """X to the power 1/16."""
     return math.sqrt(math.sqrt(math.sqrt(math.sqrt(x))))
 
 

@@ -20,8 +20,8 @@ of_figures = memory(FIGURES, LANES)
 
 # Share by which each coefficient is taken to fall at least.
 SLOWEST = 0.85
-# The last coefficients are level where they are no less than this share of those eight degrees before: those of a kink are
-# a fifth of them, those of a jump two fifths.
+# The last coefficients are level where they are no less than this share of those eight degrees before: those of a kink
+# are a fifth of them, those of a jump two fifths.
 LEVEL = 0.5
 # By how much what is left may exceed what the fall makes of it, of random curves, in one case of a thousand.
 MARGIN = 3.0

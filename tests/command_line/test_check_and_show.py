@@ -4,6 +4,7 @@ import ast
 import itertools
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from commands import STUDY, refused, said
@@ -25,7 +26,7 @@ def test_check__tells_what_is_computed_and_what_it_costs_and_writes_nothing(pres
         "W = 3n − 2p₁ = 3·3 − 2·4 = 1",
         "assembles over the whole cycle",
         "8 = input.length [4] × bodies.ram.mass [2]",
-        "Computed at each of 48 positions",
+        "Computed at as many positions as its curves need",
         "Left out, as nothing asked needs it",
         "acceleration",
         "MB beside the program's own",
@@ -60,7 +61,7 @@ def test_check_source__is_python_to_read(press_folder):
     answer = said("check", "study.toml", "--source")
     assert answer.exit_code == 0
     module = ast.parse(answer.stdout)
-    assert "kernel" in [node.name for node in module.body if isinstance(node, ast.FunctionDef)]
+    assert "curves" in [node.name for node in module.body if isinstance(node, ast.FunctionDef)]
     assert "rrp_position(" in answer.stdout
 
 
@@ -117,6 +118,12 @@ def test_show__says_so_of_the_study_s_own_condition(press_folder):
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     answer = said("show", "r.h5").stdout
     assert "\n4 variants meet the condition, 2 more can't be told to:" in answer
+
+
+def test_show_of_a_file_that_holds_no_study__says_so(press_result):
+    with h5py.File(press_result, "r+") as file:
+        del file.attrs["study_json"]
+    assert "holds no study (attribute study_json): run its sweep again" in refused("show", press_result)
 
 
 def test_show_where_nothing_fits__shows_an_empty_table(press_result):

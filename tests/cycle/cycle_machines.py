@@ -9,8 +9,8 @@ from engine.cycle.lanes import LANES, in_lanes
 from engine.cycle.machine import Machine, Plan
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
-# inertia of the crank; a force on the slider between two levels of its stroke as it approaches the crank's axis, another
-# between two positions of the input.
+# inertia of the crank; a force on the slider between two levels of its stroke as it approaches the crank's axis,
+# another between two positions of the input.
 FIRST, LAST, CRANK, ROD, OFFSET, MASS, INERTIA, FORCE, OTHER_FORCE, FROM, TO = range(11)
 # Levels as shares of the stroke, from its near end; mean speed and flywheel.
 NEAR_SHARE, FAR_SHARE, SPEED, WHEEL = range(11, 15)

@@ -14,7 +14,7 @@ asides = st.floats(-1.0, 1.0)
 
 
 def inside(found, exact):
-    """Whether an exact result is within the error figure, first order as it is: a hundredth of the second order more."""
+    """Whether an exact result is within the error figure, a hundredth more for the second order."""
     return abs(mpmath.mpf(float(found.value)) - exact) <= float(found.error) * 1.01
 
 

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Node
-from engine.laws.table_segments import in_memory, segment_value, table_segment
-from engine.laws.tables import make_table
+from engine.laws.tables import in_memory, make_table, segment_value, table_segment
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.actions import Tabled
 from engine.scene.parts import CrankInput
