@@ -24,18 +24,22 @@ from engine.cycle.events import (
     scan_positions,
 )
 from engine.cycle.extremes import CANDIDATE, EXTREME, SEARCH, Search, find_extreme, of_candidates
-from engine.cycle.fluctuation import FLUCTUATION, RESULTS, find_fluctuation
+from engine.cycle.fluctuation import FLUCTUATION, find_fluctuation
 from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
-from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, in_panels, lane_of, rows, tiles
+from engine.cycle.lanes import ASIDE, LANES, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels import (
     ACCEPTED,
     EDGES,
+    LEARNT,
+    SCALES,
     TAKEN,
     WALK,
     compare_with_tolerance,
     judge,
+    learn_rounding,
     next_panels,
     of_edges,
+    of_scales,
     set_out,
 )
 from engine.cycle.panels import HALF as PANEL_HALF
@@ -204,7 +208,7 @@ class Workspace(NamedTuple):
         Input positions of each lane's panel with cosine and sine.
     tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
     figures : ndarray (curves, FIGURES, LANES)
-    scales : ndarray (curves, LANES)
+    scales : ndarray (curves, SCALES, LANES)
     integrals : ndarray (integrals, INTEGRAL, LANES)
     scan, turn, crossing : SampleRoom
         Switching functions at the positions scanned, where they turn, and where they take levels.
@@ -268,7 +272,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(task.sizes[1], 1),
         rows(task.sizes[2], 1),
         rows(count, FIGURES, aside=ASIDE),
-        rows(count, aside=ASIDE),
+        rows(count, SCALES, aside=ASIDE),
         rows(task.integrals.size, INTEGRAL, aside=ASIDE),
         new_samples(functions, task.scan),
         new_samples(functions, turns),
@@ -381,9 +385,12 @@ def follow(
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures)
-            broken |= compare_with_tolerance(tile, figures, c, task.tolerances[c], task.longest[0], scales, walk)
+            broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
         if not judge(task.longest[0], walk):
             continue
+        if any_positive(walk[LEARNT]):
+            for c in range(count):
+                learn_rounding(figures, c, task.tolerances[c], scales, walk)
         if broken:
             mark_broken(count, tile, q, walk, broken_at)
         for k in range(task.integrals.shape[0]):
@@ -439,7 +446,7 @@ def evaluate_blocks(
         in_lanes(work.block),
         in_lanes(work.walk),
         of_figures(work.figures),
-        in_lanes(work.scales),
+        of_scales(work.scales),
     )
     integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
     marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
@@ -456,7 +463,7 @@ def evaluate_blocks(
         first = b * LANES
         gather(numbers, first, block)
         begin_record(record)
-        fill(count, scales, 0.0)
+        fill(count * SCALES, in_lanes(work.scales), 0.0)
         fill(integrated * INTEGRAL, in_lanes(work.integrals), 0.0)
         fill(1, in_lanes(work.marks[1:]), math.nan)
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)

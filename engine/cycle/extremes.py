@@ -29,7 +29,8 @@ EXTREME = 5
 REACH, POSITION, NEXT_REACH = range(3)
 CANDIDATE = 3
 of_candidates = memory(CANDIDATE, LANES)
-# Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of its panel, what lies beyond the series there.
+# Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of
+# its panel, what lies beyond the series there.
 BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
 # The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
 # top; value, slope and bend at X; a MARK.

@@ -23,7 +23,8 @@ from engine.cycle.transforms import to_coefficients
 TAIL, MISSING = range(2)
 # Rows of a step.
 MIDDLE, HALF = range(2)
-# Rows of a curve: greatest magnitude, infinite where a value isn't finite, value at the first position, what values may be off by more than by rounding.
+# Rows of a curve: greatest magnitude, infinite where a value isn't finite; value at the first position; what values may
+# be off by, more than by rounding.
 SCALE, FIRST, OFFSET = range(3)
 
 
