@@ -3,6 +3,7 @@
 import math
 
 from engine.compiling.jit import scalar
+from engine.laws.elementary import angle_of
 
 
 @scalar
@@ -56,4 +57,4 @@ def angle_on_side(above: float, c: float, s: float) -> float:
     float
         θ [rad], above · π/2 + atan2(−above · c, above · s).
     """
-    return above * (0.5 * math.pi) + math.atan2(-above * c, above * s)
+    return above * (0.5 * math.pi) + angle_of(above * s, -above * c)

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from engine.graph.nodes import Node
-from engine.laws.loads import acts_in_direction, constant_against_motion, power_law_drag
+from engine.laws.elementary import power
+from engine.laws.loads import acts_in_direction, constant_against_motion
 from engine.machine.brakes import braking_moment
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.kinematics import Kinematics
@@ -55,7 +56,7 @@ def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Alon
             return Characteristic(drag, _against(along, acts) * (v * v), 2)
         case "power_drag":
             exponent = f"{at}.exponent"
-            growth = graph.apply(power_law_drag, -1.0, graph.number(exponent), abs(v))
+            growth = graph.apply(power, abs(v), graph.number(exponent))
             drag = graph.derived(f"{at} at speed", lambda n: _power_drag(n, at, value), "load")
             return Characteristic(drag, _against(along, acts) * growth, exponent)
         case _:

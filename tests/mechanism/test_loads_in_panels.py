@@ -128,9 +128,12 @@ def an_action(draw: st.DrawFn, scene: dict, sliders: list[str], value: str) -> d
     return {"type": kind, "coefficient": 7.0} | acts
 
 
-def a_cylinder(draw: st.DrawFn, sliders: list[str]) -> dict:
+def a_cylinder(draw: st.DrawFn, drive: dict, sliders: list[str]) -> dict:
     """Any kind, a compressor that doesn't reach its discharge pressure among them."""
-    kind = draw(st.sampled_from(["compressor", "pump", "four_stroke", "two_stroke"]))
+    turns = drive["type"] == "crank" and "start" not in drive
+    kind = draw(st.sampled_from(["compressor", "pump", "two_stroke", *["four_stroke"] * turns]))
+    if kind == "four_stroke":
+        drive["revolutions"] = 2
     gas = {"clearance": draw(st.floats(0.05, 0.5))}
     lines = {"suction": 1e5, "discharge": draw(st.floats(1.5e5, 2e6))}
     burnt = {"intake": 0.9e5, "exhaust": 1.1e5, "peak": 4e6}
@@ -156,7 +159,7 @@ def scenes(draw: st.DrawFn) -> Scene:
     moment = an_action(draw, scene, sliders, "moment") | {"on": draw(st.sampled_from(links))}
     twist = {"type": "torsion_spring", "on": links[0], "stiffness": 4.0, "free_angle": 0.3}
     loads = {"forces": {"f": force}, "moments": {"m": moment, "twist": twist}}
-    return Scene.model_validate(scene | loads | {"cylinders": {"c": a_cylinder(draw, sliders)}})
+    return Scene.model_validate(scene | loads | {"cylinders": {"c": a_cylinder(draw, scene["input"], sliders)}})
 
 
 # Properties
