@@ -18,6 +18,7 @@ from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.model import Model
 from engine.machine.quantities.quantities import STATISTICS, Quantity, has_cycle
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import cycle_statistics, kept_from, motion_fields, motion_summaries
 from engine.motion.regimes_in_order import Schedule
 from engine.scene.parts import CrankInput
@@ -126,7 +127,7 @@ class Machine:
         """The regimes, where anything of them is asked."""
         asked = {n for n in (*self.asked_summaries, *self.asked_fields) if n in self._motion_quantities}
         asked |= set(self.asked_fields) & set(self._motion_fields)
-        return Schedule(self.model, asked, self.positions) if asked else None
+        return Schedule(Mechanics(self.scene, frozenset(self.varied)), asked, self.positions) if asked else None
 
     @property
     def _motion_needs(self) -> list[str]:

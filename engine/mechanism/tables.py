@@ -8,12 +8,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Node
-from engine.laws.table_segments import in_memory, segment_value, table_segment
-from engine.laws.tables import make_table
+from engine.graph.nodes import Graph, Node
+from engine.laws.table_segments import (
+    first_piece,
+    in_memory,
+    next_piece,
+    periods_before,
+    segment_value,
+    table_segment,
+)
+from engine.laws.tables import Table, make_table
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.actions import Tabled
 from engine.scene.parts import CrankInput
+
+# A table with more pieces is searched.
+MOST_LOOKED_THROUGH = 16
 
 
 class _Place(NamedTuple):
@@ -47,9 +57,23 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> 
     place = _place(kinematics, action, period, time)
     for level, kink in place.levels:
         graph.switches(place.curve, place.rate, level, kink)
-    begin, *cubic = graph.apply(table_segment, graph.memory, graph.store(in_memory(table)), place.abscissa)
+    begin, *cubic = _piece(graph, table, place.abscissa)
     held = [graph.held(begin), *(graph.held(c * factor) for c in cubic)]
     return graph.apply(segment_value, *held, place.abscissa)
+
+
+def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
+    """Where the piece of a table begins that x lies in, and its cubic."""
+    offset, pieces = graph.store(in_memory(table)), table.coefficients.shape[0]
+    if pieces > MOST_LOOKED_THROUGH:
+        return graph.apply(table_segment, graph.memory, offset, x)
+    away = graph.apply(periods_before, table.start, table.period, x) if table.period else graph.zero
+    u = x - away
+    found = graph.apply(first_piece, graph.memory, offset, float(pieces), u)
+    for piece in range(1, pieces):
+        found = graph.apply(next_piece, graph.memory, offset, float(pieces), float(piece), u, *found)
+    left, *cubic = found
+    return left + away, *cubic
 
 
 def _period(kinematics: Kinematics, action: Tabled) -> float:

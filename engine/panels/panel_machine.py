@@ -9,7 +9,7 @@ from engine.compiling.jit import run_kernel
 from engine.equal_positions.text.kernels import KernelWriter, Source
 from engine.machine.machine import ROUNDING, Machine
 from engine.machine.quantities.quantities import Quantity
-from engine.motion.moments.breaks import Landmarks
+from engine.panels.landmarks import Landmarks
 from engine.panels.panels import CLEAR, cut, most_edges
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene

@@ -1,246 +1,277 @@
 """Landmarks of a cycle: the ends of strokes, and where the reduced moment jumps or bends.
 
-A Runge–Kutta step across a jump or a bend loses its order; with a node there it doesn't. Each such place is where a
-row of the mechanism (a slide coordinate, a velocity) passes a level, or an angle that the scene names. Rows are
-sampled over the cycle; within the interval where one passes its level, regula falsi finds the place.
+A Runge–Kutta step across a jump or a bend loses its order; with a node there it doesn't. What switches in a load, and
+where, is known to the machine's graph: where a curve (a slide coordinate, a velocity) crosses a level. The curves are
+sampled over the cycle; within the interval where one crosses its level, regula falsi finds the place.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.compiling.jit import over_variants
-from engine.machine.model import Model
+from engine.graph.nodes import Constant, Crossing, Found, Given, Held, Node, Operation, Position, reached
+from engine.mechanism.acting import Load
+from engine.mechanism.tables import kinks_of
 from engine.motion.moments.tabulation import Ends, Tabulation
-from engine.scene.actions import Tabled
-from engine.scene.cylinders import Compressor, Cylinder, TwoStroke
-from engine.scene.parts import CrankInput
-from engine.scene.scene import Numbers
+from engine.scene.scene import Numbers, Scene
 
-# Characteristics with more rows than this are taken as smooth but for their steps.
+# Of a curve with more places at which something only bends, the first and the last count.
 MOST_BENDS = 24
 SAMPLES_PER_TURN = 60
 ITERATIONS = 20
 # A last step of this share of the bracket: the error it leaves is smaller by the share that is left of the other end.
 LAST_STEP = 4e-14
+# Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.
+JUMP = 1e-10
 # Half the width of a jump in time, of the times of its table.
 INSTANT = 1e-12
 
 
 class Watch(NamedTuple):
-    """What makes an action's moment jump or bend.
+    """A place at which moments jump or bend.
 
     Attributes
     ----------
-    action : str
-    variable : str
-        Of the program.
-    level : float or ndarray (variants,)
-        Value of the variable at which it does.
+    crossing : Crossing
     jumps : bool
-    along : str
-        Velocity on whose sign it depends whether the action acts at all; "" where it always does.
-    way : float
-        That sign, of the velocity with the crank turning forward.
+    actions : frozenset of str
+        Whose moments do.
     """
 
-    action: str
-    variable: str
-    level: float | np.ndarray
+    crossing: Crossing
     jumps: bool
-    along: str = ""
-    way: float = 0.0
+    actions: frozenset[str]
 
 
 class Breaks(NamedTuple):
-    """Angles [rad], (places, variants), NaN where a variant has none; which are jumps, and whose, each (places,)."""
+    """Places where moments jump or bend.
+
+    Attributes
+    ----------
+    angles : ndarray (places, variants)
+        [rad]; NaN where a variant has none.
+    jumps : ndarray (places,) of bool
+    actions : tuple of str
+    acting : ndarray (actions, places, variants) of bool
+        Which actions' moments jump or bend there.
+    """
 
     angles: np.ndarray
     jumps: np.ndarray
-    actions: np.ndarray
+    actions: tuple[str, ...]
+    acting: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Breaks":
         """Breaks of some of the variants, by index."""
-        return Breaks(np.ascontiguousarray(self.angles[:, chosen]), self.jumps, self.actions)
+        angles, acting = (np.ascontiguousarray(rows[..., chosen]) for rows in (self.angles, self.acting))
+        return Breaks(angles, self.jumps, self.actions, acting)
 
     def two_sided(self) -> "Breaks":
         """Breaks with places on both sides of each, as if all were jumps."""
         return self._replace(jumps=np.ones_like(self.jumps))
 
-    def of(self, active: frozenset[str]) -> "Breaks":
+    def of(self, active: Iterable[str]) -> "Breaks":
         """Breaks of some of the actions."""
-        chosen = np.isin(self.actions, list(active))
-        return Breaks(self.angles[chosen], self.jumps[chosen], self.actions[chosen])
+        chosen = [self.actions.index(name) for name in sorted(active) if name in self.actions]
+        acting = self.acting[chosen]
+        angles = np.where(acting.any(axis=0), self.angles, np.nan)
+        kept = ~np.isnan(angles).all(axis=1)
+        actions = tuple(self.actions[i] for i in chosen)
+        return Breaks(angles[kept], self.jumps[kept], actions, acting[:, kept])
 
 
-class Landmarks:
-    """Finds the ends of strokes and the breaks of a model's moments.
+def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Watch]:
+    """Where the moments of loads jump or bend.
 
     Parameters
     ----------
-    model : Model
+    crossings : iterable of Crossing
+        All of their graph.
+    loads : sequence of Load
+    """
+    behind = [set(reached(_held([load.characteristic, load.basis]))) for load in loads]
+    watches, bends = [], {}
+    for crossing in crossings:
+        # What depends on time switches at instants.
+        if any(isinstance(node, Given) for node in reached([crossing.curve])):
+            continue
+        orders = {
+            load: crossing.kink + _vanishes(load.velocity, crossing)
+            for load, nodes in zip(loads, behind, strict=True)
+            if crossing.curve in nodes
+        }
+        kept = [load for load, order in orders.items() if order <= 1]
+        if kept:
+            jumps = any(orders[load] == 0 for load in kept)
+            watches.append(Watch(crossing, jumps, frozenset(load.action for load in kept)))
+            if crossing.kink == 1:
+                bends.setdefault(crossing.curve, []).append(crossing)
+    dropped = {id(c) for many in bends.values() if len(many) > MOST_BENDS for c in many[1:-1]}
+    return [watch for watch in watches if id(watch.crossing) not in dropped]
+
+
+def _held(nodes: Iterable[Node]) -> list[Node]:
+    return [node for node in reached(nodes) if isinstance(node, Held)]
+
+
+def _vanishes(velocity: Node, crossing: Crossing) -> bool:
+    """Whether a velocity is zero where a curve crosses zero: it is a multiple of that curve."""
+    level = crossing.level
+    if not (isinstance(level, Constant) and level.value == 0.0):
+        return False
+    if velocity is crossing.curve:
+        return True
+    if not isinstance(velocity, Operation) or velocity.symbol not in ("*", "/", "neg"):
+        return False
+    factors = velocity.operands[:1] if velocity.symbol == "/" else velocity.operands
+    return any(_vanishes(factor, crossing) for factor in factors)
+
+
+class Landmarks:
+    """Finds the ends of strokes and the breaks of a machine's moments.
+
+    Parameters
+    ----------
+    tabulation : Tabulation
+        Of the machine, every curve that switches something among its events.
+    loads : sequence of Load
+    moments : sequence of (str, int)
+        Actions, and the curve of the tabulation with a moment of each.
+    cycle : float
+        [rad].
     """
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
-        drive = model.scene.input
-        self.cycle = 2 * math.pi * drive.revolutions if isinstance(drive, CrankInput) else math.nan
-        self.sliders = sorted({s for a in self._tables().values() if (s := a.slider)} | self._pistons())
-        variables = {watch.variable for watch in self._watches(None, self._no_ends())}
-        slides = [model.mechanism.slides[name] for name in self.sliders]
-        variables |= {v for slide in slides for v in (slide.d, slide.dv)}
-        self.variables = sorted(variables)
-        self.tabulation = Tabulation(model, {name: name for name in self.variables}) if variables else None
+    def __init__(
+        self, tabulation: Tabulation, loads: Sequence[Load], moments: Sequence[tuple[str, int]], cycle: float
+    ) -> None:
+        self.tabulation, self.moments, self.cycle = tabulation, tuple(moments), cycle
+        functions = tabulation.functions
+        graph = next(iter(functions.rows)).graph
+        self.watches = watches_of(graph.crossings, loads)
+        self._level_rows = [functions.rows[watch.crossing.level] for watch in self.watches]
+        events = {curve: i for i, (curve, _) in enumerate(functions.events)}
+        self._events = [events[watch.crossing.curve] for watch in self.watches]
+        self._found = [node for node in functions.rows if isinstance(node, Found)]
+        self._found_events = [events[node.curve] for node in self._found]
+        # Between its turning points a curve crosses a level once at most: none is missed, however near to them.
+        levelled = [
+            event
+            for event, watch in zip(self._events, self.watches, strict=True)
+            if not isinstance(watch.crossing.level, Constant) or watch.crossing.level.value != 0.0
+        ]
+        itself = {events[curve] for curve in events if isinstance(curve, Position)}
+        self._turning = [e for e in dict.fromkeys([*self._found_events, *levelled]) if e not in itself]
+        self._by_angle = np.array([event in itself for event in self._events], bool)
+        # What depends on time, or does no work, isn't judged by its moment.
+        self._unjudged = {load.action for load in loads if any(isinstance(n, Given) for n in reached([load.basis]))}
+        self._unjudged |= {watch for w in self.watches for watch in w.actions} - {action for action, _ in moments}
 
-    @property
-    def watches(self) -> bool:
-        """Whether there is anything to watch: tables, cylinders, or actions that follow the way of motion."""
-        return self.tabulation is not None or bool(self._tables())
-
-    def _tables(self) -> dict[str, Tabled]:
-        scene = self.model.scene
-        return {n: a for t in (scene.forces, scene.moments) for n, a in t.items() if isinstance(a, Tabled)}
-
-    def _pistons(self) -> set[str]:
-        return {cylinder.piston for cylinder in self.model.scene.cylinders.values()}
-
-    def _no_ends(self) -> dict[str, Ends]:
-        return {name: Ends(0.0, 1.0, 0.0, 0.0) for name in self.sliders}
-
-    # What to watch
-
-    def _watches(self, numbers: Numbers | None, ends: Mapping[str, Ends]) -> list[Watch]:
-        """What to watch; without numbers, only the variables are right."""
-        scene, slides, found = self.model.scene, self.model.mechanism.slides, []
-        for table in (scene.forces, scene.moments):
-            for name, action in table.items():
-                along = self.model.moments.along.get(name)
-                turns = getattr(action, "acts", "always") != "always" or action.type == "against_motion"
-                if turns and along not in (None, "one", "zero"):
-                    found.append(Watch(name, along, 0.0, False))
-        for name, action in self._tables().items():
-            if action.over_stroke is not None:
-                found += self._on_stroke(name, action, slides[action.slider].d, ends[action.slider])
-        for name, cylinder in scene.cylinders.items():
-            found.append(Watch(name, slides[cylinder.piston].dv, 0.0, False))
-            found += self._valves(name, cylinder, slides[cylinder.piston].d, numbers, ends[cylinder.piston])
-        return found
-
-    def _on_stroke(self, name: str, action: Tabled, d: str, end: Ends) -> list[Watch]:
-        along, way = self.model.moments.along.get(name, ""), {"along": 1.0, "against": -1.0}.get(action.acts, 0.0)
-        if not way or along in ("one", "zero"):
-            along = ""
-        found = []
-        for x, jumps in table_breaks(action):
-            level = {"guide": x, "low end": end.low + x, "high end": end.high - x}[action.measured_from]
-            found.append(Watch(name, d, level, jumps, along, way))
-        return found
-
-    @staticmethod
-    def _valves(name: str, cylinder: Cylinder, d: str, n: Numbers | None, end: Ends) -> list[Watch]:
-        if not isinstance(cylinder, (Compressor, TwoStroke)):
-            return []
-        if n is None:
-            return [Watch(name, d, 0.0, False)]
-        at, stroke = f"cylinders.{name}", end.high - end.low
-        if isinstance(cylinder, TwoStroke):
-            travels = [(n[f"{at}.port"] * stroke, True)]
-        else:
-            least = n[f"{at}.clearance"] * stroke
-            ratio = n[f"{at}.discharge"] / n[f"{at}.suction"]
-            opens = (stroke + least) * ratio ** (-1.0 / n[f"{at}.n_compression"]) - least
-            travels = [(opens, False), (least * ratio ** (1.0 / n[f"{at}.n_expansion"]) - least, False)]
-        sign = -1.0 if cylinder.head == "high" else 1.0
-        base = end.high if cylinder.head == "high" else end.low
-        return [Watch(name, d, base + sign * travel, jumps) for travel, jumps in travels]
-
-    # Where they are
-
-    def __call__(self, numbers: Numbers, count: int, direction: np.ndarray) -> tuple[dict[str, Ends], Breaks]:
-        """Ends of stroke of the sliders that something depends on, and the breaks of all actions.
+    def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
+        """Ends of strokes that something depends on, and the breaks of all actions.
 
         Parameters
         ----------
         numbers : Numbers
-        count : int
         direction : ndarray (variants,)
+            +1 or −1, the sign of the crank's speed.
         """
-        fixed = self._at_angles(count)
-        if self.tabulation is None:
-            return {}, fixed
-        parameters = self.tabulation.parameters(numbers, count, direction)
+        parameters = self.tabulation.parameters(numbers, direction)
+        ends: dict[Found, np.ndarray] = {}
+        q, values = self._samples(parameters)
+        if self._turning:
+            # Rates follow their curves.
+            rates = 2 * np.array(self._turning) + 1
+            turns, which = self._places(parameters, rates, np.zeros((rates.size, direction.size)), q, values)
+            at_turns = self.tabulation.events(parameters, turns)
+            q, values = _merged(q, values, turns, at_turns)
+            for node, event in zip(self._found, self._found_events, strict=True):
+                own = which == self._turning.index(event)
+                ends[node] = _end(node.which, at_turns[2 * event, own], turns[own])
+            parameters = self.tabulation.parameters(numbers, direction, ends)
+        angles, which = self._crossed(parameters, q, values)
+        jumps = np.array([self.watches[i].jumps for i in which], bool)
+        actions, acting = self._acting(parameters, angles, which)
+        return ends, Breaks(angles, jumps, actions, acting)
+
+    def _samples(self, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions over the cycle, and all curves there."""
         samples = max(8, int(SAMPLES_PER_TURN * self.cycle / (2 * math.pi)))
-        q = np.repeat(np.linspace(0.0, self.cycle, samples + 1)[:, None], count, axis=1)
-        values = self.tabulation(parameters, {}, q)
-        slides = self.model.mechanism.slides
+        q = np.repeat(np.linspace(0.0, self.cycle, samples + 1)[:, None], parameters.shape[1], axis=1)
+        searched = bool(self._turning) or not self._by_angle.all()
+        return q, self.tabulation.events(parameters, q) if searched else np.empty((0, *q.shape))
 
-        def places(
-            variables: list[str], levels: np.ndarray, q: np.ndarray, values: np.ndarray
-        ) -> tuple[np.ndarray, np.ndarray]:
-            """Angles at which variables pass their levels, and of which of them each is."""
-            rows = np.array([self.variables.index(v) for v in variables])
-            left, right, which = brackets(values, rows, levels, q)
+    def _places(
+        self, parameters: np.ndarray, rows: np.ndarray, levels: np.ndarray, q: np.ndarray, values: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Angles at which rows of the events pass their levels, and which of them each is of."""
+        left, right, which = brackets(values, rows, levels, q)
 
-            def excess(at: np.ndarray) -> np.ndarray:
-                found = self.tabulation(parameters, {}, at)
-                return found[rows[which], np.arange(which.size)] - levels[which]
+        def excess(at: np.ndarray) -> np.ndarray:
+            found = self.tabulation.events(parameters, at)
+            return found[rows[which], np.arange(which.size)] - levels[which]
 
-            return (regula_falsi(excess, left, right) if which.size else left), which
+        return (regula_falsi(excess, left, right) if which.size else left), which
 
-        ends: dict[str, Ends] = {}
-        if self.sliders:
-            turns, which = places([slides[s].dv for s in self.sliders], np.zeros((len(self.sliders), count)), q, values)
-            reached = self.tabulation(parameters, {}, turns)
-            # Between its dead centres a slider passes a level once at most: none is missed, however near to them.
-            q, values = _merged(q, values, turns, reached)
-            for i, name in enumerate(self.sliders):
-                ends[name] = _ends(reached[self.variables.index(slides[name].d), which == i], turns[which == i])
-        watches = self._watches(numbers, ends)
-        if not watches:
-            return ends, fixed
-        levels = np.array([np.broadcast_to(w.level, count) for w in watches])
-        found, which = places([w.variable for w in watches], levels, q, values)
-        if any(w.along for w in watches):
-            rows = self.tabulation(parameters, {}, found)
-            for i, watch in enumerate(watches):
-                if watch.along:
-                    acts = watch.way * direction * rows[self.variables.index(watch.along)] >= 0.0
-                    found[(which == i)[:, None] & ~acts] = np.nan
-        jumps = np.array([w.jumps for w in watches])[which]
-        actions = np.array([w.action for w in watches])[which]
-        return ends, Breaks(
-            np.concatenate((fixed.angles, found)),
-            np.concatenate((fixed.jumps, jumps)),
-            np.concatenate((fixed.actions, actions)),
-        )
+    def _crossed(self, parameters: np.ndarray, q: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Angles of all places, (places, variants), and the watch of each."""
+        fixed, searched = np.flatnonzero(self._by_angle), np.flatnonzero(~self._by_angle)
+        levels = parameters[self._level_rows]
+        angles, which = levels[fixed], fixed
+        if searched.size:
+            rows = 2 * np.array(self._events)[searched]
+            found, of = self._places(parameters, rows, levels[searched], q, values)
+            angles, which = np.concatenate((angles, found)), np.concatenate((which, searched[of]))
+        return angles, which
 
-    def _at_angles(self, count: int) -> Breaks:
-        """Breaks of tables over the crank angle."""
-        rows = [
-            (x, jumps, name)
-            for name, action in self._tables().items()
-            if action.over_angle is not None
-            for x, jumps in table_breaks(action)
-        ]
-        angles = np.array([x for x, _, _ in rows]).reshape(-1, 1)
-        return Breaks(
-            np.repeat(angles, count, axis=1),
-            np.array([j for _, j, _ in rows], bool),
-            np.array([a for *_, a in rows], str),
-        )
+    def _acting(
+        self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray
+    ) -> tuple[tuple[str, ...], np.ndarray]:
+        """Actions that have a break at all, and where their moments aren't zero on both sides of it."""
+        actions = tuple(sorted(frozenset().union(*(watch.actions for watch in self.watches))))
+        acting = np.zeros((len(actions), *angles.shape), bool)
+        if not angles.size:
+            return actions, acting
+        beside = np.concatenate((angles - JUMP, angles + JUMP))
+        still = [np.zeros_like(beside)] * len(self.tabulation.given)
+        rows = self.tabulation(parameters, beside, still).reshape(-1, 2, *angles.shape)
+        for i, name in enumerate(actions):
+            owned = np.array([name in self.watches[w].actions for w in which])
+            moves = np.zeros(angles.shape, bool)
+            for action, row in self.moments:
+                if action == name:
+                    moves |= (rows[row] != 0.0).any(axis=0)
+            acting[i] = owned[:, None] & (moves | (name in self._unjudged)) & ~np.isnan(angles)
+        return actions, acting
 
 
-def instants_of(model: Model, active: frozenset[str]) -> np.ndarray:
+def instants_of(scene: Scene, active: Iterable[str]) -> np.ndarray:
     """Times at which moments over time jump or bend [s], on both sides of a jump, in order."""
-    scene, found = model.scene, []
+    found = []
     for name, action in (scene.forces | scene.moments).items():
         if name in active and getattr(action, "over_time", None) is not None:
             width = INSTANT * (abs(action.over_time[0]) + abs(action.over_time[-1]))
-            for x, jumps in table_breaks(action):
-                found += [x - width, x + width] if jumps else [x]
+            for x, kink in _instants(kinks_of(action)).items():
+                found += [x - width, x + width] if kink == 0 else [x]
     return np.unique(found)
+
+
+def _instants(kinks: Mapping[float, int]) -> dict[float, int]:
+    """Rows of a table at which it jumps or bends."""
+    bends = [x for x, kink in kinks.items() if kink == 1]
+    dropped = bends[1:-1] if len(bends) > MOST_BENDS else []
+    return {x: kink for x, kink in kinks.items() if kink <= 1 and x not in dropped}
+
+
+def _end(which: str, reached_values: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """An end of a stroke, or its place, from the coordinate at its dead centres, (dead centres, variants)."""
+    high = which.startswith("high")
+    values = np.where(np.isnan(reached_values), -np.inf if high else np.inf, reached_values)
+    at = values.argmax(axis=0) if high else values.argmin(axis=0)
+    columns = np.arange(values.shape[1])
+    return (turns if which.endswith("_at") else reached_values)[at, columns]
 
 
 @over_variants
@@ -295,24 +326,6 @@ def _merged(
     others, at_others = np.take_along_axis(others, order, 0), np.take_along_axis(at_others, order[None], 1)
     merge(q.shape[1], q, values, others, at_others, every, at_every)
     return every, at_every
-
-
-def _ends(reached: np.ndarray, turns: np.ndarray) -> Ends:
-    """Ends of a stroke from the coordinate at its dead centres, (dead centres, variants)."""
-    columns = np.arange(reached.shape[1])
-    low, high = (np.where(np.isnan(reached), x, reached) for x in (np.inf, -np.inf))
-    first, last = low.argmin(axis=0), high.argmax(axis=0)
-    return Ends(reached[first, columns], reached[last, columns], turns[first, columns], turns[last, columns])
-
-
-def table_breaks(action: Tabled) -> list[tuple[float, bool]]:
-    """Where a table jumps (True) or bends (False)."""
-    x, y = np.array(action.abscissae), np.array(action.ordinates)
-    steps = {float(v) for v in x[1:][np.diff(x) == 0.0]}
-    if action.over_angle is None and action.outside == "zero":
-        steps |= {float(x[i]) for i in (0, -1) if y[i] != 0.0}
-    bends = {float(v) for v in x} if action.interpolation == "linear" and x.size <= MOST_BENDS else {x[0], x[-1]}
-    return [(v, v in steps) for v in sorted(steps | {float(b) for b in bends})]
 
 
 def brackets(

@@ -1,14 +1,16 @@
 """A machine's equation of motion, made ready: I(φ) and M(φ, ω) of many variants, with chosen actions at work."""
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.compiling.jit import over_variants
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
-from engine.machine.model import LinearRow, Model
+from engine.graph.functions import functions_at
+from engine.graph.nodes import Node, reached
 from engine.machine.motors import kloss_constants, motor_ratio, stall_moment
+from engine.mechanism.loads import Loads
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.breaks import Breaks, Landmarks, instants_of
 from engine.motion.moments.grid import Grid, make_grid, nested_grid
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
@@ -30,9 +32,9 @@ class Variants(NamedTuple):
         +1 or −1: the way the crank turns.
     flywheel : ndarray (variants,)
         Inertia added to the machine's [kg·m²].
-    parameters : ndarray (slots, variants)
+    parameters : ndarray (numbers, variants)
         Of the rows.
-    ends : mapping of slider to Ends
+    ends : mapping of Found to ndarray (variants,)
     breaks : Breaks
         Of all actions.
     drive : Drive or None
@@ -45,7 +47,7 @@ class Variants(NamedTuple):
     direction: np.ndarray
     flywheel: np.ndarray
     parameters: np.ndarray
-    ends: Mapping[str, Ends]
+    ends: Ends
     breaks: Breaks
     drive: Drive | None = None
     kept: dict | None = None
@@ -65,7 +67,7 @@ class Variants(NamedTuple):
             self.direction[chosen],
             self.flywheel[chosen],
             np.ascontiguousarray(self.parameters[:, chosen]),
-            {name: Ends(*(part[chosen] for part in end)) for name, end in self.ends.items()},
+            {node: end[chosen] for node, end in self.ends.items()},
             self.breaks.some(chosen),
             None if drive is None else Drive(*(np.ascontiguousarray(part[..., chosen]) for part in drive)),
             {},
@@ -73,17 +75,52 @@ class Variants(NamedTuple):
 
 
 class Reduction:
-    """Rows of a model in motion, made once for whatever acts: I, dI/dφ, and the moment of each action by its order."""
+    """Rows of a machine in motion, made once for whatever acts: I, dI/dφ, and the moment of each action by its order.
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
-        self.keys = list(dict.fromkeys((term.action, term.order) for term in model.moments.terms))
-        rows = {name: model.linear[name] for name in ("reduced_inertia", "reduced_inertia_phi")}
-        for action, order in self.keys:
-            chosen = [t for t in model.moments.terms if (t.action, t.order) == (action, order)]
-            rows[f"{action} {order}"] = LinearRow(None, tuple((t.coefficient, t.basis) for t in chosen))
-        self.tabulation = Tabulation(model, rows)
-        self.landmarks = Landmarks(model)
+    Parameters
+    ----------
+    mechanics : Mechanics
+        With a crank that turns fully.
+
+    Attributes
+    ----------
+    mechanics : as given
+    time : Given
+        On which loads over time depend.
+    loads : Loads
+    keys : list of (str, int or str)
+        Action and order of each row of a moment.
+    tabulation : Tabulation
+        The curves `inertia`, `slope` and one for each key.
+    landmarks : Landmarks
+    """
+
+    def __init__(self, mechanics: Mechanics) -> None:
+        graph, reduced = mechanics.graph, mechanics.reduced
+        self.mechanics, self.time = mechanics, graph.given("time")
+        self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time)
+        moments: dict[tuple[str, int | str], Node] = {}
+        for key in dict.fromkeys((load.action, load.order) for load in self.loads.terms):
+            own = [(t.coefficient, t.basis) for t in self.loads.terms if (t.action, t.order) == key]
+            moments[key] = graph.combination(own)
+        self.keys = [key for key, moment in moments.items() if moment is not graph.zero]
+        curves = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
+        watched = [load.characteristic for load in self.loads.terms]
+        title = "A machine in motion."
+        functions = functions_at(graph, title, mechanics.first, mechanics.last, curves, watched)
+        self.tabulation = Tabulation(functions)
+        judged = [(action, row) for row, (action, _) in enumerate(self.keys, 2)]
+        self.landmarks = Landmarks(self.tabulation, self.loads.terms, judged, self.cycle)
+
+    @property
+    def cycle(self) -> float:
+        """Period of everything but time [rad]."""
+        return 2.0 * np.pi * self.mechanics.scene.input.revolutions
+
+    def depends_on_time(self, key: tuple[str, int | str]) -> bool:
+        """Whether the moment of a key does."""
+        own = [t.basis for t in self.loads.terms if (t.action, t.order) == key]
+        return self.time in reached(own)
 
     def variants(self, numbers: Numbers, direction: np.ndarray, flywheel: np.ndarray) -> "Variants":
         """Make a set of variants ready.
@@ -96,10 +133,14 @@ class Reduction:
         flywheel : ndarray (variants,)
             Inertia added to the machine's [kg·m²].
         """
-        count = direction.size
-        ends, breaks = self.landmarks(numbers, count, direction)
-        parameters = self.tabulation.parameters(numbers, count, direction)
+        ends, breaks = self.landmarks(numbers, direction)
+        parameters = self.tabulation.parameters(numbers, direction, ends)
         return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
+
+    def curves(self, variants: "Variants", places: np.ndarray, clock: np.ndarray | None, sums: Sums) -> np.ndarray:
+        """Sums of the rows at given crank angles and times, (sums, places, variants)."""
+        given = [np.zeros_like(places) if clock is None else clock] if self.tabulation.given else []
+        return self.tabulation(variants.parameters, places, given, sums)
 
 
 class Dynamics:
@@ -115,30 +156,28 @@ class Dynamics:
     """
 
     def __init__(self, reduction: Reduction, off: frozenset[str] = frozenset(), works: bool = False) -> None:
-        model = reduction.model
-        self.model, self.works, self.reduction = model, works, reduction
+        scene, loads = reduction.mechanics.scene, reduction.loads
+        self.works, self.reduction = works, reduction
         self.channels = CHANNELS if works else ("all",)
-        self.motors = tuple(name for name in model.moments.motors if name not in off)
-        terms = [t for t in model.moments.terms if t.action not in off]
-        self.active = frozenset(t.action for t in terms)
-        laws = model.moments.laws
-        self.timed = any(t.basis in laws and laws[t.basis].clock for t in terms)
-        self.instants = instants_of(model, self.active)
-        roles = {t.action: t.role for t in terms}
-        # Of each row of the reduction that acts: its number, its channel and its order.
+        self.motors = tuple(name for name in loads.motors if name not in off)
+        # Of what acts: its row of the reduction, its channel and its order.
+        acting = [(i, key) for i, key in enumerate(reduction.keys) if key[0] not in off]
+        self.active = frozenset(load.action for load in loads.terms if load.action not in off)
+        self.timed = any(reduction.depends_on_time(key) for _, key in acting)
+        self.instants = instants_of(scene, self.active)
+        roles = {load.action: load.role for load in loads.terms}
         self.polynomial, self.laws = [], []
-        for i, (action, order) in enumerate(reduction.keys):
-            if action in self.active:
-                place = (i + 2, self._channel(roles[action]), order)
-                (self.laws if isinstance(order, str) else self.polynomial).append(place)
+        for i, (action, order) in acting:
+            place = (i, self._channel(roles[action]), order)
+            (self.laws if isinstance(order, str) else self.polynomial).append(place)
         # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
-        self.target = np.full(len(reduction.tabulation.names), -1)
+        self.target = np.full(len(reduction.keys) + 2, -1)
         self.target[:2] = 0, 1
-        for row, channel, order in self.polynomial:
-            self.target[row] = 2 + 3 * channel + order
-        for i, (row, _, _) in enumerate(self.laws):
-            self.target[row] = 2 + 3 * len(self.channels) + i
-        self.cycle = 2 * np.pi * model.scene.input.revolutions
+        for i, channel, order in self.polynomial:
+            self.target[i + 2] = 2 + 3 * channel + order
+        for k, (i, _, _) in enumerate(self.laws):
+            self.target[i + 2] = 2 + 3 * len(self.channels) + k
+        self.cycle = reduction.cycle
 
     def _channel(self, role: str | None) -> int:
         if not self.works:
@@ -156,7 +195,7 @@ class Dynamics:
         return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, kept={})
 
     def _drive(self, numbers: Numbers, count: int) -> Drive:
-        scene, line, kloss = self.model.scene, np.zeros((2, count)), []
+        scene, line, kloss = self.reduction.mechanics.scene, np.zeros((2, count)), []
         for name in self.motors:
             motor, at = scene.moments[name], f"moments.{name}"
             ratio = np.abs(motor_ratio(scene, motor, numbers))
@@ -212,11 +251,11 @@ class Dynamics:
         clock : ndarray (places, variants), optional
             Time [s].
         """
-        tabulation, channels = self.reduction.tabulation, len(self.channels)
-        way = np.broadcast_to(variants.direction, (len(tabulation.names), variants.count)).copy()
+        channels = len(self.channels)
+        way = np.broadcast_to(variants.direction, (self.target.size, variants.count)).copy()
         way[0] = 1.0
         sums = Sums(self.target, 2 + 3 * channels + len(self.laws), way)
-        out = tabulation(variants.parameters, variants.ends, places, clock, sums)
+        out = self.reduction.curves(variants, places, clock, sums)
         loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
         return Rows(out[0] + variants.flywheel, out[1], loads, powers)
 
