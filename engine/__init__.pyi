@@ -3,6 +3,9 @@
 An import with `as` offers a name under one that says enough away from its module.
 """
 
+from engine.balancing.counterweights import Balanced as BalancedMachine
+from engine.balancing.counterweights import BalanceError, balance
+from engine.balancing.counterweights import Place as CounterweightPlace
 from engine.balancing.engines.engine_columns import ROUNDED as ROUNDED_ORDERS
 from engine.balancing.engines.engine_columns import engine_numbers, engine_torque, made_engine
 from engine.balancing.engines.engine_element import EngineElement
@@ -23,6 +26,12 @@ from engine.balancing.engines.shaking import shaking as engine_shaking
 from engine.balancing.engines.torque_orders import firing_sums
 from engine.balancing.rotors.correction import corrected as corrected_unbalance
 from engine.balancing.rotors.grades import permissible_unbalance, tolerance_shares
+from engine.balancing.rotors.influence import (
+    four_runs,
+    influence_coefficients,
+    influence_correction,
+    residual_confidence,
+)
 from engine.balancing.rotors.rotor_columns import corrections_of as rotor_corrections
 from engine.balancing.rotors.rotor_columns import rotor_numbers
 from engine.balancing.rotors.rotor_columns import unbalances_of as rotor_unbalances
@@ -44,7 +53,6 @@ from engine.laws.tables import TableError
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.machine import Machine
 from engine.machine.model import Model
-from engine.machine.quantities.quantities import InputUnits, Quantity, has_cycle
 from engine.machine.quantities.reactions import acting_fields, friction_in_pairs
 from engine.machine.results import AskError, Outcome
 from engine.motion.cases import regime_text
@@ -53,6 +61,7 @@ from engine.panels.accuracy import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.panels.accuracy import REACHED as ACCURACY_REACHED
 from engine.panels.accuracy import USED as POSITIONS_USED
 from engine.panels.accuracy import AccurateMachine
+from engine.quantities.quantity import InputUnits, Quantity, has_cycle
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
 from engine.scene.inertia import body_mass, centre_along
@@ -88,7 +97,10 @@ __all__ = [
     "SHAKING_ORDERS",
     "AccurateMachine",
     "AskError",
+    "BalanceError",
+    "BalancedMachine",
     "Brake",
+    "CounterweightPlace",
     "CrankInput",
     "DCMotor",
     "Derivatives",
@@ -128,6 +140,7 @@ __all__ = [
     "acting_fields",
     "any_quantity",
     "assembly_ranges",
+    "balance",
     "base_powers",
     "bearer_of",
     "body_mass",
@@ -147,6 +160,7 @@ __all__ = [
     "firing_angles",
     "firing_intervals",
     "firing_sums",
+    "four_runs",
     "friction_in_pairs",
     "group_links",
     "guide_edge_forces",
@@ -155,6 +169,8 @@ __all__ = [
     "holder_of",
     "in_line_engine",
     "in_text",
+    "influence_coefficients",
+    "influence_correction",
     "input_point",
     "made_engine",
     "made_ready",
@@ -167,6 +183,7 @@ __all__ = [
     "recognised",
     "regime_text",
     "remaining_shaking",
+    "residual_confidence",
     "resultant_unbalance",
     "rotor_corrections",
     "rotor_numbers",

@@ -23,7 +23,7 @@ import numpy as np
 
 from engine.balancing.least_shaking import DependentError, Optimum, Unknown, least_peak, least_rms
 from engine.machine.machine import Machine
-from engine.machine.quantities.quantities import has_cycle
+from engine.quantities.quantity import has_cycle
 from engine.scene.names import did_you_mean
 from engine.scene.parts import Body
 from engine.scene.scene import Scene

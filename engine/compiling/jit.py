@@ -44,7 +44,7 @@ KERNEL_OPTIONS = {
 PIECES_PER_THREAD = 8
 UNUSED_FOR = 60 * 24 * 3600.0
 
-_COMPILING = threading.Lock()
+COMPILING = threading.Lock()
 # Whether the work on this thread is already one of several pieces.
 _here = threading.local()
 _settings = {"threads": 0}
@@ -194,7 +194,7 @@ def compiled(text: str, function: str, *arguments: object) -> Callable:
     *arguments
         Arguments of a call without effect; a broken cache is thrown away and the call made once more.
     """
-    with _COMPILING:
+    with COMPILING:
         try:
             getattr(load_kernel(text), function)(*arguments)
         except (EOFError, pickle.UnpicklingError):
@@ -276,7 +276,7 @@ def over_variants(function: Callable) -> Callable:
 
     @wraps(function)
     def run(count: int, *arguments: object) -> None:
-        with _COMPILING:
+        with COMPILING:
             kernel(0, 0, *arguments)
         run_pieces(kernel, count, arguments)
 

@@ -5,11 +5,19 @@ the lane, and results don't depend on the width of the processor's vectors.
 """
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 from numba import njit, types
 from numba.core.compiler import Compiler
 
-from engine.jit import FLOATING_POINT_RULES, _COMPILING, keep_compiled
+from engine.compiling.jit import (
+    COMPILING,
+    FLOATING_POINT_RULES,
+    PIECES_PER_THREAD,
+    keep_compiled,
+    on_all_threads,
+    threads,
+)
 
 RULES = set(FLOATING_POINT_RULES) - {"reassoc"}
 
@@ -42,7 +50,7 @@ def routine(function: Callable) -> Callable:
     )
 
 
-def curves(function: Callable) -> Callable:
+def curves_function(function: Callable) -> Callable:
     """Compile one of a machine's functions, of the signature that `engine.cycle` takes."""
     return njit(CURVES_SIGNATURE, error_model="numpy", fastmath=RULES, nogil=True)(function)
 
@@ -59,7 +67,22 @@ def prepare(compiled: Callable, signature: Sequence[types.Type]) -> None:
 
     Types are stated because a function is otherwise a type of its own: the driver would be compiled for every machine.
     """
-    with _COMPILING:
+    with COMPILING:
         if not compiled.signatures:
             compiled.compile(types.void(*signature))
             compiled.disable_compile()
+
+
+def spread(compiled: Callable, count: int, arguments: Callable) -> None:
+    """Run a `driver` over a range 0 … count − 1 in pieces on all threads; its first two parameters are the range.
+
+    Parameters
+    ----------
+    compiled : callable
+    count : int
+    arguments : callable
+        Returns what follows the range, for one piece.
+    """
+    pieces = min(count, threads() * PIECES_PER_THREAD)
+    ends = [i * count // pieces for i in range(pieces + 1)]
+    on_all_threads(lambda piece: compiled(*piece, *arguments()), list(pairwise(ends)))

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from engine.cycle.compiling import routine, scalar
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES
+from engine.cycle.compiling import routine, scalar
 from engine.cycle.lanes import LANES, in_lanes
 
 
@@ -36,16 +36,15 @@ def direction_of(angle: float) -> tuple[float, float]:
 
 
 @routine
-def directions(count: int, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray) -> None:
-    """Cosine and sine of the first `count` rows of positions.
+def directions(q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray) -> None:
+    """Cosine and sine of positions.
 
     Parameters
     ----------
-    count : int
     q, cos_q, sin_q : ndarray (positions, LANES)
     """
     q, cos_q, sin_q = in_lanes(q), in_lanes(cos_q), in_lanes(sin_q)
-    for k in range(count):
+    for k in range(q.shape[0]):
         for lane in range(LANES):
             cosine, sine = direction_of(q[k, lane])
             cos_q[k, lane], sin_q[k, lane] = cosine, sine

@@ -2,24 +2,30 @@
 
 import numpy as np
 
+from engine.cycle.chebyshev import DEGREE
 from engine.cycle.compiling import routine
-from engine.cycle.lanes import LANES, in_lanes
-from engine.cycle.panels import ACCEPTED, HALF
+from engine.cycle.lanes import LANES, in_lanes, in_panels
+from engine.cycle.panels import ACCEPTED, HALF, OPENED
 from engine.cycle.series import MAGNITUDE, MISSING, SUM
 
-# Rows of an integral.
-VALUE, ERROR = range(2)
-INTEGRAL = 2
+# Rows of an integral; the last one is the curve's value at the end of the last panel.
+VALUE, ERROR, END = range(3)
+INTEGRAL = 3
 # What values of a curve and weighted sums of them are off by, as a share of the greatest magnitude.
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 
 @routine
-def add_panels(figures: np.ndarray, curve: int, walk: np.ndarray, integrals: np.ndarray, k: int) -> None:
+def add_panels(
+    tile: np.ndarray, figures: np.ndarray, curve: int, walk: np.ndarray, integrals: np.ndarray, k: int
+) -> None:
     """Add the accepted panels' share to the integral of a curve.
+
+    Where a curve jumps at an edge, it does so within what the edge's place may be off by.
 
     Parameters
     ----------
+    tile : ndarray (curves, POSITIONS, LANES)
     figures : ndarray (curves, FIGURES, LANES)
     curve : int
     walk : ndarray (WALK, LANES)
@@ -27,10 +33,13 @@ def add_panels(figures: np.ndarray, curve: int, walk: np.ndarray, integrals: np.
     k : int
         Which of them.
     """
+    tile = in_panels(tile)
     figures, walk, integrals = in_lanes(figures), in_lanes(walk), in_lanes(integrals)
     for lane in range(LANES):
         half, accepted = walk[HALF, lane], walk[ACCEPTED, lane] > 0.0
         share = half * figures[curve, SUM, lane]
         off = abs(half) * (figures[curve, MISSING, lane] + 2.0 * ROUNDING * figures[curve, MAGNITUDE, lane])
+        off += abs(tile[curve, 0, lane] - integrals[k, END, lane]) * walk[OPENED, lane]
         integrals[k, VALUE, lane] += share if accepted else 0.0
         integrals[k, ERROR, lane] += off if accepted else 0.0
+        integrals[k, END, lane] = tile[curve, DEGREE, lane] if accepted else integrals[k, END, lane]

@@ -30,7 +30,7 @@ def _with_known_shape(*last: int) -> Callable:
     """
 
     @intrinsic
-    def known(typing_context: object, array: types.Array) -> tuple:  # noqa: ARG001
+    def known(typing_context: object, array: types.Array) -> tuple:
         def generate(context: object, builder: object, signature: object, arguments: tuple) -> object:
             given = context.make_array(array)(context, builder, arguments[0])
             ndim, itemsize = array.ndim, context.get_abi_sizeof(context.get_data_type(array.dtype))

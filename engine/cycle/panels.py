@@ -18,9 +18,13 @@ from engine.cycle.series import MAGNITUDE, NOISE, SUM, TAIL, larger, smaller
 # Rows of a walk. Along it, input positions count in the direction in which the input runs: BEGIN and END of the panel,
 # the EDGE ahead, the LAST position, the length of the RANGE; the length WANTED; how many panels were TAKEN; the panel's MIDDLE and HALF length as
 # the machine's functions see them; DIRECTION 1 or −1; whether the lane is still on its way (ACTIVE), and whether
-# its panel is ACCEPTED; EXCESS of what is left over what is tolerated; edges nearer than CLOSE are one.
+# its panel is ACCEPTED; EXCESS of what is left over what is tolerated; edges nearer than CLOSE are one. What
+# the place may be off by of the edge where the panel begins (OPENED) and of the edge AHEAD.
 BEGIN, END, EDGE, LAST, RANGE, WANTED, TAKEN, MIDDLE, HALF, DIRECTION, ACTIVE, ACCEPTED, EXCESS, CLOSE = range(14)
-WALK = 14
+OPENED, NEXT_OPENED, AHEAD = 14, 15, 16
+WALK = 17
+# Parts of an edge: its place, and what that may be off by.
+PLACE, PLACE_ERROR = range(2)
 
 # A panel is made this much shorter, of its length, or longer than the one before, at most.
 SHORTER, LONGER = 0.25, 1.5
@@ -44,7 +48,7 @@ def set_out(first: np.ndarray, last: np.ndarray, longest: float, walk: np.ndarra
         walk[RANGE, lane] = end - begin
         walk[CLOSE, lane] = SAME * larger(abs(begin), abs(end))
         walk[MIDDLE, lane], walk[HALF, lane] = first[lane], 0.0
-        walk[ACCEPTED, lane] = 0.0
+        walk[ACCEPTED, lane] = walk[OPENED, lane] = walk[NEXT_OPENED, lane] = 0.0
         walk[ACTIVE, lane] = 1.0 if end - begin < math.inf and end > begin else 0.0
 
 
@@ -54,8 +58,9 @@ def next_panels(edges: np.ndarray, count: int, walk: np.ndarray) -> bool:
 
     Parameters
     ----------
-    edges : ndarray (edges, LANES)
-        Positions that no panel may have inside, in any order, in the direction of the walk; NaN or infinite: none.
+    edges : ndarray (2, edges, LANES)
+        Positions that no panel may have inside, in any order, in the direction of the walk, NaN for none; what they may
+        be off by.
     count : int
         Number of rows of `edges` that are used.
     walk : ndarray (WALK, LANES)
@@ -67,12 +72,15 @@ def next_panels(edges: np.ndarray, count: int, walk: np.ndarray) -> bool:
     """
     edges, walk = in_lanes(edges), in_lanes(walk)
     for lane in range(LANES):
-        walk[EDGE, lane] = walk[LAST, lane]
+        walk[EDGE, lane], walk[AHEAD, lane] = walk[LAST, lane], 0.0
+        walk[OPENED, lane] = walk[NEXT_OPENED, lane]
     for e in range(count):
         for lane in range(LANES):
-            edge, close = edges[e, lane], walk[CLOSE, lane]
+            edge, close = edges[PLACE, e, lane], walk[CLOSE, lane]
             ahead = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close)
-            walk[EDGE, lane] = smaller(edge, walk[EDGE, lane]) if ahead else walk[EDGE, lane]
+            nearest = ahead & (edge < walk[EDGE, lane])
+            walk[EDGE, lane] = edge if nearest else walk[EDGE, lane]
+            walk[AHEAD, lane] = edges[PLACE_ERROR, e, lane] if nearest else walk[AHEAD, lane]
     going = False
     for lane in range(LANES):
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
@@ -142,6 +150,8 @@ def judge(longest: float, walk: np.ndarray) -> bool:
         walk[ACCEPTED, lane] = 1.0 if accepted else 0.0
         walk[TAKEN, lane] += 1.0 if accepted else 0.0
         walk[BEGIN, lane] = end if accepted else begin
+        opened = walk[AHEAD, lane] if end == walk[EDGE, lane] else 0.0
+        walk[NEXT_OPENED, lane] = opened if accepted else walk[OPENED, lane]
         walk[ACTIVE, lane] = 1.0 if active & ((not enough) | (end < walk[LAST, lane])) else 0.0
         any_accepted |= accepted
     return any_accepted

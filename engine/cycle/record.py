@@ -18,7 +18,6 @@ from engine.cycle.series import MISSING as FIGURE_MISSING
 from engine.cycle.series import TAIL as FIGURE_TAIL
 from engine.cycle.transforms import to_coefficients
 
-
 # Rows of a curve in a step: what lies beyond the series, and what the sum over the positions misses of the integral.
 TAIL, MISSING = range(2)
 # Rows of a step.

@@ -7,7 +7,7 @@ two of half the size.
 
 import numpy as np
 
-from engine.cycle.chebyshev import DEGREE, MIDDLE, POSITIONS
+from engine.cycle.chebyshev import DEGREE, MIDDLE
 from engine.cycle.compiling import routine
 from engine.cycle.lanes import LANES, in_lanes, in_panels
 

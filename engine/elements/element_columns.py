@@ -10,7 +10,7 @@ from engine.balancing.rotors.rotor_columns import rotor_law
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.compiling.jit import on_all_threads, run_kernel, scalar
 from engine.elements.element_laws import LAWS, Law, Result
-from engine.machine.quantities.quantities import Quantity
+from engine.quantities.quantity import Quantity
 from engine.scene.elements import MachineElement
 from engine.scene.scene import Numbers, Scene
 from engine.verdicts import Verdict

@@ -9,7 +9,7 @@ from engine.equal_positions.text.kernel_text import Form
 from engine.equal_positions.text.kernels import Source
 from engine.machine.checks import given_numbers
 from engine.machine.machine import Machine
-from engine.machine.quantities.quantities import Quantity
+from engine.quantities.quantity import Quantity
 from engine.machine.results import AskError, Outcome, blank
 from engine.panels.accuracy import AccurateMachine
 from engine.scene.names import did_you_mean

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.machine.quantities.quantities import Quantity
+from engine.quantities.quantity import Quantity
 from engine.scene.inertia import Value, disc_inertia, ring_inertia
 from engine.scene.parts import WheelForm
 from engine.scene.scene import Scene

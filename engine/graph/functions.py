@@ -32,8 +32,6 @@ from numba import njit
 dtype = np.{dtype}
 '''
 
-_EVENTS = "Curves that switch something, and their derivatives."
-
 
 class Landmark(NamedTuple):
     """Ends of a curve over the cycle: which event it is, and rows of P for its ends and their places (−1: none)."""
@@ -51,7 +49,7 @@ class Functions(NamedTuple):
     Attributes
     ----------
     text : str
-        Source of a module with `events_scan`, `events_at`, `levels`, `states`, `curves`.
+        Source of a module with `events`, `levels`, `states`, `curves`.
     rows : dict of Node to int
         Row of P of each number: the range of the input first, then numbers of the variant, of the cycle, of the panel.
     numbers : tuple of Number or Constant
@@ -112,8 +110,7 @@ def functions_of(
         graph,
         title,
         plan,
-        _Part("events_scan", _EVENTS, plan.event_nodes, positions=PANEL_POSITIONS),
-        _Part("events_at", f"{_EVENTS} At one position.", plan.event_nodes),
+        _events(plan),
         _levels(plan),
         _Part("states", "What a panel holds.", held),
         _Part("curves", "All that is asked at a position.", plan.curves, positions=PANEL_POSITIONS, inline_held=False),
@@ -130,7 +127,7 @@ def functions_at(
 ) -> Functions:
     """Print the functions that compute some curves at positions one by one, what is held at the position itself.
 
-    The text has `events_at`, `levels` and `curves_at`.
+    The text has `events`, `levels` and `curves_at`.
 
     Parameters
     ----------
@@ -149,7 +146,7 @@ def functions_at(
         graph,
         title,
         plan._replace(held=[]),
-        _Part("events_at", _EVENTS, plan.event_nodes),
+        _events(plan),
         _levels(plan),
         _Part("curves_at", "All that is asked at a position.", plan.curves),
     )
@@ -179,8 +176,12 @@ class _Part(NamedTuple):
     doc: str
     outputs: list[Node]
     stage: Stage = Stage.POSITION
-    positions: int = 1
+    positions: int | None = 1
     inline_held: bool = True
+
+
+def _events(plan: _Plan) -> _Part:
+    return _Part("events", "Curves that switch something, and their derivatives.", plan.event_nodes, positions=None)
 
 
 def _levels(plan: _Plan) -> _Part:

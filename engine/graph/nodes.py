@@ -404,8 +404,8 @@ class Graph:
     def combination(self, terms: Iterable[tuple[Node, Node]]) -> Node:
         """Sum of coefficients times curves."""
         kept = tuple((c, b) for c, b in terms if self.zero not in (c, b))
-        if not kept:
-            return self.zero
+        if all(isinstance(node, (Number, Constant)) for term in kept for node in term):
+            return sum((c * b for c, b in kept), self.zero)
         return self._once(("sum", kept), lambda: Sum(self, kept))
 
     def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0) -> None:

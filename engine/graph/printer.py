@@ -72,7 +72,7 @@ class Body:
         self.reads: dict[Node, str] = {}
         self.positions: list[str] = []
         self.laws: list = []
-        self._taken: set[str] = {"k", "l", "i", "v", "n", "p", "t", "q", "cos_q", "sin_q"}
+        self._taken: set[str] = {"k", "l", "i", "v", "n", "p", "t", "q", "cos_q", "sin_q", "positions"}
         self._texts: dict[Node, str] = {}
         self._depth: dict[Node, int] = {}
         order = reached(outputs, self._is_leaf)
@@ -190,7 +190,7 @@ def in_lanes(
     outputs: Sequence[Node],
     rows: Mapping[Node, int],
     stage: Stage,
-    positions: int,
+    positions: int | None,
     inline_held: bool = True,
 ) -> tuple[str, list]:
     """Print a function that fills a tile, lanes innermost.
@@ -205,8 +205,9 @@ def in_lanes(
         Row of each number in P.
     stage : Stage
         Of the outputs; what changes less often is read from P.
-    positions : int
-        Of the tile. As a constant it tells compilers that the tile's rows don't overlap.
+    positions : int or None
+        Of the tile. As a constant it tells compilers that the tile's rows don't overlap; of tiles of any number of
+        positions, None, rows are copied from where that is known.
     inline_held : bool
         Whether held nodes are computed at each position instead of being read from P.
 
@@ -217,16 +218,26 @@ def in_lanes(
         Functions that the text calls.
     """
     body = Body(outputs, stage, inline_held)
-    lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p, t = P.ravel(), tile.ravel()"]
     used = [which for which in ("q", "cos_q", "sin_q") if which in body.positions]
-    lines += [f"    {which}_at = {which}.ravel()" for which in used]
-    lines += [f"    for k in range({positions}):", f"        for l in range({LANES}):"]
-    inner = [f"i = k * {LANES} + l"]
-    inner += [f"{which} = {which}_at[i]" for which in used]
-    inner += [f"{text} = p[{rows[node] * LANES} + l]" for node, text in body.reads.items()]
-    inner += body.statements
-    inner += [f"t[{c * positions * LANES} + i] = {value}" for c, value in enumerate(body.values)]
-    lines += [f"            {line}" for line in inner]
+    reads = [f"{text} = p[{rows[node] * LANES} + l]" for node, text in body.reads.items()]
+    lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = P.ravel()"]
+    if positions is None:
+        lines += [f"    t, positions = np.empty({len(outputs) * LANES}), q.shape[0]"]
+        lines += [f"    {which}_at = {which}" for which in used]
+        lines += ["    for k in range(positions):"]
+        lines += [f"        {which}_row = {which}_at[k]" for which in used]
+        inner = [f"{which} = {which}_row[l]" for which in used]
+    else:
+        lines += ["    t = tile.ravel()", *(f"    {which}_at = {which}.ravel()" for which in used)]
+        lines += [f"    for k in range({positions}):"]
+        inner = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
+    step, place = (LANES, "l") if positions is None else (positions * LANES, "i")
+    inner += [*reads, *body.statements]
+    inner += [f"t[{c * step} + {place}] = {value}" for c, value in enumerate(body.values)]
+    lines += [f"        for l in range({LANES}):", *(f"            {line}" for line in inner)]
+    if positions is None:
+        lines += [f"        for c in range({len(outputs)}):", f"            for l in range({LANES}):"]
+        lines += [f"                tile[c, k, l] = t[c * {LANES} + l]"]
     return "\n".join(lines) + "\n", body.laws
 
 

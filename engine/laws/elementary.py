@@ -278,16 +278,17 @@ def direction_of(angle: float) -> tuple[float, float]:
     Returns
     -------
     cosine, sine : float
-        To 2e-16.
+        To 2e-16, and 4e-17 of the angle.
 
     Notes
     -----
     The angle is taken to the nearest multiple of a right angle; the polynomials are for angles up to 45 degrees.
+    A right angle is π/2 as rounded, so that a cycle of whole turns, each 2π as rounded, ends exactly where it began.
     """
     angle = np.float64(angle)
     rounded = _fused(angle, _INVERSE_HALF_PI, _ROUNDER)
     quarters = rounded - _ROUNDER
-    r = _fused(-quarters, _HALF_PI_REST, _fused(-quarters, _HALF_PI, angle))
+    r = _fused(-quarters, _HALF_PI, angle)
     z = r * r
     p = _fused(z, 1.58962301576546568060e-10, -2.50507477628578072866e-8)
     p = _fused(z, p, 2.75573136213857245213e-6)

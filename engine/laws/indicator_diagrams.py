@@ -5,12 +5,228 @@ travel + clearance · stroke, the clearance being a fraction of the swept volume
 Ideal valves: they open at the pressure of the line and lose nothing. Where the diagram jumps (combustion, a
 valve or a port opening), the value is that of the named stroke. Per-position functions, floats in and out.
 
+Every diagram is made of at most four branches. The gas expands, flows out, flows in, or is compressed: along a
+polytrope p V^n, at the pressure of a line, at the other line's, along another polytrope. A law of each cylinder tells
+the branch at a position, and `branch_pressure` the pressure along it, a smooth function of the travel that goes on
+beyond the branch's ends.
+
 Sources: J. B. Heywood, Internal Combustion Engine Fundamentals (ideal cycles); any textbook of reciprocating
 compressors for the polytropic diagram with clearance.
 """
 
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
 from engine.compiling.jit import scalar
 from engine.laws.elementary import power
+
+# Branches of a diagram, numbered as the strokes of a four-stroke engine follow each other.
+EXPANSION, OUTFLOW, INFLOW, COMPRESSION = 0.0, 1.0, 2.0, 3.0
+
+
+@scalar
+def compressor_branch(travel: float, stroke: float, rate: float, discharge_opens: float, suction_opens: float) -> float:
+    """Branch of a compressor's diagram.
+
+    Parameters
+    ----------
+    travel, stroke : float
+        [m].
+    rate : float
+        Speed of the travel in any unit: negative while the piston moves toward the head.
+    discharge_opens, suction_opens : float
+        Travel at which the valves open, as a share of the stroke; from `compressor_opening_travels`.
+
+    Returns
+    -------
+    float
+        EXPANSION, OUTFLOW, INFLOW or COMPRESSION; NaN where travel or rate is.
+    """
+    if math.isnan(travel) or math.isnan(rate):
+        return math.nan
+    if rate < 0.0:
+        return OUTFLOW if travel < discharge_opens * stroke else COMPRESSION
+    return EXPANSION if travel < suction_opens * stroke else INFLOW
+
+
+@scalar
+def pump_branch(rate: float) -> float:
+    """Branch of a pump's diagram: OUTFLOW toward the head, where the rate is negative, else INFLOW; NaN for NaN."""
+    if math.isnan(rate):
+        return rate
+    return OUTFLOW if rate < 0.0 else INFLOW
+
+
+@scalar
+def four_stroke_branch(rate: float, phi: float, head_at: float, firing: float, forward: float) -> float:
+    """Branch of a four-stroke engine's diagram.
+
+    Parameters
+    ----------
+    rate : float
+        Speed of the travel in any unit: negative while the piston moves toward the head.
+    phi : float
+        Crank angle [rad].
+    head_at : float
+        Crank angle of a head-end dead centre [rad].
+    firing : float
+        The gas expands from the first head-end dead centre on that follows this angle [rad].
+    forward : float
+        Sign of the crank's speed.
+
+    Returns
+    -------
+    float
+        EXPANSION, OUTFLOW, INFLOW or COMPRESSION; NaN where rate or crank angle is.
+    """
+    if math.isnan(rate) or math.isnan(phi):
+        return math.nan
+    turn = 2.0 * math.pi
+    # A dead centre within rounding of the firing angle is meant, not the one a whole turn later.
+    turns_to_fire = math.ceil(forward * (firing - head_at) / turn - 1e-6)
+    since = forward * (phi - head_at) / turn - turns_to_fire
+    if math.floor(since) % 2 == 0:
+        return OUTFLOW if rate < 0.0 else EXPANSION
+    return COMPRESSION if rate < 0.0 else INFLOW
+
+
+@scalar
+def two_stroke_branch(travel: float, stroke: float, rate: float, port: float) -> float:
+    """Branch of a two-stroke engine's diagram.
+
+    Parameters
+    ----------
+    travel, stroke : float
+        [m].
+    rate : float
+        Speed of the travel in any unit: negative while the piston moves toward the head.
+    port : float
+        Share of the stroke beyond which the ports are open.
+
+    Returns
+    -------
+    float
+        EXPANSION, OUTFLOW (ports open) or COMPRESSION; NaN where travel or rate is.
+    """
+    if math.isnan(travel) or math.isnan(rate):
+        return math.nan
+    if travel > port * stroke:
+        return OUTFLOW
+    return COMPRESSION if rate < 0.0 else EXPANSION
+
+
+@scalar
+def line_pressure(branch: float, inflow: float, outflow: float) -> float:
+    """Pressure of the line that the cylinder is open to [Pa].
+
+    Parameters
+    ----------
+    branch : float
+        INFLOW or OUTFLOW.
+    inflow, outflow : float
+        Pressures of the lines [Pa].
+
+    Returns
+    -------
+    float
+        [Pa]; NaN in any other branch.
+    """
+    other = outflow if branch == OUTFLOW else math.nan
+    return inflow if branch == INFLOW else other
+
+
+@scalar
+def branch_pressure(
+    branch: float,
+    travel: float,
+    stroke: float,
+    clearance: float,
+    inflow: float,
+    outflow: float,
+    peak: float,
+    port: float,
+    n_compression: float,
+    n_expansion: float,
+) -> float:
+    """Pressure along a branch of a diagram: a smooth function of the travel, without branches of its own.
+
+    Parameters
+    ----------
+    branch : float
+        EXPANSION, OUTFLOW, INFLOW or COMPRESSION.
+    travel, stroke : float
+        [m].
+    clearance : float
+        Clearance volume / swept volume, above 0.
+    inflow, outflow : float
+        Pressure of the lines: suction and discharge, or intake and exhaust [Pa].
+    peak : float
+        Pressure at the head-end dead centre from which the gas expands: after combustion, or `compressor_peak` [Pa].
+    port : float
+        Share of the stroke at which compression begins: where the ports close, otherwise 1.
+    n_compression, n_expansion : float
+        Polytropic exponents.
+
+    Returns
+    -------
+    float
+        [Pa]; NaN for NaN in branch or travel.
+    """
+    least = clearance * stroke
+    length = travel + least
+    # Rounding puts the dead centre at a travel just below 0.
+    length = least if travel < 0.0 else length
+    expands = branch == EXPANSION
+    before = least if expands else port * stroke + least
+    pressure = peak if expands else inflow
+    exponent = n_compression if branch == COMPRESSION else math.nan
+    exponent = n_expansion if expands else exponent
+    # Along a line the exponent is 0.
+    pressure = outflow if branch == OUTFLOW else pressure
+    exponent = 0.0 if (branch == INFLOW) | (branch == OUTFLOW) else exponent
+    return _polytropic(pressure, before, length, exponent)
+
+
+def compressor_peak(
+    clearance: ArrayLike, suction: ArrayLike, discharge: ArrayLike, n_compression: ArrayLike
+) -> np.ndarray:
+    """Pressure at the head-end dead centre of a compressor: of discharge, or what compression reaches [Pa].
+
+    Parameters
+    ----------
+    clearance : array_like
+        Clearance volume / swept volume, above 0.
+    suction, discharge : array_like
+        [Pa].
+    n_compression : array_like
+    """
+    clearance = np.asarray(clearance, float)
+    return np.minimum(discharge, suction * ((1.0 + clearance) / clearance) ** n_compression)
+
+
+def compressor_opening_travels(
+    clearance: ArrayLike, suction: ArrayLike, discharge: ArrayLike, n_compression: ArrayLike, n_expansion: ArrayLike
+) -> tuple[np.ndarray, np.ndarray]:
+    """Travel at which the valves of a compressor open, as a share of the stroke.
+
+    Parameters
+    ----------
+    clearance, suction, discharge, n_compression : array_like
+        As for `compressor_peak`.
+    n_expansion : array_like
+
+    Returns
+    -------
+    discharge_opens, suction_opens : numpy.ndarray
+        On the way toward the head, 0 and below if it never opens; on the way back, 1 and above if it never opens.
+    """
+    clearance = np.asarray(clearance, float)
+    peak = compressor_peak(clearance, suction, discharge, n_compression)
+    compressed = (suction / np.asarray(discharge, float)) ** (1.0 / np.asarray(n_compression, float))
+    expanded = (peak / suction) ** (1.0 / np.asarray(n_expansion, float))
+    return (1.0 + clearance) * compressed - clearance, clearance * expanded - clearance
 
 
 @scalar

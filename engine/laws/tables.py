@@ -8,6 +8,7 @@ F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise
 SIAM J. Sci. Stat. Comput. 5 (1984) (the slopes of "pchip", as in SciPy).
 """
 
+import math
 from difflib import get_close_matches
 from typing import NamedTuple
 
@@ -144,6 +145,69 @@ def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, peri
     for power in range(1, 4):
         value = value * t + coefficients[piece, power]
     return value
+
+
+def in_memory(table: Table) -> np.ndarray:
+    """A table as a row of numbers, in which `table_segment` finds its way.
+
+    Parameters
+    ----------
+    table : Table
+
+    Returns
+    -------
+    numpy.ndarray, shape (4 + 5 n,)
+        Number n of pieces, start, period, the breaks, and the coefficients of one piece after another.
+    """
+    head = (float(table.coefficients.shape[0]), table.start, table.period)
+    return np.concatenate((head, table.breaks, table.coefficients.ravel()))
+
+
+@scalar
+def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, float, float, float, float]:
+    """The cubic that a table is at x: c3 t³ + c2 t² + c1 t + c0, t = x − left.
+
+    Held over a stretch of x without a break of the table, it is smooth up to both ends of the stretch.
+
+    Parameters
+    ----------
+    memory : array of float64, one-dimensional
+        Several tables, each as from `in_memory`.
+    offset : float
+        Where the table begins in it.
+    x : float
+
+    Returns
+    -------
+    left : float
+        Where the piece begins; of a periodic table, in the period of x.
+    c3, c2, c1, c0 : float
+        At a step those after it.
+    """
+    at = int(offset)
+    pieces, start, period = int(memory[at]), memory[at + 1], memory[at + 2]
+    breaks = at + 3
+    shift = 0.0
+    if period > 0.0 and (x < start or x >= start + period):
+        shift = math.floor((x - start) / period) * period
+    piece = piece_of(memory[breaks : breaks + pieces + 1], pieces, x - shift)
+    left = memory[breaks + piece] + shift
+    first = breaks + pieces + 1 + 4 * piece
+    return left, memory[first], memory[first + 1], memory[first + 2], memory[first + 3]
+
+
+@scalar
+def segment_value(left: float, c3: float, c2: float, c1: float, c0: float, x: float) -> float:
+    """Value at x of a cubic from `table_segment`; NaN for NaN."""
+    t = x - left
+    return ((c3 * t + c2) * t + c1) * t + c0
+
+
+@scalar
+def segment_slope(left: float, c3: float, c2: float, c1: float, x: float) -> float:
+    """Derivative at x of a cubic from `table_segment`; NaN for NaN."""
+    t = x - left
+    return (3.0 * c3 * t + 2.0 * c2) * t + c1
 
 
 @scalar

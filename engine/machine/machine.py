@@ -1,35 +1,45 @@
-"""The door: a machine made ready to answer what is asked, for one variant or for millions."""
+"""A machine made ready to answer what is asked, for one variant or for millions."""
 
 import math
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 
 import numpy as np
 
-from engine.compiling.jit import run_kernel, threads
 from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.equal_positions.analyses import Analyses
-from engine.equal_positions.shared_shapes import shared_shapes
-from engine.equal_positions.text.demand import Demand
-from engine.equal_positions.text.kernel_text import SINGULAR_SINE, Form
-from engine.equal_positions.text.kernels import KernelWriter, Source
-from engine.flywheels.wheel import wheel_columns, wheel_summaries
-from engine.laws.tables import table_value
+from engine.equal_positions.rows_machine import RowsMachine
+from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
-from engine.machine.model import Model
-from engine.machine.quantities.quantities import STATISTICS, Quantity, has_cycle
+from engine.machine.kept_fields import KeptFields, fill_cycle_numbers
+from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.quantities import cycle_statistics, kept_from, motion_fields, motion_summaries
-from engine.motion.regimes_in_order import Schedule
+from engine.quantities.machine import register_of
+from engine.quantities.quantity import STATISTICS, Quantity
+from engine.quantities.register import Field, Summary
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
-ROUNDING = 16
+# What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
+CLOSELY = 1e-9
+# A group whose transmission quality falls below this is singular: about the root of the rounding error.
+SINGULAR_SINE = 1e-7
+# Equally spaced positions at which variants that fail are looked at, to say where.
+LOOKED_AT = 720
+# What compares two numbers with one of them, and is zero where they agree.
+_RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
+
+POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1")
+ACCURACY_REACHED = Quantity("accuracy_reached", "1 where every error figure is within the asked accuracy, else 0", "1")
+OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
 
 
 class Machine:
-    """A scene with what is asked of it: fields and summaries.
+    """A scene with what is asked of it: summaries and fields.
+
+    Summaries are measured on the cycle of every variant, cut where a load of that variant sets in and divided as finely
+    as its curves need. Fields are kept at equally spaced positions.
 
     Parameters
     ----------
@@ -39,8 +49,12 @@ class Machine:
     varied : iterable of str
         Paths of the scene's numbers that `evaluate` will be given.
     positions : int
-        Intervals per cycle (or over the input's range), even, at least 8.
+        Intervals per cycle (or over the input's range) of the kept fields, even, at least 8.
     dtype : float64 or float32
+        Of the kept fields; summaries are always computed in float64.
+    accuracy : float, optional
+        Allowed error of every summary, as a share of its magnitude; of a statistic of a field, of the field's peak.
+        Without it summaries are as accurate as costs next to nothing.
 
     Raises
     ------
@@ -65,9 +79,6 @@ class Machine:
     0.1
     """
 
-    # The form that shows what is evaluated.
-    form: Form = "whole"
-
     def __init__(
         self,
         scene: Scene,
@@ -76,126 +87,123 @@ class Machine:
         varied: Iterable[str] = (),
         positions: int = 720,
         dtype: type = np.float64,
+        accuracy: float | None = None,
     ) -> None:
-        self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
-        self.varied = tuple(varied)
-        self._motion_quantities = {q.name: q for q in motion_summaries(scene)}
-        self._motion_fields = {q.name: q for q in motion_fields(scene)}
-        # Fields of the kernel first, so that they lie together in memory.
-        self.asked_summaries = list(summaries)
-        self.asked_fields = sorted(fields, key=lambda name: name in self._motion_fields)
+        if accuracy is not None and not 0.0 < accuracy < 1.0:
+            raise AskError(f"accuracy = {accuracy!r}: a share between 0 and 1 is needed, such as 0.001 or '0.1 %'")
         check_positions(positions)
+        self.scene, self.positions, self.dtype, self.accuracy = scene, positions, np.dtype(dtype), accuracy
+        self.varied = tuple(varied)
+        self.asked_summaries, self.asked_fields = list(summaries), list(fields)
         self._limits = scene_numbers(scene)
         check_names(self.varied, self._limits, "number of the scene")
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
-        self.model = Model(scene, frozenset(self.varied))
-        for name, message in kept_from(scene, (*self.asked_summaries, *self.asked_fields)):
-            raise AskError(f"{name}: {message}")
-        check_names(self.asked_fields, self.available_fields, "field")
-        self.analyses = Analyses(self.model, self.form == "panels")
-        self._add_statistics()
-        check_names(self.asked_summaries, self.available_summaries, "summary")
-        self._wheel = [name for name in self.asked_summaries if name in self.wheel_quantities]
+        self.mechanics = Mechanics(scene, frozenset(self.varied))
+        self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
-        apart = {*self._wheel, *self._elements.names, *self._motion_quantities}
-        computed = [n for n in self.asked_summaries if n not in apart]
-        self.schedule = self._schedule()
-        needs = [*(self.wheel_needs if self._wheel else ()), *(self._motion_needs if self.schedule else ())]
-        self._computed = list(dict.fromkeys([*computed, *needs]))
-        self._kernel_fields = [name for name in self.asked_fields if name not in self._motion_fields]
-        self._computed += self._jams
-        self._writer = self._make_writer()
-        self._sources: dict[Form, Source] = {}
-        self.forms_used: set[Form] = set()
+        own = {*self._elements.names, *OF_ACCURACY}
+        measured = [n for n in self.asked_summaries if n not in own and self._is_measured(n)]
+        self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
+        self._rest = [n for n in self.asked_summaries if n not in own and n not in self._summaries]
+        self._fields: dict[str, Field] = {n: self.register.fields[n] for n in self.asked_fields if self._is_kept(n)}
+        self._rest_fields = [n for n in self.asked_fields if n not in self._fields]
+        if self._rest or self._rest_fields:
+            self._rows.check()
 
-    def _make_writer(self) -> KernelWriter:
-        return KernelWriter(self.model, self.analyses, self._kernel_fields, self._computed)
+    def _is_measured(self, name: str) -> bool:
+        """Whether a summary is measured on the cycle; statistics of angles aren't yet."""
+        field, _, statistic = name.rpartition(".")
+        if statistic in STATISTICS and field in self.register.fields:
+            return isinstance(self.register.fields[field].curve(), Node)
+        if ".swing" in name and not self.mechanics.has_cycle:
+            return False
+        return self.register.summary(name) is not None
+
+    def _is_kept(self, name: str) -> bool:
+        return name in self.register.fields
+
+    @cached_property
+    def _rows(self) -> "_RowsPart":
+        """What isn't measured on the cycle yet."""
+        return _RowsPart(self)
+
+    # What may be asked
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        return self.model.fields | self._motion_fields
+        own = {name: Quantity(*field[:3]) for name, field in self.register.fields.items()}
+        return own | {n: q for n, q in self._rows.available_fields.items() if n not in own}
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
+        own = {name: Quantity(*summary[:3]) for name, summary in self.register.summaries.items()}
+        own |= {name: Quantity(*summary[:3]) for name, summary in self._summaries.items()}
+        others = {n: q for n, q in self._rows.available_summaries.items() if n not in own}
         elements = {q.name: q for q in element_summaries(self.scene)}
-        return self.analyses.summaries | self.wheel_quantities | self._motion_quantities | elements
+        return own | others | elements | {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
 
-    def _schedule(self) -> Schedule | None:
-        """The regimes, where anything of them is asked."""
-        asked = {n for n in (*self.asked_summaries, *self.asked_fields) if n in self._motion_quantities}
-        asked |= set(self.asked_fields) & set(self._motion_fields)
-        return Schedule(Mechanics(self.scene, frozenset(self.varied)), asked, self.positions) if asked else None
-
-    @property
-    def _motion_needs(self) -> list[str]:
-        """Summaries that show whether every group which takes part in the motion can be assembled."""
-        for field in ("reduced_inertia", "reduced_moment"):
-            self.analyses.add_statistics(self.model.fields[field])
-        loaded = self.schedule.loads.groups if self.schedule.loads else ()
-        return ["reduced_inertia.min", "reduced_moment.mean", *(f"{group}.transmission_angle" for group in loaded)]
-
-    @property
-    def _jams(self) -> list[str]:
-        """Where each group jams whose friction is needed."""
-        if not self.scene.friction:
-            return []
-        return [f"jams__{g}" for g in Demand(self.model, self.analyses, self._kernel_fields, self._computed).settled]
-
-    @property
-    def wheel_quantities(self) -> dict[str, Quantity]:
-        """Summaries of the flywheel as a wheel, computed from others after the kernel."""
-        return {q.name: q for q in wheel_summaries(self.scene)}
-
-    @property
-    def wheel_needs(self) -> tuple[str, str]:
-        """Summaries that a wheel is made for: its inertia and the greatest speed."""
-        return ("flywheel_used", "speed_max")
-
-    @property
-    def groups(self) -> tuple[str, ...]:
-        """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
-        return self.source(self.form).groups
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Input positions: crank angles [rad], or displacement as a fraction of the range of a sliding input."""
-        drive = self.scene.input
-        if has_cycle(self.scene):
-            return np.arange(self.positions) * (2 * math.pi * drive.revolutions / self.positions)
-        share = np.arange(self.positions + 1) / self.positions
-        if isinstance(drive, CrankInput):
-            return drive.start + (drive.stop - drive.start) * share
-        return share
+    # Positions of the kept fields
 
     @property
     def has_cycle(self) -> bool:
         """Whether the input turns fully."""
-        return has_cycle(self.scene)
+        return self.mechanics.has_cycle
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Positions of the kept fields: crank angles [rad], or shares of the range of a sliding input."""
+        drive = self.scene.input
+        if self.has_cycle:
+            return np.arange(self.positions) * (2 * math.pi * drive.revolutions / self.positions)
+        share = np.arange(self.positions + 1) / self.positions
+        return drive.start + (drive.stop - drive.start) * share if isinstance(drive, CrankInput) else share
 
     @property
     def input_values(self) -> np.ndarray:
-        """Values of the input at the positions of the scene as it is [rad, or m of a sliding input]."""
+        """Values of the input at these positions of the scene as it is [rad, or m of a sliding input]."""
         drive = self.scene.input
         if isinstance(drive, CrankInput):
             return self.nodes
         return drive.start + (drive.stop - drive.start) * self.nodes
 
-    def _add_statistics(self) -> None:
-        for name in self.asked_summaries:
-            field, _, suffix = name.rpartition(".")
-            if suffix in STATISTICS and field in self._motion_fields:
-                self._motion_quantities |= {q.name: q for q in cycle_statistics(self._motion_fields[field])}
-            elif suffix in STATISTICS and field in self.available_fields:
-                self.analyses.add_statistics(self.available_fields[field])
+    # What is computed
 
-    def source(self, form: Form) -> Source:
-        """Generated source of the kernel, to be read, in its "whole" or "factorised" form."""
-        if form not in self._sources:
-            self._sources[form] = self._writer.source(form, self.dtype, self.positions)
-        return self._sources[form]
+    @cached_property
+    def _kept(self) -> KeptFields:
+        return KeptFields([field.curve() for field in self._fields.values()], self.dtype, self._title)
+
+    @property
+    def _title(self) -> str:
+        return f"The functions of one machine: {self.scene.title or 'untitled'}."
+
+    @cached_property
+    def measuring(self) -> Measuring:
+        """Functions and plan for all that is measured."""
+        expressions = [summary.expression() for summary in self._summaries.values()]
+        tolerance = CLOSELY if self.accuracy is None else min(1e-2 * self.accuracy, 1e-4)
+        return Measuring(self.mechanics, expressions, self._kept.nodes, tolerance)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
+        return tuple(self.scene.groups)
+
+    def source(self) -> str:
+        """The printed functions, to be read."""
+        text = self.measuring.functions.text
+        return f"{text}\n\n{self._kept.text(self.measuring.functions)}" if self._fields else text
+
+    @property
+    def schedule(self) -> object | None:
+        """The regimes, where anything of them is asked."""
+        return self._rows.machine.schedule if self._rest or self._rest_fields else None
+
+    def new_buffer(self, variants: int) -> np.ndarray:
+        """Memory for the asked fields of a number of variants; worth reusing from block to block."""
+        return field_room((len(self.asked_fields), variants, self.nodes.size), self.dtype)
 
     # Evaluation
 
@@ -225,168 +233,190 @@ class Machine:
         variants = status.size
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
+        room[:] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
-            chosen = {path: values[keep] for path, values in arrays.items()} if keep.size < variants else arrays
-            packed = room if keep.size == variants else self.new_buffer(keep.size)
-            self._fill(outcome, keep, Numbers(self._limits, chosen), packed)
-            if keep.size < variants:
-                room[:] = np.nan
-                room[:, keep] = packed
+            numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
+            self._fill(outcome, keep, numbers or Numbers(self._limits, arrays))
+            if self._rest or self._rest_fields:
+                self._rows.fill(outcome, keep, arrays)
         return outcome
 
-    def new_buffer(self, variants: int) -> np.ndarray:
-        """Memory for the asked fields of a number of variants; worth reusing from block to block."""
-        return field_room((len(self.asked_fields), variants, self.nodes.size), self.dtype)
-
-    def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, fields: np.ndarray) -> None:
-        """Evaluate the variants `keep`, their fields packed into `fields`, and write their summaries and verdicts."""
-        source = self.source(self.form)
-        # An overflow on the way to a parameter ends as a status, not as a warning.
-        with np.errstate(all="ignore"):
-            parameters = self.model.parameters(list(source.slots), numbers, keep.size, self.dtype)
-        values, errors, troubles, checks = self._run(parameters, numbers, fields[: len(self._kernel_fields)])
-        undefined = ~np.isfinite(values)
-        values[undefined] = errors[undefined] = np.nan
-        computed = {name: (values[:, i], errors[:, i]) for i, name in enumerate(self._computed)}
-        if self._wheel:
-            wheels = wheel_columns(self.scene, *(computed[name] for name in self.wheel_needs), numbers)
-            computed |= {name: wheels[name] for name in self._wheel}
-        for name in self.asked_summaries:
-            if name in computed:
-                outcome.summaries[name][keep], outcome.errors[name][keep] = computed[name]
-        not_finite = ~np.isfinite(checks) | self._undefined(undefined)
-        self._judge(outcome, keep, parameters, values, troubles, not_finite)
+    def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+        """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
+        table = self.measuring.numbers(numbers, keep.size)
+        answers = self.measuring(table)
+        undefined = np.zeros(keep.size, bool)
+        for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
+            found = answers.value_of(expression)
+            value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
+            nothing = ~np.isfinite(value)
+            undefined |= nothing & (not summary.may_be_undefined)
+            value[nothing] = error[nothing] = np.nan
+            outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
+        if self._fields:
+            undefined |= self._keep(outcome, keep, table, answers)
+        self._judge(outcome, keep, table, answers, undefined)
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
-        if self.schedule is not None:
-            self._move(outcome, keep, numbers, fields)
+        self._note_accuracy(outcome, keep, answers)
 
-    def _run(
-        self, parameters: np.ndarray, numbers: Numbers, fields: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Run the kernel: values and error figures (variants, summaries), troubles and checks (variants,)."""
-        form, grouping = self._form(parameters, self.source(self.form))
-        self.forms_used.add(form)
-        source = self.source(form)
-        variants = parameters.shape[1]
-        values = np.empty((variants, len(self._computed)))
-        errors, troubles, checks = np.empty_like(values), np.empty(variants), np.empty(variants)
-        run_kernel(
-            source.text,
-            "kernel",
-            variants if grouping is None else grouping[0].size - 1,
-            parameters,
-            *self._places(self.nodes.astype(self.dtype)),
-            self.dtype.type(self.nodes[1] - self.nodes[0]),
-            ROUNDING * float(np.finfo(self.dtype).eps),
-            *(grouping or ()),
-            *self._tables(source),
-            values,
-            errors,
-            fields,
-            troubles,
-            checks,
-        )
-        return values, errors, troubles, checks
+    def _keep(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
+        """Fill the kept fields; which variants have one that isn't finite."""
+        functions = self.measuring.functions
+        fill_cycle_numbers(functions, table, answers.outcome.landmarks, self.measuring.machine.levels)
+        room = np.empty((len(self._fields), keep.size, self.nodes.size), self.dtype)
+        self._kept.fill(functions, table, self._positions_of(table), room)
+        for name, values in zip(self._fields, room, strict=True):
+            outcome.fields[name][keep] = values
+        return ~np.isfinite(room.sum(axis=(0, 2)))
 
-    def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers, fields: np.ndarray) -> None:
-        """Compute the regimes of the variants `keep` that can be assembled."""
-        fields[len(self._kernel_fields) :] = np.nan
-        ready = np.flatnonzero(outcome.status[keep] == Verdict.OK)
-        if not ready.size:
-            return
-        answers = self.schedule.answers(numbers.of_variants(ready), ready.size)
-        moved = keep[ready]
-        outcome.status[moved] = answers.verdict
-        for name in self.asked_summaries:
-            if name in self._motion_quantities:
-                outcome.summaries[name][moved] = answers.values[name]
-                outcome.errors[name][moved] = answers.errors[name]
-        for i, name in enumerate(self.asked_fields):
-            if name in self._motion_fields:
-                fields[i, ready] = answers.fields[name]
-        missing = np.zeros(ready.size, bool)
-        for name, value in answers.values.items():
-            # Nothing drives a machine that runs down: it has no efficiency.
-            if not name.endswith(".efficiency"):
-                missing |= ~np.isfinite(value)
-        outcome.status[moved[missing & (answers.verdict == Verdict.OK)]] = Verdict.NOT_FINITE
-
-    def _places(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions and their cosines and sines, one table for all variants."""
-        return nodes, np.cos(self.nodes).astype(self.dtype), np.sin(self.nodes).astype(self.dtype)
-
-    def _form(self, parameters: np.ndarray, source: Source) -> tuple[Form, tuple[np.ndarray, np.ndarray] | None]:
-        """Which form to use: factorised where each shape serves several variants and loads only enter sums."""
-        grouping = None
-        if self._writer.demand.separable:
-            grouping = shared_shapes(parameters[: source.shape_slots], 4 * threads())
-        return ("whole" if grouping is None else "factorised"), grouping
-
-    def _tables(self, source: Source) -> list[object]:
-        arguments: list[object] = []
-        for name in source.tables:
-            table = self.model.moments.tables[name]
-            arguments += [table.breaks, table.coefficients, table.start, table.period]
-        for name in source.angle_tables:
-            table = self.model.moments.angle_tables[name]
-            arguments.append(np.array([table_value(*table, q) for q in self.nodes], self.dtype))
-        return arguments
+    def _positions_of(self, table: np.ndarray) -> np.ndarray:
+        """Input positions of the fields, (positions,), or (positions, variants) where the range varies."""
+        if isinstance(self.scene.input, CrankInput) or not {"input.start", "input.stop"} & set(self.varied):
+            return self.input_values
+        rows = self.measuring.functions.rows
+        first, last = table[rows[self.mechanics.first]], table[rows[self.mechanics.last]]
+        return first + (last - first) * self.nodes[:, None]
 
     # Verdicts
 
     def _judge(
-        self,
-        outcome: Outcome,
-        keep: np.ndarray,
-        parameters: np.ndarray,
-        values: np.ndarray,
-        troubles: np.ndarray,
-        not_finite: np.ndarray,
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, undefined: np.ndarray
     ) -> None:
-        """Give every variant its verdict, and those that fail the place and the group to blame."""
-        least = SINGULAR_SINE[self.dtype]
-        # NaN where something isn't finite, whatever the reason.
-        doubtful = np.flatnonzero(~(troubles == 0))
-        if doubtful.size:
-            places, sines = np.empty((doubtful.size, 2), np.int64), np.empty(doubtful.size)
-            nodes = self._places(self.nodes.astype(self.dtype))
-            # Both forms share the order of slots, and `diagnose` is the same in both.
-            text = self.source(self.form).text
-            run_kernel(text, "diagnose", doubtful.size, parameters, *nodes, doubtful, places, sines)
-            failed = sines < least
-            blamed, (groups, at) = keep[doubtful[failed]], places[failed].T
-            outcome.status[blamed] = np.where(sines[failed] < 0, Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR)
-            outcome.status_group[blamed] = groups
-            outcome.status_at[blamed] = self._at(at, parameters[:, doubtful[failed]])
-        self._blame_friction(outcome, keep, parameters, values)
-        blamed = keep[not_finite & (outcome.status[keep] == Verdict.OK)]
+        """Give every variant its verdict, and those that fail the group to blame and where it fails."""
+        broken = answers.outcome.broken_at
+        singular = np.zeros(keep.size, bool)
+        for group, (least, place) in zip(self.measuring.groups, answers.sines(), strict=True):
+            fails = (least < SINGULAR_SINE) & ~singular
+            self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
+            singular |= fails
+        lost = np.flatnonzero(np.isfinite(broken) & ~singular)
+        if lost.size:
+            self._blame_assembly(outcome, keep, table, lost, broken)
+        for name, margin in self._margins(answers).items():
+            jams = (outcome.status[keep] == Verdict.OK) & ~(margin.value > 0.0)
+            self._blame(outcome, keep[jams], Verdict.JAMS, name, np.full(jams.sum(), np.nan))
+        blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 
-    def _blame_friction(self, outcome: Outcome, keep: np.ndarray, parameters: np.ndarray, values: np.ndarray) -> None:
-        """Give jammed variants their verdict, with the place and the group that jams first."""
-        columns = {name.removeprefix("jams__"): i for i, name in enumerate(self._computed) if name.startswith("jams__")}
-        for group, column in columns.items():
-            others = np.delete(values[:, list(columns.values())], list(columns).index(group), axis=1)
-            first = np.isfinite(values[:, column]) & ~(others < values[:, column : column + 1]).any(axis=1)
-            first &= outcome.status[keep] == Verdict.OK
-            outcome.status[keep[first]] = Verdict.JAMS
-            outcome.status_group[keep[first]] = self.groups.index(group)
-            outcome.status_at[keep[first]] = self._jammed_at(values[first, column], parameters[:, first])
+    def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
+        outcome.status[who] = verdict
+        outcome.status_group[who] = self.groups.index(group)
+        outcome.status_at[who] = at
 
-    def _jammed_at(self, places: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-        """Input positions from what `jams__…` says of them."""
-        return self._at(places.astype(int), parameters)
+    def _margins(self, answers: Answers) -> dict:
+        """Margin against jamming of each group whose friction is measured."""
+        return {}
 
-    def _undefined(self, undefined: np.ndarray) -> np.ndarray:
-        """Variants with an undefined summary that should have a value."""
-        must = [i for i, n in enumerate(self._computed) if not self.analyses.results[n].may_be_undefined]
-        return undefined[:, must].any(axis=1)
+    def _blame_assembly(
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, lost: np.ndarray, broken: np.ndarray
+    ) -> None:
+        """Say which group can't be assembled, and at which position first, of variants with curves that aren't finite."""
+        functions, groups = self.measuring.functions, self.measuring.groups
+        sines = KeptFields([self.mechanics.kinematics.sines[g] for g in groups], np.dtype(float), self._title)
+        first, last = (table[functions.rows[end], lost] for end in (self.mechanics.first, self.mechanics.last))
+        share = np.arange(LOOKED_AT + 1) / LOOKED_AT
+        q = first + (last - first) * share[:, None]
+        same = (q == q[:, :1]).all()
+        values = np.empty((len(groups), lost.size, share.size))
+        sines.fill(functions, table[:, lost], q[:, 0] if same else q, values)
+        missing = np.isnan(values)
+        for i, v in enumerate(lost):
+            here = missing[:, i]
+            if here.any():
+                at = here.any(axis=0).argmax()
+                group, place = groups[here[:, at].argmax()], q[at, i]
+            else:
+                at_break = np.empty((len(groups), 1, 1))
+                sines.fill(functions, table[:, v : v + 1], broken[v : v + 1], at_break)
+                gone = np.isnan(at_break[:, 0, 0])
+                if not gone.any():
+                    continue
+                group, place = groups[gone.argmax()], broken[v]
+            self._blame(outcome, keep[v : v + 1], Verdict.CANNOT_ASSEMBLE, group, np.array([place]))
 
-    def _at(self, places: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-        """Input positions of variants at given indices."""
-        if isinstance(self.scene.input, CrankInput):
-            return self.nodes[places]
-        slots = self.source(self.form).slots
-        start, stop = (parameters[slots.index(f"num__input__{key}")] for key in ("start", "stop"))
-        return start + (stop - start) * self.nodes[places]
+    # Accuracy
+
+    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: Answers) -> None:
+        """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
+        failed = outcome.status[keep] != Verdict.OK
+        if POSITIONS_USED.name in self.asked_summaries:
+            used = answers.outcome.panels * 17.0
+            self._column(outcome, keep, POSITIONS_USED.name, np.where(failed, np.nan, used))
+        if ACCURACY_REACHED.name in self.asked_summaries:
+            reached = (self._excess(outcome, keep) <= 1.0).astype(float)
+            self._column(outcome, keep, ACCURACY_REACHED.name, np.where(failed, np.nan, reached))
+
+    @staticmethod
+    def _column(outcome: Outcome, keep: np.ndarray, name: str, values: np.ndarray) -> None:
+        outcome.summaries[name][keep], outcome.errors[name][keep] = values, np.where(np.isnan(values), np.nan, 0.0)
+
+    def _excess(self, outcome: Outcome, keep: np.ndarray) -> np.ndarray:
+        """The greatest error figure of each variant as a multiple of what is allowed.
+
+        Statistics of a field are measured by its greatest magnitude that is asked: its mean or its least value may be
+        zero. The place of an extreme doesn't count: beside a flat one it is hardly known, and nothing depends on it.
+        """
+        worst, allowed = np.zeros(keep.size), self.accuracy or 1.0
+        for name in self._summaries:
+            if name.endswith("_at"):
+                continue
+            value, error = outcome.summaries[name][keep], outcome.errors[name][keep]
+            size = np.ones_like(value) if name.endswith(_RELATIVE_ALREADY) else self._size(outcome, keep, name)
+            with np.errstate(all="ignore"):
+                share = np.where(error == 0.0, 0.0, error / (allowed * size))
+            worst = np.fmax(worst, np.where(np.isfinite(value), share, 0.0))
+        return worst
+
+    def _size(self, outcome: Outcome, keep: np.ndarray, name: str) -> np.ndarray:
+        field, _, statistic = name.rpartition(".")
+        if statistic not in STATISTICS:
+            return np.abs(outcome.summaries[name][keep])
+        asked = [n for n in self._summaries if n.rpartition(".")[0] == field and not n.endswith("_at")]
+        return np.max([np.abs(outcome.summaries[n][keep]) for n in asked], axis=0)
+
+
+class _RowsPart:
+    """What a machine is asked that isn't measured on the cycle yet: evaluated over equally spaced positions."""
+
+    def __init__(self, whole: Machine) -> None:
+        self._whole = whole
+
+    @cached_property
+    def machine(self) -> RowsMachine:
+        """The machine over equally spaced positions."""
+        w = self._whole
+        return RowsMachine(w.scene, w._rest, w._rest_fields, w.varied, w.positions, w.dtype)
+
+    @property
+    def available_fields(self) -> dict[str, Quantity]:
+        return self.machine.available_fields
+
+    @property
+    def available_summaries(self) -> dict[str, Quantity]:
+        return self.machine.available_summaries
+
+    def check(self) -> None:
+        """Refuse what doesn't exist, with the names of all that does."""
+        w = self._whole
+        plain = RowsMachine(w.scene, (), (), w.varied, w.positions)
+        fields = {**plain.available_fields, **w.register.fields}
+        known = {**plain.available_summaries, **w.register.summaries}
+        check_names(w._rest_fields, fields, "field")
+        statistics = [n for n in w._rest if n.rpartition(".")[2] in STATISTICS and n.rpartition(".")[0] in fields]
+        check_names([n for n in w._rest if n not in statistics], known, "summary")
+
+    def fill(self, outcome: Outcome, keep: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
+        """Evaluate the variants `keep` that are well so far."""
+        well = keep[outcome.status[keep] == Verdict.OK]
+        if not well.size:
+            return
+        found = self.machine.evaluate({path: values[well] for path, values in arrays.items()})
+        for name in self._whole._rest:
+            outcome.summaries[name][well], outcome.errors[name][well] = found.summaries[name], found.errors[name]
+        for name in self._whole._rest_fields:
+            outcome.fields[name][well] = found.fields[name]
+        fails = found.status != Verdict.OK
+        outcome.status[well[fails]], outcome.status_at[well[fails]] = found.status[fails], found.status_at[fails]
+        names = np.array([*(self._whole.groups.index(g) for g in self.machine.groups), -1])
+        outcome.status_group[well[fails]] = names[found.status_group[fails]]

@@ -14,8 +14,10 @@ from engine.mechanism.inertia import (
     reduced_inertia,
     shaking,
 )
+from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
+from engine.mechanism.reactions import Reactions
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure import Structure, order
@@ -93,6 +95,11 @@ class Mechanics:
     def loads(self) -> Loads:
         """The actions of the scene and their reduced moments."""
         return Loads(self.scene, self.kinematics)
+
+    @cached_property
+    def reactions(self) -> Reactions:
+        """Reactions in the pairs at uniform speed of the input."""
+        return Reactions(self.kinematics, self.structure, self.loads.terms, InputMotion.uniform(self.graph))
 
     @cached_property
     def shaking(self) -> Shaking:

@@ -148,6 +148,8 @@ class Reactions:
 
     def _acts(self, action: str, **parts: Node) -> None:
         """Fields of a force or moment of the scene; the damping of a spring adds to its pull."""
+        if action == "gravity":
+            return
         for key, node in parts.items():
             name = f"{action}.{key}"
             self.variables[name] = self.variables[name] + node if name in self.variables else node

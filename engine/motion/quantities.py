@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from engine.machine.quantities.quantities import STATISTICS, Quantity
+from engine.quantities.quantity import STATISTICS, Quantity
 from engine.machine.quantities.reactions import reaction_fields
 from engine.machine.quantities.shaking import shaking_fields
 from engine.scene.actions import InductionMotor

@@ -15,7 +15,7 @@ import numpy as np
 
 from engine.equal_positions.analyses import Analyses
 from engine.equal_positions.text.demand import WORD
-from engine.machine.machine import Machine
+from engine.equal_positions.rows_machine import RowsMachine
 from engine.machine.quantities.quantities import STATISTICS, Quantity
 from engine.machine.results import AskError, Outcome
 from engine.panels import panel_rows

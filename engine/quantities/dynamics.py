@@ -4,6 +4,7 @@ Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on redu
 flywheels.
 """
 
+from engine.graph.nodes import Node
 from engine.machine.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Given, SteadyCycle
@@ -87,16 +88,7 @@ def _flywheel(m: Mechanics) -> Declared:
     given = flywheel is not None and flywheel.inertia is not None
 
     def steady(result: str) -> SteadyCycle:
-        number = m.graph.number
-        return SteadyCycle(
-            m.reduced.inertia,
-            m.moment_of(),
-            m.speed,
-            number("flywheel.speed_fluctuation", "load") if asked else None,
-            m.reduced.first_kind,
-            number("flywheel.inertia", "load") if given else None,
-            result,
-        )
+        return steady_cycle(m, result)
 
     yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc")
     if asked:
@@ -134,3 +126,22 @@ def _flywheel(m: Mechanics) -> Declared:
                 "rad s-1",
                 lambda name=name: steady(name),
             )
+
+
+def steady_cycle(m: Mechanics, result: str) -> SteadyCycle:
+    """A result of the steady cycle with the flywheel of the scene."""
+    flywheel = m.scene.flywheel
+
+    def number(key: str) -> Node | None:
+        given = flywheel is not None and getattr(flywheel, key) is not None
+        return m.graph.number(f"flywheel.{key}", "load") if given else None
+
+    return SteadyCycle(
+        m.reduced.inertia,
+        m.moment_of(),
+        m.speed,
+        number("speed_fluctuation"),
+        m.reduced.first_kind,
+        number("inertia"),
+        result,
+    )

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from engine.cycle import measured as numbers
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Node
 
@@ -173,21 +174,34 @@ def peak(curve: Node) -> Expression:
 
 
 def sqrt(x: Expression) -> Expression:
-    """Root; 0 of what rounding has put below zero."""
-    return Formula(lambda a: a.sqrt(), (x,))
+    """Root of a number."""
+    return Formula(numbers.sqrt, (x,))
 
 
 def maximum(*of: Expression) -> Expression:
     """The greatest of some numbers."""
     found = of[0]
     for other in of[1:]:
-        found = Formula(lambda a, b: a.maximum(b), (found, other))
+        found = Formula(numbers.maximum, (found, other))
     return found
 
 
 def minimum(*of: Expression) -> Expression:
     """The least of some numbers."""
-    return -maximum(*(-x for x in of))
+    found = of[0]
+    for other in of[1:]:
+        found = Formula(numbers.minimum, (found, other))
+    return found
+
+
+def hypot(x: Expression, y: Expression) -> Expression:
+    """Magnitude of a vector."""
+    return Formula(_hypot, (x, y))
+
+
+def _hypot(x: Measured, y: Measured) -> Measured:
+    size = np.hypot(x.value, y.value)
+    return Measured(size, np.hypot(x.error, y.error) + 2.0 * np.finfo(float).eps * size)
 
 
 def measurements(expressions: Iterable[Expression]) -> list[Measurement]:
@@ -220,7 +234,7 @@ class Evaluation:
     def __call__(self, expression: Expression) -> Measured:
         """Value and error figure of an expression."""
         if isinstance(expression, Exactly):
-            return Measured.exact(np.float64(expression.value))
+            return Measured(expression.value)
         if isinstance(expression, Measurement):
             return self._measured(expression)
         if id(expression) not in self._known:

@@ -4,7 +4,7 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Formula, Integral, greatest, least, maximum, minimum
+from engine.quantities.expressions import Exactly, Expression, Formula, Integral, greatest, least, maximum, minimum
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import pairs
 
@@ -48,13 +48,13 @@ def declare(mechanics: Mechanics) -> Declared:
         "friction_residual",
         "greatest relative change of a pressing force in the last pass",
         "1",
-        lambda: maximum(*(greatest(s.residual) for s in m.reactions.settlings.values())),
+        lambda: maximum(Exactly(0.0), *(greatest(s.residual) for s in m.reactions.settlings.values())),
     )
     yield Summary(
         "jamming_margin",
         "least determinant of friction's feedback: 1 without friction, 0 on jamming",
         "1",
-        lambda: minimum(*(least(s.margin) for s in m.reactions.settlings.values())),
+        lambda: minimum(Exactly(1.0), *(least(s.margin) for s in m.reactions.settlings.values())),
     )
     if m.has_cycle:
         of = "useful work and work given at the input, over driving work and work taken there, over the cycle"

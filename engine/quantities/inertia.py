@@ -3,7 +3,7 @@
 from engine.laws.replacement_masses import inertia_error
 from engine.mechanism.inertia import moment_centre
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Formula, Given, Integral
+from engine.quantities.expressions import Expression, Given, Integral, hypot
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.inertia import body_inertia
 from engine.scene.masses import CENTRE, count_points, point_name, replacement
@@ -95,8 +95,8 @@ def order_of_force(m: Mechanics, n: int) -> Expression:
     x, y = m.shaking.force
     xc, xs, yc, ys = (Integral(part * turn) for part in (x, y) for turn in (cosine, sine))
     length = Given(m.last - m.first)
-    forward = Formula(lambda a, b: a.hypot(b), (xc + ys, yc - xs))
-    backward = Formula(lambda a, b: a.hypot(b), (xc - ys, yc + xs))
+    forward = hypot(xc + ys, yc - xs)
+    backward = hypot(xc - ys, yc + xs)
     return (forward + backward) / length
 
 

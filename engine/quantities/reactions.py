@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from engine.cycle.measured import Measured
+from engine.cycle.measured import Measured, atan2
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Formula, greatest, maximum, peak
+from engine.quantities.expressions import Expression, Formula, greatest, hypot, maximum, peak
 from engine.quantities.register import Angle, Declared, Field, InputUnits, Summary, mean
 from engine.scene.actions import Brake, DCMotor, InductionMotor
 from engine.scene.pairs import Pair, pairs
@@ -127,7 +127,7 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
 
     def spread() -> Expression:
         x, y, whole = means()
-        return 1.0 - Formula(lambda a, b: a.hypot(b), (x, y)) / whole
+        return 1.0 - hypot(x, y) / whole
 
     yield Summary(
         f"{pair.name}.load_direction_of_{link}",
@@ -142,6 +142,6 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
 
 def _defined_direction(x: Measured, y: Measured) -> Measured:
     """Direction of a mean vector; undefined where the vector is no greater than what it may be off by."""
-    angle, size = y.arctan2(x), np.hypot(x.value, y.value)
+    angle, size = atan2(y, x), np.hypot(x.value, y.value)
     unknown = ~(size > np.hypot(x.error, y.error))
     return Measured(np.where(unknown, np.nan, angle.value), np.where(unknown, np.nan, np.minimum(angle.error, math.pi)))

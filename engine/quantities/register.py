@@ -16,8 +16,7 @@ from engine.quantities.expressions import (
     peak,
     sqrt,
 )
-from engine.scene.parts import CrankInput
-from engine.scene.scene import Scene
+from engine.quantities.quantity import STATISTICS, InputUnits
 
 
 class Angle(NamedTuple):
@@ -68,22 +67,6 @@ class Summary(NamedTuple):
     symbol: str = ""
 
 
-class InputUnits(NamedTuple):
-    """Units that depend on the input: of its coordinate q, of what is reduced, and of derivatives."""
-
-    q: str
-    inertia: str
-    moment: str
-    per_q: str
-
-    @classmethod
-    def of(cls, scene: Scene) -> "InputUnits":
-        """Units for a scene's input: angle and moments for a crank, displacement and forces for a slider."""
-        if isinstance(scene.input, CrankInput):
-            return cls("rad", "kg m2", "N m", "rad-1")
-        return cls("m", "kg", "N", "m-1")
-
-
 Declared = Iterator[Field | Summary]
 
 
@@ -110,9 +93,6 @@ def statistics_of(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
         Summary(f"{field.name}.{key}", f"{words} the {field.long_name}", units, expression)
         for key, (words, units, expression) in declared.items()
     ]
-
-
-STATISTICS = ("min", "max", "range", "peak", "mean", "rms", "min_at", "max_at")
 
 
 class Register:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.cycle.measured import Measured
+from engine.cycle.measured import Measured, atan2
 from engine.mechanism.kinematics import Turning
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import FULL_TURN, AtFirst, Expression, Formula, Integral, RunningExtreme, StrokeEnd
@@ -34,7 +34,7 @@ def _swing_end(mechanics: Mechanics, link: Turning, which: str) -> Expression:
     if which.endswith("_at"):
         found: Expression = RunningExtreme(link.w, "least_at" if which == "low_at" else "greatest_at")
     else:
-        begin = Formula(lambda y, x: y.arctan2(x), (AtFirst(link.u.y), AtFirst(link.u.x)))
+        begin = Formula(atan2, (AtFirst(link.u.y), AtFirst(link.u.x)))
         found = begin + RunningExtreme(link.w, "least" if which == "low" else "greatest")
     return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found
 

@@ -20,7 +20,7 @@ from sweeps.optimising.runner import optimise_study
 from sweeps.optimising.searching import first_generation
 from sweeps.optimising.trials import Trials
 from sweeps.study.sampling import Design, Sampled
-from sweeps.study.search_task import Task, task_of
+from sweeps.study.search_task import SearchTask, task_of
 from sweeps.study.study import Study
 from sweeps.study.study_text import Optimise
 
@@ -53,7 +53,7 @@ class Clock:
             engine.machine.machine.run_kernel = kernel
 
 
-def task(population: int, generations: int) -> Task:
+def task(population: int, generations: int) -> SearchTask:
     """Four-bar: least flywheel and greatest transmission angle, over its lengths and the mass of its rocker."""
     scene = CASES["four_bar"].scene
     lows = {"input.length": 0.03, "groups.g.first.length": 0.15, "groups.g.second.length": 0.1, "bodies.rocker.mass": 1}

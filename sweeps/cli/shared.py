@@ -35,12 +35,12 @@ def errors_as_messages(command: Callable) -> Callable:
 
 def _foreseen() -> tuple[type[Exception], ...]:
     """Errors whose text is meant for who gave the command; imported only once there is one, as that is slow."""
-    from engine import AskError, SceneError, TableError, UnitError
+    from engine import AskError, BalanceError, SceneError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
     from sweeps.store import StoreError
     from sweeps.text.input_files import InputError
 
-    return InputError, StoreError, AskError, SceneError, TableError, UnitError, PictureError
+    return InputError, StoreError, AskError, BalanceError, SceneError, TableError, UnitError, PictureError
 
 
 def run_options(out: str) -> Callable:

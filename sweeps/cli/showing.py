@@ -18,7 +18,14 @@ from sweeps.cli.shared import errors_as_messages, make_folder, names_in
 def show(file: Path, where: str | None, sort: str | None, descending: bool, limit: int, columns: str | None) -> None:
     """Show a result file: what it holds, its verdicts, its best variants."""
     from sweeps.optimising.optimum import is_front, is_search, optimum_text
-    from sweeps.report.result_report import answer_text, counts_text, variants_done_text, variants_text
+    from sweeps.report.result_report import (
+        answer_text,
+        counts_text,
+        undecided_text,
+        variants_done_text,
+        variants_text,
+        varied_text,
+    )
     from sweeps.report.sweep_result import SweepResult
     from sweeps.text.input_files import InputError
 
@@ -32,14 +39,16 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
     goal, usual = result.goal, "front > 0" if is_front(result) else None
     if sort is None and goal is not None:
         sort, descending = goal.goal, goal.sign < 0
-    chosen = result.select(where or (goal.where if goal else usual), sort or (usual and "front"), descending)
+    condition = where or (goal.where if goal else usual)
+    chosen = result.select(condition, sort or (usual and "front"), descending)
     d = result.description
     click.echo(f"{d.title}: {variants_done_text(result)}")
-    click.echo(f"varied: {d.attributes.get('grid', '')}")
+    click.echo(f"varied: {varied_text(result)}")
     if result.fields:
         click.echo(f"fields over {d.positions} positions: {', '.join(result.fields)}")
     click.echo(counts_text(result))
-    click.echo(f"{chosen.size} variants meet the condition; the first {min(limit, chosen.size)}:")
+    left_open = undecided_text(result, condition)
+    click.echo(f"{chosen.size} variants meet the condition{left_open}; the first {min(limit, chosen.size)}:")
     click.echo(variants_text(result, chosen[:limit], names))
     if where is None:
         click.echo((optimum_text if is_search(result) else answer_text)(result))

@@ -1,10 +1,10 @@
-"""Commands that size a part of a machine by itself: flywheel."""
+"""Commands that size parts of a machine: flywheel, balance."""
 
 from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages
+from sweeps.cli.shared import errors_as_messages, names_in, write_text
 
 
 @click.command()
@@ -18,3 +18,57 @@ def flywheel(table: Path, speed: str, fluctuation: str, interpolation: str) -> N
     from sweeps.report.flywheel_table import flywheel_text
 
     click.echo(flywheel_text(table, speed, fluctuation, interpolation))
+
+
+@click.command("balance")
+@click.argument("file", required=False)
+@click.option("--links", default="", help="Links that turn about fixed axes, with commas; the crank unless given.")
+@click.option("--place", "places", multiple=True, help="Place on any link, 'rod: -60 mm, 0 mm'; may be repeated.")
+@click.option("--criterion", type=click.Choice(["rms", "peak", "full"]), default="rms", show_default=True)
+@click.option("--radius", help="Where counterweights of links sit, '60 mm'; at the crank's length unless given.")
+@click.option("--most", help="Greatest mass of each counterweight, '8 kg'.")
+@click.option("--variant", type=int, help="Machine of one variant of a result file.")
+@click.option("--out", type=click.Path(path_type=Path), help="Scene to write, the counterweights in it (TOML).")
+@click.option("--trial-runs", type=click.Path(path_type=Path), help="CSV of a rotor's trial runs, instead of FILE.")
+@click.option("--noise", help="Standard deviation of its readings, '0.1 mm/s'.")
+@errors_as_messages
+def balance_command(
+    file: str | None,
+    links: str,
+    places: tuple[str, ...],
+    criterion: str,
+    radius: str | None,
+    most: str | None,
+    variant: int | None,
+    out: Path | None,
+    trial_runs: Path | None,
+    noise: str | None,
+) -> None:
+    """Find the counterweights of a mechanism, or from trial runs what to add to a rotor.
+
+    FILE is a scene, study or result. Counterweights are the best for the shaking force at the crank's uniform speed:
+    least root mean square, least peak, or none of it left. The table of --trial-runs has a row for each run, the first
+    without a trial weight, and a header such as
+    `plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg]`.
+    """
+    from sweeps.text.input_files import InputError
+
+    if (file is None) == (trial_runs is None):
+        message = "give a scene, study or result to balance, or --trial-runs with a table of readings: one of them"
+        raise InputError("balance", [(None, "", message)])
+    if trial_runs is not None:
+        from sweeps.report.trial_runs import trial_runs_text
+
+        click.echo(trial_runs_text(trial_runs, noise))
+        return
+    from sweeps.cli.named_machine import machine_of
+    from sweeps.report.counterweight_table import counterweight_text, counterweights_of
+    from sweeps.text.scene_text import with_values, write_scene
+
+    scene, values, _ = machine_of(file, variant)
+    scene = with_values(scene, values)
+    found = counterweights_of(scene, names_in(links), places, criterion, radius, most)
+    click.echo(counterweight_text(scene, found, criterion))
+    if out is not None:
+        write_text(out, write_scene(found.scene))
+        click.echo(f"Wrote {out}")

@@ -8,13 +8,13 @@ from pymoo.core.problem import Problem
 from pymoo.optimize import minimize
 
 from sweeps.optimising.trials import BEYOND, Evaluate
-from sweeps.study.search_task import Task
+from sweeps.study.search_task import SearchTask
 
 
 class _Candidates(Problem):
     """A search as pymoo wants it: costs, and by how much conditions are missed."""
 
-    def __init__(self, task: Task, evaluate: Evaluate) -> None:
+    def __init__(self, task: SearchTask, evaluate: Evaluate) -> None:
         super().__init__(n_var=task.variables.size, n_obj=len(task.objectives), n_ieq_constr=1, xl=0.0, xu=1.0)
         self.judge = evaluate
 
@@ -27,7 +27,7 @@ class _Candidates(Problem):
 class _Twins(DuplicateElimination):
     """Candidates equal in all that varies, whatever their coordinates: of a list many mean the same entry."""
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: SearchTask) -> None:
         super().__init__()
         self.variables = task.variables
 
@@ -43,14 +43,14 @@ class _Twins(DuplicateElimination):
         return is_duplicate
 
 
-def breed(task: Task, first: np.ndarray, evaluate: Evaluate) -> None:
+def breed(task: SearchTask, first: np.ndarray, evaluate: Evaluate) -> None:
     """Search for the Pareto front of several objectives.
 
     NSGA-II of Deb, Pratap, Agarwal and Meyarivan (IEEE Trans. Evol. Comput. 6, 2002), with pymoo's settings.
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
     first : ndarray (population, variables)
         Coordinates of the first generation.
     evaluate : callable

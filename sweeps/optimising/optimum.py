@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import any_quantity, scene_numbers
-from sweeps.optimising.margins import conjuncts, margins
+from engine import Verdict, any_quantity, scene_numbers
 from sweeps.report.sweep_result import SweepResult
+from sweeps.text.conditions import Condition, errors_in
 from sweeps.text.engineer_units import engineer_unit, quantity_text
 from sweeps.text.expressions import parse
 from sweeps.text.tables import table
@@ -29,13 +29,13 @@ def is_front(result: SweepResult) -> bool:
 
 def is_search(result: SweepResult) -> bool:
     """Whether a result file is that of a search that has come to its end."""
-    return "objectives" in result.description.attributes and "front" in result.columns
+    return "search" in result.record and "front" in result.columns
 
 
 def objectives(result: SweepResult) -> list[tuple[str, float]]:
     """Columns that were sought to be small (sign +1) or great (−1)."""
-    lines = result.description.attributes["objectives"].splitlines()
-    return [(name, 1.0 if way == "minimise" else -1.0) for way, name in (line.split(" ", 1) for line in lines)]
+    goals = result.record["search"]["objectives"]
+    return [(goal["name"], 1.0 if goal["way"] == "minimise" else -1.0) for goal in goals]
 
 
 def front(result: SweepResult) -> np.ndarray:
@@ -46,11 +46,16 @@ def front(result: SweepResult) -> np.ndarray:
 
 
 def met(result: SweepResult) -> np.ndarray:
-    """Which candidates were computed and meet all conditions (candidates,)."""
-    texts = result.description.attributes["subject_to"].splitlines()
-    there = np.zeros(result.description.variants, bool)
-    there[result.select(" and ".join(f"({text})" for text in texts))] = True
+    """Which candidates were computed and meet all conditions for sure (candidates,)."""
+    there = result.columns["status"] == Verdict.OK
+    for condition in _conditions(result):
+        there = there & condition.judged(result.columns, errors_in(result.columns), there.size).met
     return there
+
+
+def _conditions(result: SweepResult) -> list[Condition]:
+    """What results had to meet, besides what was required of parameters."""
+    return [Condition(parse(text, any_quantity)) for text in result.record["search"]["subject_to"]]
 
 
 def choices(result: SweepResult) -> list[Choice]:
@@ -77,9 +82,9 @@ def choices(result: SweepResult) -> list[Choice]:
 
 def optimum_text(result: SweepResult) -> str:
     """The answer of a search: the best candidate with what holds it there, or chosen candidates of the front."""
-    attributes, there = result.description.attributes, front(result)
+    search, there = result.record["search"], front(result)
     head = [result.question] if result.question else []
-    found = f"{attributes['search']}: {attributes['outcome']}"
+    found = f"{search['method']}, seed {search['seed']}: {result.description.attributes['outcome']}"
     if not there.size:
         return "\n".join([*head, "No candidate meets all conditions.", found])
     if is_front(result):
@@ -128,9 +133,8 @@ def _value(result: SweepResult, name: str, variant: int) -> str:
 def _ends(result: SweepResult, variant: int) -> dict[str, str]:
     """Parameters of a candidate that lie on an end of their range, and on which."""
     found = {}
-    for line in result.description.attributes["ranges"].splitlines():
-        name, *ends = line.rsplit(" ", 2)
-        low, high = map(float, ends)
+    for span in result.record["search"]["ranges"]:
+        name, low, high = span["name"], span["low"], span["high"]
         value = result.columns[name][variant]
         near = ON_LIMIT * (high - low)
         if low < high and (value - low <= near or high - value <= near):
@@ -141,10 +145,10 @@ def _ends(result: SweepResult, variant: int) -> dict[str, str]:
 def _limits(result: SweepResult, variant: int) -> list[str]:
     """Conditions on whose limit a candidate lies, each by itself; an equality always is."""
     fixed = {path: number.value for path, number in scene_numbers(result.scene).items()}
-    values = fixed | {name: column[variant : variant + 1] for name, column in result.columns.items()}
-    attributes, found = result.description.attributes, []
-    for text in (*attributes["require"].splitlines(), *attributes["subject_to"].splitlines()):
-        for part in conjuncts(text):
-            if "==" not in part and (np.abs(margins(parse(part, any_quantity), values, 1)) <= ON_LIMIT).any():
-                found.append(part)
+    here = {name: column[variant : variant + 1] for name, column in result.columns.items()}
+    required = [Condition(parse(text, any_quantity)) for text in result.record["require"]]
+    found = []
+    for part in (part for condition in (*required, *_conditions(result)) for part in condition.parts):
+        if not part.is_equality and (np.abs(part.margins(fixed | here, errors_in(here), 1)) <= ON_LIMIT).any():
+            found.append(part.text)
     return found

@@ -4,10 +4,12 @@ While the search runs, every generation is a block of a file of its own. A searc
 generation, with the candidates that the file holds instead of evaluating them: the way is the same, bit for bit.
 """
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +22,9 @@ from sweeps.run.runner import LARGEST_BLOCK, layout_of
 from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, part_path, read_columns
 from sweeps.store.creating import remove_unlocked
 from sweeps.store.errors import RESTART
-from sweeps.study.search_task import GENETIC, LOCAL, Task, task_of
+from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
 from sweeps.study.study import Study
+from sweeps.study.study_text import Best
 from sweeps.text.engineer_units import quantity_text
 
 # Called with the generations done, those of them done before this run, and what has been found, in words.
@@ -85,13 +88,15 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     return path
 
 
-def _spare(part: Path, task: Task) -> None:
+def _spare(part: Path, task: SearchTask) -> None:
     """Refuse to write over what an interrupted sweep, or another search, keeps under the same name."""
     if part.exists() and describe_result(part).attributes.get("study_hash") != task.digest:
         raise StoreError(f"{part} is there already, of another study. {RESTART}")
 
 
-def _downhill(task: Task, trials: Trials, start: np.ndarray, steps: int, generation: int = 0) -> dict[str, np.ndarray]:
+def _downhill(
+    task: SearchTask, trials: Trials, start: np.ndarray, steps: int, generation: int = 0
+) -> dict[str, np.ndarray]:
     """Columns of the candidates passed on the way down that meet all conditions; of the start if there are none."""
     passed = descend(task, trials, start, steps)
     if not passed:
@@ -116,14 +121,14 @@ class _History:
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
     trials : Trials
     store : Store
         One block for each generation.
     progress : callable or None
     """
 
-    def __init__(self, task: Task, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
+    def __init__(self, task: SearchTask, trials: Trials, store: Store, progress: OnGeneration | None) -> None:
         self.task, self.trials, self.store, self.progress = task, trials, store, progress
         self.pending = set(store.pending)
         self.before = store.layout.blocks - len(self.pending)
@@ -193,7 +198,7 @@ def _places(batch: Batch) -> np.ndarray:
     return places
 
 
-def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
+def _finish(task: SearchTask, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
     """Write the result: all candidates, their places on the front, and what tolerances do to those on it."""
     places = _places(trials.judged(found))
     found = found | {"front": places} | spreads(task, found, np.flatnonzero(places))
@@ -207,13 +212,13 @@ def _finish(task: Task, trials: Trials, path: Path, found: dict[str, np.ndarray]
 # The file
 
 
-def _final_layout(task: Task, trials: Trials, count: int) -> FileLayout:
+def _final_layout(task: SearchTask, trials: Trials, count: int) -> FileLayout:
     layout = _layout(task, trials, count, min(count, LARGEST_BLOCK))
     front = Column("front", "place on the Pareto front, 0 off it", "1", dtype=np.int32)
     return replace(layout, columns=(*layout.columns, front, *spread_columns(task, trials.machine)))
 
 
-def _layout(task: Task, trials: Trials, count: int, block: int) -> FileLayout:
+def _layout(task: SearchTask, trials: Trials, count: int, block: int) -> FileLayout:
     """A sweep's layout with the objectives and each candidate's generation."""
     base = layout_of(task.study, trials.machine)
     extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]
@@ -222,27 +227,20 @@ def _layout(task: Task, trials: Trials, count: int, block: int) -> FileLayout:
             words = " ".join(objective.expression.text.split())
             extra.append(Column(objective.name, words, objective.units or "1"))
             extra.append(Column(f"{objective.name}_error", f"error figure of: {words}", objective.units or "1"))
+    record = json.loads(base.attributes["study_json"]) | {"best": _goal(task), "search": search_record(task)}
+    attributes = {"study_json": json.dumps(record), "study_hash": task.digest, "searched_with": _versions()}
     columns = (*base.columns, *extra)
-    return replace(
-        base, variants=count, block=block, columns=columns, attributes=base.attributes | _attributes(task, count)
-    )
+    return replace(base, variants=count, block=block, columns=columns, attributes=base.attributes | attributes)
 
 
-def _attributes(task: Task, count: int) -> dict[str, str]:
-    conditions = [" ".join(e.text.split()) for e in task.conditions]
-    whole = " and ".join(text if len(conditions) == 1 else f"({text})" for text in conditions)
-    goals = [f"{o.way} {o.name}" for o in task.objectives]
-    alone = f"{goals[0]} where {whole}" if whole else goals[0]
-    return {
-        "study_hash": task.digest,
-        "grid": f"{'+'.join(task.variables.names)}[{count}]",
-        "best": alone if len(goals) == 1 else "",
-        "objectives": "\n".join(goals),
-        "subject_to": "\n".join(conditions),
-        "ranges": "\n".join(f"{s.name} {s.low!r} {s.high!r}" for s in task.variables.spans),
-        "search": f"{task.method}, seed {task.seed}",
-        "searched_with": _versions(),
-    }
+def _goal(task: SearchTask) -> dict[str, Any] | None:
+    """What decides among the candidates, as of a study's [best]; of several objectives nothing does."""
+    if len(task.objectives) > 1:
+        return None
+    (objective,) = task.objectives
+    texts = [condition.text for condition in task.conditions]
+    whole = " and ".join(texts if len(texts) == 1 else (f"({text})" for text in texts))
+    return Best(**{objective.way: objective.name}, where=whole or None).model_dump()
 
 
 def _versions() -> str:

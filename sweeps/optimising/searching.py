@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import differential_evolution, minimize
 
 from sweeps.optimising.trials import BEYOND, Evaluate, Trials
-from sweeps.study.search_task import GENETIC, Task
+from sweeps.study.search_task import GENETIC, SearchTask
 from sweeps.study.unit_points import latin_points
 from sweeps.text.input_files import InputError
 
@@ -24,14 +24,14 @@ STEPS, ROUNDS = 100, 5
 STILL = 1e-9
 
 
-def first_generation(task: Task) -> np.ndarray:
+def first_generation(task: SearchTask) -> np.ndarray:
     """Coordinates (population, variables) of the start and of a Latin hypercube."""
     points = latin_points(task.seed, task.population, task.variables.size, np.arange(task.population))
     points[0] = task.start
     return points
 
 
-def way_of(task: Task) -> Callable[[Evaluate], None]:
+def way_of(task: SearchTask) -> Callable[[Evaluate], None]:
     """The search by generations that a task asks for.
 
     Returns
@@ -55,7 +55,7 @@ def way_of(task: Task) -> Callable[[Evaluate], None]:
     return partial(breed, task, first_generation(task))
 
 
-def _evolve(task: Task, evaluate: Evaluate) -> None:
+def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
     """Differential evolution of one objective, candidates compared by Deb's rules.
 
     Of two candidates that meet all conditions the one of less cost wins, else the one that misses by less (Deb, "An
@@ -83,12 +83,12 @@ def _evolve(task: Task, evaluate: Evaluate) -> None:
     )
 
 
-def descend(task: Task, trials: Trials, start: np.ndarray, steps: int = STEPS) -> list[dict[str, np.ndarray]]:
+def descend(task: SearchTask, trials: Trials, start: np.ndarray, steps: int = STEPS) -> list[dict[str, np.ndarray]]:
     """Go downhill from a candidate, along its ranges, by sequential quadratic programming (SciPy's SLSQP).
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
         Of one objective.
     trials : Trials
     start : ndarray (variables,)
@@ -124,7 +124,7 @@ class _Slope:
         Least cost of a place that meets all conditions, and its coordinates.
     """
 
-    def __init__(self, task: Task, trials: Trials, start: np.ndarray) -> None:
+    def __init__(self, task: SearchTask, trials: Trials, start: np.ndarray) -> None:
         self.trials, self.start, self.free = trials, start, np.flatnonzero(task.variables.free)
         self.passed: list[dict[str, np.ndarray]] = []
         self.best: tuple[float, np.ndarray] | None = None

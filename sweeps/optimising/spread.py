@@ -7,7 +7,7 @@ from scipy.special import ndtri
 
 from engine import ElementsAlone, Machine, Verdict, made_ready
 from sweeps.store import Column
-from sweeps.study.search_task import Task
+from sweeps.study.search_task import SearchTask
 from sweeps.study.tolerances import Tolerance
 from sweeps.study.unit_points import sobol_points
 
@@ -19,7 +19,7 @@ STEP = 1e-2
 TOGETHER = 64
 
 
-def spread_columns(task: Task, machine: Machine | ElementsAlone) -> list[Column]:
+def spread_columns(task: SearchTask, machine: Machine | ElementsAlone) -> list[Column]:
     """Columns that `spreads` fills; none without tolerances."""
     if not task.tolerances:
         return []
@@ -32,7 +32,7 @@ def spread_columns(task: Task, machine: Machine | ElementsAlone) -> list[Column]
     return found
 
 
-def spreads(task: Task, columns: Mapping[str, np.ndarray], chosen: np.ndarray) -> dict[str, np.ndarray]:
+def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndarray) -> dict[str, np.ndarray]:
     """Standard deviations of all summaries that tolerances cause, for some candidates.
 
     Numbers that are derived from one with a tolerance don't follow it: they were made by the same drawing, but each
@@ -41,7 +41,7 @@ def spreads(task: Task, columns: Mapping[str, np.ndarray], chosen: np.ndarray) -
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
     columns : mapping of str to ndarray (candidates,)
     chosen : ndarray of int
         Numbers of the candidates.
@@ -68,7 +68,11 @@ def spreads(task: Task, columns: Mapping[str, np.ndarray], chosen: np.ndarray) -
 
 
 def _spread(
-    task: Task, machine: Machine | ElementsAlone, paths: tuple[str, ...], made: Mapping[str, np.ndarray], count: int
+    task: SearchTask,
+    machine: Machine | ElementsAlone,
+    paths: tuple[str, ...],
+    made: Mapping[str, np.ndarray],
+    count: int,
 ) -> dict[str, np.ndarray]:
     """Columns of `spreads` for a few candidates."""
     off = np.vstack([_drawn(task.tolerances, task.seed), _moved(task.tolerances)])
@@ -91,9 +95,11 @@ def _spread(
     return found
 
 
-def _misses(task: Task, values: Mapping[str, np.ndarray]) -> np.ndarray:
-    met = [np.asarray(e.evaluate(values), bool) for e in (*task.study.require, *task.conditions)]
-    return ~np.logical_and.reduce([np.broadcast_to(True, values["status"].shape), *met])
+def _misses(task: SearchTask, values: Mapping[str, np.ndarray]) -> np.ndarray:
+    found = np.zeros(values["status"].shape, bool)
+    for condition in (*task.study.require, *task.conditions):
+        found |= ~condition.met(values, found.size)
+    return found
 
 
 def _deviation(drawn: np.ndarray) -> np.ndarray:

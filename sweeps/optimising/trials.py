@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import Verdict
-from sweeps.optimising.margins import margins
 from sweeps.run.runner import largest_block
-from sweeps.study.search_task import Objective, Task
-from sweeps.study.study import misses
+from sweeps.study.search_task import Objective, SearchTask
+from sweeps.text.conditions import errors_in, value_with_error
 
 # An undefined cost, or a strict inequality on its limit, misses by no measure; yet it mustn't pass.
 LEAST_VIOLATION = 1e-12
@@ -25,9 +24,9 @@ class Batch(NamedTuple):
     costs : ndarray (candidates, objectives)
         What is to be as small as possible.
     margins : ndarray (parts, candidates)
-        Of the conditions, above 0 by how much one is missed (see `margins`).
+        Of the conditions, above 0 by how much one is missed (see `Condition.margins`).
     violation : ndarray (candidates,)
-        How far a candidate is from meeting all conditions; 0 exactly where it meets them.
+        How far a candidate is from meeting all conditions for sure; 0 exactly where it does.
     """
 
     columns: dict[str, np.ndarray]
@@ -37,7 +36,7 @@ class Batch(NamedTuple):
 
     @property
     def met(self) -> np.ndarray:
-        """Which candidates were computed and meet all conditions."""
+        """Which candidates were computed and meet all conditions, whatever their error figures allow."""
         return self.violation == 0
 
 
@@ -52,10 +51,10 @@ class Trials:
 
     Parameters
     ----------
-    task : Task
+    task : SearchTask
     """
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: SearchTask) -> None:
         self.task, self.machine = task, task.study.machine()
         self._most = largest_block(task.study, self.machine)
 
@@ -97,13 +96,14 @@ class Trials:
         """What columns of candidates mean for the search."""
         task, status = self.task, columns["status"]
         costs = np.column_stack([o.sign * columns[o.name] for o in task.objectives])
-        conditions, values = (*task.study.require, *task.conditions), task.study.fixed | columns
-        apart = [margins(condition, values, status.size) for condition in conditions]
+        conditions, known = (*task.study.require, *task.conditions), (task.study.fixed | columns, errors_in(columns))
+        apart = [condition.margins(*known, status.size) for condition in conditions]
         parts = np.concatenate(apart) if apart else np.zeros((0, status.size))
         violation = np.maximum(parts, 0).sum(axis=0)
         violation += (status != Verdict.OK) & (status != Verdict.DROPPED)
         met = (status == Verdict.OK) & np.isfinite(costs).all(axis=1)
-        met &= ~misses(conditions, values, status.size).any(axis=0)
+        for condition in conditions:
+            met &= condition.judged(*known, status.size).met
         violation = np.where(met, 0.0, np.maximum(violation, LEAST_VIOLATION))
         return Batch(columns, costs, parts, violation)
 
@@ -114,12 +114,8 @@ def joined(parts: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
 
 
 def _with_error(objective: Objective, columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """An objective and its error figure: what the error figures of its summaries make of it, added up."""
-    expression = objective.expression
-    value = np.broadcast_to(expression.evaluate(columns), columns["status"].shape).astype(float)
-    error = np.zeros_like(value)
-    for name in expression.names:
-        if f"{name}_error" in columns:
-            moved = expression.evaluate({**columns, name: columns[name] + columns[f"{name}_error"]})
-            error += np.abs(moved - value)
-    return value, error
+    """An objective and its error figure."""
+    with np.errstate(all="ignore"):
+        found = value_with_error(objective.expression.tree, columns, errors_in(columns))
+    value, error = (np.broadcast_to(part, columns["status"].shape).astype(float) for part in found)
+    return value, np.where(np.isfinite(value) & np.isfinite(error), error, np.nan)

@@ -211,7 +211,7 @@ def sweep_data(result: SweepResult, asked: Sequence[str | None]) -> SweepData:
     # Tolerances are shown as bands about their summaries.
     alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
     summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
-    position = read_columns(result.path, [result.position_name])[result.position_name] if result.fields else None
+    position = read_columns(result.path, [d.position_name])[d.position_name] if result.fields else None
     return SweepData(
         arrays,
         result.units,
@@ -221,7 +221,7 @@ def sweep_data(result: SweepResult, asked: Sequence[str | None]) -> SweepData:
         result.shape,
         np.asarray(result.columns["status"]),
         position,
-        result.units.get(result.position_name, "rad"),
+        d.position_units,
         goal.where or "" if goal else "",
         result.candidates(),
     )

@@ -209,7 +209,7 @@ def _required_text(study: Study) -> list[str]:
     starts = range(0, size, block) if whole else np.linspace(0, size - block, MOST_COUNTED // block).astype(np.int64)
     found = [study.values_and_misses(int(start), min(int(start) + block, size))[1] for start in starts]
     missed = np.concatenate(found, axis=1)
-    texts = [" ".join(e.text.split()) for e in study.require]
+    texts = [condition.text for condition in study.require]
     lines = drop_lines(list(zip(texts, missed, strict=True)), None if whole else size)
     dropped = missed.any(axis=0).sum() / missed.shape[1]
     share = f"{int(dropped * size)}" if whole else f"about {100 * dropped:.3g} %"

@@ -104,7 +104,7 @@ def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int
 def scene_toml(scene: Scene, values: Mapping[str, float], out: Path) -> None:
     """Scene with some numbers replaced, as TOML."""
     try:
-        out.write_text(write_scene(scene, dict(values)), encoding="utf8")
+        out.write_text(write_scene(scene, values), encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 

@@ -36,6 +36,19 @@ def variants_done_text(result: SweepResult) -> str:
     return f"{words}, all done" if done == count else f"{done} of {words} done; run the study again to go on"
 
 
+def varied_text(result: SweepResult) -> str:
+    """What varies, axis by axis, with how many values each has."""
+    if "search" in result.record:
+        return f"{'+'.join(result.varied)}[{result.description.variants}]"
+    return " x ".join(f"{'+'.join(axis['names'])}[{axis['size']}]" for axis in result.record["vary"])
+
+
+def undecided_text(result: SweepResult, where: str | None) -> str:
+    """How many variants neither meet nor miss a condition for sure, as the end of a sentence; "" if none."""
+    count = result.undecided(where).size if where else 0
+    return f", {count} more can't be told to: their error figures reach across its limit" if count else ""
+
+
 def counts_text(result: SweepResult) -> str:
     """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
     status = result.columns["status"]
@@ -74,7 +87,7 @@ def drop_lines(missed: Sequence[tuple[str, np.ndarray]], variants: int | None = 
 
 def _blame(result: SweepResult, failed: np.ndarray) -> list[str]:
     """For each group that fails: how often, and between which input positions it does so first."""
-    groups = result.description.attributes.get("groups", "").split(", ")
+    groups = result.record["groups"]
     number, at = result.columns["status_group"], result.columns["status_at"]
     lines = []
     for i, group in enumerate(groups):
@@ -114,7 +127,8 @@ def answer_text(result: SweepResult) -> str:
     best = result.best()
     word = "least" if goal.sign > 0 else "greatest"
     if best is None:
-        return f"No variant was computed that meets the conditions; none has the {word} {goal.goal}."
+        left_open = undecided_text(result, goal.where)
+        return f"No variant was computed that meets the conditions{left_open}; none has the {word} {goal.goal}."
     lines = [result.question] if result.question else []
     value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
     condition = f" where {goal.where}" if goal.where else ""
@@ -123,6 +137,8 @@ def answer_text(result: SweepResult) -> str:
     rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
     rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
     lines.append(table(rows, "  "))
+    if left_open := undecided_text(result, goal.where):
+        lines.append(f"{result.select(goal.where).size} variants meet the condition{left_open}.")
     if rivals:
         lines.append(f"{rivals} other variants are as good within the error figures: choose among them by other needs.")
     return "\n".join(lines)

@@ -1,22 +1,22 @@
 """A result file as a whole: its parameters, summaries, verdicts, and the choosing among its variants."""
 
-import re
+import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from engine import Scene, Verdict, any_quantity, scene_numbers
-from sweeps.store import Description, describe_result, read_columns
+from sweeps.store import Description, StoreError, describe_result, read_columns
 from sweeps.study.study import misses
 from sweeps.study.study_text import Best
-from sweeps.text.dimension_check import check_condition
+from sweeps.text.conditions import Condition, Judgement, errors_in
+from sweeps.text.dimension_check import dimensions_by_unit
 from sweeps.text.expressions import ExpressionError, parse
 from sweeps.text.input_files import InputError
 from sweeps.text.names import unknown_name_message
-from sweeps.text.scene_text import scene_from
-from sweeps.text.toml_text import parse_toml
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +50,29 @@ class SweepResult:
         """Meaning of every column."""
         return {c.name: c.long_name for c in self.description.columns}
 
+    @cached_property
+    def record(self) -> dict[str, Any]:
+        """The study as data, as of `study_record`; of a search also what it was after, as of `search_record`.
+
+        Raises
+        ------
+        StoreError
+            The file holds none.
+        """
+        text = self.description.attributes.get("study_json")
+        if text is None:
+            raise StoreError(f"{self.path} holds no study (attribute study_json): run its sweep again.")
+        return json.loads(text)
+
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of what varies."""
-        listed = self.description.attributes.get("parameters", "")
-        return tuple(listed.split()) if listed else ()
+        return tuple(self.record["parameters"])
 
     @property
     def varied(self) -> tuple[str, ...]:
         """Parameters that vary by themselves; the others are derived from them."""
-        return tuple(self.description.attributes.get("varied", "").split())
+        return tuple(name for axis in self.record["vary"] for name in axis["names"])
 
     @property
     def summaries(self) -> tuple[str, ...]:
@@ -75,8 +88,7 @@ class SweepResult:
     @property
     def accuracy(self) -> float | None:
         """Allowed error of every summary as a share of its magnitude, if one was asked."""
-        text = self.description.attributes.get("accuracy", "")
-        return float(text) if text else None
+        return self.record["accuracy"]
 
     @property
     def done(self) -> int:
@@ -85,14 +97,10 @@ class SweepResult:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Sizes of the axes of the design, the last fastest."""
-        sizes = re.findall(r"\[(\d+)\](?= x |$)", self.description.attributes.get("grid", ""))
-        return tuple(int(size) for size in sizes) or (self.description.variants,)
-
-    @property
-    def position_name(self) -> str:
-        """Name of the coordinate over the positions of fields."""
-        return self.description.attributes.get("position", "phi")
+        """Sizes of the axes of the design, the last fastest; the candidates of a search form none."""
+        if "search" in self.record:
+            return (self.description.variants,)
+        return tuple(axis["size"] for axis in self.record["vary"]) or (self.description.variants,)
 
     @property
     def question(self) -> str:
@@ -102,8 +110,7 @@ class SweepResult:
     @cached_property
     def scene(self) -> Scene:
         """The scene as the study gives it, tables and all."""
-        text = self.description.attributes["scene"]
-        return scene_from(parse_toml(text, str(self.path)), text, f"scene in {self.path.name}", self.path.parent)
+        return Scene.model_validate(self.record["scene"])
 
     def variant_values(self, variant: int) -> dict[str, float]:
         """Numbers of the scene (SI) that a variant has in place of the scene's own.
@@ -122,14 +129,10 @@ class SweepResult:
     @property
     def goal(self) -> Best | None:
         """What decides among the variants."""
-        words = self.description.attributes.get("best", "").split(" ", 2)
-        if len(words) < 2:
-            return None
-        where = words[2].removeprefix("where ") if len(words) == 3 else None
-        return Best(**{words[0]: words[1]}, where=where)
+        return Best.model_validate(self.record["best"]) if self.record["best"] else None
 
     def select(self, where: str | None = None, sort: str | None = None, descending: bool = False) -> np.ndarray:
-        """Numbers of the computed variants that meet a condition, sorted.
+        """Numbers of the computed variants that meet a condition for sure, whatever their error figures allow, sorted.
 
         Parameters
         ----------
@@ -146,7 +149,7 @@ class SweepResult:
         """
         keep = self.columns["status"] == Verdict.OK
         if where:
-            keep = keep & self._meets(where)
+            keep = keep & self._judged(where).met
         chosen = np.flatnonzero(keep)
         if sort is not None:
             if sort not in self.columns:
@@ -155,15 +158,27 @@ class SweepResult:
             chosen = chosen[order[::-1] if descending else order]
         return chosen
 
-    def _meets(self, where: str) -> np.ndarray:
+    def undecided(self, where: str) -> np.ndarray:
+        """Numbers of the computed variants whose error figures leave open whether they meet a condition.
+
+        Parameters
+        ----------
+        where : str
+            As of `select`.
+
+        Raises
+        ------
+        InputError
+            As of `select`.
+        """
+        return np.flatnonzero((self.columns["status"] == Verdict.OK) & self._judged(where).undecided)
+
+    def _judged(self, where: str) -> Judgement:
         try:
-            condition = parse(where, any_quantity)
-            if not condition.is_condition:
-                raise ExpressionError(f"{where!r} is a number; a condition such as 'a < b' is needed")
-            check_condition(condition, self.units)
-            return np.asarray(condition.evaluate(self.columns), bool)
+            condition = Condition.read(where, dimensions_by_unit(self.units))
         except ExpressionError as error:
             raise InputError(str(self.path), [(None, "where", str(error))]) from None
+        return condition.judged(self.columns, errors_in(self.columns), self.description.variants)
 
     def candidates(self) -> np.ndarray:
         """Which variants were computed and meet the condition for the best one (variants,)."""
@@ -176,14 +191,13 @@ class SweepResult:
 
         Found anew from the parameters, as the file holds only whether a variant was dropped.
         """
-        texts = self.description.attributes.get("require", "").splitlines()
-        if not texts:
+        if not self.record["require"]:
             return {}
         fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
-        conditions = [parse(text, any_quantity) for text in texts]
+        conditions = [Condition(parse(text, any_quantity)) for text in self.record["require"]]
         found = misses(conditions, fixed | self.columns, self.description.variants)
         found &= self.columns["status"] != Verdict.NOT_COMPUTED
-        return dict(zip(texts, found, strict=True))
+        return {condition.text: row for condition, row in zip(conditions, found, strict=True)}
 
     def best(self) -> int | None:
         """Number of the variant that answers the study's question; None without a goal or without candidates."""

@@ -1,5 +1,6 @@
 """Running a study block by block into a result file, resumable at any moment."""
 
+import json
 import platform
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
@@ -13,6 +14,7 @@ import numpy as np
 from engine import SENTENCES, InputUnits, Machine, Outcome, Quantity, Verdict, threads
 from sweeps.store import Column, FileLayout, Store
 from sweeps.study.study import Study
+from sweeps.study.study_record import study_record
 from sweeps.text.scene_text import write_scene
 
 # A block is long enough that its overhead (a few milliseconds) doesn't count, short enough that a killed sweep
@@ -89,17 +91,10 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
     return {
         "title": study.title or study.name,
         "question": study.question,
-        "parameters": " ".join(study.parameters),
-        "varied": " ".join(study.design.names),
-        "best": _goal_text(study),
-        "require": "\n".join(" ".join(e.text.split()) for e in study.require),
-        "position": _position_name(study),
         "study": study.text,
+        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups)}),
         "scene": write_scene(study.scene),
         "study_hash": study.digest,
-        **({} if study.accuracy is None else {"accuracy": repr(study.accuracy)}),
-        "groups": ", ".join(machine.groups),
-        "grid": " x ".join(f"{'+'.join(axis.names)}[{axis.size}]" for axis in study.design.axes),
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
         "machine": f"{platform.machine()} {platform.system()}, {threads()} threads",
     }
@@ -107,13 +102,6 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
 
 def _position_name(study: Study) -> str:
     return "phi" if InputUnits.of(study.scene).q == "rad" else "travel"
-
-
-def _goal_text(study: Study) -> str:
-    if study.best is None:
-        return ""
-    way = "minimise" if study.best.minimise else "maximise"
-    return f"{way} {study.best.goal}" + (f" where {study.best.where}" if study.best.where else "")
 
 
 def run_study(

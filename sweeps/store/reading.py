@@ -37,6 +37,8 @@ class Description(NamedTuple):
         Number of design variants.
     positions : int
         Number of positions of the fields; 0 without fields.
+    position_name, position_units : str
+        Name and unit of the coordinate over them; "" without fields.
     blocks, blocks_done : int
         Number of blocks, and of those computed.
     """
@@ -47,6 +49,8 @@ class Description(NamedTuple):
     columns: tuple[Column, ...]
     variants: int
     positions: int
+    position_name: str
+    position_units: str
     blocks: int
     blocks_done: int
 
@@ -75,6 +79,8 @@ def describe_result(path: Path) -> Description:
         ),
         variants=record["variants"],
         positions=position["count"] if position else 0,
+        position_name=position["name"] if position else "",
+        position_units=position["units"] if position else "",
         blocks=len(done),
         blocks_done=int(np.count_nonzero(done)),
     )

@@ -4,17 +4,19 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from pint.util import UnitsContainer
 
 from engine import AskError, UnitError, any_quantity, in_text, made_ready, recognised, scene_numbers
 from sweeps.study.search_variables import Variables
 from sweeps.study.study_text import Optimise
 from sweeps.study.tolerances import Tolerance, read_tolerances
-from sweeps.text.dimension_check import dimension_of, dimension_of_unit, unit_of_dimension
+from sweeps.text.conditions import Condition
+from sweeps.text.dimension_check import dimension_of, dimensions_by_unit, unit_of_dimension
 from sweeps.text.engineer_units import quantity_text
-from sweeps.text.expressions import Expression, ExpressionError, parse
+from sweeps.text.expressions import ExpressionError, TextExpression, parse
 from sweeps.text.input_files import InputError
 from sweeps.text.names import unknown_name_message
 from sweeps.text.toml_text import line_of
@@ -29,7 +31,7 @@ class Objective(NamedTuple):
     """What should be small (sign +1) or great (−1): an expression, its SI unit, and the column that holds it."""
 
     name: str
-    expression: Expression
+    expression: TextExpression
     sign: float
     units: str
 
@@ -45,7 +47,7 @@ class Objective(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class SearchTask:
     """A search, ready to begin.
 
     Attributes
@@ -54,7 +56,7 @@ class Task:
         With all that the search needs among its summaries, and without fields.
     variables : Variables
     objectives : tuple of Objective
-    conditions : tuple of Expression
+    conditions : tuple of Condition
         What results must meet, besides what the study requires of parameters.
     method : {"differential evolution", "NSGA-II", "local"}
     population, generations, seed : int
@@ -66,7 +68,7 @@ class Task:
     study: "Study"
     variables: Variables
     objectives: tuple[Objective, ...]
-    conditions: tuple[Expression, ...]
+    conditions: tuple[Condition, ...]
     method: str
     population: int
     generations: int
@@ -77,18 +79,38 @@ class Task:
     @property
     def digest(self) -> str:
         """Name of the search's content."""
-        content = [
-            self.study.digest,
-            [(o.way, o.expression.text) for o in self.objectives],
-            [e.text for e in self.conditions],
-            [self.method, self.population, self.generations, self.seed],
-            self.start.tolist(),
-            self.tolerances,
-        ]
+        content = [self.study.digest, search_record(self), self.tolerances]
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
-def task_of(study: "Study") -> Task:
+def search_record(task: SearchTask) -> dict[str, Any]:
+    """What a search is after, in types that JSON has: for its result file.
+
+    Parameters
+    ----------
+    task : SearchTask
+
+    Returns
+    -------
+    dict
+        `objectives` (column, way and expression of each), `subject_to` (conditions as written), `ranges` (name, low,
+        high and whether by logarithm), `method`, `population`, `generations`, `seed`, and coordinates of the `start`.
+    """
+    return {
+        "objectives": [
+            {"name": o.name, "way": o.way, "expression": " ".join(o.expression.text.split())} for o in task.objectives
+        ],
+        "subject_to": [condition.text for condition in task.conditions],
+        "ranges": [span._asdict() for span in task.variables.spans],
+        "method": task.method,
+        "population": task.population,
+        "generations": task.generations,
+        "seed": task.seed,
+        "start": task.start.tolist(),
+    }
+
+
+def task_of(study: "Study") -> SearchTask:
     """What a study has to be searched for: its [optimise], or its [best] over all that varies.
 
     Raises
@@ -109,12 +131,12 @@ class _TaskReader:
         self.units |= {name: q.units for name, q in study.machine().available_summaries.items()}
         self.fixed_summaries = dict.fromkeys(study.summaries)
 
-    def task(self) -> Task:
+    def task(self) -> SearchTask:
         texts = [
             (key, text, sign) for key, sign in (("minimise", 1.0), ("maximise", -1.0)) for text in self._goals(key)
         ]
         objectives = [o for i, (key, text, sign) in enumerate(texts, 1) if (o := self._objective(key, text, sign, i))]
-        conditions = [e for text in self._conditions() if (e := self._expression("subject_to", text, True))]
+        conditions = [c for text in self._conditions() if (c := self._condition(text))]
         variables = Variables.of(self.study.design)
         method = self.raw.method or (EVOLUTION if len(texts) < 2 else GENETIC)
         self._check_method(method, len(texts), variables)
@@ -124,7 +146,7 @@ class _TaskReader:
         study = replace(self.study, summaries=tuple(self.fixed_summaries), fields=(), derivatives=(), tolerances={})
         found = (tuple(objectives), tuple(conditions), method)
         numbers = (self.raw.population, self.raw.generations, self.raw.seed)
-        return Task(study, variables, *found, *numbers, start, tolerances)
+        return SearchTask(study, variables, *found, *numbers, start, tolerances)
 
     def _problem(self, keys: list[str], message: str) -> None:
         line = line_of(self.study.text, keys) or line_of(self.study.text, keys[:1])
@@ -149,37 +171,52 @@ class _TaskReader:
         return [*inherited, *self.raw.subject_to]
 
     def _objective(self, key: str, text: str, sign: float, number: int) -> Objective | None:
-        expression = self._expression(key, text, False)
+        expression = self._expression(key, text)
         if expression is None:
             return None
         plain = isinstance(expression.tree, str)
         units = self.units[expression.tree] if plain else self._units_of(expression)
         return Objective(expression.tree if plain else f"objective_{number}", expression, sign, units)
 
-    def _units_of(self, expression: Expression) -> str:
-        if not all(self.units[name] for name in expression.names):
-            return ""
-        return unit_of_dimension(dimension_of(expression, self._dimensions(expression))) or "1"
+    def _units_of(self, expression: TextExpression) -> str:
+        known = self._dimensions(expression)
+        return unit_of_dimension(dimension_of(expression, known)) or "1" if None not in known.values() else ""
 
-    def _dimensions(self, expression: Expression) -> dict:
-        return {name: dimension_of_unit(self.units[name]) for name in expression.names}
+    def _dimensions(self, expression: TextExpression) -> dict[str, UnitsContainer | None]:
+        return dimensions_by_unit({name: self.units[name] for name in expression.names})
 
-    def _expression(self, key: str, text: str, condition: bool) -> Expression | None:
+    def _expression(self, key: str, text: str) -> TextExpression | None:
+        """An expression that yields a number, if all of its names can be had."""
         keys = ["optimise", key]
         try:
             expression = parse(text, any_quantity)
-            if expression.is_condition != condition:
-                kinds = ("a number; a condition such as 'a < b'", "a condition; a number")
-                raise ExpressionError(f"{text!r} is {kinds[not condition]} is needed here")
-            unknown = [name for name in expression.names if not self._is_known(name, keys)]
-            if unknown:
+            if expression.is_condition:
+                raise ExpressionError(f"{text!r} is a condition; a number is needed here")
+            if not self._are_known(expression, keys):
                 return None
-            if all(self.units[name] for name in expression.names):
-                dimension_of(expression, self._dimensions(expression))
+            known = self._dimensions(expression)
+            if None not in known.values():
+                dimension_of(expression, known)
         except ExpressionError as error:
             self._problem(keys, str(error))
             return None
         return expression
+
+    def _condition(self, text: str) -> Condition | None:
+        keys = ["optimise", "subject_to"]
+        try:
+            condition = Condition(parse(text, any_quantity))
+            if not self._are_known(condition.expression, keys):
+                return None
+            condition.check(self._dimensions(condition.expression))
+        except ExpressionError as error:
+            self._problem(keys, str(error))
+            return None
+        return condition
+
+    def _are_known(self, expression: TextExpression, keys: list[str]) -> bool:
+        unknown = [name for name in expression.names if not self._is_known(name, keys)]
+        return not unknown
 
     def _is_known(self, name: str, keys: list[str]) -> bool:
         """Whether a name is a parameter or can be asked of the machine; what can, is asked."""

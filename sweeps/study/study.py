@@ -1,13 +1,10 @@
 """A study: a scene, what varies in it, what is asked of it; from a text file or from Python."""
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,21 +15,20 @@ from engine import (
     Machine,
     Scene,
     SceneError,
-    any_quantity,
     made_ready,
     scene_numbers,
-    sources_digest,
 )
 from sweeps.study.default_summaries import default_summaries
-from sweeps.study.sampling import Axis, Design
+from sweeps.study.sampling import Design
 from sweeps.study.search_task import task_of
 from sweeps.study.sensitivity import AskedDerivative, Sensitivity, refusals
 from sweeps.study.study_reader import StudyReader
+from sweeps.study.study_record import study_digest
 from sweeps.study.study_text import Best, Optimise, StudyText, ToleranceText
-from sweeps.text.dimension_check import check_condition
-from sweeps.text.expressions import Expression, ExpressionError, parse
+from sweeps.text.conditions import Condition, UnknownNameError
+from sweeps.text.dimension_check import dimensions_by_unit
+from sweeps.text.expressions import ExpressionError, TextExpression
 from sweeps.text.input_files import InputError, read_text
-from sweeps.text.names import unknown_name_message
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml
 
@@ -50,8 +46,8 @@ class Study:
         The variants: the product of the axes, the last fastest.
     derived : dict of str to Expression
         Numbers tied to the varied ones, by path.
-    require : tuple of Expression
-        Conditions; a variant that fails one is dropped.
+    require : tuple of Condition
+        A variant that fails one is dropped.
     summaries, fields : tuple of str
         What is asked.
     positions : int
@@ -72,8 +68,8 @@ class Study:
 
     scene: Scene
     design: Design = field(default_factory=lambda: Design(()))
-    derived: Mapping[str, Expression] = field(default_factory=dict)
-    require: tuple[Expression, ...] = ()
+    derived: Mapping[str, TextExpression] = field(default_factory=dict)
+    require: tuple[Condition, ...] = ()
     summaries: tuple[str, ...] = ()
     fields: tuple[str, ...] = ()
     positions: int = 720
@@ -121,13 +117,17 @@ class Study:
         return DIMENSIONS[number.dimension].unit if number else self.free_units.get(name, "")
 
     def machine(self) -> Machine | ElementsAlone:
-        """The machine, or the machine elements alone, that answer the study.
+        """The machine, or the machine elements alone, that answer the study; made once.
 
         Raises
         ------
         AskError
             An asked summary or field doesn't exist.
         """
+        return self._machine
+
+    @cached_property
+    def _machine(self) -> Machine | ElementsAlone:
         return made_ready(
             self.scene,
             self.summaries,
@@ -159,25 +159,16 @@ class Study:
 
     @property
     def digest(self) -> str:
-        """Name of the study's content: the scene, what varies, what is asked, and the engine that computes it."""
-        content = {
-            "scene": self.scene.model_dump(mode="json", exclude={"title", "source"}),
-            "axes": [_axis_content(axis) for axis in self.design.axes],
-            "derived": {path: e.text for path, e in self.derived.items()},
-            "require": [e.text for e in self.require],
-            "asked": [self.summaries, self.fields, self.positions, self.precision, self.accuracy],
-            "sensitivity": [self.derivatives, {path: t.model_dump() for path, t in self.tolerances.items()}],
-            "engine": sources_digest(),
-        }
-        return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+        """Name of the study's content, as of `study_digest`."""
+        return study_digest(self)
 
 
-def misses(conditions: Sequence[Expression], values: Mapping[str, float | np.ndarray], count: int) -> np.ndarray:
+def misses(conditions: Sequence[Condition], values: Mapping[str, float | np.ndarray], count: int) -> np.ndarray:
     """Which variants fail which condition.
 
     Parameters
     ----------
-    conditions : sequence of Expression
+    conditions : sequence of Condition
     values : mapping of str to float or ndarray (count,)
         Numbers of the variants (SI), and of the scene.
     count : int
@@ -187,17 +178,8 @@ def misses(conditions: Sequence[Expression], values: Mapping[str, float | np.nda
     -------
     ndarray (conditions, count) of bool
     """
-    found = np.zeros((len(conditions), count), bool)
-    for row, condition in zip(found, conditions, strict=True):
-        row[:] = ~np.broadcast_to(condition.evaluate(values), (count,)).astype(bool)
-    return found
-
-
-def _axis_content(axis: Axis) -> dict[str, Any]:
-    return {"kind": type(axis).__name__} | {
-        key: np.asarray(value).tolist() if isinstance(value, (np.ndarray, list, tuple)) else value
-        for key, value in vars(axis).items()
-    }
+    found = [~condition.met(values, count) for condition in conditions]
+    return np.array(found, bool).reshape(len(conditions), count)
 
 
 def read_study(path: Path | str) -> Study:
@@ -230,17 +212,14 @@ def read_study(path: Path | str) -> Study:
 
 
 def _check_where(study: Study, machine: Machine | ElementsAlone, where: str) -> None:
-    """See that a condition is one, uses what the result will hold, and compares like with like."""
-    condition = parse(where, any_quantity)
-    if not condition.is_condition:
-        raise ExpressionError(f"{where!r} is a number; a condition such as 'a < b' is needed")
+    """See that a condition can be judged by what the result will hold."""
     units = {name: study.unit(name) for name in study.parameters}
     units |= {name: machine.available_summaries[name].units for name in study.summaries}
     units |= {quantity.name: quantity.units for quantity in study.sensitivity.quantities}
-    for name in condition.names:
-        if name not in units:
-            raise ExpressionError(f"{unknown_name_message(name, units)}; name it under outputs.summaries to have it")
-    check_condition(condition, units)
+    try:
+        Condition.read(where, dimensions_by_unit(units))
+    except UnknownNameError as error:
+        raise ExpressionError(f"{error}; name it under outputs.summaries to have it") from None
 
 
 def _checked(study: Study, path: Path) -> Study:

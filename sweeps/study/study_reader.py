@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,10 @@ from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.sensitivity import RSS, WORST_CASE, AskedDerivative
 from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
+from sweeps.text.conditions import Condition
 from sweeps.text.csv_text import read_csv
 from sweeps.text.dimension_check import check_yields, dimension_of, dimension_of_unit, unit_of_dimension
-from sweeps.text.expressions import Expression, ExpressionError, parse
+from sweeps.text.expressions import ExpressionError, TextExpression, parse
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.names import unknown_name_message
 from sweeps.text.scene_text import scene_from
@@ -159,19 +161,20 @@ class StudyReader:
             return None
 
     def _is_variable(self, path: str, keys: list[str]) -> bool:
-        if path in self.numbers or (path.isidentifier() and self._used(path)):
+        if path in self.numbers or (path.isidentifier() and path in self._names_used):
             return True
         message = unknown_name_message(path, self.numbers)
         self._problem(keys, f"is not a number of the scene. {message}")
         return False
 
-    def _used(self, name: str) -> bool:
-        """Whether a free parameter enters any expression."""
+    @cached_property
+    def _names_used(self) -> set[str]:
+        """Names that any expression uses; those that can't be read are refused when their turn comes."""
+        found: set[str] = set()
         for text in (*self.raw.derive.values(), *self.raw.require):
             with suppress(ExpressionError):
-                if name in parse(text, any_quantity).names:
-                    return True
-        return False
+                found.update(parse(text, any_quantity).names)
+        return found
 
     def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
         """Values in SI units; None if one of them is refused."""
@@ -239,8 +242,8 @@ class StudyReader:
 
     # Expressions
 
-    def _derived(self, varied: tuple[str, ...]) -> dict[str, Expression]:
-        found: dict[str, Expression] = {}
+    def _derived(self, varied: tuple[str, ...]) -> dict[str, TextExpression]:
+        found: dict[str, TextExpression] = {}
         for path, text in self.raw.derive.items():
             keys = ["derive", path]
             if path in varied:
@@ -253,7 +256,7 @@ class StudyReader:
                     found[path] = expression
         return found
 
-    def _has_dimension(self, expression: Expression, path: str, keys: list[str]) -> bool:
+    def _has_dimension(self, expression: TextExpression, path: str, keys: list[str]) -> bool:
         """Whether a derived number has the dimension of its path; a free one gets that of its expression."""
         try:
             if path in self.numbers:
@@ -265,33 +268,24 @@ class StudyReader:
             return False
         return True
 
-    def _condition(self, text: str, entry: int) -> Expression | None:
-        keys, start = ["require"], line_of(self.text, ["require"])
+    def _condition(self, text: str, entry: int) -> Condition | None:
+        start = line_of(self.text, ["require"])
         within = (n for n, line in enumerate(self.text.splitlines(), 1) if n >= (start or 1) and text in line)
-        line = next(within, start)
-        expression = self._expression(text, keys, self.dimensions, line)
         try:
-            if expression and not expression.is_condition:
-                message = f"{text!r}, is a number; a condition such as 'a < b' is needed here"
-                self._problem(keys, f"entry {entry + 1}, {message}", line)
-            elif expression:
-                dimension_of(expression, self.dimensions)
-                return expression
+            return Condition.read(text, self.dimensions)
         except ExpressionError as error:
-            self._problem(keys, str(error), line)
-        return None
+            self._problem(["require"], f"entry {entry + 1}, {error}", next(within, start))
+            return None
 
-    def _expression(
-        self, text: str, keys: list[str], known: Iterable[str], line: int | None = None
-    ) -> Expression | None:
+    def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> TextExpression | None:
         try:
             expression = parse(text, any_quantity)
         except ExpressionError as error:
-            self._problem(keys, str(error), line)
+            self._problem(keys, str(error))
             return None
         unknown = [name for name in expression.names if name not in set(known)]
         for name in unknown:
-            self._problem(keys, unknown_name_message(name, known), line)
+            self._problem(keys, unknown_name_message(name, known))
         return None if unknown else expression
 
 

@@ -12,7 +12,7 @@ from fractions import Fraction
 from pint.util import UnitsContainer
 
 from engine import DIMENSIONS, base_powers, common_units, recognised
-from sweeps.text.expressions import Expression, ExpressionError, Operation, QuotedQuantity, Tree, pointed_out
+from sweeps.text.expressions import ExpressionError, QuotedQuantity, TextExpression, TextOperation, Tree, pointed_out
 
 _ANGLE = "[angle]"
 _BASES = {"[mass]": "kg", "[length]": "m", "[time]": "s"}
@@ -57,12 +57,12 @@ def dimension_in_words(dimension: UnitsContainer) -> str:
     return f"{'an' if words[0] in 'aei' else 'a'} {words}"
 
 
-def dimension_of(expression: Expression, known: Mapping[str, UnitsContainer]) -> UnitsContainer:
+def dimension_of(expression: TextExpression, known: Mapping[str, UnitsContainer]) -> UnitsContainer:
     """Dimension of what an expression yields; for a condition that of a plain number.
 
     Parameters
     ----------
-    expression : Expression
+    expression : TextExpression
     known : mapping of str to UnitsContainer
         Dimension of each of the expression's names.
 
@@ -75,12 +75,12 @@ def dimension_of(expression: Expression, known: Mapping[str, UnitsContainer]) ->
     return _Checker(expression.text, known).dimension(expression.tree)
 
 
-def check_yields(expression: Expression, wanted: UnitsContainer, known: Mapping[str, UnitsContainer]) -> None:
+def check_yields(expression: TextExpression, wanted: UnitsContainer, known: Mapping[str, UnitsContainer]) -> None:
     """See that an expression yields a quantity of some dimension; zero is one of every dimension.
 
     Parameters
     ----------
-    expression : Expression
+    expression : TextExpression
     wanted : UnitsContainer
     known : mapping of str to UnitsContainer
         As of `dimension_of`.
@@ -97,22 +97,14 @@ def check_yields(expression: Expression, wanted: UnitsContainer, known: Mapping[
         raise ExpressionError(f"{expression.text!r} gives {gives}, but this is {wants}{hint}")
 
 
-def check_condition(condition: Expression, units: Mapping[str, str]) -> None:
-    """See that a condition compares like with like; it isn't looked at if one of its units isn't known.
+def dimensions_by_unit(units: Mapping[str, str]) -> dict[str, UnitsContainer | None]:
+    """Dimensions of names from their SI units as CF spells them; None where the unit is "", not known.
 
     Parameters
     ----------
-    condition : Expression
     units : mapping of str to str
-        SI unit of each of its names as CF spells it, "" where that isn't known.
-
-    Raises
-    ------
-    ExpressionError
-        As `dimension_of`.
     """
-    if all(units.get(name) for name in condition.names):
-        dimension_of(condition, {name: dimension_of_unit(units[name]) for name in condition.names})
+    return {name: dimension_of_unit(unit) if unit else None for name, unit in units.items()}
 
 
 def _container(powers: Mapping[str, int | Fraction]) -> UnitsContainer:
@@ -143,14 +135,14 @@ _AN_ANGLE = _container({_ANGLE: 1})
 
 def _is_zero(tree: Tree) -> bool:
     """Whether this is a bare 0, which has whatever dimension is needed."""
-    if isinstance(tree, Operation) and tree.name == "negative":
+    if isinstance(tree, TextOperation) and tree.name == "negative":
         return _is_zero(tree.operands[0])
     return isinstance(tree, float) and tree == 0
 
 
 def _bare_number(tree: Tree) -> float | None:
     """The value of a number without a unit, with its sign; None for anything else."""
-    if isinstance(tree, Operation) and tree.name == "negative":
+    if isinstance(tree, TextOperation) and tree.name == "negative":
         inner = _bare_number(tree.operands[0])
         return None if inner is None else -inner
     return tree if isinstance(tree, float) else None
@@ -198,7 +190,7 @@ class _Checker:
             case _:
                 return self.function(tree, operands[0])
 
-    def alike(self, tree: Operation, operands: list[UnitsContainer]) -> UnitsContainer:
+    def alike(self, tree: TextOperation, operands: list[UnitsContainer]) -> UnitsContainer:
         """The dimension that all operands have."""
         pairs = [(t, d) for t, d in zip(tree.operands, operands, strict=True) if not _is_zero(t)]
         kinds = {_plain(d) for _, d in pairs}
@@ -210,25 +202,25 @@ class _Checker:
         exact = {d for _, d in pairs}
         return exact.pop() if len(exact) == 1 else kinds.pop() if kinds else _NUMBER
 
-    def power(self, tree: Operation, base: UnitsContainer, exponent: UnitsContainer) -> UnitsContainer:
+    def power(self, tree: TextOperation, base: UnitsContainer, exponent: UnitsContainer) -> UnitsContainer:
         if _plain(exponent):
             raise self.refusal(tree, f"a power must be a plain number, this is {dimension_in_words(exponent)}")
         if not _plain(base):
             return _NUMBER
         # What varies makes it NaN.
-        number = Expression(self.text, (), False, tree.operands[1]).evaluate(dict.fromkeys(self.known, math.nan))
+        number = TextExpression(self.text, (), False, tree.operands[1]).evaluate(dict.fromkeys(self.known, math.nan))
         if not math.isfinite(number):
             words = f"the power of {dimension_in_words(base)} must be a fixed number, or its unit would vary"
             raise self.refusal(tree, words)
         return base ** Fraction(number).limit_denominator(_LARGEST_DENOMINATOR)
 
-    def function(self, tree: Operation, operand: UnitsContainer) -> UnitsContainer:
+    def function(self, tree: TextOperation, operand: UnitsContainer) -> UnitsContainer:
         if _plain(operand):
             taken = "an angle or a plain number" if tree.name in ("sin", "cos", "tan") else "a plain number"
             raise self.refusal(tree, f"{tree.name} takes {taken}, this is {dimension_in_words(operand)}")
         return _AN_ANGLE if tree.name in _TO_ANGLE else _NUMBER
 
-    def refusal(self, tree: Operation, what: str) -> ExpressionError:
+    def refusal(self, tree: TextOperation, what: str) -> ExpressionError:
         return ExpressionError(f"{what}:\n{pointed_out(self.text, tree.column)}")
 
 

@@ -91,7 +91,7 @@ class QuotedQuantity(NamedTuple):
     text: str
 
 
-class Operation(NamedTuple):
+class TextOperation(NamedTuple):
     """An operation, a comparison or a function with its operands, and the column where it stands in the text."""
 
     name: str
@@ -100,11 +100,11 @@ class Operation(NamedTuple):
 
 
 # A number, a quantity, a name, or an operation on others.
-Tree = float | QuotedQuantity | str | Operation
+Tree = float | QuotedQuantity | str | TextOperation
 
 
 @dataclass(frozen=True)
-class Expression:
+class TextExpression:
     """A parsed expression, made by `parse`.
 
     Attributes
@@ -115,7 +115,7 @@ class Expression:
         The dotted paths it uses, each once, in order of first appearance.
     is_condition : bool
         Whether it yields true or false (a comparison) instead of a number.
-    tree : float, Quantity, str or Operation
+    tree : float, QuotedQuantity, str or TextOperation
         Its structure.
     """
 
@@ -149,11 +149,11 @@ class Expression:
             if name not in values:
                 raise ExpressionError(f"in '{self.text}': {unknown_name_message(name, values)}")
         with np.errstate(all="ignore"):
-            result = _evaluate(self.tree, values)
+            result = evaluate_tree(self.tree, values)
         return result if np.ndim(result) else result.item()
 
 
-def parse(text: str, quantity: Callable[[str], float] | None = None) -> Expression:
+def parse(text: str, quantity: Callable[[str], float] | None = None) -> TextExpression:
     """Parse an expression.
 
     Parameters
@@ -166,7 +166,7 @@ def parse(text: str, quantity: Callable[[str], float] | None = None) -> Expressi
 
     Returns
     -------
-    Expression
+    TextExpression
 
     Raises
     ------
@@ -184,7 +184,7 @@ def parse(text: str, quantity: Callable[[str], float] | None = None) -> Expressi
     if "#" in line:
         raise translator.refusal(line.index("#"), "comments can't be used here")
     tree, is_condition = translator.translate(_syntax_tree(translator), depth=1)
-    return Expression(text, tuple(translator.names), is_condition, tree)
+    return TextExpression(text, tuple(translator.names), is_condition, tree)
 
 
 def pointed_out(text: str, column: int) -> str:
@@ -200,16 +200,24 @@ def _one_line(text: str) -> str:
     return "".join(" " if character.isspace() else character for character in text)
 
 
-def _evaluate(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
+def evaluate_tree(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
+    """Evaluate a part of an expression, or all of it, in float64; as of `TextExpression.evaluate`."""
     if isinstance(tree, float):
         return np.float64(tree)
     if isinstance(tree, QuotedQuantity):
         return np.float64(tree.value)
     if isinstance(tree, str):
         return np.asarray(values[tree], dtype=np.float64)
-    results = [_evaluate(operand, values) for operand in tree.operands]
+    results = [evaluate_tree(operand, values) for operand in tree.operands]
     ufunc = _UFUNCS[tree.name]
     return functools.reduce(ufunc, results) if tree.name in _REPEATED else ufunc(*results)
+
+
+def names_in_tree(tree: Tree) -> dict[str, None]:
+    """Names that a part of an expression uses, each once, in order."""
+    if isinstance(tree, TextOperation):
+        return {name: None for operand in tree.operands for name in names_in_tree(operand)}
+    return {tree: None} if isinstance(tree, str) else {}
 
 
 def _syntax_tree(translator: "_Translator") -> ast.expr:
@@ -253,7 +261,7 @@ class _Translator:
                 return self.operation("negative", [self.number(node.operand, depth)], node), False
             case ast.BinOp() if type(node.op) in _ARITHMETIC:
                 left, right = self.number(node.left, depth), self.number(node.right, depth)
-                return Operation(_ARITHMETIC[type(node.op)], (left, right), self.after(node.left)), False
+                return TextOperation(_ARITHMETIC[type(node.op)], (left, right), self.after(node.left)), False
             case ast.UnaryOp(op=ast.Not()):
                 return self.operation("not", [self.condition(node.operand, depth)], node), True
             case ast.BoolOp():
@@ -266,8 +274,8 @@ class _Translator:
                 place = self.after(node.left) if isinstance(node, ast.BinOp) else node
                 raise self.refusal(place, _HINTS.get(kind, f"{kind.__name__} can't be used here"))
 
-    def operation(self, name: str, operands: Iterable[Tree], node: ast.expr) -> Operation:
-        return Operation(name, tuple(operands), self.column(node.col_offset))
+    def operation(self, name: str, operands: Iterable[Tree], node: ast.expr) -> TextOperation:
+        return TextOperation(name, tuple(operands), self.column(node.col_offset))
 
     def number(self, node: ast.expr, depth: int) -> Tree:
         tree, is_condition = self.translate(node, depth + 1)
@@ -281,19 +289,19 @@ class _Translator:
             raise self.refusal(node, "a condition is needed here, this is a number; compare it with something")
         return tree
 
-    def comparison(self, node: ast.Compare, depth: int) -> Operation:
+    def comparison(self, node: ast.Compare, depth: int) -> TextOperation:
         nodes = (node.left, *node.comparators)
         for operator, left in zip(node.ops, nodes, strict=False):
             if type(operator) not in _COMPARISONS:
                 raise self.refusal(self.after(left), f"{type(operator).__name__} is no comparison of numbers")
         operands = [self.number(operand, depth) for operand in nodes]
         pairs = [
-            Operation(_COMPARISONS[type(operator)], pair, self.after(left))
+            TextOperation(_COMPARISONS[type(operator)], pair, self.after(left))
             for operator, pair, left in zip(node.ops, itertools.pairwise(operands), nodes, strict=False)
         ]
         return pairs[0] if len(pairs) == 1 else self.operation("and", pairs, node)
 
-    def call(self, node: ast.Call, depth: int) -> Operation:
+    def call(self, node: ast.Call, depth: int) -> TextOperation:
         name = node.func.id if isinstance(node.func, ast.Name) else None
         if name not in FUNCTIONS:
             raise self.refusal(node, "no such function")

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import tomli_w
+from pydantic import ValidationError
 
-from engine import DIMENSIONS, Scene, SceneError, order_groups, scene_numbers
+from engine import DIMENSIONS, Scene, SceneError, ScenePart, order_groups, scene_numbers
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.toml_text import line_of, parse_toml, validate
@@ -99,41 +100,74 @@ _TEXT_UNITS = {
 }
 
 
-def write_scene(scene: Scene, values: dict[str, float] | None = None) -> str:
+def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
     """TOML text of a scene, with some of its numbers replaced.
 
     Parameters
     ----------
     scene : Scene
-    values : dict of str to float, optional
+    values : mapping of str to float, optional
         New values (SI) by path, such as those of one variant of a study.
+
+    Raises
+    ------
+    SceneError
+        A value isn't allowed where it goes.
     """
+    values = values or {}
+    scene = with_values(scene, values)
     data = scene.model_dump(exclude_none=True, exclude_defaults=True, mode="json")
     for path, number in scene_numbers(scene).items():
-        value = number.value if values is None or path not in values else values[path]
         *tables, last = path.split(".")
         table = data
         for key in tables:
             table = table.setdefault(key, {})
-        if last in table or (values is not None and path in values):
-            table[last] = int(value) if last == "mode" else number_text(value, number.dimension)
+        if last in table or path in values:
+            table[last] = int(number.value) if last == "mode" else number_text(number.value, number.dimension)
     _label_tables(scene, data)
     return tomli_w.dumps(data)
 
 
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """A scene with some of its numbers replaced, such as the machine of one variant of a study.
+    """A copy of a scene with some of its numbers replaced, such as the machine of one variant of a study.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float
         New values (SI).
+
+    Raises
+    ------
+    SceneError
+        A value isn't allowed where it goes.
     """
-    if not values:
-        return scene
-    text = write_scene(scene, dict(values))
-    return scene_from(parse_toml(text, scene.title), text, scene.title or "scene", Path())
+    by_path: dict[str, Any] = {}
+    for path, value in values.items():
+        *tables, last = path.split(".")
+        table = by_path
+        for key in tables:
+            table = table.setdefault(key, {})
+        table[last] = value
+    return _copied(scene, by_path, "") if values else scene
+
+
+def _copied(part: ScenePart, changes: Mapping[str, Any], path: str) -> ScenePart:
+    """A part of a scene with changes in it, checked as when it was made; parts without changes are shared."""
+    given = {key: getattr(part, key) for key in part.model_fields_set}
+    for key, change in changes.items():
+        here, old = f"{path}{key}.", getattr(part, key)
+        if isinstance(old, dict):
+            given[key] = old | {name: _copied(old[name], inner, f"{here}{name}.") for name, inner in change.items()}
+        elif isinstance(old, ScenePart):
+            given[key] = _copied(old, change, here)
+        else:
+            given[key] = int(change) if isinstance(old, int) else change
+    try:
+        return type(part).model_validate(given)
+    except ValidationError as error:
+        problems = [(path + ".".join(map(str, e["loc"][:1])), e["msg"]) for e in error.errors()]
+        raise SceneError([(place.rstrip("."), message) for place, message in problems]) from None
 
 
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:

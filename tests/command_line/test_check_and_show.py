@@ -4,9 +4,12 @@ import ast
 import itertools
 from pathlib import Path
 
+import numpy as np
 import pytest
-from commands import refused, said
+from commands import STUDY, refused, said
 from press_texts import PRESS
+
+from sweeps.report.sweep_result import SweepResult
 
 # check
 
@@ -95,6 +98,25 @@ def test_show_where_sort_limit_and_columns__choose(press_result):
     answer = said("show", press_result, "--columns", "excess_work, status")
     head = next(line for line in answer.stdout.splitlines() if line.startswith("variant "))
     assert head.split() == ["variant", "input.length", "bodies.ram.mass", "excess_work", "status"]
+
+
+def test_show__counts_what_its_error_figures_leave_open(press_result):
+    # A crank of 40 mm has a stroke of 80 mm, found from 48 positions but for some error.
+    answer = said("show", press_result, "--where", "ram.stroke > '80 mm'")
+    result = SweepResult(Path(press_result))
+    stroke, figure = result.columns["ram.stroke"], result.columns["ram.stroke_error"]
+    assert (np.abs(stroke - 0.08) <= figure).tolist() == [True, True, *[False] * 6]
+    assert "4 variants meet the condition, 2 more can't be told to: their error figures reach across its limit" in (
+        answer.stdout
+    )
+    assert "can't be told" not in said("show", press_result, "--where", "ram.stroke > '79 mm'").stdout
+
+
+def test_show__says_so_of_the_study_s_own_condition(press_folder):
+    Path("study.toml").write_text(STUDY.replace("> '90 mm'", ">= '80 mm'"))
+    assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    answer = said("show", "r.h5").stdout
+    assert "\n4 variants meet the condition, 2 more can't be told to:" in answer
 
 
 def test_show_where_nothing_fits__shows_an_empty_table(press_result):

@@ -28,6 +28,8 @@ def folder(tmp_path_factory):
     (path / "compressor_friction.toml").write_text(scene + friction, encoding="utf8")
     (path / "compressor_motion.toml").write_text(scene + motion, encoding="utf8")
     (path / "study.toml").write_text(study, encoding="utf8")
+    (runs,) = blocks("csv")
+    (path / "runs.csv").write_text(runs, encoding="utf8")
     (path / "torque.csv").write_text("phi [deg], moment [N m]\n0,0\n90,1000\n180,0\n270,-200\n360,0\n", encoding="utf8")
     return path
 

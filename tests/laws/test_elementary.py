@@ -1,8 +1,6 @@
 """Elementary functions against mpmath over all of their range, and that loops over them are packed instructions."""
 
 import math
-import platform
-import re
 
 import mpmath as mp
 import numpy as np
@@ -10,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
+from packed import assert_packed
 
 from engine.compiling.jit import KERNEL_OPTIONS
 from engine.laws.elementary import angle_of, arcsine, direction_of, exponential, logarithm, power
@@ -91,16 +90,21 @@ def missed(angle: float) -> float:
     return max(float(abs(mp.mpf(found) - t)) for found, t in zip(direction_of(angle), true, strict=True))
 
 
-# Two roundings of numbers of at most 1, and of one below 1/√2 before.
+# Two roundings of numbers of at most 1, and of one below 1/√2 before. π/2 as rounded is off by 3.9e-17 of itself.
 @many
 @given(st.one_of(st.floats(-20.0, 20.0), st.floats(-1e14, 1e14)))
 def test_direction__mpmath(angle):
-    assert missed(angle) <= 2e-16
+    assert missed(angle) <= 2e-16 + 4e-17 * abs(angle)
+
+
+@pytest.mark.parametrize("turns", [-7, -1, 1, 2, 40])
+def test_direction_after_whole_turns__is_that_of_the_beginning(turns):
+    assert direction_of(turns * 2.0 * math.pi) == (1.0, 0.0)
 
 
 def test_direction__is_right_around_every_eighth_of_a_turn():
     eighths = [k * math.pi / 4 + d for k in range(-33, 34) for d in (-1e-9, -1e-16, 0.0, 1e-16, 1e-9)]
-    assert max(missed(angle) for angle in eighths) <= 2e-16
+    assert max(missed(angle) for angle in eighths) <= 2e-16 + 4e-17 * 33 * math.pi / 4
 
 
 def test_direction__has_length_one():
@@ -210,45 +214,29 @@ def test_float32__is_computed_in_float64():
 
 # Vectorised
 
-FUNCTIONS = (exponential, logarithm, power, angle_of, arcsine, direction_of)
-PACKED = {
-    "x86_64": (r"\bvfn?m(add|sub)\d+pd\b", r"\bvdivpd\b"),
-    "AMD64": (r"\bvfn?m(add|sub)\d+pd\b", r"\bvdivpd\b"),
-    "aarch64": (r"\bfml[as]\W+v\d+\.2d", r"\bfdiv\W+v\d+\.2d"),
-    "arm64": (r"\bfml[as]\.2d", r"\bfdiv\.2d"),
-}
-
 
 def test_a_loop_over_each__is_compiled_to_packed_instructions():
-    options = {**KERNEL_OPTIONS, "cache": False}
-
-    @njit(**options)
+    @njit(**{**KERNEL_OPTIONS, "cache": False})
     def loops(x, y, out):
         for i in range(x.size):
             out[0, i] = exponential(x[i])
         for i in range(x.size):
-            out[1, i] = logarithm(x[i])
+            out[1, i], out[2, i] = direction_of(x[i])
         for i in range(x.size):
-            out[2, i] = power(x[i], y[i])
+            out[3, i] = logarithm(x[i])
         for i in range(x.size):
-            out[3, i] = angle_of(x[i], y[i])
+            out[4, i] = power(x[i], y[i])
         for i in range(x.size):
-            out[4, i] = arcsine(x[i])
+            out[5, i] = angle_of(x[i], y[i])
         for i in range(x.size):
-            out[5, i], out[6, i] = direction_of(x[i])
+            out[6, i] = arcsine(x[i])
 
     x, y = np.random.default_rng(1).uniform(0.1, 1.0, (2, 37))
     out = np.empty((7, 37))
     loops(x, y, out)
     # A lane has what the function gives by itself, in the loop's body and in what is left over of it.
-    alone = [
-        [exponential(a), logarithm(a), power(a, b), angle_of(a, b), arcsine(a), *direction_of(a)]
-        for a, b in zip(x, y, strict=True)
-    ]
-    np.testing.assert_array_equal(out.T, alone)
-    assembly = "\n".join(loops.inspect_asm().values())
-    patterns = PACKED.get(platform.machine(), ())
-    # One after another, six loops have packed products and sums; half of what there is may be left over of a loop.
-    for pattern in patterns:
-        assert len(re.findall(pattern, assembly)) >= len(FUNCTIONS) - 2, pattern
-    assert not re.search(r"\bcall\w*\s+\W*(exp|log|pow|sin|cos|a?tan2?|asin|fma|floor)\b", assembly)
+    for i, (a, b) in enumerate(zip(x, y, strict=True)):
+        alone = [exponential(a), *direction_of(a), logarithm(a), power(a, b), angle_of(a, b), arcsine(a)]
+        np.testing.assert_array_equal(out[:, i], alone)
+    # The last four divide.
+    assert_packed(loops, 4)

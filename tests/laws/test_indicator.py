@@ -5,12 +5,32 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from numba import njit
 from numpy.testing import assert_allclose
+from packed import assert_packed
 from scipy.integrate import quad
 
-from engine.laws.indicator_diagrams import four_stroke_engine, polytropic_compressor, pump, two_stroke_engine
+from engine.compiling.jit import KERNEL_OPTIONS
+from engine.laws.indicator_diagrams import (
+    COMPRESSION,
+    EXPANSION,
+    INFLOW,
+    OUTFLOW,
+    branch_pressure,
+    compressor_branch,
+    compressor_opening_travels,
+    compressor_peak,
+    four_stroke_branch,
+    four_stroke_engine,
+    line_pressure,
+    polytropic_compressor,
+    pump,
+    pump_branch,
+    two_stroke_branch,
+    two_stroke_engine,
+)
 
 EPS = np.finfo(float).eps
 STROKE = 0.08
@@ -173,3 +193,141 @@ def test_unknown_travel__gives_nan(toward_head, clearance):
     assert math.isnan(pressure)
     assert math.isnan(four_stroke_engine(math.nan, STROKE, 0.1, 3, 1e5, 1e5, 4e5, 1.3, 1.2))
     assert math.isnan(two_stroke_engine(math.nan, STROKE, 0.1, 0, 1e5, 1e5, 4e5, 1.3, 1.2, 0.7))
+
+
+# Branches, and the pressure along them
+
+shares = st.one_of(st.floats(0.0, 1.0), st.sampled_from([0.0, 1.0]))
+# A power of a ratio that is rounded twice: so many eps of the exponent, and of the products with it. Clearance and
+# stroke enter V_max, V_min and V once each.
+ROUNDINGS = 16 * EPS
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.floats(1e-3, 3.0), st.floats(1.01, 50.0), exponents, exponents, shares, st.booleans())
+def test_compressor_by_branches__is_the_diagram(clearance, ratio, n, m, share, toward_head):
+    lines = ATMOSPHERE, ratio * ATMOSPHERE
+    travel, rate = share * STROKE, -2.0 if toward_head else 0.0
+    opens = [float(x) for x in compressor_opening_travels(clearance, *lines, n, m)]
+    peak = float(compressor_peak(clearance, *lines, n))
+    branch = compressor_branch(travel, STROKE, rate, *opens)
+    pressure = branch_pressure(branch, travel, STROKE, clearance, *lines, peak, 1.0, n, m)
+    # Near an opening valve the two sides agree but for the travel's rounding over the length of the gas, n times.
+    allowed = ROUNDINGS + 4.0 * EPS * (1.0 + clearance) / (share + clearance)
+    expected = polytropic_compressor(travel, STROKE, clearance, toward_head, *lines, n, m)
+    assert_allclose(pressure, expected, rtol=allowed)
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.floats(1e-3, 3.0), st.floats(1.01, 50.0), exponents, exponents)
+def test_valves__open_where_the_polytropes_reach_the_lines(clearance, ratio, n, m):
+    suction, discharge = ATMOSPHERE, ratio * ATMOSPHERE
+    discharge_opens, suction_opens = compressor_opening_travels(clearance, suction, discharge, n, m)
+    peak = compressor_peak(clearance, suction, discharge, n)
+    if discharge_opens > 0.0:
+        assert peak == discharge
+        compressed = suction * ((1.0 + clearance) / (discharge_opens + clearance)) ** n
+        # The travel is a difference of terms of about 1 + c, with a rounding each.
+        assert_allclose(compressed, discharge, rtol=16 * EPS * (1.0 + clearance) / (discharge_opens + clearance))
+    else:
+        assert peak <= discharge
+    expanded = peak * (clearance / (suction_opens + clearance)) ** m
+    assert_allclose(expanded, suction, rtol=32 * EPS)
+
+
+def test_opening_travels__of_many_variants():
+    clearance = np.array([0.05, 0.5])
+    found = compressor_opening_travels(clearance, 1e5, [4e5, 6e5], 1.3, [1.3, 1.1])
+    one = [compressor_opening_travels(0.05, 1e5, 4e5, 1.3, 1.3), compressor_opening_travels(0.5, 1e5, 6e5, 1.3, 1.1)]
+    assert_allclose(found, np.transpose(one), rtol=8 * EPS)
+    # 3^1.3 = 4.17 < 6: the second never delivers; with its smaller exponent the gas never expands to suction.
+    assert found[0][1] < 0.0
+    assert found[1][1] > 1.0
+
+
+@settings(deadline=None, max_examples=150)
+@given(clearances, exponents, exponents, shares, st.floats(0.0, 4.0 * math.pi), st.floats(-7.0, 7.0), st.booleans())
+def test_four_stroke_by_branches__is_the_diagram(clearance, n, m, share, phi, firing, forward):
+    # A slider-crank at its simplest: a head-end dead centre at 0.3 rad and after every turn; it fires at the first one
+    # that follows, in the crank's own way.
+    way = 1.0 if forward else -1.0
+    centres = [0.3 + way * 2.0 * math.pi * k for k in range(-5, 6)]
+    fires_at = next(centre for centre in centres if way * (centre - firing) >= 0.0)
+    strokes = way * (phi - fires_at) / math.pi
+    assume(abs(strokes - round(strokes)) > 1e-9)
+    branch = four_stroke_branch(way * math.sin(phi - 0.3), phi, 0.3, firing, way)
+    assert branch == (EXPANSION, OUTFLOW, INFLOW, COMPRESSION)[math.floor(strokes) % 4]
+    pressures = (0.9e5, 1.1e5, 45e5)
+    found = branch_pressure(branch, share * STROKE, STROKE, clearance, *pressures, 1.0, n, m)
+    expected = four_stroke_engine(share * STROKE, STROKE, clearance, int(branch), *pressures, n, m)
+    assert_allclose(found, expected, rtol=ROUNDINGS)
+
+
+@pytest.mark.parametrize("missed", [-1e-9, 0.0, 1e-9])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_firing_angle_within_rounding_of_a_dead_centre__is_that_one(missed, way):
+    # Just after it the piston leaves the head, whichever way the crank turns.
+    assert four_stroke_branch(1.0, 0.3 + way * 0.1, 0.3, 0.3 + missed, way) == EXPANSION
+
+
+@settings(deadline=None, max_examples=150)
+@given(clearances, exponents, exponents, shares, st.booleans(), st.floats(0.5, 1.0))
+def test_two_stroke_by_branches__is_the_diagram(clearance, n, m, share, toward_head, port):
+    for travel in (share * STROKE, port * STROKE, np.nextafter(port * STROKE, 1.0)):
+        branch = two_stroke_branch(travel, STROKE, -0.1 if toward_head else 0.1, port)
+        pressures = (1.4e5, 1.1e5, 45e5)
+        found = branch_pressure(branch, travel, STROKE, clearance, *pressures, port, n, m)
+        expected = two_stroke_engine(travel, STROKE, clearance, int(toward_head), *pressures, n, m, port)
+        assert_allclose(found, expected, rtol=ROUNDINGS)
+
+
+def test_pump_by_branches__is_the_diagram():
+    assert line_pressure(pump_branch(-1.0), 0.6e5, 9e5) == pump(True, 0.6e5, 9e5)
+    assert line_pressure(pump_branch(1.0), 0.6e5, 9e5) == pump(False, 0.6e5, 9e5)
+
+
+@pytest.mark.parametrize("branch", [EXPANSION, OUTFLOW, INFLOW, COMPRESSION])
+def test_branch__goes_on_beyond_its_ends(branch):
+    # Along the whole stroke the pressure is a polytrope, or constant: p V^n is.
+    travels = np.linspace(0.0, STROKE, 9)
+    pressure = np.array([branch_pressure(branch, x, STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25) for x in travels])
+    exponent = {EXPANSION: 1.25, COMPRESSION: 1.35}.get(branch, 0.0)
+    constant = pressure * (travels + 0.1 * STROKE) ** exponent
+    assert_allclose(constant, constant[0], rtol=ROUNDINGS)
+    start = {EXPANSION: 50e5, OUTFLOW: 4e5, INFLOW: 1e5, COMPRESSION: 1e5 * 9.0**1.35}[branch]
+    assert_allclose(pressure[0], start, rtol=ROUNDINGS)
+
+
+def test_unknown_motion__has_no_branch_and_no_pressure():
+    nan = math.nan
+    branches = [compressor_branch(nan, STROKE, 1.0, 0.5, 0.2), compressor_branch(0.01, STROKE, nan, 0.5, 0.2)]
+    branches += [pump_branch(nan), two_stroke_branch(nan, STROKE, 1.0, 0.8), two_stroke_branch(0.01, STROKE, nan, 0.8)]
+    branches += [four_stroke_branch(nan, 1.0, 0.0, 0.0, 1.0), four_stroke_branch(1.0, nan, 0.0, 0.0, 1.0)]
+    assert np.isnan(branches).all()
+    numbers = (STROKE, 0.1, 1e5, 4e5, 50e5, 1.0, 1.3, 1.3)
+    pressures = [branch_pressure(nan, 0.01, *numbers), line_pressure(nan, 1e5, 4e5)]
+    pressures += [branch_pressure(branch, nan, *numbers) for branch in (EXPANSION, OUTFLOW, INFLOW, COMPRESSION)]
+    assert np.isnan(pressures).all()
+
+
+@pytest.mark.parametrize("branch", [EXPANSION, COMPRESSION])
+def test_travel_rounded_below_the_dead_centre__is_the_dead_centre(branch):
+    numbers = (STROKE, 0.1, 1e5, 4e5, 50e5, 1.0, 1.3, 1.3)
+    assert branch_pressure(branch, -1e-17, *numbers) == branch_pressure(branch, 0.0, *numbers)
+
+
+def test_a_loop_over_positions_of_all_branches__is_compiled_to_packed_instructions():
+    @njit(**{**KERNEL_OPTIONS, "cache": False})
+    def loop(branch, travel, out):
+        for i in range(travel.size):
+            out[i] = branch_pressure(branch[i], travel[i], STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25)
+
+    branch, travel = np.arange(37.0) % 4.0, np.linspace(0.0, STROKE, 37)
+    out = np.empty(37)
+    loop(branch, travel, out)
+    alone = [
+        branch_pressure(b, x, STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25) for b, x in zip(branch, travel, strict=True)
+    ]
+    # Sums of products may be fused in one of the two.
+    assert_allclose(out, alone, rtol=ROUNDINGS)
+    assert_packed(loop, 1)

@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 from numpy.testing import assert_allclose
+from packed import assert_packed
 
+from engine.compiling.jit import KERNEL_OPTIONS
 from engine.laws.loads import (
     acts_in_direction,
     constant_against_motion,
@@ -118,3 +121,15 @@ def test_unknown_velocity__gives_nan():
         acts_in_direction(1.0, math.nan),
     ]
     assert np.isnan(loads).all()
+
+
+def test_a_loop_over_speeds__is_compiled_to_packed_instructions():
+    @njit(**{**KERNEL_OPTIONS, "cache": False})
+    def loop(x, out):
+        for i in range(x.size):
+            out[i] = power_law_drag(3.0, 1.4, x[i])
+
+    x, out = np.linspace(-2.0, 2.0, 37), np.empty(37)
+    loop(x, out)
+    assert_allclose(out, [power_law_drag(3.0, 1.4, v) for v in x], rtol=4 * EPS)
+    assert_packed(loop, 1)

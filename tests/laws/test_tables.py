@@ -9,7 +9,15 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from engine.laws.tables import TableError, make_table, table_value
+from engine.laws.tables import (
+    TableError,
+    in_memory,
+    make_table,
+    segment_slope,
+    segment_value,
+    table_segment,
+    table_value,
+)
 
 EPS = np.finfo(float).eps
 
@@ -226,3 +234,56 @@ def test_input__is_not_changed():
 def test_wrong_rows__are_named_with_the_mend(x, y, options, message):
     with pytest.raises(TableError, match=message):
         make_table(x, y, **{"interpolation": "linear", **options})
+
+
+# Segments of tables in memory
+
+
+@settings(deadline=None, max_examples=60)
+@given(rows(least=3), st.integers(0, 2**32 - 1), st.sampled_from(["linear", "pchip", "spline"]), st.booleans())
+def test_segment__has_the_value_of_the_table(row, seed, interpolation, periodic):
+    x, y = row
+    period = (x[-1] - x[0]) * 1.25 if periodic else 0.0
+    table = make_table(x, y, interpolation, period)
+    other = make_table([0.0, 1.0], [2.0, 3.0], "linear")
+    memory = np.concatenate((in_memory(other), in_memory(table), in_memory(other)))
+    offset = float(in_memory(other).size)
+    # Every break itself, and places up to three periods away.
+    reach = 3.0 * (x[-1] - x[0])
+    u = np.concatenate((x, np.random.default_rng(seed).uniform(x[0] - reach, x[-1] + reach, 40)))
+    found = [segment_value(*table_segment(memory, offset, float(v)), float(v)) for v in u]
+    # The distance in the piece is found from x and the piece's break some periods on: a rounding of each.
+    assert_allclose(found, values(table, u), rtol=0, atol=rounding(table, np.abs(u).max()))
+
+
+def test_segment__is_held_beyond_its_ends():
+    table = make_table([0.0, 1.0, 2.0], [0.0, 1.0, 0.0], "spline")
+    held = table_segment(in_memory(table), 0.0, 1.5)
+    left, *coefficients = held
+    assert left == 1.0
+    # The second piece of the natural spline is 1 - 3/2 t² + t³/2, and goes on so at t = -1/2 and 3/2.
+    assert_allclose(coefficients, [0.5, -1.5, 0.0, 1.0], rtol=0, atol=8 * EPS)
+    assert_allclose([segment_value(*held, x) for x in (0.5, 2.5)], [9 / 16, -11 / 16], rtol=0, atol=16 * EPS)
+    assert_allclose([segment_slope(*held[:4], x) for x in (0.5, 2.5)], [15 / 8, -9 / 8], rtol=0, atol=16 * EPS)
+
+
+@pytest.mark.parametrize("turns", [-3, 0, 5])
+def test_segment_of_a_periodic_table__lies_about_x(turns):
+    table = make_table([0.5, 1.5, 3.0], [0.0, 1.0, -1.0], "linear", period=4.0)
+    # Powers of two: without rounding.
+    left, _, _, slope, value = table_segment(in_memory(table), 0.0, 2.0 + 4.0 * turns)
+    assert (left, slope, value) == (1.5 + 4.0 * turns, -2.0 / 1.5, 1.0)
+
+
+def test_segment_at_a_step__is_the_one_after_it():
+    table = make_table([0.0, 1.0, 1.0, 2.0], [5.0, 5.0, 7.0, 7.0], "linear")
+    memory = in_memory(table)
+    before = table_segment(memory, 0.0, np.nextafter(1.0, 0.0))
+    assert segment_value(*before, 1.0) == 5.0
+    assert segment_value(*table_segment(memory, 0.0, 1.0), 1.0) == 7.0
+
+
+def test_segment__of_no_number_has_no_value():
+    for period in (0.0, 3.0):
+        held = table_segment(in_memory(make_table([0.0, 1.0], [2.0, 2.0], "linear", period)), 0.0, math.nan)
+        assert math.isnan(segment_value(*held, math.nan))

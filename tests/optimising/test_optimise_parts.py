@@ -1,6 +1,5 @@
 """Parts of a search: margins of conditions, coordinates, texts that are refused, what the command says, the picture."""
 
-import ast
 import sys
 from pathlib import Path
 
@@ -12,7 +11,6 @@ from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 
 from engine import Verdict
-from sweeps.optimising.margins import conjuncts, margins
 from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.trials import Trials
 from sweeps.pictures.picture_error import PictureError
@@ -23,11 +21,13 @@ from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, 
 from sweeps.study.search_task import task_of
 from sweeps.study.search_variables import Span, Variables
 from sweeps.study.study import read_study
+from sweeps.text.conditions import Condition
 from sweeps.text.expressions import parse
 from sweeps.text.input_files import InputError
 
 # Margins
 
+SIZES = st.floats(0, 1e3, allow_subnormal=False) | st.sampled_from([0.0, np.nan, np.inf])
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False) | st.sampled_from([0.0, 1.0, np.nan])
 
 
@@ -45,9 +45,9 @@ def conditions(draw: st.DrawFn, depth: int = 3) -> str:
 @given(conditions(), st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=6))
 def test_margin__is_above_zero_only_where_the_condition_is_missed(text, pairs):
     a, b = np.array(pairs).T
-    condition, values = parse(text), {"a": a, "b": b}
-    met = np.broadcast_to(condition.evaluate(values), a.shape).astype(bool)
-    worst = margins(condition, values, a.size).max(axis=0)
+    condition, values = Condition(parse(text)), {"a": a, "b": b}
+    met = condition.met(values, a.size)
+    worst = condition.margins(values, {}, a.size).max(axis=0)
     known = ~(np.isnan(a) | np.isnan(b))
     assert not (met & known & (worst > 0)).any()
     # Strict inequalities miss on their limit by nothing.
@@ -55,20 +55,34 @@ def test_margin__is_above_zero_only_where_the_condition_is_missed(text, pairs):
     assert (np.abs(worst) <= 1).all()
 
 
+@settings(deadline=None, max_examples=300)
+@given(conditions(), st.lists(st.tuples(NUMBERS, NUMBERS, SIZES, SIZES), min_size=1, max_size=6))
+def test_margin__with_error_figures_is_below_zero_only_where_the_condition_is_met_for_sure(text, rows):
+    a, b, a_error, b_error = np.array(rows).T
+    condition, known = Condition(parse(text)), ({"a": a, "b": b}, {"a": a_error, "b": b_error})
+    sure = condition.judged(*known, a.size).met
+    worst = condition.margins(*known, a.size).max(axis=0)
+    defined = ~(np.isnan(a) | np.isnan(b))
+    assert not (sure & defined & (worst > 0)).any()
+    assert not (~sure & defined & (worst < 0)).any()
+    assert (np.abs(worst) <= 1).all()
+
+
 @settings(deadline=None, max_examples=100)
 @given(conditions(), NUMBERS, NUMBERS)
-def test_conjuncts__hold_together_where_the_condition_does(text, a, b):
+def test_parts__hold_together_where_the_condition_does(text, a, b):
     values = {"a": a, "b": b}
-    parts = conjuncts(text)
-    assert all(not isinstance(ast.parse(part, mode="eval").body, ast.BoolOp) or " or " in part for part in parts)
-    assert all(parse(part).evaluate(values) for part in parts) == parse(text).evaluate(values)
+    whole = Condition(parse(text))
+    assert all(" or " in part.text or " and " not in part.text or "not" in part.text for part in whole.parts)
+    assert all(part.met(values, 1)[0] for part in whole.parts) == whole.met(values, 1)[0]
 
 
 def test_margin__is_the_share_by_which_a_limit_is_missed():
     values = {"a": np.array([1.0, 2.0, 3.0, np.nan, 0.0]), "b": 2.0}
     # (a − b) / (|a| + |b|), undefined at worst.
-    np.testing.assert_allclose(margins(parse("a <= b"), values, 5), [[-1 / 3, 0, 1 / 5, 1, -1]], rtol=1e-15)
-    both = margins(parse("a <= b and a > 1"), values, 5)
+    shares = Condition(parse("a <= b")).margins(values, {}, 5)
+    np.testing.assert_allclose(shares, [[-1 / 3, 0, 1 / 5, 1, -1]], rtol=1e-15)
+    both = Condition(parse("a <= b and a > 1")).margins(values, {}, 5)
     np.testing.assert_allclose(both[1], [0, -1 / 3, -1 / 2, 1, 1], rtol=1e-15)
 
 
@@ -131,8 +145,11 @@ def test_candidates__that_fail_or_miss_are_worse_than_all_that_meet(tmp_path):
     # The rod is 150 mm long.
     batch = Trials(task).evaluate(np.column_stack([(crank - 0.03) / 0.37, np.zeros(4)]))
     assert batch.columns["status"].tolist() == [Verdict.OK] * 3 + [Verdict.CANNOT_ASSEMBLE]
-    # The stroke of 80 mm misses 100 mm by 20 / 180; a machine that can't be assembled misses everything.
-    np.testing.assert_allclose(batch.violation[[0, 2, 3]], [1 / 9, 0, 2], rtol=1e-12)
+    # The stroke of 80 mm misses 100 mm by 20 mm and its error figure, over 180 mm; a machine that can't be assembled
+    # misses everything.
+    figure = batch.columns["ram.stroke_error"][0]
+    assert figure < 1e-7
+    np.testing.assert_allclose(batch.violation[[0, 2, 3]], [(0.02 + figure) / 0.18, 0, 2], rtol=1e-12)
     assert batch.met.tolist()[2:] == [True, False]
 
 

@@ -8,12 +8,13 @@ from hypothesis import strategies as st
 
 from engine.scene.dimensions import DIMENSIONS
 from engine.scene.units import any_quantity
+from sweeps.text.conditions import Condition
 from sweeps.text.dimension_check import (
-    check_condition,
     check_yields,
     dimension_in_words,
     dimension_of,
     dimension_of_unit,
+    dimensions_by_unit,
     unit_of_dimension,
 )
 from sweeps.text.expressions import ExpressionError, parse
@@ -151,10 +152,10 @@ def test_what_is_yielded__must_have_the_dimension_wanted():
 
 
 def test_condition_with_a_unit_not_known__is_not_looked_at():
-    check_condition(parse("reach > mass"), {"reach": "", "mass": "kg"})
-    check_condition(parse("reach > mass"), {"mass": "kg"})
+    condition = Condition(parse("reach > mass"))
+    condition.check(dimensions_by_unit({"reach": "", "mass": "kg"}))
     with pytest.raises(ExpressionError, match="compares a length with a mass"):
-        check_condition(parse("reach > mass"), {"reach": "m", "mass": "kg"})
+        condition.check(dimensions_by_unit({"reach": "m", "mass": "kg"}))
 
 
 @pytest.mark.parametrize("name", DIMENSIONS)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_studies import FRICTION_STUDY_NAMES, as_it_is, otto_work, sample, study, variants
 
+from engine import any_quantity
 from engine.laws.friction.coefficients import WORN_IN
 from engine.laws.friction.journals import friction_circle
-from sweeps.study.study import any_quantity
 from sweeps.text.expressions import parse
 
 

@@ -8,11 +8,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from engine import Verdict
+from engine import Verdict, any_quantity
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import any_quantity, read_study
+from sweeps.study.study import read_study
 from sweeps.text.expressions import parse
 
 STUDIES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")

@@ -1,5 +1,6 @@
 """Running studies into files: what the file holds, failing variants, threads and blocks."""
 
+import json
 from pathlib import Path
 
 import h5py
@@ -13,7 +14,6 @@ from engine.compiling.jit import set_threads
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run import runner
 from sweeps.run.runner import run_study
-from sweeps.store import describe_result
 from sweeps.study.study import read_study
 
 # What the file holds
@@ -88,18 +88,22 @@ def test_file__tells_where_it_comes_from(result):
     assert attributes["title"] == "Which crank?"
     assert attributes["question"] == "How short?"
     assert attributes["study"] == GOOD
-    assert attributes["parameters"] == PARAMETERS
-    assert attributes["best"] == "minimise excess_work where ram.stroke > '80 mm'"
-    assert attributes["groups"] == "bars, press"
-    assert attributes["grid"] == "input.length[2] x bodies.ram.mass[2]"
+    record = json.loads(attributes["study_json"])
+    assert " ".join(record["parameters"]) == PARAMETERS
+    assert record["best"] == {"minimise": "excess_work", "maximise": None, "where": "ram.stroke > '80 mm'"}
+    assert record["groups"] == ["bars", "press"]
+    assert [(axis["names"], axis["size"]) for axis in record["vary"]] == [
+        (["input.length"], 2),
+        (["bodies.ram.mass"], 2),
+    ]
     assert len(attributes["study_hash"]) == 64
     for word in ("machine-sweeps", "numba", "llvmlite", "numpy", "h5py", "python"):
         assert f"{word} " in attributes["versions"]
     assert "threads" in attributes["machine"]
     assert attributes["finished"].startswith("20")
     assert set(attributes) == {
-        *("Conventions", "title", "question", "study", "scene", "parameters", "best", "groups", "grid"),
-        *("study_hash", "versions", "machine", "finished", "outcome", "varied", "position", "require"),
+        *("Conventions", "title", "question", "study", "study_json", "scene", "study_hash", "versions", "machine"),
+        *("finished", "outcome"),
     }
     assert SweepResult(result).scene == study_of(result.parent, GOOD).scene
 
@@ -183,7 +187,7 @@ def test_press_that_does_not_reach__is_blamed_at_the_first_angle(tmp_path):
     path = run(tmp_path, text_of(lengths, ["1 kg"], STROKE, "positions = 720\n"))
     columns = SweepResult(path).columns
     assert columns["status"].tolist() == [0, 1, 1, 1]
-    assert describe_result(path).attributes["groups"].split(", ")[columns["status_group"][1]] == "press"
+    assert SweepResult(path).record["groups"][columns["status_group"][1]] == "press"
     # The rod of 200 mm reaches the guide until the pin is 200 mm above it: sin φ = 200/r.
     first = [np.ceil(np.arcsin(0.2 / r) / (2 * np.pi) * 720) * 2 * np.pi / 720 for r in (0.24, 0.201, 1.0)]
     np.testing.assert_allclose(columns["status_at"][1:], first, rtol=1e-14)

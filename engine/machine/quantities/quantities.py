@@ -1,46 +1,11 @@
 """The register of quantities: every field (a row over positions) and summary (a number per variant) one may ask."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
 
+from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure import Structure
-
-STATISTICS = {
-    "min": "least value of",
-    "max": "greatest value of",
-    "range": "range of",
-    "peak": "greatest magnitude of",
-    "mean": "mean of",
-    "rms": "root mean square of",
-    "min_at": "crank angle of the least value of",
-    "max_at": "crank angle of the greatest value of",
-}
-
-
-class Quantity(NamedTuple):
-    """A quantity one may ask: its name, meaning and unit (SI, spelt as CF does)."""
-
-    name: str
-    long_name: str
-    units: str
-
-
-class InputUnits(NamedTuple):
-    """Units that depend on the input: of the generalised coordinate q, of what is reduced, and of derivatives."""
-
-    q: str
-    inertia: str
-    moment: str
-    per_q: str
-
-    @classmethod
-    def of(cls, scene: Scene) -> "InputUnits":
-        """Units for a scene's input: angle and moments for a crank, displacement and forces for a slider."""
-        if isinstance(scene.input, CrankInput):
-            return cls("rad", "kg m2", "N m", "rad-1")
-        return cls("m", "kg", "N", "m-1")
 
 
 def _derived(unit: str, order: int, q: str) -> str:
@@ -126,11 +91,6 @@ def dynamic_fields(scene: Scene, actions: tuple[str, ...]) -> list[Quantity]:
             Quantity("speed", "angular speed of the input link with the flywheel, by magnitude", "rad s-1"),
         ]
     return found
-
-
-def has_cycle(scene: Scene) -> bool:
-    """Whether the input turns fully, so that there is a cycle to close."""
-    return isinstance(scene.input, CrankInput) and scene.input.start is None
 
 
 def statistics_of(field: Quantity, q: str) -> list[Quantity]:

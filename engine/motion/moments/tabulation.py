@@ -92,7 +92,7 @@ class Tabulation:
 
     def events(self, parameters: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Curves that switch something, each with its derivative after it, (2 events, nodes, variants)."""
-        return self._filled("events_at", 2 * len(self.functions.events), parameters, q)
+        return self._filled("events", 2 * len(self.functions.events), parameters, q)
 
     def __call__(
         self, parameters: np.ndarray, q: np.ndarray, given: Sequence[np.ndarray] = (), sums: Sums | None = None

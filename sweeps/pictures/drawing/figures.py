@@ -9,7 +9,7 @@ from engine import Scene, did_you_mean, has_cycle
 from sweeps.pictures.drawing.frame import frame_parts
 from sweeps.pictures.drawing.links import moving_parts
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.names import names_of_points, sense_of_input
+from sweeps.pictures.drawing.names import input_arrow, names_of_points
 from sweeps.pictures.drawing.symbols import Primitive, line
 from sweeps.pictures.picture_error import PictureError
 
@@ -67,7 +67,7 @@ def figures(motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = ())
         trails = [_once(trail, 0.5 * motion.radius) for trail in trails]
     trails = [line(*trail, layer="paths") for trail in trails]
     others = [moving_parts(motion, k) for k in rest]
-    whole = [*frame_parts(motion), *trails, *moving_parts(motion, first), *sense_of_input(motion, first)]
+    whole = [*frame_parts(motion), *trails, *moving_parts(motion, first), *input_arrow(motion, first)]
     obstacles = [*whole, *(p for other in others for p in other)]
     return [*others, [*whole, *names_of_points(motion, [first], [obstacles])[0]]]
 

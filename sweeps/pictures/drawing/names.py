@@ -14,7 +14,7 @@ from sweeps.pictures.drawing.symbols import HALF_LENGTH, Primitive, arrow
 NAME_HEIGHT = 2.6
 
 
-def sense_of_input(m: DrawnMotion, k: int) -> list[Primitive]:
+def input_arrow(m: DrawnMotion, k: int) -> list[Primitive]:
     """Arrow of the input's motion."""
     r, drive = m.radius, m.scene.input
     sense = math.copysign(1, m.numbers["input.speed"])

@@ -53,7 +53,7 @@ def draw(
     motion = DrawnMotion(scene, values)
     poses = figures(motion, list(at) or [default_position(motion)], paths)
     extent = bounds(q for pose in poses for q in pose)
-    factor = prepare(ax, extent, motion.radius)
+    factor = prepare_axes(ax, extent, motion.radius)
     for pose in poses:
         paint(ax, pose, factor, ghost=pose is not poses[-1])
 
@@ -69,7 +69,7 @@ def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
     return np.nanmin(x), np.nanmin(y), np.nanmax(x), np.nanmax(y)
 
 
-def prepare(ax: Axes, extent: tuple[float, float, float, float], radius: float) -> float:
+def prepare_axes(ax: Axes, extent: tuple[float, float, float, float], radius: float) -> float:
     """Set equal scales, limits and labels of axes; return the factor from metres to the unit shown."""
     factor, label = engineer_unit("m", np.array(extent))
     low_x, low_y, high_x, high_y = (factor * value for value in extent)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from engine import Scene, has_cycle
-from sweeps.pictures.drawing import FILLS, DrawnMotion, bounds, figures, names_of_points, paint, prepare
+from sweeps.pictures.drawing import FILLS, DrawnMotion, bounds, figures, names_of_points, paint, prepare_axes
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
 
@@ -89,7 +89,7 @@ def _pictures(motion: DrawnMotion, poses: list[list]) -> list[Image.Image]:
     with house_style():
         figure = Figure(dpi=DOTS_PER_INCH, layout="constrained")
         canvas, ax = FigureCanvasAgg(figure), figure.add_subplot()
-        factor = prepare(ax, bounds(p for pose in poses for p in pose), motion.radius)
+        factor = prepare_axes(ax, bounds(p for pose in poses for p in pose), motion.radius)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min((LARGEST_WIDTH - 0.7) / width, (LARGEST_HEIGHT - 0.6) / height)
         figure.set_size_inches(scale * width + 0.7, scale * height + 0.6)

@@ -9,9 +9,12 @@ from friction_ranges import frictions, loads, quick, sizes
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mpf
+from numba import njit
 from numpy.testing import assert_allclose
+from packed import assert_packed
 from scipy.optimize import brentq
 
+from engine.compiling.jit import KERNEL_OPTIONS
 from engine.laws.brakes import long_block_factor
 from engine.laws.friction.coefficients import (
     NEW,
@@ -184,3 +187,15 @@ def test_friction_circle__is_the_radius_times_the_sine_of_the_friction_angle(rad
     with mpmath.workdps(50):
         exact = mpf(radius) * mpmath.sin(mpmath.atan(mpf(friction)))
     assert_allclose(friction_circle(radius, friction, 1.0), float(exact), rtol=5 * EPS)
+
+
+def test_a_loop_over_speeds__is_compiled_to_packed_instructions():
+    @njit(**{**KERNEL_OPTIONS, "cache": False})
+    def loop(x, out):
+        for i in range(x.size):
+            out[i] = stribeck(0.5, 0.2, x[i], 0.3, 0.5)
+
+    x, out = np.linspace(-2.0, 2.0, 37), np.empty(37)
+    loop(x, out)
+    assert_allclose(out, [stribeck(0.5, 0.2, v, 0.3, 0.5) for v in x], rtol=4 * EPS)
+    assert_packed(loop, 1)

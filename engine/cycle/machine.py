@@ -1,0 +1,371 @@
+"""A machine over its cycle: four functions and what is asked of them, evaluated over variants.
+
+Each of the four has the signature `engine.cycle.compiling.CURVES_SIGNATURE`,
+
+    curves(P, T, q, cos_q, sin_q, tile)
+
+with P (numbers, LANES) the numbers of each lane's variant, T tables that all lanes share, q, cos_q and sin_q (positions,
+LANES) input positions with cosine and sine, each lane its own, and tile (curves, at least as many positions, LANES),
+which it fills in at the positions of q.
+
+- `events` gives switching functions and their derivatives by q by turns: rows 2i and 2i + 1 are f_i and f_i′.
+- `levels` is called once, at a position that means nothing, when the landmarks of these functions (their least and
+  greatest values, and the places of those) stand in P: it gives numbers that follow from them.
+- `states` is called at the middle of each panel: it gives what switches between one panel and the next.
+- `curves` gives what is asked. Within a panel, its ends included, curves are smooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.cycle.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
+from engine.cycle.compiling import CURVES, curves_function, prepare, spread
+from engine.cycle.driver import MOST_ZEROS, Answers, Task, evaluate_blocks, new_workspace
+from engine.cycle.events import (
+    GREATEST,
+    GREATEST_AT,
+    GREATEST_AT_ERROR,
+    LANDMARKS,
+    LEAST,
+    LEAST_AT,
+    LEAST_AT_ERROR,
+    VALUE_ERROR,
+)
+from engine.cycle.fluctuation import (
+    DELTA,
+    DELTA_ERROR,
+    FASTEST_AT,
+    FASTEST_AT_ERROR,
+    RESULTS,
+    SLOWEST_AT,
+    SLOWEST_AT_ERROR,
+    TOP,
+    TOP_ERROR,
+)
+from engine.cycle.lanes import LANES
+from engine.cycle.measured import Measured, maximum
+
+# Steps of the walk that there is room for to begin with; blocks that need more are evaluated again.
+_STEPS = 24
+_LEAST_SIDE, _GREATEST_SIDE = range(2)
+
+
+@curves_function
+def absent(P, T, q, cos_q, sin_q, tile):  # noqa: ANN001, ANN201
+    """A machine's function of no curves."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is asked of a machine, by the numbers of its curves and of rows of P.
+
+    Attributes
+    ----------
+    ends : tuple of int
+        Rows with the first and the last position of the input; it may run backwards.
+    curves : int
+        How many curves there are.
+    landmarks : sequence of tuples
+        For each switching function the rows that receive its least and greatest value and their places, in this order;
+        −1 where none does.
+    levels, states : sequence of int
+        Rows that receive what these functions give.
+    crossings : sequence of tuples
+        Switching functions, and rows with levels of theirs: the cycle is cut where a function takes its level.
+    cuts : sequence of int
+        Rows with input positions where the cycle is cut; NaN: nowhere.
+    integrals : sequence of int
+        Curves to integrate over the cycle.
+    extremes : sequence of int
+        Curves whose least and greatest values are asked.
+    works : sequence of int
+        Moments whose work about their mean is asked.
+    combinations : sequence of tuples
+        Moment, inertia, row with a factor c: extremes of W − c (I − I_1) are asked, of the work W about the mean of the
+        moment and the inertia I, I_1 at the first position.
+    fluctuations : sequence of tuples
+        Moment, inertia, rows with mean speed and flywheel's inertia: the speed fluctuation is asked.
+    values : sequence of tuples
+        Curves and rows with positions where their values are asked.
+    zeros : sequence of int
+        Curves whose zeros within panels are asked.
+    tolerance : float or sequence of float
+        What of each curve may be left beyond its series, as a share of its greatest magnitude.
+    longest : float
+        Longest panel, no more than π/2 where the input is an angle.
+    scan : int
+        Positions over the range at which switching functions are looked at.
+    """
+
+    ends: tuple[int, int]
+    curves: int
+    landmarks: Sequence[tuple[int, int, int, int]] = ()
+    levels: Sequence[int] = ()
+    states: Sequence[int] = ()
+    crossings: Sequence[tuple[int, int]] = ()
+    cuts: Sequence[int] = ()
+    integrals: Sequence[int] = ()
+    extremes: Sequence[int] = ()
+    works: Sequence[int] = ()
+    combinations: Sequence[tuple[int, int, int]] = ()
+    fluctuations: Sequence[tuple[int, int, int, int]] = ()
+    values: Sequence[tuple[int, int]] = ()
+    zeros: Sequence[int] = ()
+    tolerance: float | Sequence[float] = 1e-10
+    longest: float = 1.26
+    scan: int = 36
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Least and greatest values over the cycle with their places.
+
+    Attributes
+    ----------
+    least, least_at, greatest, greatest_at : Measured (asked, variants)
+    """
+
+    least: Measured
+    least_at: Measured
+    greatest: Measured
+    greatest_at: Measured
+
+    @property
+    def greatest_magnitude(self) -> Measured:
+        """Greatest magnitude of the values."""
+        return maximum(self.greatest, -self.least)
+
+    @property
+    def least_magnitude(self) -> Measured:
+        """Least magnitude of the values: 0 where they have both signs."""
+        return maximum(maximum(self.least, -self.greatest), Measured(np.zeros(self.least.shape)))
+
+    @property
+    def range(self) -> Measured:
+        """Greatest less least value."""
+        return self.greatest - self.least
+
+
+@dataclass(frozen=True)
+class Fluctuations:
+    """Speed fluctuation of steady cycles with given flywheels.
+
+    Attributes
+    ----------
+    delta : Measured (asked, variants)
+        δ; NaN where the machine would stop within the cycle.
+    slowest_at, fastest_at : Measured (asked, variants)
+        Places of the least and the greatest speed.
+    top : Measured (asked, variants)
+        max[W − ½ω_max² (I − I_1)], for the kinetic energy at the first position: ½ω_max² (I_1 + I_F) less this.
+    """
+
+    delta: Measured
+    slowest_at: Measured
+    fastest_at: Measured
+    top: Measured
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was asked of a machine, per variant in the last dimension.
+
+    Attributes
+    ----------
+    integrals : Measured (asked, variants)
+    lengths : ndarray (variants,)
+        Last less first position of the input.
+    extremes, works, combinations, landmarks : Extremes
+        Of curves, of works about the mean, of W − c (I − I_1), and of the switching functions.
+    fluctuations : Fluctuations
+    values : Measured (asked, variants)
+    zeros : Measured (asked, most, variants)
+        Places in the order in which the input comes to them, then NaN.
+    zero_counts : ndarray (asked, variants) of int
+        How many zeros each curve has; more than there is room for are not all in `zeros`.
+    firsts : dict of int to ndarray (variants,)
+        Values at the first position of the curves that extremes, works, values or zeros are asked of.
+    panels : ndarray (variants,) of int
+        How many panels were taken.
+    broken_at : ndarray (variants,)
+        First input position found where a curve isn't finite; NaN where all are.
+    """
+
+    integrals: Measured
+    lengths: np.ndarray
+    extremes: Extremes
+    works: Extremes
+    combinations: Extremes
+    landmarks: Extremes
+    fluctuations: Fluctuations
+    values: Measured
+    zeros: Measured
+    zero_counts: np.ndarray
+    firsts: dict[int, np.ndarray]
+    panels: np.ndarray
+    broken_at: np.ndarray
+
+    @property
+    def means(self) -> Measured:
+        """Means of the curves that were integrated."""
+        return self.integrals / Measured(self.lengths)
+
+
+def _integers(values: Sequence, columns: int = 0) -> np.ndarray:
+    return np.array(values, dtype=np.int64).reshape((-1, columns) if columns else -1)
+
+
+def _pair(answers: np.ndarray, value: int, error: int) -> Measured:
+    return Measured(answers[:, value], answers[:, error])
+
+
+def _extremes(answers: np.ndarray) -> Extremes:
+    least, greatest = answers[:, _LEAST_SIDE], answers[:, _GREATEST_SIDE]
+    return Extremes(_pair(least, 0, 1), _pair(least, 2, 3), _pair(greatest, 0, 1), _pair(greatest, 2, 3))
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine's functions and what is asked of them.
+
+    Attributes
+    ----------
+    plan : Plan
+    curves, events, levels, states : callable
+        See this module's text; compiled by `engine.cycle.compiling.curves_function`.
+    """
+
+    plan: Plan
+    curves: Callable
+    events: Callable = absent
+    levels: Callable = absent
+    states: Callable = absent
+    _kept: tuple[int, ...] = field(init=False)
+    _moments: tuple[int, ...] = field(init=False)
+    _task: Task = field(init=False)
+
+    def __post_init__(self) -> None:
+        plan = self.plan
+        moments = list(
+            dict.fromkeys([*plan.works, *(c[0] for c in plan.combinations), *(f[0] for f in plan.fluctuations)])
+        )
+        others = [*plan.extremes, *(c[1] for c in plan.combinations), *(f[1] for f in plan.fluctuations)]
+        kept = list(dict.fromkeys([*moments, *others, *(v[0] for v in plan.values), *plan.zeros]))
+        curve = {number: k for k, number in enumerate(kept)}
+        work = {number: len(kept) + k for k, number in enumerate(moments)}
+        extremes = [
+            *((curve[c], curve[c], -1) for c in plan.extremes),
+            *((work[m], work[m], -1) for m in plan.works),
+            *((work[m], curve[i], row) for m, i, row in plan.combinations),
+        ]
+        tolerances = np.broadcast_to(np.asarray(plan.tolerance, dtype=float), (plan.curves,)).copy()
+        task = Task(
+            _integers((2 * len(plan.landmarks), len(plan.levels), len(plan.states), plan.curves)),
+            _integers(plan.ends),
+            _integers(plan.landmarks, 4),
+            _integers(plan.levels),
+            _integers(plan.states),
+            _integers(plan.crossings, 2),
+            _integers(plan.cuts),
+            plan.scan,
+            _integers(plan.integrals),
+            _integers(kept),
+            _integers([curve[m] for m in moments]),
+            _integers(extremes, 3),
+            _integers([(work[m], curve[i], *given) for m, i, *given in plan.fluctuations], 4),
+            _integers([(curve[c], row) for c, row in plan.values], 2),
+            _integers([curve[c] for c in plan.zeros]),
+            tolerances,
+            np.array([plan.longest]),
+        )
+        object.__setattr__(self, "_kept", tuple(kept))
+        object.__setattr__(self, "_moments", tuple(moments))
+        object.__setattr__(self, "_task", task)
+
+    def evaluate(self, numbers: np.ndarray, tables: np.ndarray | None = None) -> Outcome:
+        """Evaluate variants, on all threads.
+
+        Parameters
+        ----------
+        numbers : ndarray (numbers, variants)
+            P of all variants; rows that the machine's functions fill in may hold anything.
+        tables : ndarray, optional
+            T.
+        """
+        task, plan = self._task, self.plan
+        numbers = np.ascontiguousarray(numbers, dtype=float)
+        tables = np.zeros(1) if tables is None else np.ascontiguousarray(tables, dtype=float)
+        variants = numbers.shape[1]
+        blocks = -(-variants // LANES)
+        answers = Answers(
+            np.empty((len(plan.integrals), 2, variants)),
+            np.empty((len(task.extremes), 2, 4, variants)),
+            np.empty((len(plan.fluctuations), RESULTS, variants)),
+            np.empty((len(plan.values), 2, variants)),
+            np.empty((len(plan.zeros), MOST_ZEROS, 2, variants)),
+            np.empty((len(plan.zeros), variants)),
+            np.empty((len(plan.landmarks), LANDMARKS, variants)),
+            np.empty((len(self._kept), variants)),
+            np.empty(variants),
+            np.empty(variants),
+            np.zeros(blocks, np.bool_),
+        )
+        self._run(numbers, tables, answers, range(blocks), _STEPS)
+        steps = _STEPS
+        while answers.short_of_room.any():
+            steps *= 2
+            self._run(numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)
+        return self._outcome(numbers, answers)
+
+    def _run(
+        self, numbers: np.ndarray, tables: np.ndarray, answers: Answers, blocks: Sequence[int], steps: int
+    ) -> None:
+        functions = (self.events, self.levels, self.states, self.curves)
+        matrices = (TO_COEFFICIENTS, TO_INTEGRALS)
+        chosen = np.asarray(blocks, dtype=np.int64)
+
+        def arguments() -> tuple:
+            work = new_workspace(self._task, len(numbers), steps)
+            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work)
+
+        given = arguments()
+        of_functions = [types.intp, types.intp, numba.typeof(chosen), *[CURVES] * len(functions)]
+        prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
+        spread(evaluate_blocks, len(chosen), arguments)
+
+    def _outcome(self, numbers: np.ndarray, answers: Answers) -> Outcome:
+        plan, count = self.plan, np.cumsum([len(self.plan.extremes), len(self.plan.works)])
+        marks, wheels = answers.landmarks, answers.fluctuations
+        of_curves, of_works, of_combinations = np.split(answers.extremes, count)
+        first, last = (numbers[row] for row in plan.ends)
+        return Outcome(
+            _pair(answers.integrals, 0, 1),
+            last - first,
+            _extremes(of_curves),
+            _extremes(of_works),
+            _extremes(of_combinations),
+            Extremes(
+                _pair(marks, LEAST, VALUE_ERROR),
+                _pair(marks, LEAST_AT, LEAST_AT_ERROR),
+                _pair(marks, GREATEST, VALUE_ERROR),
+                _pair(marks, GREATEST_AT, GREATEST_AT_ERROR),
+            ),
+            Fluctuations(
+                _pair(wheels, DELTA, DELTA_ERROR),
+                _pair(wheels, SLOWEST_AT, SLOWEST_AT_ERROR),
+                _pair(wheels, FASTEST_AT, FASTEST_AT_ERROR),
+                _pair(wheels, TOP, TOP_ERROR),
+            ),
+            _pair(answers.values, 0, 1),
+            Measured(answers.zeros[:, :, 0], answers.zeros[:, :, 1]),
+            answers.zero_counts.astype(np.int64),
+            dict(zip(self._kept, answers.firsts, strict=True)),
+            answers.panels.astype(np.int64),
+            answers.broken_at,
+        )

@@ -1,0 +1,141 @@
+"""Numbers with what they may be off by.
+
+The error of a result follows from those of its operands to first order, with their magnitudes added up (they may well have
+a common cause), and from the rounding of the operation itself. Where the first order says nothing, at the zero of a square
+root or of a quotient's divisor, the error is as large as the operands' errors make it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+_ROUNDING = np.finfo(np.float64).eps
+
+
+class Measured:
+    """Values with errors, element by element.
+
+    Parameters
+    ----------
+    value : array_like
+    error : array_like
+        What the value may be off by, at least 0; NaN where the value is.
+    """
+
+    __slots__ = ("error", "value")
+    __array_ufunc__ = None
+
+    def __init__(self, value: object, error: object = 0.0) -> None:
+        self.value = np.asarray(value, dtype=float)
+        self.error = np.where(np.isnan(self.value), np.nan, np.broadcast_to(error, self.value.shape))
+
+    def __repr__(self) -> str:
+        return f"Measured({self.value!r}, {self.error!r})"
+
+    def __getitem__(self, index: object) -> Measured:
+        return Measured(self.value[index], self.error[index])
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the values."""
+        return self.value.shape
+
+    def _rounded(self) -> Measured:
+        self.error = self.error + _ROUNDING * np.abs(self.value)
+        return self
+
+    def __neg__(self) -> Measured:
+        return Measured(-self.value, self.error)
+
+    def __abs__(self) -> Measured:
+        return Measured(np.abs(self.value), self.error)
+
+    def __add__(self, other: object) -> Measured:
+        other = measured(other)
+        return Measured(self.value + other.value, self.error + other.error)._rounded()
+
+    def __sub__(self, other: object) -> Measured:
+        return self + -measured(other)
+
+    def __mul__(self, other: object) -> Measured:
+        other = measured(other)
+        error = np.abs(self.value) * other.error + (np.abs(other.value) + other.error) * self.error
+        return Measured(self.value * other.value, error)._rounded()
+
+    def __truediv__(self, other: object) -> Measured:
+        other = measured(other)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = self.value / other.value
+            # Of the divisors that are possible the least; infinite where that is 0.
+            least = np.abs(other.value) - other.error
+            error = (self.error + np.abs(value) * other.error) / np.where(least > 0.0, least, 0.0)
+            exact = (self.error == 0.0) & (other.error == 0.0)
+            return Measured(value, np.where(exact, 0.0, error))._rounded()
+
+    def __pow__(self, exponent: float) -> Measured:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = self.value**exponent
+            slope = exponent * self.value ** (exponent - 1.0)
+            error = np.where(self.error == 0.0, 0.0, np.abs(slope) * self.error)
+            return Measured(value, error)._rounded()
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __rsub__(self, other: object) -> Measured:
+        return measured(other) - self
+
+    def __rtruediv__(self, other: object) -> Measured:
+        return measured(other) / self
+
+
+def measured(value: object) -> Measured:
+    """A value as `Measured`: what isn't yet is exact."""
+    return value if isinstance(value, Measured) else Measured(value)
+
+
+def sqrt(x: Measured) -> Measured:
+    """Square root; of a value that is 0 within its error, off by at most the root of the greatest that is possible."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value = np.sqrt(x.value)
+        first_order = 0.5 * x.error / value
+    error = np.where(x.error > x.value, np.sqrt(np.abs(x.value) + x.error), first_order)
+    return Measured(value, np.where(x.error == 0.0, 0.0, error))._rounded()
+
+
+def atan2(y: Measured, x: Measured) -> Measured:
+    """Angle of the direction (x, y); where the error leaves no direction, off by at most a half turn."""
+    y, x = measured(y), measured(x)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        square = x.value**2 + y.value**2
+        error = (np.abs(x.value) * y.error + np.abs(y.value) * x.error) / square
+    error = np.where((x.error == 0.0) & (y.error == 0.0), 0.0, np.fmin(error, np.pi))
+    return Measured(np.arctan2(y.value, x.value), error)._rounded()
+
+
+def _chosen(first: Measured, second: Measured, better: Callable) -> Measured:
+    first, second = measured(first), measured(second)
+    value = better(first.value, second.value)
+    taken = np.where(value == first.value, first.error, second.error)
+    # The other one may still be beyond it.
+    low = better(first.value - first.error, second.value - second.error)
+    high = better(first.value + first.error, second.value + second.error)
+    return Measured(value, np.maximum(taken, np.maximum(value - low, high - value)))
+
+
+def maximum(first: Measured, second: Measured) -> Measured:
+    """The larger of two values; NaN where either is."""
+    return _chosen(first, second, np.maximum)
+
+
+def minimum(first: Measured, second: Measured) -> Measured:
+    """The smaller of two values; NaN where either is."""
+    return _chosen(first, second, np.minimum)
+
+
+def where(condition: np.ndarray, first: Measured, second: Measured) -> Measured:
+    """The first value where a condition holds, else the second."""
+    first, second = measured(first), measured(second)
+    return Measured(np.where(condition, first.value, second.value), np.where(condition, first.error, second.error))

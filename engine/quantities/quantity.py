@@ -1,0 +1,46 @@
+"""What a quantity tells of itself, and the units that depend on a machine's input."""
+
+from typing import NamedTuple
+
+from engine.scene.parts import CrankInput
+from engine.scene.scene import Scene
+
+STATISTICS = {
+    "min": "least value of",
+    "max": "greatest value of",
+    "range": "range of",
+    "peak": "greatest magnitude of",
+    "mean": "mean of",
+    "rms": "root mean square of",
+    "min_at": "crank angle of the least value of",
+    "max_at": "crank angle of the greatest value of",
+}
+
+
+class Quantity(NamedTuple):
+    """A quantity one may ask: its name, meaning and unit (SI, spelt as CF does)."""
+
+    name: str
+    long_name: str
+    units: str
+
+
+class InputUnits(NamedTuple):
+    """Units that depend on the input: of its coordinate q, of what is reduced, and of derivatives."""
+
+    q: str
+    inertia: str
+    moment: str
+    per_q: str
+
+    @classmethod
+    def of(cls, scene: Scene) -> "InputUnits":
+        """Units for a scene's input: angle and moments for a crank, displacement and forces for a slider."""
+        if isinstance(scene.input, CrankInput):
+            return cls("rad", "kg m2", "N m", "rad-1")
+        return cls("m", "kg", "N", "m-1")
+
+
+def has_cycle(scene: Scene) -> bool:
+    """Whether the input turns fully, so that there is a cycle to close."""
+    return isinstance(scene.input, CrankInput) and scene.input.start is None

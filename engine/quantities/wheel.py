@@ -1,0 +1,60 @@
+"""The flywheel as a wheel: what may be asked of its size, mass and stress."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from engine.cycle.measured import Measured
+from engine.flywheels.wheel import Wheel, make_wheel
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.dynamics import steady_cycle
+from engine.quantities.expressions import Expression, Formula, Given
+from engine.quantities.register import Declared, Summary
+from engine.scene.scene import scene_numbers
+
+_SIZES = {
+    "diameter": ("outer diameter of the flywheel", "m"),
+    "mass": ("mass of the flywheel", "kg"),
+    "width": ("width of the flywheel's rim", "m"),
+    "rim_speed": ("greatest rim speed of the flywheel", "m s-1"),
+    "rim_speed_share": ("greatest rim speed of the flywheel over its limit", "1"),
+    "hoop_stress": ("hoop stress in the flywheel's rim", "Pa"),
+    "energy": ("kinetic energy of the flywheel at its greatest speed", "J"),
+}
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Sizes of the wheel, where the scene says what it is made as."""
+    flywheel = mechanics.scene.flywheel
+    if flywheel is None or flywheel.wheel is None:
+        return
+    if flywheel.inertia is None and flywheel.speed_fluctuation is None:
+        return
+    for key, (words, unit) in _SIZES.items():
+        yield Summary(f"wheel_{key}", words, unit, lambda key=key: _size(mechanics, key))
+
+
+def _size(m: Mechanics, key: str) -> Expression:
+    """A size of the wheel that gives the inertia asked for at the greatest speed."""
+    paths = [path for path in scene_numbers(m.scene) if path.startswith("flywheel.wheel.")]
+    given = [Given(m.graph.number(path, "load")) for path in paths]
+    operands = (steady_cycle(m, "flywheel_used"), steady_cycle(m, "speed_max"), *given)
+    return Formula(_made(m.scene.flywheel.wheel, paths, key), operands)
+
+
+def _made(form: object, paths: list[str], key: str) -> Callable[..., Measured]:
+    def size(inertia: Measured, speed: Measured, *numbers: Measured) -> Measured:
+        known = {path: number.value for path, number in zip(paths, numbers, strict=True)}
+
+        def made(of: np.ndarray, at: np.ndarray) -> np.ndarray:
+            wheel: Wheel = make_wheel(form, of, at, known)
+            return getattr(wheel, key)
+
+        value = made(inertia.value, speed.value)
+        heavier, faster = (
+            made(inertia.value + inertia.error, speed.value),
+            made(inertia.value, speed.value + speed.error),
+        )
+        return Measured(value, np.abs(heavier - value) + np.abs(faster - value) + 1e-15 * np.abs(value))
+
+    return size

@@ -1,0 +1,133 @@
+"""Counterweights of a mechanism as a designer needs them: mass times radius, where it goes, and what it does."""
+
+import math
+from collections.abc import Sequence
+
+from engine import BalancedMachine, CounterweightPlace, Machine, Scene, UnitError, balance, in_text, made_ready
+from sweeps.text.engineer_units import quantity_text
+from sweeps.text.input_files import InputError
+from sweeps.text.tables import table
+
+# What is compared: a better balance may load other things more.
+COMPARED = {
+    "shaking_force.max": "shaking force, greatest",
+    "shaking_force.rms": "shaking force, rms",
+    "shaking_moment.peak": "shaking moment, peak",
+    "input.reaction.max": "force on the crank's bearing, greatest",
+    "input_moment.peak": "input moment, peak",
+}
+SOUGHT = {"full": "no shaking force at all", "rms": "least rms of the shaking force", "peak": "least shaking force"}
+
+
+def counterweight_place(text: str) -> CounterweightPlace:
+    """A place for a counterweight from a text such as "rod: -60 mm, 0 mm", in the link's own axes.
+
+    Parameters
+    ----------
+    text : str
+
+    Raises
+    ------
+    InputError
+        It isn't one.
+    """
+    link, _, place = text.partition(":")
+    parts = [part.strip() for part in place.split(",")]
+    if len(parts) != 2:
+        raise InputError("--place", [(None, "", f"{text!r}: write a link and a place on it, 'rod: -60 mm, 0 mm'")])
+    return CounterweightPlace(link.strip(), *(_length("--place", part) for part in parts))
+
+
+def counterweights_of(
+    scene: Scene,
+    links: Sequence[str] = (),
+    places: Sequence[str] = (),
+    criterion: str = "rms",
+    radius: str | None = None,
+    most: str | None = None,
+) -> BalancedMachine:
+    """The best counterweights of a mechanism.
+
+    Parameters
+    ----------
+    scene : Scene
+    links : sequence of str
+        Links that turn about fixed axes; the input alone where neither they nor places are named.
+    places : sequence of str
+        As of `counterweight_place`.
+    criterion : {"full", "rms", "peak"}
+    radius : str, optional
+        Where counterweights of links sit, such as "60 mm"; at the crank's length unless given.
+    most : str, optional
+        Greatest mass of each counterweight, such as "8 kg".
+
+    Raises
+    ------
+    InputError
+        A text that can't be read, or a scene without a mechanism.
+    BalanceError
+        Counterweights that can't be had.
+    """
+    if scene.input is None:
+        raise InputError(scene.title or "scene", [(None, "input", "machine elements alone have no links to balance")])
+    links = tuple(links) if links or places else (scene.input.link,)
+    size = None if radius is None else _length("--radius", radius)
+    found = [counterweight_place(place) for place in places]
+    limits: dict[str, float] = {}
+    if most is not None:
+        mass = _quantity("--most", most, "mass")
+        limits = {link: mass * (size or getattr(scene.input, "length", 1.0)) for link in links}
+        found = [place._replace(most=mass) for place in found]
+    return balance(scene, links, found, criterion, size, limits)
+
+
+def counterweight_text(scene: Scene, found: BalancedMachine, criterion: str) -> str:
+    """Counterweights found, what they do, and how near the best of their kind they are proven to come.
+
+    Parameters
+    ----------
+    scene : Scene
+        Without them.
+    found : BalancedMachine
+    criterion : {"full", "rms", "peak"}
+    """
+    rows = [("link", "m·r", "at", "mass", "radius")]
+    for weight in found.counterweights:
+        angle = math.degrees(math.atan2(weight.y, weight.x)) % 360.0
+        sizes = (quantity_text(weight.mass, "kg"), quantity_text(math.hypot(weight.x, weight.y), "m"))
+        rows.append((weight.link, quantity_text(weight.unbalance, "kg m"), f"{angle:.1f}°", *sizes))
+    speed = quantity_text(abs(scene.input.speed), "rad s-1" if scene.input.type == "crank" else "m s-1")
+    head = f"Counterweights for {SOUGHT[criterion]}, at {speed}:"
+    note = "Angles and radii in the link's own axes: a crank's begin at its pivot, its x axis points to its pin."
+    lines = [head, table(rows, "  "), note, _compared(scene, found.scene)]
+    if criterion != "full":
+        left, bound = quantity_text(found.after, "N"), quantity_text(found.bound, "N")
+        lines.append(f"They leave {left}; it is proven that no others in these places leave less than {bound}.")
+    return "\n".join(lines)
+
+
+def _compared(before: Scene, after: Scene) -> str:
+    machines = [made_ready(scene, tuple(COMPARED)) for scene in (before, after)]
+    columns = [_values(machine) for machine in machines]
+    rows = [("", "without", "with")]
+    rows += [(words, *(column[name] for column in columns)) for name, words in COMPARED.items()]
+    return table(rows, "  ")
+
+
+def _values(machine: Machine) -> dict[str, str]:
+    outcome, known = machine.evaluate({}), machine.available_summaries
+    return {
+        name: quantity_text(float(outcome.summaries[name][0]), known[name].units, float(outcome.errors[name][0]))
+        for name in COMPARED
+    }
+
+
+def _length(option: str, text: str) -> float:
+    return _quantity(option, text, "length")
+
+
+def _quantity(option: str, text: str, dimension: str) -> float:
+    try:
+        return in_text(text, dimension)
+    except UnitError as error:
+        raise InputError(option, [(None, "", str(error))]) from None

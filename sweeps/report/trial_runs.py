@@ -1,0 +1,265 @@
+"""Balancing a rotor in place from a table of its trial runs: what to add in every plane, and what noise leaves.
+
+A run is a row: the plane and the trial weight in it, and what each sensor reads once per turn, amplitude and phase. One
+run is without a weight. Amplitudes alone do for one plane, with the trial weight at three places a third of a turn
+apart.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import (
+    UnitError,
+    base_powers,
+    four_runs,
+    in_text,
+    influence_coefficients,
+    influence_correction,
+    recognised,
+    residual_confidence,
+)
+from sweeps.text.csv_text import read_csv
+from sweeps.text.input_files import InputError
+from sweeps.text.tables import table
+
+PROBABILITY = 0.95
+PHASE = "_phase"
+OF_WEIGHTS = ("plane", "weight", "weight_angle")
+# Angles of the trial weights of four runs are taken as thirds of a turn within this [deg].
+THIRD_OF_A_TURN = 0.5
+HEADER = "plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg]"
+
+
+class Runs(NamedTuple):
+    """Trial runs as a table has them.
+
+    Attributes
+    ----------
+    planes : tuple of int
+        Of each trial run, by number.
+    weights : ndarray of complex (trials,)
+        In `weight_unit`, at their angles.
+    initial : ndarray of complex (readings,)
+        Of the run without a weight, in `unit`; of amplitudes alone, without phases.
+    trials : ndarray of complex (trials, readings)
+    names : tuple of str
+        Of the readings.
+    phases : bool
+        Whether phases were read.
+    weight_unit, unit : str
+    """
+
+    planes: tuple[int, ...]
+    weights: np.ndarray
+    initial: np.ndarray
+    trials: np.ndarray
+    names: tuple[str, ...]
+    phases: bool
+    weight_unit: str
+    unit: str
+
+
+class Correction(NamedTuple):
+    """What to add in every plane, at the radius of the trial weights.
+
+    Attributes
+    ----------
+    planes : tuple of int
+    weights : ndarray of complex (planes,)
+        In the unit of the trial weights.
+    coefficients : ndarray of complex (readings, planes)
+        Vibration per weight; of four runs its amplitude.
+    left : ndarray (readings,)
+        Amplitudes that a linear machine is left with.
+    radii : ndarray (planes,) or None
+        What noise in the readings leaves at most of each plane's unbalance, with a probability of 95 %.
+    """
+
+    planes: tuple[int, ...]
+    weights: np.ndarray
+    coefficients: np.ndarray
+    left: np.ndarray
+    radii: np.ndarray | None
+
+
+def read_runs(path: Path) -> Runs:
+    """Trial runs of a CSV table.
+
+    Parameters
+    ----------
+    path : Path
+        With the columns `plane`, `weight [g]`, `weight_angle [deg]`, and for every sensor NAME its amplitude `NAME
+        [mm/s]` and, but for four runs, its phase `NAME_phase [deg]`, in whatever units.
+
+    Raises
+    ------
+    InputError
+        It has other columns, no run without a weight or several, or units that don't go together.
+    """
+    columns = read_csv(path)
+    for key in OF_WEIGHTS:
+        if key not in columns:
+            raise _refusal(path, f"no column {key!r}: the header is such as '{HEADER}', it has {', '.join(columns)}", 1)
+    names = tuple(name for name in columns if name not in OF_WEIGHTS and not name.endswith(PHASE))
+    phases = [name for name in names if f"{name}{PHASE}" in columns]
+    if not names or phases not in ([], list(names)):
+        raise _refusal(path, "every sensor needs an amplitude NAME [mm/s] and a phase NAME_phase [deg]", 1)
+    unit, weight_unit = _common_unit(path, columns, names), _common_unit(path, columns, ["weight"])
+    weights = _polar(path, columns, "weight", "weight_angle")
+    readings = np.stack([_polar(path, columns, n, f"{n}{PHASE}" if phases else None) for n in names], axis=-1)
+    if (first := np.flatnonzero(weights == 0)).size != 1:
+        raise _refusal(path, f"one run is without a trial weight (weight 0); here are {first.size}")
+    trials = np.flatnonzero(weights)
+    planes = np.array(columns["plane"][1], float)[trials]
+    if not (planes == np.round(planes)).all():
+        raise _refusal(path, "planes have whole numbers, such as 1 and 2")
+    numbers = tuple(int(plane) for plane in planes)
+    return Runs(numbers, weights[trials], readings[first[0]], readings[trials], names, bool(phases), weight_unit, unit)
+
+
+def correction_of(path: Path, runs: Runs, noise: str | None = None) -> Correction:
+    """What to add in every plane.
+
+    Parameters
+    ----------
+    path : Path
+        Where the runs come from, for messages.
+    runs : Runs
+    noise : str, optional
+        Standard deviation of a reading's real and imaginary part, such as "0.1 mm/s".
+
+    Raises
+    ------
+    InputError
+        The runs don't tell what is asked: a plane without a trial run or with several, sensors that don't tell planes
+        apart, amplitudes that no linear machine gives.
+    """
+    return _by_coefficients(path, runs, noise) if runs.phases else _by_amplitudes(path, runs, noise)
+
+
+def trial_runs_text(path: Path, noise: str | None = None) -> str:
+    """The balance of a rotor from its trial runs, in words.
+
+    Parameters
+    ----------
+    path : Path
+        As of `read_runs`.
+    noise : str, optional
+        As of `correction_of`.
+
+    Raises
+    ------
+    InputError
+        As of both.
+    """
+    runs = read_runs(path)
+    found = correction_of(path, runs, noise)
+    rows = [("plane", "add", "at", *(("noise leaves at most",) if found.radii is not None else ()))]
+    for i, plane in enumerate(found.planes):
+        row = [f"{plane}", f"{abs(found.weights[i]):.4g} {runs.weight_unit}", _degrees(found.weights[i])]
+        rows.append((*row, *([] if found.radii is None else [f"{found.radii[i]:.2g} {runs.weight_unit}"])))
+    per = f"{runs.unit} per {runs.weight_unit}".strip()
+    heads = ("sensor", "as it is", *(f"plane {plane}, {per}" for plane in found.planes), "left")
+    effects = [heads]
+    for name, first, row, left in zip(runs.names, runs.initial, found.coefficients, found.left, strict=True):
+        shown = [_polar_text(c) if runs.phases else f"{abs(c):.4g}" for c in row]
+        whole = abs(first)
+        rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
+        effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
+    notes = ["Weights go to the radius of the trial weights, angles count as theirs; the trial weights are taken off."]
+    if found.radii is not None:
+        notes.append(f"With a probability of {PROBABILITY:.0%} noise leaves no more of a plane's unbalance than that.")
+    return "\n".join([table(rows), "", table(effects), "", *notes])
+
+
+def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:
+    planes = tuple(sorted(set(runs.planes)))
+    if len(planes) != len(runs.planes):
+        raise _refusal(path, "each plane has one trial run; with phases more of them aren't needed")
+    if len(planes) > len(runs.names):
+        raise _refusal(path, f"{len(planes)} planes need as many sensors, or more; here are {len(runs.names)}")
+    order = np.argsort(runs.planes)
+    weights = runs.weights[order]
+    coefficients = influence_coefficients(runs.initial, runs.trials[order], weights)
+    found = influence_correction(coefficients, runs.initial)
+    if not np.isfinite(found).all():
+        raise _refusal(path, "the sensors don't tell the planes apart: place them elsewhere, or leave a plane out")
+    radii = None
+    if noise is not None:
+        sigma = _noise(runs, noise)
+        radii = residual_confidence(coefficients, found, weights, sigma, PROBABILITY).radii
+    return Correction(planes, found, coefficients, np.abs(runs.initial + coefficients @ found), radii)
+
+
+def _by_amplitudes(path: Path, runs: Runs, noise: str | None) -> Correction:
+    """One plane from four runs without phases."""
+    needed = (
+        "without phases: one plane, one sensor, and the same trial weight in three runs at angles 120 deg apart; "
+        f"or give phases, NAME{PHASE} [deg]"
+    )
+    sizes, angles = np.abs(runs.weights), np.degrees(np.angle(runs.weights / runs.weights[:1]))
+    # From a degree before, so that rounding leaves the first run first.
+    order = np.argsort((angles + 1.0) % 360.0)
+    thirds = np.abs((angles[order] - (0.0, 120.0, 240.0) + 180) % 360 - 180) if order.size == 3 else np.full(1, np.inf)
+    alike = np.ptp(sizes) <= 1e-9 * sizes[0]
+    if len(set(runs.planes)) != 1 or len(runs.names) != 1 or not alike or thirds.max() > THIRD_OF_A_TURN:
+        raise _refusal(path, needed)
+    if noise is not None:
+        raise _refusal(path, "what noise leaves is known for runs with phases only; leave --noise out")
+    found = four_runs(abs(runs.initial[0]), np.abs(runs.trials[order, 0]), sizes[0])
+    if not np.isfinite(found.unbalance):
+        message = "no linear machine gives these amplitudes: read them again, or take a heavier trial weight"
+        raise _refusal(path, message)
+    direction = runs.weights[0] / sizes[0]
+    weight = -found.unbalance * direction
+    return Correction((runs.planes[0],), np.array([weight]), np.array([[found.sensitivity]]), np.zeros(1), None)
+
+
+def _polar(path: Path, columns: dict, size: str, angle: str | None) -> np.ndarray:
+    """Complex numbers from a column of amplitudes, in its own unit, and one of angles."""
+    sizes = np.array(columns[size][1], float)
+    if angle is None:
+        return sizes.astype(complex)
+    unit, cells = columns[angle]
+    try:
+        return sizes * np.exp(1j * np.array([in_text(f"{cell} {unit or 'deg'}", "angle") for cell in cells]))
+    except UnitError as error:
+        raise _refusal(path, f"{angle}: {error}", 1) from None
+
+
+def _common_unit(path: Path, columns: dict, names: Iterable[str]) -> str:
+    units = {columns[name][0] for name in names}
+    if len(units) > 1:
+        raise _refusal(path, f"all sensors are read in one unit; here are {', '.join(sorted(units))}", 1)
+    (unit,) = units
+    try:
+        base_powers(unit or "1")
+    except UnitError as error:
+        raise _refusal(path, str(error), 1) from None
+    return unit
+
+
+def _noise(runs: Runs, noise: str) -> float:
+    """The standard deviation in the unit of the readings."""
+    try:
+        (value, kind), (one, wanted) = recognised(noise), recognised(f"1 {runs.unit}".strip())
+    except UnitError as error:
+        raise InputError("--noise", [(None, "", str(error))]) from None
+    if kind != wanted or not 0 < value < np.inf:
+        raise InputError("--noise", [(None, "", f"{noise!r}: give it in the unit of the readings, '0.1 {runs.unit}'")])
+    return value / one
+
+
+def _degrees(number: complex) -> str:
+    return f"{np.degrees(np.angle(number)) % 360:.1f}°"
+
+
+def _polar_text(number: complex) -> str:
+    return f"{abs(number):.4g} at {_degrees(number)}"
+
+
+def _refusal(path: Path, message: str, line: int | None = None) -> InputError:
+    return InputError(str(path), [(line, "", message)])

@@ -1,0 +1,74 @@
+"""A study as data, in types that JSON has: what a result file holds of it beside its text."""
+
+import hashlib
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from engine import sources_digest
+from sweeps.study.sampling import Axis, Columns
+
+if TYPE_CHECKING:
+    from sweeps.study.study import Study
+
+# What results depend on; the rest says what is concluded from them.
+_DECISIVE = ("vary", "derive", "require", "outputs", "positions", "precision", "accuracy", "tolerances")
+_WORDS = ("title", "source")
+
+
+def study_record(study: "Study") -> dict[str, Any]:
+    """Everything that a study says, parsed: numbers in SI, nothing to be read out of sentences.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    dict
+        `scene` (as `Scene.model_validate` takes it), `parameters` (their SI units by name), `vary` (a table for each
+        axis: kind, names, size and what it is made of), `derive` and `require` (expressions as written), `outputs`,
+        `positions`, `precision`, `accuracy`, `best`, `optimise`, `tolerances`.
+    """
+    return {
+        "scene": study.scene.model_dump(mode="json"),
+        "parameters": {name: study.unit(name) for name in study.parameters},
+        "vary": [_axis_record(axis) for axis in study.design.axes],
+        "derive": {path: expression.text for path, expression in study.derived.items()},
+        "require": [condition.text for condition in study.require],
+        "outputs": {
+            "summaries": list(study.summaries),
+            "fields": list(study.fields),
+            "derivatives": [derivative._asdict() for derivative in study.derivatives],
+        },
+        "positions": study.positions,
+        "precision": study.precision,
+        "accuracy": study.accuracy,
+        "best": study.best.model_dump() if study.best else None,
+        "optimise": study.optimise.model_dump() if study.optimise else None,
+        "tolerances": {path: tolerance.model_dump() for path, tolerance in study.tolerances.items()},
+    }
+
+
+def study_digest(study: "Study") -> str:
+    """Name of a study's content: the scene, what varies, what is asked, and the engine that computes it.
+
+    Parameters
+    ----------
+    study : Study
+    """
+    record = study_record(study)
+    content = {key: record[key] for key in _DECISIVE}
+    content["scene"] = {key: value for key, value in record["scene"].items() if key not in _WORDS}
+    content["engine"] = sources_digest()
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _axis_record(axis: Axis) -> dict[str, Any]:
+    """An axis; of a table, which a result file holds as its columns, only the digest."""
+    record: dict[str, Any] = {"kind": type(axis).__name__, "names": list(axis.names), "size": axis.size}
+    if isinstance(axis, Columns):
+        return record | {"sha256": hashlib.sha256(np.ascontiguousarray(axis.table, "<f8").tobytes()).hexdigest()}
+    made_of = {key: value for key, value in vars(axis).items() if key not in ("name", "names")}
+    return record | {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in made_of.items()}
