@@ -26,7 +26,6 @@ from types import ModuleType
 import llvmlite
 import numba
 from numba import config, njit
-from numba.core.typing import Signature
 
 # `nnan` and `ninf` are left out on purpose: a NaN must survive from the position that can't be assembled
 # to the status of the variant. `reassoc` lets sums over positions be vectorised.
@@ -213,30 +212,13 @@ def load_compiled(text: str) -> ModuleType:
     text : str
         Source of the module.
     """
-    with _COMPILING:
+    with COMPILING:
         try:
             return load_kernel(text)
         except (EOFError, pickle.UnpicklingError):
             shutil.rmtree(_kernel_folder(text), ignore_errors=True)
             shutil.rmtree(_functions_folder(), ignore_errors=True)
             return load_kernel(text)
-
-
-def prepare(function: Callable, signature: Signature) -> None:
-    """Compile a function for stated types, once, and for no others.
-
-    Without them every function that is handed over as a value would be a type of its own.
-
-    Parameters
-    ----------
-    function : callable
-        Not compiled yet.
-    signature : Signature
-    """
-    with _COMPILING:
-        if not function.signatures:
-            function.compile(signature)
-            function.disable_compile()
 
 
 @cache

@@ -12,8 +12,6 @@ PANEL_POSITIONS = 17
 _ROWS = types.float64[:, ::1]
 # (P, T, q, cos_q, sin_q, tile): numbers × lanes, all tables, three times positions × lanes, curves × positions × lanes.
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
-# A function that fills tiles, handed over as a value.
-TILE_FUNCTION = types.FunctionType(TILE_SIGNATURE)
 
 # Sums run within a lane, so their order is nobody's to change.
 TILE_OPTIONS = {

@@ -124,6 +124,7 @@ def functions_at(
     last: Number,
     curves: Sequence[Node],
     watched: Sequence[Node] = (),
+    numbers: Sequence[Node] = (),
 ) -> Functions:
     """Print the functions that compute some curves at positions one by one, what is held at the position itself.
 
@@ -140,8 +141,10 @@ def functions_at(
         What is asked at a position; it may depend on given numbers.
     watched : sequence of Node
         Curves whose ends of strokes and crossings are known too.
+    numbers : sequence of Node
+        Numbers that are to have rows too.
     """
-    plan = _planned(graph, first, last, curves, [*curves, *watched])
+    plan = _planned(graph, first, last, curves, [*curves, *watched], fields=numbers)
     return _printed(
         graph,
         title,

@@ -113,7 +113,7 @@ class Schedule:
         scene = mechanics.scene
         self.regimes = dict(scene.regimes)
         self.needed = self._needed()
-        known, fields = {q.name for q in motion_fields(scene)}, [Asked.of(name) for name in sorted(asked)]
+        known, fields = {q.name for q in motion_fields(mechanics)}, [Asked.of(name) for name in sorted(asked)]
         fields = [one for one in fields if f"{one.regime}.{one.field}" in known]
         self.cycles = {name: [one for one in fields if one.regime == name] for name in self.regimes}
         loads = {one.field for one in fields} - FIELDS.keys()

@@ -11,8 +11,8 @@ from mpmath import mpf
 
 from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table, table_value
-from engine.machine.model import Model
 from engine.machine.motors import kloss_constants
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import Law, regime_text
 
 INERTIA = 0.4
@@ -151,13 +151,13 @@ CASES = [
 
 def test_constant_inertia__its_cases():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
-    found = regime_text(Model(Scene.model_validate(crank(ACTIONS, regimes))))
+    found = regime_text(Mechanics(Scene.model_validate(crank(ACTIONS, regimes))))
     assert found == [(f"r{i}", f"case {sentence}", method) for i, (_, sentence, method, _) in enumerate(CASES)]
 
 
 def test_inertia_that_varies__its_cases():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
-    found = regime_text(Model(Scene.model_validate(slider_crank(ACTIONS, regimes))))
+    found = regime_text(Mechanics(Scene.model_validate(slider_crank(ACTIONS, regimes))))
     for (_, sentence, method), (regime, _, constant, number) in zip(found, CASES, strict=True):
         assert sentence.startswith(f"case {number}: I(φ), ")
         timed = "kick" not in regime["off"]
@@ -168,14 +168,14 @@ def test_inertia_that_varies__its_cases():
 def test_gravity__acts_on_an_eccentric_drum_only(x, number):
     scene = crank({}, {"go": {"type": "run", "cycles": 1.0}}, gravity=9.81)
     scene["bodies"]["drum"]["x"] = x
-    ((_, sentence, _),) = regime_text(Model(Scene.model_validate(scene)))
+    ((_, sentence, _),) = regime_text(Mechanics(Scene.model_validate(scene)))
     assert sentence == ("case 1: I constant, no moment" if number == 1 else "case 2: I constant, M(φ) of gravity")
 
 
 def test_shaft_geared_to_a_shaft__leaves_inertia_constant():
     scene = crank({"rub": RUB}, {"go": {"type": "run", "cycles": 1.0}})
     scene["shafts"]["faster"] = {"geared_to": "fast", "ratio": -2.0, "inertia": 0.01}
-    ((_, sentence, _),) = regime_text(Model(Scene.model_validate(scene)))
+    ((_, sentence, _),) = regime_text(Mechanics(Scene.model_validate(scene)))
     assert sentence.startswith("case 1: I constant")
 
 

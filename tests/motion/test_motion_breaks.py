@@ -7,8 +7,9 @@ import pytest
 from motion_scenes import CUT, RADIUS, ROD, slider_crank
 
 from engine import Scene
-from engine.machine.model import Model
-from engine.motion.moments.breaks import Landmarks, _merged
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.moments.dynamics import Reduction
+from engine.scene.scene import Numbers, scene_numbers
 
 TURN = 2 * math.pi
 # Regula falsi goes down to rounding: of a slide of 0.25 m whose slope is 0.02 m and more a radian, and of q itself.
@@ -16,12 +17,13 @@ FOUND = 2e-14
 
 
 def landmarks(scene: dict, varied: dict | None = None) -> tuple:
-    """Strokes' ends and breaks by action, (places, variants), and which jump."""
+    """Ends of strokes by their names and breaks by action, (places, variants), and which jump."""
     varied = {path: np.array(values, float) for path, values in (varied or {}).items()}
-    model = Model(Scene.model_validate(scene), frozenset(varied))
+    scene = Scene.model_validate(scene)
+    reduction = Reduction(Mechanics(scene, frozenset(varied)))
     count = len(next(iter(varied.values()), [0]))
-    ends, breaks = Landmarks(model)(model.numbers(varied), count, np.ones(count))
-    return ends, breaks
+    ends, breaks = reduction.landmarks(Numbers(scene_numbers(scene), varied), np.ones(count))
+    return {node.which: values for node, values in ends.items()}, breaks
 
 
 def of(breaks: object, action: str, variant: int = 0) -> list[tuple[float, bool]]:
@@ -121,17 +123,3 @@ def test_stroke_too_short_for_a_table__has_no_such_break():
     _, breaks = landmarks(scene)
     place = angle_at(ROD + RADIUS - 0.01)
     check(of(breaks, "cut"), [(0.0, False), (math.pi, False), (TURN - place, True)])
-
-
-def test_places_among_samples__are_in_order_with_their_values():
-    random = np.random.default_rng(1)
-    q = np.sort(random.uniform(0, TURN, (7, 40)), axis=0)
-    others = random.uniform(-1, TURN + 1, (3, 40))
-    others[random.random(others.shape) < 0.3] = np.nan
-    every, values = _merged(q, np.array([np.sin(q), q**2]), others, np.array([np.sin(others), others**2]))
-    for v in range(q.shape[1]):
-        expected = np.sort([*q[:, v], *others[np.isfinite(others[:, v]), v]])
-        # What is left over repeats the last sample, as values where a variant has no place.
-        assert (every[: expected.size, v] == expected).all()
-        assert (every[expected.size :, v] == q[-1, v]).all()
-    assert (values == np.array([np.sin(every), every**2])).all()

@@ -11,8 +11,9 @@ from engine.graph.nodes import Node, reached
 from engine.machine.motors import kloss_constants, motor_ratio, stall_moment
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.moments.breaks import Breaks, Landmarks, instants_of
+from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid, nested_grid
+from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.steppers.energy_form import Drive, Tables
 from engine.scene.actions import DCMotor
@@ -110,7 +111,8 @@ class Reduction:
         functions = functions_at(graph, title, mechanics.first, mechanics.last, curves, watched)
         self.tabulation = Tabulation(functions)
         judged = [(action, row) for row, (action, _) in enumerate(self.keys, 2)]
-        self.landmarks = Landmarks(self.tabulation, self.loads.terms, judged, self.cycle)
+        turns = mechanics.scene.input.revolutions
+        self.landmarks = Landmarks(self.tabulation, self.loads.terms, judged, turns)
 
     @property
     def cycle(self) -> float:
@@ -139,7 +141,7 @@ class Reduction:
 
     def curves(self, variants: "Variants", places: np.ndarray, clock: np.ndarray | None, sums: Sums) -> np.ndarray:
         """Sums of the rows at given crank angles and times, (sums, places, variants)."""
-        given = [np.zeros_like(places) if clock is None else clock] if self.tabulation.given else []
+        given = {node: np.zeros_like(places) if clock is None else clock for node in self.tabulation.given}
         return self.tabulation(variants.parameters, places, given, sums)
 
 

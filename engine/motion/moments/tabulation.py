@@ -5,14 +5,15 @@ So a function printed from the machine's graph is called for one position after 
 it fills in is added up as it is asked for.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
-from engine.compiling.jit import keep_compiled, load_compiled, prepare, run_pieces, scalar
-from engine.compiling.tiles import LANES, TILE_FUNCTION, TILE_OPTIONS
+from engine.compiling.jit import load_compiled, run_pieces
+from engine.cycle.compiling import CURVES, driver, prepare, scalar
+from engine.cycle.lanes import LANES
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given
 from engine.laws.elementary import direction_of
@@ -59,7 +60,6 @@ class Tabulation:
         self.functions = functions
         self.given = tuple(node for node in functions.rows if isinstance(node, Given))
         self._found = [(node, row) for node, row in functions.rows.items() if isinstance(node, Found)]
-        self._given_rows = np.array([functions.rows[node] for node in self.given], np.int64)
 
     def parameters(self, numbers: Numbers, direction: np.ndarray, ends: Ends | None = None) -> np.ndarray:
         """Numbers of all variants at unit speed: with them a load of order n is what it is over |ω|ⁿ.
@@ -90,12 +90,12 @@ class Tabulation:
             made[levels] = self._filled("levels", len(levels), made, np.zeros((1, direction.size)))[:, 0]
         return made
 
-    def events(self, parameters: np.ndarray, q: np.ndarray) -> np.ndarray:
-        """Curves that switch something, each with its derivative after it, (2 events, nodes, variants)."""
-        return self._filled("events", 2 * len(self.functions.events), parameters, q)
-
     def __call__(
-        self, parameters: np.ndarray, q: np.ndarray, given: Sequence[np.ndarray] = (), sums: Sums | None = None
+        self,
+        parameters: np.ndarray,
+        q: np.ndarray,
+        given: Mapping[Given, np.ndarray] | None = None,
+        sums: Sums | None = None,
     ) -> np.ndarray:
         """The curves at given crank angles, or sums of them.
 
@@ -104,8 +104,8 @@ class Tabulation:
         parameters : ndarray (numbers, variants)
         q : ndarray (nodes, variants)
             Crank angles [rad].
-        given : sequence of ndarray (nodes, variants)
-            In the order of the attribute.
+        given : mapping of Given to ndarray (nodes, variants), optional
+            Numbers that are given at each place; others are as in the parameters.
         sums : Sums, optional
             What to add up; without it every curve by itself.
 
@@ -121,7 +121,7 @@ class Tabulation:
         rows: int,
         parameters: np.ndarray,
         q: np.ndarray,
-        given: Sequence[np.ndarray] = (),
+        given: Mapping[Given, np.ndarray] | None = None,
         sums: Sums | None = None,
     ) -> np.ndarray:
         variants = q.shape[1]
@@ -130,13 +130,12 @@ class Tabulation:
         out = np.empty((sums.count, *q.shape))
         if not variants or not rows:
             return out
-        every = np.empty((len(given), *q.shape))
-        for row, values in zip(every, given, strict=True):
-            row[:] = values
+        given = given or {}
+        given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
+        every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, *q.shape)
         fill = getattr(load_compiled(self.functions.text), function)
-        given_rows = self._given_rows[: len(given)]
         arguments = (fill, parameters, self.functions.memory, np.ascontiguousarray(q), every, given_rows)
-        prepare(fill_places, _SIGNATURE)
+        prepare(fill_places, _TYPES)
         run_pieces(fill_places, -(-variants // LANES), (*arguments, rows, sums.target, sums.way, out))
         return out
 
@@ -161,7 +160,8 @@ def gather(rows: np.ndarray, first: int, block: np.ndarray) -> None:
             block[i, lane] = rows[i, min(first + lane, last)]
 
 
-def _fill_places(
+@driver
+def fill_places(
     begin: int,
     end: int,
     fill: Callable,
@@ -209,9 +209,7 @@ def _fill_places(
 
 
 _ROWS, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]
-_SIGNATURE = types.void(
-    *(types.intp, types.intp, TILE_FUNCTION, _ROWS, types.float64[::1], _ROWS, _CUBE, types.int64[::1]),
+_TYPES = (
+    *(types.intp, types.intp, CURVES, _ROWS, types.float64[::1], _ROWS, _CUBE, types.int64[::1]),
     *(types.intp, types.int64[::1], _ROWS, _CUBE),
 )
-fill_places = njit(**{**TILE_OPTIONS, "cache": False})(_fill_places)
-keep_compiled(fill_places)

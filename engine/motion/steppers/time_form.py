@@ -67,8 +67,7 @@ class TimeForm:
         """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
         own = self.variants
         if self._mirrored is None:
-            d = self.dynamics
-            parameters = d.reduction.tabulation.parameters(own.numbers, own.count, -own.direction)
+            parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
             self._mirrored = own._replace(direction=-own.direction, parameters=parameters)
         rows = self.dynamics.rows(self._mirrored, places, time[None])
         # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
