@@ -43,24 +43,19 @@ from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVA
 from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elements.elements_alone import ElementsAlone, made_ready
-from engine.equal_positions.text.demand import describe as computed_levels
-from engine.equal_positions.text.kernel_text import Form as KernelForm
 from engine.flywheels.turning_moment import TurningMoment
 from engine.flywheels.turning_moment import from_table as turning_moment_from_table
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
 from engine.machine.full_rotation import assembly_ranges
-from engine.machine.machine import Machine
+from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
+from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.model import Model
 from engine.machine.quantities.reactions import acting_fields, friction_in_pairs
 from engine.machine.results import AskError, Outcome
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history
-from engine.panels.accuracy import OF_ACCURACY as ACCURACY_SUMMARIES
-from engine.panels.accuracy import REACHED as ACCURACY_REACHED
-from engine.panels.accuracy import USED as POSITIONS_USED
-from engine.panels.accuracy import AccurateMachine
 from engine.quantities.quantity import InputUnits, Quantity, has_cycle
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
@@ -95,7 +90,6 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
-    "AccurateMachine",
     "AskError",
     "BalanceError",
     "BalancedMachine",
@@ -113,7 +107,6 @@ __all__ = [
     "Hodograph",
     "InductionMotor",
     "InputUnits",
-    "KernelForm",
     "Machine",
     "MasterRod",
     "Model",
@@ -147,7 +140,6 @@ __all__ = [
     "boxer_engine",
     "centre_along",
     "common_units",
-    "computed_levels",
     "corrected_unbalance",
     "crank_radius",
     "crankshaft_counterweights",

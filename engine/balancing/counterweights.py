@@ -158,18 +158,19 @@ def _check(
     most: dict[str, float],
     moment_weight: float,
 ) -> None:
-    scene, turning = machine.scene, machine.model.mechanism.links
+    scene, turning = machine.scene, machine.mechanics.kinematics.links
     if not has_cycle(scene):
         raise BalanceError("the crank must turn fully: leave out input.start and input.stop")
     if criterion not in ("full", "rms", "peak"):
         raise BalanceError(f"criterion = {criterion!r}: allowed are 'full', 'rms' and 'peak'")
     if not links and not places:
         raise BalanceError("no link may have a counterweight: name links, or places on links")
-    known = machine.model.structure.links
+    known = machine.mechanics.structure.links
     for link in (*links, *(place.link for place in places)):
         if link not in known:
             raise BalanceError(f"{link!r} is not a link of this scene; {did_you_mean(link, known)}")
-    fixed = [n for n in known if turning[n].w is not None and turning[n].origin.vx == turning[n].origin.vy == "zero"]
+    zero = machine.mechanics.graph.zero
+    fixed = [n for n in known if turning[n].w is not zero and set(turning[n].origin.v) == {zero}]
     for link in links:
         if link not in fixed:
             raise BalanceError(f"{link!r} doesn't turn about a fixed axis: give a Place on it; or {_listed(fixed)}")

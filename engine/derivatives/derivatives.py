@@ -14,12 +14,14 @@ from annotated_types import Ge, Gt, Le, Lt
 
 from engine.derivatives.extrapolation import Estimate, Samples, derivative_of
 from engine.elements.elements_alone import ElementsAlone
-from engine.machine.machine import ROUNDING, Machine
+from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Scene, SceneNumber, scene_numbers
 from engine.verdicts import Verdict
 
+# Roundings that a summary is made of.
+ROUNDING = 16
 # Steps as shares of a number's scale; the shorter ones where the longer ones don't do.
 LADDERS = (tuple(2.0**-k for k in (2, 3, 4, 5, 6, 7)), tuple(2.0**-k for k in (9, 11, 13, 15, 17)))
 # Evaluations of a variant by one number, where the longer steps do.

@@ -5,13 +5,10 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.equal_positions.text.kernel_text import Form
-from engine.equal_positions.text.kernels import Source
 from engine.machine.checks import given_numbers
 from engine.machine.machine import Machine
-from engine.quantities.quantity import Quantity
 from engine.machine.results import AskError, Outcome, blank
-from engine.panels.accuracy import AccurateMachine
+from engine.quantities.quantity import Quantity
 from engine.scene.names import did_you_mean
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
@@ -25,7 +22,7 @@ def made_ready(
     positions: int = 720,
     dtype: type = np.float64,
     accuracy: float | None = None,
-) -> "Machine | ElementsAlone | AccurateMachine":
+) -> "Machine | ElementsAlone":
     """A scene with what is asked of it, whether it has a mechanism or machine elements alone.
 
     Parameters
@@ -45,11 +42,7 @@ def made_ready(
     """
     if scene.input is None:
         return ElementsAlone(scene, summaries, fields, varied)
-    if accuracy is not None:
-        if np.dtype(dtype) != np.float64:
-            raise AskError("accuracy: what it takes is computed in double precision; leave precision = 'float32' out")
-        return AccurateMachine(scene, summaries, fields, varied, accuracy, positions)
-    return Machine(scene, summaries, fields, varied, positions, dtype)
+    return Machine(scene, summaries, fields, varied, positions, dtype, accuracy)
 
 
 class ElementsAlone:
@@ -85,7 +78,6 @@ class ElementsAlone:
     groups = ()
     schedule = None
     available_fields: Mapping[str, Quantity] = {}
-    forms_used = frozenset({"whole"})
     # Elements have no positions; one stands for all.
     nodes = np.zeros(1)
 
@@ -116,9 +108,9 @@ class ElementsAlone:
         """Every summary one may ask."""
         return {q.name: q for q in element_summaries(self.scene)}
 
-    def source(self, form: Form) -> Source:
-        """Generated source of the kernel, to be read; elements have but one form."""
-        return Source(self._columns.text, tuple(self._limits), 0, (), (), (), ())
+    def source(self) -> str:
+        """Source of the kernel, to be read."""
+        return self._columns.text
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for no fields of a number of variants."""

@@ -23,9 +23,6 @@ from engine.machine.quantities.quantities import (
 from engine.machine.quantities.reactions import direction_summaries, friction_summaries, reaction_summaries
 from engine.machine.quantities.shaking import ORDERS, shaking_summaries
 
-# Places of dead centres in panels are found to this [rad]: a load that turns round there keeps positions clear of them.
-DEAD_CENTRE = "2e-10"
-
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 
 
@@ -66,8 +63,6 @@ class Analyses:
     Parameters
     ----------
     model : Model
-    panels : bool
-        Whether positions lie in panels (see `engine.panels.panels`) instead of equally spaced.
 
     Attributes
     ----------
@@ -77,8 +72,8 @@ class Analyses:
         Every summary but the statistics of fields, which `add_statistics` adds as they are asked.
     """
 
-    def __init__(self, model: Model, panels: bool = False) -> None:
-        self.model, self.panels = model, panels
+    def __init__(self, model: Model) -> None:
+        self.model = model
         self.periodic = has_cycle(model.scene)
         self.steps: list[RowStep] = []
         self.results: dict[str, Result] = {}
@@ -96,8 +91,6 @@ class Analyses:
         self.results |= {name: Result(slot, "0.0") for name, slot in slots.items()}
         if self.periodic:
             self._cycle()
-        if panels:
-            self.results["positions_used"] = Result("float(n)", "0.0")
 
     def _step(self, targets: str, call: str) -> None:
         self.steps.append(RowStep(tuple(t.strip() for t in targets.split(",")), f"{targets} = {call}"))
@@ -133,7 +126,7 @@ class Analyses:
         for suffix, value, sign in (("min_at", low, "-one"), ("max_at", high, "one")):
             place, aside = f"{value}_at$", f"{value}_aside"
             self._step(f"{place}, {aside}$", f"place_of_extreme({row}$, {sign}, first, h$, {self.periodic}, rounding)")
-            self.results[f"{field.name}.{suffix}"] = difference(place, aside) if self.panels else Result(place, aside)
+            self.results[f"{field.name}.{suffix}"] = Result(place, aside)
         assert len(STATISTICS) == 8
 
     def _extremes(self, row: str) -> list[str]:
@@ -153,14 +146,10 @@ class Analyses:
 
     def _extreme_doubt(self, value: str, off: str) -> str:
         """What an extreme may be off by."""
-        if self.panels:
-            return f"max(abs({value} - {value}_half), {off})"
         return f"doubt_of_extreme({value}, {value}_half, {off}, {off}_half)"
 
     def _mean(self, row: str, mean: str, jumps: str, more: str = "") -> Result:
         """Result of a row's mean or root-mean-square value."""
-        if self.panels:
-            return difference(f"{mean}$", f"{jumps}{more}")
         rough, quarter = f"rough__{row}", f"{mean}_of_few_half"
         return Result(
             f"{mean}$", f"doubt_of_mean({mean}, {mean}_half, {quarter}, {rough}, {rough}_half, {jumps}){more}"
@@ -214,11 +203,10 @@ class Analyses:
         ends, places = [], []
         for end in ("low", "high"):
             at, off, aside = (f"{end}{part}__{variable}" for part in ("_at", "_off", "_aside"))
-            if not self.panels:
-                doubt = f"cubic_doubt(row__{rate}, first, h, {at}, {size}, {self.periodic})"
-                self._step(f"{off}, {aside}", doubt)
-            ends.append(difference(f"{end}__{variable}$", size if self.panels else f"{off} + {size}").error)
-            places.append(difference(f"{at}$", DEAD_CENTRE if self.panels else aside).error)
+            doubt = f"cubic_doubt(row__{rate}, first, h, {at}, {size}, {self.periodic})"
+            self._step(f"{off}, {aside}", doubt)
+            ends.append(difference(f"{end}__{variable}$", f"{off} + {size}").error)
+            places.append(difference(f"{at}$", aside).error)
         add(kind, f"high__{variable}$ - low__{variable}$", " + ".join(ends))
         add(f"{kind}_low", f"low__{variable}$", ends[0])
         add(f"{kind}_high", f"high__{variable}$", ends[1])
@@ -333,8 +321,7 @@ class Analyses:
 
     def _work(self) -> None:
         """Mean moments, work over the cycle and its doubt: exactly where that is known, else by the trapezoid rule."""
-        # Panels end where such a force jumps: what sums over their positions is exact anyway.
-        works, rows = {} if self.panels else self.model.moments.works, ("reduced_moment", "useful_moment")
+        works, rows = self.model.moments.works, ("reduced_moment", "useful_moment")
         known = {name: [t for t in self.model.linear[name].terms if t[1] in works] for name in rows}
         for _, law in known["reduced_moment"]:
             name = law.removeprefix("law__")

@@ -94,7 +94,7 @@ class RowsMachine:
         for name, message in kept_from(self.mechanics, (*self.asked_summaries, *self.asked_fields)):
             raise AskError(f"{name}: {message}")
         check_names(self.asked_fields, self.available_fields, "field")
-        self.analyses = Analyses(self.model, self.form == "panels")
+        self.analyses = Analyses(self.model)
         self._add_statistics()
         check_names(self.asked_summaries, self.available_summaries, "summary")
         self._wheel = [name for name in self.asked_summaries if name in self.wheel_quantities]

@@ -8,8 +8,9 @@ import numpy as np
 
 from engine.elements.element_columns import ElementColumns, element_summaries
 from engine.equal_positions.rows_machine import RowsMachine
-from engine.graph.nodes import Node
+from engine.graph.nodes import Node, Number
 from engine.machine.checks import check_names, check_positions, given_numbers
+from engine.machine.computed import all_levels, computed_levels
 from engine.machine.kept_fields import KeptFields, fill_cycle_numbers
 from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
@@ -197,6 +198,39 @@ class Machine:
         return f"{text}\n\n{self._kept.text(self.measuring.functions)}" if self._fields else text
 
     @property
+    def numbers_kept(self) -> int:
+        """Numbers of each variant that are laid out for the printed functions."""
+        return len(self.measuring.functions.rows)
+
+    @property
+    def computed(self) -> dict[str, list[str]]:
+        """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
+        return computed_levels(self.mechanics, self.measuring.curves)
+
+    @property
+    def left_out(self) -> dict[str, list[str]]:
+        """Levels that nothing asked needs."""
+        everything, kept = all_levels(self.mechanics), self.computed
+        missing = {s: [level for level in levels if level not in kept.get(s, ())] for s, levels in everything.items()}
+        return {subject: levels for subject, levels in missing.items() if levels}
+
+    def decides_shape(self, path: str) -> bool:
+        """Whether a number decides the shape of the motion, not only masses and loads.
+
+        Parameters
+        ----------
+        path : str
+            Of a number of the scene.
+        """
+        as_it_is = Numbers(self._limits, {})
+        changed = Numbers(self._limits, {path: np.array([1.1 * as_it_is[path] + 0.01])})
+        shape = [n for n in self.measuring.functions.numbers if isinstance(n, Number) and n.role == "shape"]
+        with np.errstate(all="ignore"):
+            return any(
+                not np.allclose(n.compute(as_it_is), n.compute(changed), rtol=0, atol=0, equal_nan=True) for n in shape
+            )
+
+    @property
     def schedule(self) -> object | None:
         """The regimes, where anything of them is asked."""
         return self._rows.machine.schedule if self._rest or self._rest_fields else None
@@ -311,7 +345,7 @@ class Machine:
     def _blame_assembly(
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, lost: np.ndarray, broken: np.ndarray
     ) -> None:
-        """Say which group can't be assembled, and at which position first, of variants with curves that aren't finite."""
+        """Say which group can't be assembled, and where first, of variants with curves that aren't finite."""
         functions, groups = self.measuring.functions, self.measuring.groups
         sines = KeptFields([self.mechanics.kinematics.sines[g] for g in groups], np.dtype(float), self._title)
         first, last = (table[functions.rows[end], lost] for end in (self.mechanics.first, self.mechanics.last))

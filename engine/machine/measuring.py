@@ -48,6 +48,8 @@ class Measuring:
     functions : Functions
     groups : tuple of str
         Structural groups that take part, in the order of the scene.
+    curves : list of Node
+        All that is computed at a position.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class Measuring:
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
         self.groups = self._taking_part([*curves, *fields, *(a.coordinate for a in of[StrokeEnd])])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
+        self.curves = list(dict.fromkeys([*curves, *self._sines, *fields]))
         curves = list(dict.fromkeys([*curves, *self._sines]))
         self._steady = [_Steady(a, mechanics) for a in dict.fromkeys(_shared(a) for a in of[SteadyCycle])]
         numbers = [number for steady in self._steady for number in steady.numbers]

@@ -21,7 +21,7 @@ def check(study: str, out: Path, source: bool) -> None:
 
     found = read_study(find_study(study))
     if source:
-        click.echo(found.machine().source("whole").text)
+        click.echo(found.machine().source())
     else:
         click.echo(check_text(found, out))
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from engine import (
     SENTENCES,
-    AccurateMachine,
     ElementsAlone,
     InputUnits,
     Machine,
@@ -17,7 +16,6 @@ from engine import (
     Scene,
     Verdict,
     assembly_ranges,
-    computed_levels,
     group_links,
     made_ready,
     regime_text,
@@ -115,14 +113,8 @@ def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Seque
 
 def plan_text(machine: Machine) -> tuple[str, str]:
     """What is computed per position, and what is left out because nothing asked needs it."""
-    kept = computed_levels(machine.source("whole").steps)
-    everything = computed_levels(machine.model.program.steps)
-    computed = [f"{subject}: {', '.join(levels)}" for subject, levels in kept.items()]
-    left = []
-    for subject, levels in everything.items():
-        missing = [level for level in levels if level not in kept.get(subject, ())]
-        if missing:
-            left.append(f"{subject}: {', '.join(missing)}")
+    computed = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.computed.items()]
+    left = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.left_out.items()]
     return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
 
 
@@ -147,28 +139,27 @@ def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:
         return [("Computed once for each variant", ", ".join(machine.elements))]
     computed, left = plan_text(machine)
     return [
-        (f"Computed at each of {_positions_text(machine)}", computed),
+        (f"Computed at {_positions_text(machine)}", computed),
         ("Left out, as nothing asked needs it", left),
     ]
 
 
 def _positions_text(machine: Machine) -> str:
-    if isinstance(machine, AccurateMachine):
+    if machine.accuracy is not None:
         return f"as many positions as an accuracy of {accuracy_words.share_text(machine.accuracy)} takes"
-    return f"{machine.nodes.size} positions"
+    if not machine.asked_fields:
+        return "as many positions as its curves need"
+    return f"as many positions as its curves need, fields at {machine.nodes.size}"
 
 
 def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
     """How a study is evaluated, and its time, memory and file."""
     cost, layout = probe(study, machine), layout_of(study, machine)
     way = "each variant from its own numbers"
-    if cost.form == "factorised":
-        reused = ", ".join(p for p in study.paths if not _decides_shape(machine, p))
-        way = f"kinematics once for each geometry, reused for {reused}"
     seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
     if machine.schedule is not None:
         seconds += "; the first time up to a minute more, to compile"
-    numbers = 8 * (len(machine.source("whole").slots) + 4 * len(study.summaries))
+    numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     memory = layout.block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
     free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
@@ -179,18 +170,6 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
         ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
     ]
-
-
-def _decides_shape(machine: Machine, path: str) -> bool:
-    """Whether a number decides the shape of the motion: perturbing it changes a slot of shape."""
-    source = machine.source("whole")
-    nominal = machine.model.numbers({})
-    changed = machine.model.numbers({path: np.array([1.1 * nominal[path] + 0.01])})
-    slots = [machine.model.program.slots[s] for s in source.slots[: source.shape_slots]]
-    with np.errstate(all="ignore"):
-        return any(
-            not np.allclose(s.compute(nominal), s.compute(changed), rtol=0, atol=0, equal_nan=True) for s in slots
-        )
 
 
 def _design_text(study: Study) -> str:

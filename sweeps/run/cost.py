@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import AccurateMachine, KernelForm, Machine, Outcome, threads
+from engine import Machine, Outcome, threads
 from sweeps.run.runner import block_size, evaluate_block
 from sweeps.study.study import Study
 
@@ -24,8 +24,6 @@ class Cost(NamedTuple):
     ----------
     seconds : float
         Of a variant, once compiled.
-    form : Form
-        Of its kernel.
     motion_bytes : float
         Memory of its motion.
     tried : Outcome or None
@@ -33,16 +31,15 @@ class Cost(NamedTuple):
     """
 
     seconds: float
-    form: KernelForm
     motion_bytes: float
     tried: Outcome | None = None
 
 
 def probe(study: Study, machine: Machine) -> Cost:
     """Cost of a study, measured on some of its variants."""
-    if machine.schedule is not None and not isinstance(machine, AccurateMachine):
+    if machine.schedule is not None:
         return _probe_motion(study, machine)
-    if isinstance(machine, AccurateMachine):
+    if study.accuracy is not None:
         return _probe_accuracy(study, machine)
     size = min(block_size(study, machine), 4096)
     buffer = machine.new_buffer(size)
@@ -50,16 +47,16 @@ def probe(study: Study, machine: Machine) -> Cost:
     start = time.perf_counter()
     evaluate_block(study, machine, slice(0, size), buffer)
     seconds = time.perf_counter() - start
-    return Cost(seconds / size, _form(machine), 0.0)
+    return Cost(seconds / size, 0.0)
 
 
-def _probe_accuracy(study: Study, machine: AccurateMachine) -> Cost:
+def _probe_accuracy(study: Study, machine: Machine) -> Cost:
     """Cost of variants from all over the study, as many positions as each takes."""
     chosen = _spread(study, min(TRIED, study.design.size))
     tried = machine.evaluate(*chosen)
     start = time.perf_counter()
     machine.evaluate(*chosen)
-    return Cost((time.perf_counter() - start) / tried.status.size, _form(machine), 0.0, tried)
+    return Cost((time.perf_counter() - start) / tried.status.size, 0.0, tried)
 
 
 def _probe_motion(study: Study, machine: Machine) -> Cost:
@@ -75,7 +72,7 @@ def _probe_motion(study: Study, machine: Machine) -> Cost:
         seconds = time.perf_counter() - start
         spent += seconds
         if size == most or spent > LONG_ENOUGH:
-            return Cost(seconds / size, _form(machine), memory)
+            return Cost(seconds / size, memory)
         size = min(8 * size, most)
 
 
@@ -95,7 +92,3 @@ def _spread(study: Study, count: int) -> tuple[dict[str, np.ndarray], np.ndarray
         return {}, None
     parts = [study.values(int(i), int(i) + 1) for i in np.linspace(0, study.design.size - 1, count)]
     return {p: np.concatenate([v[p] for v, _ in parts]) for p in study.paths}, np.concatenate([d for _, d in parts])
-
-
-def _form(machine: Machine) -> KernelForm:
-    return "factorised" if "factorised" in machine.forms_used else "whole"

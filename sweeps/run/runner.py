@@ -24,6 +24,8 @@ BYTES_PER_BLOCK = 96e6
 LARGEST_BLOCK = 65_536
 # Motion takes a thousand times as long as a cycle at uniform speed.
 LARGEST_BLOCK_IN_MOTION = 4096
+# Operations of a variant for each of its numbers, as many panels as it usually takes.
+WORK_OF_A_NUMBER = 500
 
 
 def block_size(study: Study, machine: Machine) -> int:
@@ -36,10 +38,11 @@ def block_size(study: Study, machine: Machine) -> int:
 
 def largest_block(study: Study, machine: Machine) -> int:
     """As `block_size`, however many variants there are."""
-    work = machine.nodes.size * (len(machine.source("whole").steps) + 10) * (1 + study.sensitivity.evaluations)
+    work = WORK_OF_A_NUMBER * machine.numbers_kept * (1 + study.sensitivity.evaluations)
+    work += machine.nodes.size * machine.numbers_kept * len(study.fields)
     row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
     asked = len(study.summaries) + len(study.sensitivity.quantities)
-    numbers = 8 * (2 * asked + 4 * len(study.parameters) + len(machine.source("whole").slots) + 8)
+    numbers = 8 * (2 * asked + 4 * len(study.parameters) + machine.numbers_kept + 8)
     most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
     fitting = min(WORK_PER_BLOCK * 10 / work, BYTES_PER_BLOCK / (row + numbers), most)
     return int(max(2 ** int(np.log2(max(fitting, 1))), 16))

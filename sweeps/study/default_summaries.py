@@ -1,13 +1,13 @@
 """What is asked of a machine where a study names nothing, and what is worth asking of its regimes."""
 
-from engine import Machine, Model, Regime, RunRegime, Scene, made_ready
+from engine import ACCURACY_SUMMARIES, Machine, Model, Regime, RunRegime, Scene, made_ready
 
 
 def default_summaries(scene: Scene) -> tuple[str, ...]:
     """What is asked of a machine where nothing is named: all of its cycle and its flywheel, strokes, its regimes."""
     if scene.input is None:
         return tuple(made_ready(scene).available_summaries)
-    left_out = ("first_kind_inertia", "power_balance_residual", "loop_closure_residual")
+    left_out = ("first_kind_inertia", "power_balance_residual", "loop_closure_residual", *ACCURACY_SUMMARIES)
     machine = Machine(scene)
     names = {n: n.partition(".")[0] for n in machine.available_summaries if n not in left_out}
     telling = (".stroke", "_angle")
@@ -16,7 +16,7 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
         for name, owner in names.items()
         if owner in scene.elements or (owner not in scene.regimes and ("." not in name or name.endswith(telling)))
     )
-    return (*kept, *telling_summaries(machine.model))
+    return (*kept, *telling_summaries(Model(scene)))
 
 
 def telling_summaries(model: Model) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from engine.machine.checks import MOST_POSITIONS
 from engine.machine.model import Model
 from engine.scene.parts import CrankInput
 
-Form = Literal["whole", "factorised", "panels"]
+Form = Literal["whole", "factorised"]
 
 # Rows that the loop over positions fills lie at a fixed distance. As a constant it tells compilers that they don't
 # overlap, where they would else need more tests than they make.

@@ -2,8 +2,7 @@
 
 Three forms of the same mathematics. `whole`: every variant evaluated from its own numbers. `factorised`: variants
 that share the numbers which decide the shape of the motion are evaluated together; the bases of I, dI/dφ and M
-are computed once for the shape and combined for each variant's masses and loads. `panels`: as `whole`, but every
-variant at positions of its own.
+are computed once for the shape and combined for each variant's masses and loads.
 """
 
 import re
@@ -19,7 +18,6 @@ from engine.equal_positions.text.kernel_text import Form, KernelText, Lines, spa
 from engine.equal_positions.text.program import Step
 from engine.equal_positions.text.superposition import superpose
 from engine.machine.model import LinearRow, Model
-from engine.panels.panel_text import PanelText
 from engine.scene.scene import scene_numbers
 
 _SLOT = re.compile(r"\bnum__\w+")
@@ -83,10 +81,7 @@ class KernelWriter:
         diagnosis = self._diagnosis()
         slots = self._slots("\n".join((body, *diagnosis, *spacing(self.model))))
         homes = self._homes(body, form)
-        if form == "panels":
-            writer = PanelText(self.model, slots, homes, self.ends)
-        else:
-            writer = KernelText(self.model, form, dtype, slots, self._fixed, homes, most)
+        writer = KernelText(self.model, form, dtype, slots, self._fixed, homes, most)
         return Source(
             writer.module(lines, diagnosis),
             tuple(slots),

@@ -1,0 +1,62 @@
+"""What is computed of a machine at a position, in the mechanic's words."""
+
+from collections.abc import Iterable
+
+from engine.graph.nodes import Node, Stage, reached
+from engine.mechanism.mechanics import Mechanics
+
+
+def all_levels(mechanics: Mechanics) -> dict[str, list[str]]:
+    """Every level of every moving point, link and group, and the reactions in the pairs."""
+    return {subject: list(levels) for subject, levels in _levels(mechanics).items()}
+
+
+def computed_levels(mechanics: Mechanics, curves: Iterable[Node]) -> dict[str, list[str]]:
+    """Levels on which some curves depend.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    curves : iterable of Node
+    """
+    behind = set(reached(curves))
+    found = {
+        subject: [level for level, nodes in levels.items() if behind.intersection(nodes)]
+        for subject, levels in _levels(mechanics).items()
+    }
+    return {subject: levels for subject, levels in found.items() if levels}
+
+
+def _levels(mechanics: Mechanics) -> dict[str, dict[str, tuple[Node, ...]]]:
+    """Of each subject the nodes of each level that change with the position."""
+    k = mechanics.kinematics
+    found = {
+        f"group {name} ({mechanics.scene.groups[name].type})": {
+            "position": (sine, *sine.operands),
+            "velocity": tuple(k.links[link].w for link in _links(mechanics, name)),
+            "acceleration": tuple(k.links[link].e for link in _links(mechanics, name)),
+        }
+        for name, sine in k.sines.items()
+    }
+    found |= {
+        f"point {name}": {"position": tuple(p.r), "velocity": tuple(p.v), "acceleration": tuple(p.a)}
+        for name, p in k.points.items()
+    }
+    found |= {
+        f"slider {name}": {"position": (s.d,), "velocity": (s.v,), "acceleration": (s.a,)}
+        for name, s in k.slides.items()
+    }
+    moving = {
+        subject: {level: tuple(n for n in nodes if n.stage == Stage.POSITION) for level, nodes in levels.items()}
+        for subject, levels in found.items()
+    }
+    return {
+        subject: {level: nodes for level, nodes in levels.items() if nodes}
+        for subject, levels in moving.items()
+        if any(levels.values())
+    }
+
+
+def _links(mechanics: Mechanics, group: str) -> tuple[str, str]:
+    parts = mechanics.scene.groups[group]
+    return parts.first.link, parts.second.link
