@@ -1,0 +1,211 @@
+"""M(φ, ω, t) at given speeds: of motors by their characteristics, of loads by powers of the speed.
+
+What depends on the crank angle and on time is tabulated, a row for each power of the speed; what depends on the speed
+alone belongs to the variant. Every stepper takes its moments from here, for variants side by side. Angles are turned
+in the direction of motion, so that a moment is positive where it drives; a speed may be negative.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.cycle.compiling import driver, prepare, scalar, spread
+from engine.cycle.driver import gather, hand_out
+from engine.cycle.lanes import LANES, in_lanes, rows
+from engine.laws.elementary import power
+from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
+
+# Rows of a block's drive: the motors with a straight characteristic together, then constants of each induction motor.
+LEVEL, FALL, KLOSS = range(3)
+PER_MOTOR = 5
+# Rows of loads in a block: over ω⁰, ω¹ and ω².
+POLYNOMIAL = 3
+
+
+class Drive(NamedTuple):
+    """What depends on the speed alone, for every variant.
+
+    Attributes
+    ----------
+    line : ndarray (2, variants)
+        Moment of the motors with a straight characteristic, reduced: line[0] + line[1]·ω.
+    kloss : ndarray (motors, 5, variants)
+        Of each induction motor: breakdown moment, breakdown slip, rotor ratio, synchronous speed, and speed
+        ratio to the crank.
+    exponents : ndarray (laws, variants)
+        Powers of ω of the power laws.
+    """
+
+    line: np.ndarray
+    kloss: np.ndarray
+    exponents: np.ndarray
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Line and motors as rows, (2 + 5 motors, variants)."""
+        return np.concatenate((self.line, self.kloss.reshape(-1, self.line.shape[1])))
+
+    def some(self, chosen: np.ndarray) -> "Drive":
+        """Of some of the variants, by index."""
+        return Drive(*(np.ascontiguousarray(part[..., chosen]) for part in self))
+
+
+@scalar
+def motor_moments(drive: np.ndarray, speed: np.ndarray, moment: np.ndarray) -> None:
+    """Moments of the motors at a speed of each lane.
+
+    Parameters
+    ----------
+    drive : ndarray (2 + 5 motors, LANES)
+    speed, moment : ndarray (LANES,)
+    """
+    drive, speed, moment = in_lanes(drive), in_lanes(speed), in_lanes(moment)
+    for lane in range(LANES):
+        moment[lane] = drive[LEVEL, lane] + drive[FALL, lane] * speed[lane]
+    for k in range(KLOSS, drive.shape[0], PER_MOTOR):
+        for lane in range(LANES):
+            ratio = drive[k + 4, lane]
+            moment[lane] += ratio * induction_motor(
+                drive[k, lane], drive[k + 1, lane], drive[k + 2, lane], drive[k + 3, lane], ratio * speed[lane]
+            )
+
+
+@scalar
+def motor_slopes(drive: np.ndarray, speed: np.ndarray, slope: np.ndarray) -> None:
+    """Derivatives of the motors' moments by the speed; parameters as of `motor_moments`."""
+    drive, speed, slope = in_lanes(drive), in_lanes(speed), in_lanes(slope)
+    for lane in range(LANES):
+        slope[lane] = drive[FALL, lane]
+    for k in range(KLOSS, drive.shape[0], PER_MOTOR):
+        for lane in range(LANES):
+            ratio = drive[k + 4, lane]
+            slope[lane] += (ratio * ratio) * induction_motor_slope(
+                drive[k, lane], drive[k + 1, lane], drive[k + 2, lane], drive[k + 3, lane], ratio * speed[lane]
+            )
+
+
+@scalar
+def add_polynomial(loads: np.ndarray, speed: np.ndarray, moment: np.ndarray) -> None:
+    """Add the moments of loads over ω⁰, ω¹ and ω² at a speed of each lane.
+
+    Parameters
+    ----------
+    loads : ndarray (3 or more, LANES)
+    speed, moment : ndarray (LANES,)
+    """
+    loads, speed, moment = in_lanes(loads), in_lanes(speed), in_lanes(moment)
+    for lane in range(LANES):
+        w = speed[lane]
+        moment[lane] += loads[0, lane] + w * (loads[1, lane] + w * loads[2, lane])
+
+
+@scalar
+def add_polynomial_slope(loads: np.ndarray, speed: np.ndarray, slope: np.ndarray) -> None:
+    """Add their derivatives by the speed; parameters as of `add_polynomial`."""
+    loads, speed, slope = in_lanes(loads), in_lanes(speed), in_lanes(slope)
+    for lane in range(LANES):
+        slope[lane] += loads[1, lane] + 2.0 * speed[lane] * loads[2, lane]
+
+
+@scalar
+def add_power(load: np.ndarray, exponent: np.ndarray, speed: np.ndarray, moment: np.ndarray) -> None:
+    """Add the moment of a load over a power of the speed; every array is a row, (LANES,)."""
+    load, exponent, speed, moment = in_lanes(load), in_lanes(exponent), in_lanes(speed), in_lanes(moment)
+    for lane in range(LANES):
+        moment[lane] += load[lane] * power(abs(speed[lane]), exponent[lane])
+
+
+@scalar
+def add_power_slope(load: np.ndarray, exponent: np.ndarray, speed: np.ndarray, slope: np.ndarray) -> None:
+    """Add its derivative by the speed; parameters as of `add_power`."""
+    load, exponent, speed, slope = in_lanes(load), in_lanes(exponent), in_lanes(speed), in_lanes(slope)
+    for lane in range(LANES):
+        w, n = speed[lane], exponent[lane]
+        slope[lane] += n * (load[lane] * power(abs(w), n)) / w
+
+
+class Moments(NamedTuple):
+    """Moment of the motors, of each channel of loads [N·m], and ∂M/∂ω of all of them [N·m·s]."""
+
+    motors: np.ndarray
+    loads: np.ndarray
+    slope: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """The reduced moment."""
+        return self.motors + self.loads.sum(axis=0)
+
+
+def moments_at(
+    drive: Drive, channel_of: np.ndarray, loads: np.ndarray, powers: np.ndarray, omega: np.ndarray
+) -> Moments:
+    """Moments at given places and speeds of many variants.
+
+    Parameters
+    ----------
+    drive : Drive
+    channel_of : ndarray (laws,) of int
+        Channel of each power law.
+    loads : ndarray (channels, 3, places, variants)
+        Over ω⁰, ω¹ and ω².
+    powers : ndarray (laws, places, variants)
+        Over ω to a power of its own.
+    omega : ndarray (places, variants)
+        [rad/s].
+    """
+    found = np.empty((2 + loads.shape[0], *omega.shape))
+    if omega.size:
+        given = [np.ascontiguousarray(x) for x in (drive.rows, drive.exponents, channel_of, loads, powers, omega)]
+        sizes = len(given[0]), len(given[1]), POLYNOMIAL, 1, len(found)
+
+        def arguments() -> tuple:
+            return (*given, *(rows(size) for size in sizes), found)
+
+        prepare(moments_of_blocks, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
+        spread(moments_of_blocks, -(-omega.shape[1] // LANES), arguments)
+    return Moments(found[0], found[2:], found[1])
+
+
+@driver
+def moments_of_blocks(
+    begin: int,
+    end: int,
+    drives: np.ndarray,
+    every_exponent: np.ndarray,
+    channel_of: np.ndarray,
+    loads: np.ndarray,
+    powers: np.ndarray,
+    omega: np.ndarray,
+    drive: np.ndarray,
+    exponents: np.ndarray,
+    place: np.ndarray,
+    speed: np.ndarray,
+    moments: np.ndarray,
+    found: np.ndarray,
+) -> None:
+    """Moments of the motors, ∂M/∂ω, and moments of each channel into `found`, for blocks begin … end − 1 of variants.
+
+    Arguments before `drive` are those of `moments_at`; from there on memory for a block.
+    """
+    for b in range(begin, end):
+        first = b * LANES
+        gather(drives, first, drive)
+        gather(every_exponent, first, exponents)
+        for j in range(omega.shape[0]):
+            gather(omega[j : j + 1], first, speed)
+            motor_moments(drive, speed[0], moments[0])
+            motor_slopes(drive, speed[0], moments[1])
+            for channel in range(loads.shape[0]):
+                gather(loads[channel, :, j], first, place)
+                moments[2 + channel] = 0.0
+                add_polynomial(place, speed[0], moments[2 + channel])
+                add_polynomial_slope(place, speed[0], moments[1])
+            for law in range(powers.shape[0]):
+                gather(powers[law, j : j + 1], first, place)
+                add_power(place[0], exponents[law], speed[0], moments[2 + channel_of[law]])
+                add_power_slope(place[0], exponents[law], speed[0], moments[1])
+            for row in range(found.shape[0]):
+                hand_out(moments[row], first, found[row, j])
