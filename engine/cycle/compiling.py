@@ -52,7 +52,7 @@ def routine(function: Callable) -> Callable:
 
 def curves_function(function: Callable) -> Callable:
     """Compile one of a machine's functions, of the signature that `engine.cycle` takes."""
-    return njit(CURVES_SIGNATURE, error_model="numpy", fastmath=RULES, nogil=True)(function)
+    return njit(CURVES_SIGNATURE, error_model="numpy", fastmath=RULES, nogil=True, pipeline_class=_Apart)(function)
 
 
 def driver(function: Callable) -> Callable:

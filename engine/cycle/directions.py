@@ -2,11 +2,9 @@
 
 import math
 
-import numpy as np
-
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES
 from engine.cycle.compiling import routine, scalar
-from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.lanes import LANES, Memory
 
 
 @scalar
@@ -36,22 +34,21 @@ def direction_of(angle: float) -> tuple[float, float]:
 
 
 @routine
-def directions(q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray) -> None:
-    """Cosine and sine of positions.
+def directions(count: int, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
+    """Cosine and sine of `count` rows of positions.
 
     Parameters
     ----------
-    q, cos_q, sin_q : ndarray (positions, LANES)
+    count : int
+    q, cos_q, sin_q : rows (count, LANES)
     """
-    q, cos_q, sin_q = in_lanes(q), in_lanes(cos_q), in_lanes(sin_q)
-    for k in range(q.shape[0]):
+    for k in range(count):
         for lane in range(LANES):
-            cosine, sine = direction_of(q[k, lane])
-            cos_q[k, lane], sin_q[k, lane] = cosine, sine
+            cos_q[k, lane], sin_q[k, lane] = direction_of(q[k, lane])
 
 
 @scalar
-def _mirrored(first: int, last: int, half: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray) -> None:
+def _mirrored(first: int, last: int, half: Memory, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
     """Some positions of each panel and their mirror images, by sums and differences with the direction of the middle."""
     for lane in range(LANES):
         middle, c, s = q[MIDDLE, lane], cos_q[MIDDLE, lane], sin_q[MIDDLE, lane]
@@ -64,20 +61,19 @@ def _mirrored(first: int, last: int, half: np.ndarray, q: np.ndarray, cos_q: np.
 
 
 @routine
-def panel_positions(middle: np.ndarray, half: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray) -> None:
-    """Positions of each lane's panel, with cosine and sine; panels of an angle must be no longer than π/2.
+def panel_positions(middle: Memory, half: Memory, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
+    """Positions of each lane's panel with cosine and sine; where the input is an angle, of panels no longer than π/2.
 
     Parameters
     ----------
-    middle, half : ndarray (LANES,)
+    middle, half : row (LANES,)
         Middle of the panel and half its length, negative where the input runs backwards.
-    q, cos_q, sin_q : ndarray (positions, LANES)
+    q, cos_q, sin_q : rows (POSITIONS, LANES)
         Receive them.
     """
-    q, cos_q, sin_q = in_lanes(q), in_lanes(cos_q), in_lanes(sin_q)
     for lane in range(LANES):
-        cosine, sine = direction_of(middle[lane])
-        q[MIDDLE, lane], cos_q[MIDDLE, lane], sin_q[MIDDLE, lane] = middle[lane], cosine, sine
+        q[MIDDLE, lane] = middle[lane]
+        cos_q[MIDDLE, lane], sin_q[MIDDLE, lane] = direction_of(middle[lane])
     # In two: no more of an inner loop would be unrolled, and only what is unrolled runs over all lanes at once.
     _mirrored(0, 4, half, q, cos_q, sin_q)
     _mirrored(4, 8, half, q, cos_q, sin_q)

@@ -11,32 +11,40 @@ import numpy as np
 
 from engine.cycle.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.compiling import driver, routine
-from engine.cycle.directions import directions, panel_positions
+from engine.cycle.directions import panel_positions
 from engine.cycle.events import (
-    GREATEST,
-    GREATEST_AT,
     LANDMARKS,
-    LEAST,
-    LEAST_AT,
     MOST_ROOTS,
     SCALE,
     find_crossings,
     find_landmarks,
     find_turns,
     lay_edges,
+    of_landmarks,
     scan_positions,
 )
-from engine.cycle.extremes import EXTREME, SEARCH, find_extreme
+from engine.cycle.extremes import EXTREME, SEARCH, Search, find_extreme
 from engine.cycle.fluctuation import FLUCTUATION, RESULTS, find_fluctuation
-from engine.cycle.integrals import INTEGRAL, add_panels
-from engine.cycle.lanes import ASIDE, LANES, rows, tiles
-from engine.cycle.panels import ACCEPTED, ACTIVE, TAKEN, WALK, compare_with_tolerance, judge, next_panels, set_out
+from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
+from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, in_panels, lane_of, rows, tiles
+from engine.cycle.panels import (
+    ACCEPTED,
+    ACTIVE,
+    EDGES,
+    TAKEN,
+    WALK,
+    compare_with_tolerance,
+    judge,
+    next_panels,
+    of_edges,
+    set_out,
+)
 from engine.cycle.panels import HALF as PANEL_HALF
 from engine.cycle.panels import MIDDLE as PANEL_MIDDLE
-from engine.cycle.record import FIRST, Record, begin_record, keep_curve, keep_panels, new_record
-from engine.cycle.roots import PARTS, solve_roots
-from engine.cycle.series import FIGURES, panel_figures
-from engine.cycle.within import value_at, zeros_of
+from engine.cycle.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
+from engine.cycle.roots import PARTS, SampleRoom, new_samples, of_roots, sample, samples_in, solve_roots
+from engine.cycle.series import FIGURES, of_figures, panel_figures
+from engine.cycle.within import of_zeros, value_at, zeros_of
 from engine.cycle.works import WORK_ROWS, add_work
 
 # Zeros of a curve that there is room for.
@@ -145,7 +153,7 @@ class Answers(NamedTuple):
 
 
 @routine
-def any_active(walk: np.ndarray) -> bool:
+def any_active(walk: Memory) -> bool:
     """Whether any lane is still on its way."""
     going = False
     for lane in range(LANES):
@@ -154,7 +162,7 @@ def any_active(walk: np.ndarray) -> bool:
 
 
 @routine
-def gather(numbers: np.ndarray, begin: int, block: np.ndarray) -> None:
+def gather(numbers: np.ndarray, begin: int, block: Memory) -> None:
     """Numbers of a block of variants; lanes beyond the last variant repeat it."""
     last = numbers.shape[1] - 1
     for i in range(numbers.shape[0]):
@@ -163,38 +171,30 @@ def gather(numbers: np.ndarray, begin: int, block: np.ndarray) -> None:
 
 
 @routine
-def hand_out(block: np.ndarray, begin: int, answers: np.ndarray) -> None:
+def hand_out(block: Memory, begin: int, answers: np.ndarray) -> None:
     """Write a row of a block to its variants."""
     for lane in range(min(LANES, answers.shape[0] - begin)):
         answers[begin + lane] = block[lane]
 
 
 @routine
-def copy_landmarks(landmarks: np.ndarray, function: int, wanted: np.ndarray, block: np.ndarray) -> None:
-    """Copy landmarks of a switching function to the rows of the block's numbers that receive them."""
-    for i, part in enumerate((LEAST, GREATEST, LEAST_AT, GREATEST_AT)):
-        row = wanted[function, i]
-        if row >= 0:
-            for lane in range(LANES):
-                block[row, lane] = landmarks[function, part, lane]
-
-
-@routine
-def copy_to_rows(tile: np.ndarray, wanted: np.ndarray, block: np.ndarray) -> None:
-    """Copy curves at the one position of a tile to rows of the block's numbers."""
+def copy_rows(given: Memory, wanted: np.ndarray, block: Memory) -> None:
+    """Copy rows to those rows of the block's numbers that are to receive them, if any."""
     for i in range(wanted.shape[0]):
-        for lane in range(LANES):
-            block[wanted[i], lane] = tile[i, 0, lane]
+        if wanted[i] >= 0:
+            for lane in range(LANES):
+                block[wanted[i], lane] = given[i, lane]
 
 
 @routine
-def mark_broken(tile: np.ndarray, q: np.ndarray, walk: np.ndarray, broken_at: np.ndarray) -> None:
+def mark_broken(curves: int, tile: Memory, q: Memory, walk: Memory, broken_at: Memory) -> None:
     """Note the first position where a curve isn't finite, in lanes where none was noted yet."""
     for lane in range(LANES):
         if walk[ACCEPTED, lane] == 0.0 or not math.isnan(broken_at[lane]):
             continue
-        for j in range(POSITIONS - 1, -1, -1):
-            for c in range(tile.shape[0]):
+        for i in range(POSITIONS):
+            j = POSITIONS - 1 - i
+            for c in range(curves):
                 if not abs(tile[c, j, lane]) < math.inf:
                     broken_at[lane] = q[j, lane]
 
@@ -208,28 +208,30 @@ class Workspace(NamedTuple):
         Numbers of the block's variants.
     walk : ndarray (WALK, LANES)
     place : ndarray (3, POSITIONS, LANES)
-        Input positions with cosine and sine.
+        Input positions of each lane's panel with cosine and sine.
     tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
     figures : ndarray (curves, FIGURES, LANES)
     scales : ndarray (curves, LANES)
     integrals : ndarray (integrals, INTEGRAL, LANES)
-    scan_place, turn_place, crossing_place : ndarray (3, rows, LANES)
-        Input positions with cosine and sine: those scanned, those of turns, and those of levels.
-    scan_tile, turn_tile, crossing_tile : ndarray (2 functions, rows, LANES)
-        Switching functions with their derivatives there.
-    turns, crossings : ndarray (PARTS, rows, LANES)
+    scan, turn, crossing : SampleRoom
+        Switching functions at the positions scanned, where they turn, and where they take levels.
+    turns, crossings : ndarray (rows, PARTS, LANES)
+        Their roots.
     turn_sought, crossing_sought : ndarray (rows, 2) of int
         What is looked for.
     landmarks : ndarray (functions, LANDMARKS, LANES)
-    edges : ndarray (2, edges, LANES)
+    edges : ndarray (edges, EDGES, LANES)
     sums : ndarray (WORK_ROWS, LANES)
-    marks : ndarray (4, LANES)
-        Zeros; first position where a curve isn't finite; two rows used meanwhile.
-    search : ndarray (2 POSITIONS + SEARCH + 1 + steps, LANES)
+    marks : ndarray (5, LANES)
+        Zeros; first position where a curve isn't finite; three rows used meanwhile.
+    combined : ndarray (2, POSITIONS, LANES)
+    reaches : ndarray (steps, LANES)
+    search : ndarray (SEARCH + 1, LANES)
     found : ndarray (2 EXTREME, LANES)
     result : ndarray (FLUCTUATION, LANES)
     zeros : ndarray (most, 2, LANES)
-    record : Record
+    room : Room
+        For the record.
     """
 
     block: np.ndarray
@@ -241,12 +243,9 @@ class Workspace(NamedTuple):
     figures: np.ndarray
     scales: np.ndarray
     integrals: np.ndarray
-    scan_place: np.ndarray
-    turn_place: np.ndarray
-    crossing_place: np.ndarray
-    scan_tile: np.ndarray
-    turn_tile: np.ndarray
-    crossing_tile: np.ndarray
+    scan: SampleRoom
+    turn: SampleRoom
+    crossing: SampleRoom
     turns: np.ndarray
     crossings: np.ndarray
     turn_sought: np.ndarray
@@ -255,11 +254,13 @@ class Workspace(NamedTuple):
     edges: np.ndarray
     sums: np.ndarray
     marks: np.ndarray
+    combined: np.ndarray
+    reaches: np.ndarray
     search: np.ndarray
     found: np.ndarray
     result: np.ndarray
     zeros: np.ndarray
-    record: Record
+    room: Room
 
 
 def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
@@ -276,57 +277,62 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(count, FIGURES, aside=ASIDE),
         rows(count, aside=ASIDE),
         rows(task.integrals.size, INTEGRAL, aside=ASIDE),
-        rows(3, task.scan),
-        rows(3, turns),
-        rows(3, crossings),
-        rows(2 * functions, task.scan),
-        rows(2 * functions, turns),
-        rows(2 * functions, crossings),
-        rows(PARTS, turns),
-        rows(PARTS, crossings),
+        new_samples(functions, task.scan),
+        new_samples(functions, turns),
+        new_samples(functions, crossings),
+        rows(turns, PARTS),
+        rows(crossings, PARTS),
         np.zeros((turns, 2), np.int64),
         np.zeros((crossings, 2), np.int64),
         rows(functions, LANDMARKS),
-        rows(2, crossings + task.cuts.size, aside=ASIDE),
+        rows(crossings + task.cuts.size, EDGES, aside=ASIDE),
         rows(WORK_ROWS, aside=ASIDE),
-        rows(4, aside=ASIDE),
-        rows(2 * POSITIONS + SEARCH + 1 + steps, aside=ASIDE),
+        rows(5, aside=ASIDE),
+        tiles(2),
+        rows(steps, aside=ASIDE),
+        rows(SEARCH + 1, aside=ASIDE),
         rows(2 * EXTREME, aside=ASIDE),
         rows(FLUCTUATION, aside=ASIDE),
         rows(MOST_ZEROS, 2, aside=ASIDE),
-        new_record(task.kept.size + task.works.size, steps),
+        new_room(task.kept.size + task.works.size, steps),
     )
 
 
 @routine
-def fill(array: np.ndarray, value: float) -> None:
-    """Set all rows to a value."""
-    for i in range(array.shape[0]):
+def fill(count: int, block: Memory, value: float) -> None:
+    """Set rows to a value."""
+    for i in range(count):
         for lane in range(LANES):
-            array[i, lane] = value
+            block[i, lane] = value
 
 
 @routine
-def cut(events: Callable, levels: Callable, task: Task, tables: np.ndarray, walk: np.ndarray, work: Workspace) -> int:
+def cut(
+    events: Callable, levels: Callable, task: Task, tables: np.ndarray, walk: Memory, edges: Memory, work: Workspace
+) -> int:
     """Find each lane's landmarks and what follows from them, and lay its edges; returns how many there are."""
-    block, marks, counts, landmarks = work.block, work.marks[2], work.marks[3], work.landmarks
-    place, tile, turned, turns = work.scan_place, work.scan_tile, work.turn_tile, work.turns
+    block, marks, counts, spare = (
+        in_lanes(work.block),
+        lane_of(work.marks[2]),
+        lane_of(work.marks[3]),
+        lane_of(work.marks[4]),
+    )
+    scan, turned, crossed = samples_in(work.scan), samples_in(work.turn), samples_in(work.crossing)
+    landmarks, turns, crossings = of_landmarks(work.landmarks), of_roots(work.turns), of_roots(work.crossings)
     functions = task.landmark_rows.shape[0]
-    turn_rows = crossing_rows = functions - functions
+    turn_rows = crossing_rows = 0 * functions
     if functions > 0:
-        q = place[0]
-        scan_positions(block[task.ends[0]], block[task.ends[1]], q)
-        directions(q, place[1], place[2])
-        events(block, tables, q, place[1], place[2], tile)
+        scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
+        sample(events, work.block, tables, task.scan, scan)
         for f in range(functions):
-            turn_rows = find_turns(f, q, tile, turn_rows, work.turn_sought, turns, marks, counts)
-        solve_roots(events, block, tables, turn_rows, work.turn_sought, work.turn_place, turned, turns)
+            turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
+        solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
         for f in range(functions):
-            find_landmarks(f, q, tile, turn_rows, work.turn_sought, turned, turns, landmarks)
-            copy_landmarks(landmarks, f, task.landmark_rows, block)
+            find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
+            copy_rows(landmarks[f], task.landmark_rows[f], block)
     if task.sizes[1] > 0:
-        levels(block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
-        copy_to_rows(work.level_tile, task.level_rows, block)
+        levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
+        copy_rows(in_lanes(work.level_tile), task.level_rows, block)
     for c in range(task.crossings.shape[0]):
         f, row = task.crossings[c, 0], task.crossings[c, 1]
         crossing_rows = find_crossings(
@@ -334,39 +340,67 @@ def cut(events: Callable, levels: Callable, task: Task, tables: np.ndarray, walk
             row,
             block[row],
             landmarks[f, SCALE],
-            place[0],
-            tile,
+            scan,
             turn_rows,
             work.turn_sought,
             turned,
             turns,
             crossing_rows,
             work.crossing_sought,
-            work.crossings,
+            crossings,
             marks,
             counts,
+            spare,
         )
-    solve_roots(
-        events,
-        block,
-        tables,
-        crossing_rows,
-        work.crossing_sought,
-        work.crossing_place,
-        work.crossing_tile,
-        work.crossings,
-    )
-    return lay_edges(
-        crossing_rows,
-        work.crossing_sought,
-        work.crossing_tile,
-        work.crossings,
-        landmarks,
-        task.cuts,
-        block,
-        walk,
-        work.edges,
-    )
+    solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, crossed, crossings)
+    return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
+
+
+@routine
+def follow(
+    states: Callable,
+    curves: Callable,
+    task: Task,
+    tables: np.ndarray,
+    edges: Memory,
+    edge_count: int,
+    walk: Memory,
+    figures: Memory,
+    scales: Memory,
+    integrals: Memory,
+    broken_at: Memory,
+    record: Record,
+    work: Workspace,
+) -> int:
+    """Walk over each lane's range, add up what is to be integrated and keep what is to be kept; returns the steps kept."""
+    count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
+    block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
+    cos_q, sin_q = in_lanes(work.place[1]), in_lanes(work.place[2])
+    while next_panels(edges, edge_count, walk):
+        panel_positions(walk[PANEL_MIDDLE], walk[PANEL_HALF], q, cos_q, sin_q)
+        if task.sizes[2] > 0:
+            middle_q, middle_cos = work.place[0, MIDDLE : MIDDLE + 1], work.place[1, MIDDLE : MIDDLE + 1]
+            states(work.block, tables, middle_q, middle_cos, work.place[2, MIDDLE : MIDDLE + 1], work.state_tile)
+            copy_rows(in_lanes(work.state_tile), task.state_rows, block)
+        curves(work.block, tables, work.place[0], work.place[1], work.place[2], work.tile)
+        broken = False
+        for c in range(count):
+            panel_figures(tile, c, figures)
+            broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
+        if not judge(task.longest[0], walk):
+            continue
+        if broken:
+            mark_broken(count, tile, q, walk, broken_at)
+        for k in range(task.integrals.shape[0]):
+            add_panels(tile, figures, task.integrals[k], walk, integrals, k)
+        if kept > 0:
+            if step == work.reaches.shape[0]:
+                break
+            keep_panels(walk, step, record.panels)
+            for k in range(kept):
+                keep_curve(tile, task.kept[k], figures, walk, record, k, step)
+        step += 1
+    return step
 
 
 @driver
@@ -405,88 +439,63 @@ def evaluate_blocks(
     answers : Answers
     work : Workspace
     """
-    count, kept = task.sizes[3], task.kept.shape[0]
-    block, walk, tile, figures, scales = work.block, work.walk, work.tile, work.figures, work.scales
-    q, cos_q, sin_q = work.place[0], work.place[1], work.place[2]
-    integrals, record, found = work.integrals, work.record, work.found
-    zeros, broken_at = work.marks[0], work.marks[1]
+    kept, integrated, count = task.kept.shape[0], task.integrals.shape[0], task.sizes[3]
+    block, walk, figures, scales = (
+        in_lanes(work.block),
+        in_lanes(work.walk),
+        of_figures(work.figures),
+        in_lanes(work.scales),
+    )
+    integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
+    marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
+    zeros, landmarks, record = of_zeros(work.zeros), of_landmarks(work.landmarks), record_in(work.room)
+    combined, others = in_panels(work.combined), in_lanes(work.search)
+    search = Search(combined[0], combined[1], in_lanes(work.reaches), others, others[SEARCH])
+    high, low, none, broken_at, counts = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
     for i in range(begin, end):
         b = blocks[i]
         first = b * LANES
         gather(numbers, first, block)
         begin_record(record)
-        fill(scales, 0.0)
-        for k in range(integrals.shape[0]):
-            fill(integrals[k], 0.0)
-        for lane in range(LANES):
-            broken_at[lane] = math.nan
+        fill(count, scales, 0.0)
+        fill(integrated * INTEGRAL, in_lanes(work.integrals), 0.0)
+        fill(1, in_lanes(work.marks[1:]), math.nan)
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
-        edges, step = cut(events, levels, task, tables, walk, work), b - b
+        cuts = cut(events, levels, task, tables, walk, edges, work)
+        steps = follow(
+            states, curves, task, tables, edges, cuts, walk, figures, scales, integrals, broken_at, record, work
+        )
+        for k in range(task.works.shape[0]):
+            add_work(record, to_integrals, steps, task.works[k], kept + k, sums)
         for f in range(task.landmark_rows.shape[0]):
             for part in range(LANDMARKS):
-                hand_out(work.landmarks[f, part], first, answers.landmarks[f, part])
-        while next_panels(work.edges, edges, walk):
-            panel_positions(walk[PANEL_MIDDLE], walk[PANEL_HALF], q, cos_q, sin_q)
-            if task.sizes[2] > 0:
-                states(
-                    block,
-                    tables,
-                    q[MIDDLE : MIDDLE + 1],
-                    cos_q[MIDDLE : MIDDLE + 1],
-                    sin_q[MIDDLE : MIDDLE + 1],
-                    work.state_tile,
-                )
-                copy_to_rows(work.state_tile, task.state_rows, block)
-            curves(block, tables, q, cos_q, sin_q, tile)
-            broken = False
-            for c in range(count):
-                panel_figures(tile, c, figures)
-                broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
-            if not judge(task.longest[0], walk):
-                continue
-            if broken:
-                mark_broken(tile, q, walk, broken_at)
-            for k in range(integrals.shape[0]):
-                add_panels(tile, figures, task.integrals[k], walk, integrals, k)
-            if kept > 0:
-                if step == record.panels.shape[0]:
-                    break
-                keep_panels(walk, step, record.panels)
-                for k in range(kept):
-                    keep_curve(tile, task.kept[k], figures, walk, record, k, step)
-            step += 1
-        for k in range(task.works.shape[0]):
-            add_work(record, to_integrals, step, task.works[k], kept + k, work.sums)
-        for k in range(integrals.shape[0]):
+                hand_out(landmarks[f, part], first, answers.landmarks[f, part])
+        for k in range(integrated):
             for part in range(2):
                 hand_out(integrals[k, part], first, answers.integrals[k, part])
         for k in range(task.extremes.shape[0]):
             x, y, row = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2]
             for side in range(2):
-                sign = 2.0 * side - 1.0
-                factor = block[row] if row >= 0 else zeros
-                find_extreme(record, to_coefficients, step, x, y, factor, sign, work.search, found)
+                factor = block[row] if row >= 0 else none
+                find_extreme(record, to_coefficients, steps, x, y, factor, 2.0 * side - 1.0, search, found)
                 for part in range(4):
                     hand_out(found[part], first, answers.extremes[k, side, part])
         for k in range(task.fluctuations.shape[0]):
             x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]
-            speed, wheel = task.fluctuations[k, 2], task.fluctuations[k, 3]
-            find_fluctuation(
-                record, to_coefficients, step, x, y, block[speed], block[wheel], work.search, found, work.result
-            )
+            speed, wheel = block[task.fluctuations[k, 2]], block[task.fluctuations[k, 3]]
+            find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, high, low, result)
             for part in range(RESULTS):
-                hand_out(work.result[part], first, answers.fluctuations[k, part])
+                hand_out(result[part], first, answers.fluctuations[k, part])
         for k in range(task.values.shape[0]):
             x, row = task.values[k, 0], task.values[k, 1]
-            value_at(record, to_coefficients, step, x, block[row], work.search[: SEARCH + 1], work.result)
+            value_at(record, to_coefficients, steps, x, block[row], search, result)
             for part in range(2):
-                hand_out(work.result[part], first, answers.values[k, part])
+                hand_out(result[part], first, answers.values[k, part])
         for k in range(task.zeros.shape[0]):
-            counts, lengths = work.marks[2], work.marks[3]
-            zeros_of(record, to_coefficients, step, task.zeros[k], work.search, counts, lengths, work.zeros)
-            for i in range(work.zeros.shape[0]):
+            zeros_of(record, to_coefficients, steps, task.zeros[k], search, counts, MOST_ZEROS, zeros)
+            for z in range(MOST_ZEROS):
                 for part in range(2):
-                    hand_out(work.zeros[i, part], first, answers.zeros[k, i, part])
+                    hand_out(zeros[z, part], first, answers.zeros[k, z, part])
             hand_out(counts, first, answers.zero_counts[k])
         for k in range(kept):
             hand_out(record.whole[k, FIRST], first, answers.firsts[k])

@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.cycle.compiling import routine
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.lanes import LANES, Memory, memory
 from engine.cycle.panels import DIRECTION, PLACE, PLACE_ERROR, RANGE
 from engine.cycle.roots import (
     AT_HIGH,
@@ -27,82 +27,63 @@ from engine.cycle.roots import (
     LOW,
     PARTS,
     TURN,
+    Samples,
     X,
 )
 from engine.cycle.series import larger, smaller
 
-# Rows of a function's landmarks: its least and greatest value and their places, what values and either place may be off
-# by; greatest magnitude.
-LEAST, LEAST_AT, GREATEST, GREATEST_AT, VALUE_ERROR, LEAST_AT_ERROR, GREATEST_AT_ERROR, SCALE = range(8)
+# Rows of a function's landmarks: its least and greatest value, their places, what values and either place may be off
+# by; its greatest magnitude.
+LEAST, GREATEST, LEAST_AT, GREATEST_AT, VALUE_ERROR, LEAST_AT_ERROR, GREATEST_AT_ERROR, SCALE = range(8)
 LANDMARKS = 8
-# Roots of one function at one level, or turns of one function, at most.
+of_landmarks = memory(LANDMARKS, LANES)
+# Turns of one function, or places where it takes one level, at most.
 MOST_ROOTS = 12
 # A root beside a turn is off by no more than this share of the range.
 FLAT = 1e-7
 
 
 @routine
-def scan_positions(first: np.ndarray, last: np.ndarray, q: np.ndarray) -> None:
+def scan_positions(first: Memory, last: Memory, count: int, q: Memory) -> None:
     """Equally spaced positions over each lane's range, both ends included."""
-    q = in_lanes(q)
-    count = q.shape[0]
     for k in range(count):
+        share = k / (count - 1.0)
         for lane in range(LANES):
-            share = k / (count - 1.0)
-            q[k, lane] = first[lane] + share * (last[lane] - first[lane]) if k < count - 1 else last[lane]
+            q[k, lane] = first[lane] + share * (last[lane] - first[lane])
+    for lane in range(LANES):
+        q[count - 1, lane] = last[lane]
 
 
 @routine
-def changes(at: np.ndarray, row: int, k: int, marks: np.ndarray) -> bool:
-    """Mark the lanes where a row of a tile changes its sign between positions k and k + 1; whether any does.
-
-    Zero counts as positive; nothing changes where a value isn't finite.
-    """
-    at = in_lanes(at)
-    for lane in range(LANES):
-        here, there = at[row, k, lane], at[row, k + 1, lane]
-        marks[lane] = 1.0 if ((here >= 0.0) != (there >= 0.0)) & (abs(here) + abs(there) < math.inf) else 0.0
-    found = False
-    for lane in range(LANES):
-        found |= marks[lane] > 0.0
-    return found
-
-
-@routine
-def open_row(row: int, used: int, function: int, level: int, sought: np.ndarray, roots: np.ndarray) -> int:
-    """Begin a row if it is the next one; returns how many are used."""
+def open_row(row: int, used: int, function: int, level: int, sought: np.ndarray, roots: Memory) -> int:
+    """Begin a row of roots if it is the next one; returns how many are used."""
     if row < used:
         return used
     for part in range(PARTS):
         for lane in range(LANES):
-            roots[part, row, lane] = math.nan
+            roots[row, part, lane] = math.nan
     sought[row, FUNCTION], sought[row, LEVEL] = function, level
     return row + 1
 
 
 @routine
 def find_turns(
-    function: int,
-    q: np.ndarray,
-    tile: np.ndarray,
-    used: int,
-    sought: np.ndarray,
-    roots: np.ndarray,
-    marks: np.ndarray,
-    counts: np.ndarray,
+    function: int, samples: Samples, used: int, sought: np.ndarray, roots: Memory, marks: Memory, counts: Memory
 ) -> int:
     """Enter the intervals in which a function turns as new rows of roots.
+
+    Zero counts as positive; nothing turns where a value isn't finite.
 
     Parameters
     ----------
     function : int
-    q : ndarray (scan, LANES)
-    tile : ndarray (2 functions, scan, LANES)
+    samples : Samples
+        All functions at the positions scanned.
     used : int
         Rows of roots in use.
     sought : ndarray (rows, 2) of int
-    roots : ndarray (PARTS, rows, LANES)
-    marks, counts : ndarray (LANES,)
+    roots : rows (rows, PARTS, LANES)
+    marks, counts : row (LANES,)
         Used meanwhile.
 
     Returns
@@ -110,166 +91,167 @@ def find_turns(
     int
         Rows of roots in use now.
     """
-    q, tile, roots = in_lanes(q), in_lanes(tile), in_lanes(roots)
-    before = used
+    before, q, values, f_row = used, samples.q, samples.values, 2 * function * samples.room
+    slope_row = f_row + samples.room
     for lane in range(LANES):
         counts[lane] = 0.0
-    for k in range(q.shape[0] - 1):
-        if not changes(tile, 2 * function + 1, k, marks):
+    for k in range(samples.room - 1):
+        turning = False
+        for lane in range(LANES):
+            here, there = values[slope_row + k, lane], values[slope_row + k + 1, lane]
+            turns = ((here >= 0.0) != (there >= 0.0)) & (abs(here) + abs(there) < math.inf)
+            marks[lane] = 1.0 if turns else 0.0
+            turning |= turns
+        if not turning:
             continue
         for lane in range(LANES):
             row = before + int(counts[lane])
             if marks[lane] > 0.0 and counts[lane] < MOST_ROOTS:
                 used = open_row(row, used, function, TURN, sought, roots)
                 counts[lane] += 1.0
-                roots[LOW, row, lane], roots[HIGH, row, lane] = q[k, lane], q[k + 1, lane]
-                roots[AT_LOW, row, lane] = tile[2 * function + 1, k, lane]
-                roots[AT_HIGH, row, lane] = tile[2 * function + 1, k + 1, lane]
-                roots[F_LOW, row, lane], roots[F_HIGH, row, lane] = (
-                    tile[2 * function, k, lane],
-                    tile[2 * function, k + 1, lane],
-                )
-                roots[FIRST_LOW, row, lane], roots[FIRST_HIGH, row, lane] = q[k, lane], q[k + 1, lane]
+                roots[row, LOW, lane] = roots[row, FIRST_LOW, lane] = q[k, lane]
+                roots[row, HIGH, lane] = roots[row, FIRST_HIGH, lane] = q[k + 1, lane]
+                roots[row, AT_LOW, lane] = values[slope_row + k, lane]
+                roots[row, AT_HIGH, lane] = values[slope_row + k + 1, lane]
+                roots[row, F_LOW, lane] = values[f_row + k, lane]
+                roots[row, F_HIGH, lane] = values[f_row + k + 1, lane]
     return used
 
 
 @routine
 def find_landmarks(
     function: int,
-    q: np.ndarray,
-    tile: np.ndarray,
+    samples: Samples,
     count: int,
     sought: np.ndarray,
-    turned: np.ndarray,
-    roots: np.ndarray,
-    landmarks: np.ndarray,
+    turned: Samples,
+    roots: Memory,
+    steepest: Memory,
+    landmarks: Memory,
 ) -> None:
-    """Least and greatest value of a function, from the ends of the range and from where it turns.
+    """Least and greatest value of a function, of the positions scanned and of those where it turns.
 
     Parameters
     ----------
     function : int
-    q, tile : ndarray
-        The positions scanned, and all functions with their derivatives there.
+    samples : Samples
+        All functions at the positions scanned.
     count : int
         Number of rows of turns.
     sought : ndarray (rows, 2) of int
-    turned : ndarray (2 functions, rows, LANES)
-        All functions at each row's root.
-    roots : ndarray (PARTS, rows, LANES)
-    landmarks : ndarray (functions, LANDMARKS, LANES)
+    turned : Samples
+        All functions where they turn.
+    roots : rows (rows, PARTS, LANES)
+    steepest : row (LANES,)
+        Used meanwhile: greatest magnitude of f′.
+    landmarks : rows (functions, LANDMARKS, LANES)
         Receives them.
     """
-    q, tile, turned, roots, landmarks = (
-        in_lanes(q),
-        in_lanes(tile),
-        in_lanes(turned),
-        in_lanes(roots),
-        in_lanes(landmarks),
-    )
-    row, last = 2 * function, q.shape[0] - 1
+    f_row, last = 2 * function * samples.room, samples.room - 1
+    slope_row = f_row + samples.room
     for lane in range(LANES):
-        landmarks[function, LEAST, lane], landmarks[function, LEAST_AT, lane] = math.inf, math.nan
-        landmarks[function, GREATEST, lane], landmarks[function, GREATEST_AT, lane] = -math.inf, math.nan
-        landmarks[function, SCALE, lane] = 0.0
-        landmarks[function, LEAST_AT_ERROR, lane] = landmarks[function, GREATEST_AT_ERROR, lane] = 0.0
+        for part in range(LANDMARKS):
+            landmarks[function, part, lane] = 0.0
+        landmarks[function, LEAST, lane], landmarks[function, GREATEST, lane] = math.inf, -math.inf
+        steepest[lane] = 0.0
     for k in range(last + 1):
         for lane in range(LANES):
-            f, place = tile[row, k, lane], q[k, lane]
-            low, high, scale = (
-                landmarks[function, LEAST, lane],
-                landmarks[function, GREATEST, lane],
-                landmarks[function, SCALE, lane],
-            )
-            landmarks[function, LEAST_AT, lane] = place if f < low else landmarks[function, LEAST_AT, lane]
-            landmarks[function, GREATEST_AT, lane] = place if f > high else landmarks[function, GREATEST_AT, lane]
-            landmarks[function, LEAST, lane], landmarks[function, GREATEST, lane] = smaller(f, low), larger(f, high)
+            f, place, scale = samples.values[f_row + k, lane], samples.q[k, lane], landmarks[function, SCALE, lane]
+            lower, higher = f < landmarks[function, LEAST, lane], f > landmarks[function, GREATEST, lane]
+            landmarks[function, LEAST, lane] = f if lower else landmarks[function, LEAST, lane]
+            landmarks[function, LEAST_AT, lane] = place if lower else landmarks[function, LEAST_AT, lane]
+            landmarks[function, GREATEST, lane] = f if higher else landmarks[function, GREATEST, lane]
+            landmarks[function, GREATEST_AT, lane] = place if higher else landmarks[function, GREATEST_AT, lane]
             # Not finite once, not finite for good.
             magnitude = abs(f) if abs(f) < math.inf else math.nan
             landmarks[function, SCALE, lane] = scale if (scale >= magnitude) | (scale != scale) else magnitude
-    for k in range(last + 1):
-        for lane in range(LANES):
-            # Of f′, for a moment.
-            steepest = landmarks[function, VALUE_ERROR, lane]
-            landmarks[function, VALUE_ERROR, lane] = larger(abs(tile[row + 1, k, lane]), steepest)
+            steepest[lane] = larger(abs(samples.values[slope_row + k, lane]), steepest[lane])
     for r in range(count):
         if sought[r, FUNCTION] != function:
             continue
         for lane in range(LANES):
-            f, place = turned[row, r, lane], roots[X, r, lane]
-            low, high = landmarks[function, LEAST, lane], landmarks[function, GREATEST, lane]
-            bend = abs(roots[AT_HIGH, r, lane] - roots[AT_LOW, r, lane]) / (roots[ENOUGH, r, lane] / FOUND)
-            aside = ROUNDING * (landmarks[function, VALUE_ERROR, lane] / bend)
-            lower, higher = f <= low, f >= high
-            landmarks[function, LEAST, lane] = f if lower else low
+            f, place = turned.values[2 * function * turned.room + r, lane], roots[r, X, lane]
+            width = roots[r, ENOUGH, lane] / FOUND
+            bend = abs(roots[r, AT_HIGH, lane] - roots[r, AT_LOW, lane]) / width
+            aside = ROUNDING * (steepest[lane] / bend)
+            lower, higher = f <= landmarks[function, LEAST, lane], f >= landmarks[function, GREATEST, lane]
+            landmarks[function, LEAST, lane] = f if lower else landmarks[function, LEAST, lane]
             landmarks[function, LEAST_AT, lane] = place if lower else landmarks[function, LEAST_AT, lane]
             landmarks[function, LEAST_AT_ERROR, lane] = aside if lower else landmarks[function, LEAST_AT_ERROR, lane]
-            landmarks[function, GREATEST, lane] = f if higher else high
+            landmarks[function, GREATEST, lane] = f if higher else landmarks[function, GREATEST, lane]
             landmarks[function, GREATEST_AT, lane] = place if higher else landmarks[function, GREATEST_AT, lane]
-            landmarks[function, GREATEST_AT_ERROR, lane] = (
-                aside if higher else landmarks[function, GREATEST_AT_ERROR, lane]
-            )
+            at_error = landmarks[function, GREATEST_AT_ERROR, lane]
+            landmarks[function, GREATEST_AT_ERROR, lane] = aside if higher else at_error
+    for lane in range(LANES):
+        aside = ROUNDING * larger(abs(samples.q[0, lane]), abs(samples.q[last, lane]))
+        landmarks[function, VALUE_ERROR, lane] = ROUNDING * landmarks[function, SCALE, lane]
+        landmarks[function, LEAST_AT_ERROR, lane] += aside
+        landmarks[function, GREATEST_AT_ERROR, lane] += aside
     for part in range(LANDMARKS):
         for lane in range(LANES):
             known = landmarks[function, SCALE, lane] < math.inf
             landmarks[function, part, lane] = landmarks[function, part, lane] if known else math.nan
-    for lane in range(LANES):
-        landmarks[function, VALUE_ERROR, lane] = ROUNDING * landmarks[function, SCALE, lane]
-        furthest = ROUNDING * larger(abs(q[0, lane]), abs(q[last, lane]))
-        landmarks[function, LEAST_AT_ERROR, lane] += furthest
-        landmarks[function, GREATEST_AT_ERROR, lane] += furthest
 
 
 @routine
-def mark_crossings(
-    at_low: np.ndarray, at_high: np.ndarray, level: np.ndarray, scale: np.ndarray, marks: np.ndarray
-) -> bool:
-    """Mark lanes where a monotone piece of f crosses a level (1), or touches it within rounding at its low end (2).
-
-    Where f touches a level it counts as on neither side of it, whatever its rounding.
-
-    Returns
-    -------
-    bool
-        Whether any lane is marked.
-    """
-    for lane in range(LANES):
-        here, there, near = at_low[lane] - level[lane], at_high[lane] - level[lane], ROUNDING * scale[lane]
-        apart = ((here > near) & (there < -near)) | ((here < -near) & (there > near))
-        marks[lane] = 2.0 if abs(here) <= near else (1.0 if apart else 0.0)
-    marked = False
-    for lane in range(LANES):
-        marked |= marks[lane] > 0.0
-    return marked
-
-
-@routine
-def enter_marked(
-    low: np.ndarray,
-    high: np.ndarray,
-    at_low: np.ndarray,
-    at_high: np.ndarray,
+def enter_crossings(
+    low: Memory,
+    high: Memory,
+    at_low: Memory,
+    at_high: Memory,
+    monotone: Memory,
+    touching: float,
+    scale: Memory,
     function: int,
     level_row: int,
-    level: np.ndarray,
+    level: Memory,
     before: int,
     used: int,
     sought: np.ndarray,
-    roots: np.ndarray,
-    marks: np.ndarray,
-    counts: np.ndarray,
+    roots: Memory,
+    marks: Memory,
+    counts: Memory,
 ) -> int:
-    """Enter the pieces marked as new rows of roots; returns how many rows are used."""
-    roots = in_lanes(roots)
+    """Enter the lanes where a monotone piece of f crosses a level, or touches it within rounding at its low end.
+
+    Where f touches a level it counts as on neither side of it, whatever its rounding.
+
+    Parameters
+    ----------
+    low, high, at_low, at_high : row (LANES,)
+        Ends of the piece and f there.
+    monotone : row (LANES,)
+        Less than 0 where the piece isn't.
+    touching : float
+        1, or 0 where places that it touches are entered with another piece.
+    scale : row (LANES,)
+        Greatest magnitude of f.
+    function, level_row, level, before, used, sought, roots, marks, counts
+        As of `find_crossings`; `before` is the first row for this function and level.
+
+    Returns
+    -------
+    int
+        Rows of roots in use now.
+    """
+    marked = False
+    for lane in range(LANES):
+        here, there, near = at_low[lane] - level[lane], at_high[lane] - level[lane], ROUNDING * scale[lane]
+        apart = ((here > near) & (there < -near)) | ((here < -near) & (there > near))
+        crosses = apart & (monotone[lane] >= 0.0)
+        touches = (abs(here) <= near) & (touching > 0.0)
+        marks[lane] = 2.0 if touches else (1.0 if crosses else 0.0)
+        marked |= touches | crosses
+    if not marked:
+        return used
     for lane in range(LANES):
         row = before + int(counts[lane])
         if marks[lane] > 0.0 and counts[lane] < MOST_ROOTS:
             used = open_row(row, used, function, level_row, sought, roots)
             counts[lane] += 1.0
-            touches = marks[lane] == 2.0
-            roots[LOW, row, lane], roots[HIGH, row, lane] = low[lane], low[lane] if touches else high[lane]
-            roots[AT_LOW, row, lane] = at_low[lane] - level[lane]
-            roots[AT_HIGH, row, lane] = at_high[lane] - level[lane]
+            roots[row, LOW, lane], roots[row, HIGH, lane] = low[lane], low[lane] if marks[lane] == 2.0 else high[lane]
+            roots[row, AT_LOW, lane] = at_low[lane] - level[lane]
+            roots[row, AT_HIGH, lane] = at_high[lane] - level[lane]
     return used
 
 
@@ -277,19 +259,19 @@ def enter_marked(
 def find_crossings(
     function: int,
     level_row: int,
-    level: np.ndarray,
-    scale: np.ndarray,
-    q: np.ndarray,
-    tile: np.ndarray,
+    level: Memory,
+    scale: Memory,
+    samples: Samples,
     turns: int,
     turn_sought: np.ndarray,
-    turned: np.ndarray,
-    turn_roots: np.ndarray,
+    turned: Samples,
+    turn_roots: Memory,
     used: int,
     sought: np.ndarray,
-    roots: np.ndarray,
-    marks: np.ndarray,
-    counts: np.ndarray,
+    roots: Memory,
+    marks: Memory,
+    counts: Memory,
+    monotone: Memory,
 ) -> int:
     """Enter the intervals in which a function takes a level as new rows of roots.
 
@@ -297,18 +279,19 @@ def find_crossings(
     ----------
     function, level_row : int
         Number of the function, row of P with the level.
-    level, scale : ndarray (LANES,)
+    level, scale : row (LANES,)
         The level; greatest magnitude of the function.
-    q, tile : ndarray
-        Positions scanned, and all functions with their derivatives there.
+    samples : Samples
+        All functions at the positions scanned.
     turns : int
         Rows of turns.
-    turn_sought, turned, turn_roots : ndarray
+    turn_sought, turned, turn_roots
         What they are, all functions there, their roots.
     used : int
         Rows of roots in use.
-    sought, roots : ndarray
-    marks, counts : ndarray (LANES,)
+    sought : ndarray (rows, 2) of int
+    roots : rows (rows, PARTS, LANES)
+    marks, counts, monotone : row (LANES,)
         Used meanwhile.
 
     Returns
@@ -316,58 +299,31 @@ def find_crossings(
     int
         Rows of roots in use now.
     """
-    before, f, slope = used, tile[2 * function], tile[2 * function + 1]
+    before, q, values, f_row = used, samples.q, samples.values, 2 * function * samples.room
+    slope_row = f_row + samples.room
     for lane in range(LANES):
         counts[lane] = 0.0
-    for k in range(q.shape[0] - 1):
-        if not mark_crossings(f[k], f[k + 1], level, scale, marks):
-            continue
-        # Where it turns within, it isn't monotone.
+    for k in range(samples.room - 1):
         for lane in range(LANES):
-            turns_here = (slope[k, lane] >= 0.0) != (slope[k + 1, lane] >= 0.0)
-            marks[lane] = 0.0 if turns_here & (marks[lane] == 1.0) else marks[lane]
-        used = enter_marked(
-            q[k], q[k + 1], f[k], f[k + 1], function, level_row, level, before, used, sought, roots, marks, counts
-        )
+            turns_here = (values[slope_row + k, lane] >= 0.0) != (values[slope_row + k + 1, lane] >= 0.0)
+            monotone[lane] = -1.0 if turns_here else 1.0
+        low, high, at_low, at_high = q[k], q[k + 1], values[f_row + k], values[f_row + k + 1]
+        used = enter_crossings(
+            low, high, at_low, at_high, monotone, 1.0, scale,
+            function, level_row, level, before, used, sought, roots, marks, counts,
+        )  # fmt: skip
+    for lane in range(LANES):
+        monotone[lane] = 1.0
     for r in range(turns):
         if turn_sought[r, FUNCTION] != function:
             continue
-        top, place = turned[2 * function, r], turn_roots[X, r]
-        if mark_crossings(top, turn_roots[F_LOW, r], level, scale, marks):
-            used = enter_marked(
-                place,
-                turn_roots[FIRST_LOW, r],
-                top,
-                turn_roots[F_LOW, r],
-                function,
-                level_row,
-                level,
-                before,
-                used,
-                sought,
-                roots,
-                marks,
-                counts,
-            )
-        if mark_crossings(top, turn_roots[F_HIGH, r], level, scale, marks):
-            for lane in range(LANES):
-                # Entered with the other side of the turn.
-                marks[lane] = 1.0 if marks[lane] == 1.0 else 0.0
-            used = enter_marked(
-                place,
-                turn_roots[FIRST_HIGH, r],
-                top,
-                turn_roots[F_HIGH, r],
-                function,
-                level_row,
-                level,
-                before,
-                used,
-                sought,
-                roots,
-                marks,
-                counts,
-            )
+        place, at_place = turn_roots[r, X], turned.values[2 * function * turned.room + r]
+        for side in range(2):
+            end, at_end = turn_roots[r, FIRST_LOW + side], turn_roots[r, F_LOW + side]
+            used = enter_crossings(
+                place, end, at_place, at_end, monotone, 1.0 - side, scale,
+                function, level_row, level, before, used, sought, roots, marks, counts,
+            )  # fmt: skip
     return used
 
 
@@ -375,13 +331,13 @@ def find_crossings(
 def lay_edges(
     count: int,
     sought: np.ndarray,
-    tile: np.ndarray,
-    roots: np.ndarray,
-    landmarks: np.ndarray,
+    samples: Samples,
+    roots: Memory,
+    landmarks: Memory,
     cut_rows: np.ndarray,
-    block: np.ndarray,
-    walk: np.ndarray,
-    edges: np.ndarray,
+    block: Memory,
+    walk: Memory,
+    edges: Memory,
 ) -> int:
     """Turn roots and positions given in rows of P into edges of a walk, with what their places may be off by.
 
@@ -390,19 +346,17 @@ def lay_edges(
     int
         How many edges there are.
     """
-    tile, roots, landmarks = in_lanes(tile), in_lanes(roots), in_lanes(landmarks)
-    block, walk, edges = in_lanes(block), in_lanes(walk), in_lanes(edges)
     for r in range(count):
         function = sought[r, FUNCTION]
+        slope_row = (2 * function + 1) * samples.room + r
         for lane in range(LANES):
-            place = roots[X, r, lane]
-            off = ROUNDING * landmarks[function, SCALE, lane] / abs(tile[2 * function + 1, r, lane])
-            # Where f turns, it is flat: a parabola takes it from there.
-            off = smaller(off, FLAT * walk[RANGE, lane])
-            edges[PLACE, r, lane] = walk[DIRECTION, lane] * place
-            edges[PLACE_ERROR, r, lane] = off + ROUNDING * abs(place)
+            place = roots[r, X, lane]
+            off = ROUNDING * landmarks[function, SCALE, lane] / abs(samples.values[slope_row, lane])
+            edges[r, PLACE, lane] = walk[DIRECTION, lane] * place
+            # Where f turns it is flat.
+            edges[r, PLACE_ERROR, lane] = smaller(off, FLAT * walk[RANGE, lane]) + ROUNDING * abs(place)
     for i in range(cut_rows.shape[0]):
         for lane in range(LANES):
-            edges[PLACE, count + i, lane] = walk[DIRECTION, lane] * block[cut_rows[i], lane]
-            edges[PLACE_ERROR, count + i, lane] = 0.0
+            edges[count + i, PLACE, lane] = walk[DIRECTION, lane] * block[cut_rows[i], lane]
+            edges[count + i, PLACE_ERROR, lane] = 0.0
     return count + cut_rows.shape[0]

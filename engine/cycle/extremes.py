@@ -9,13 +9,14 @@ neighbours. Panels include their ends, so a curve that jumps from one to the nex
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, in_lanes, in_panels
+from engine.cycle.lanes import LANES, Memory
 from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
 from engine.cycle.record import MIDDLE as MIDDLE_ROW
 from engine.cycle.series import larger, smaller
@@ -30,8 +31,9 @@ SEARCH = 11
 # Where no position is chosen.
 NONE = 99.0
 
-# How far a curve may go beyond three neighbours, by what they differ: twice what any parabola does.
-BEYOND = 0.25
+# How far a curve may go beyond three neighbours, by what they differ. Positions lie up to three times farther apart on
+# one side than on the other: a parabola's top may then be 0.55 of the differences above the highest of the three.
+BEYOND = 1.0
 # How far beyond all positions, as a share of the range of the values in a panel.
 REACH = 0.1
 # The last of Newton's steps, as a share of half the panel: it leaves the square of this.
@@ -39,12 +41,30 @@ FOUND = 1e-6
 MOST_TOPS, MOST_STEPS = 4, 30
 
 
+class Search(NamedTuple):
+    """Memory for a search.
+
+    Attributes
+    ----------
+    combined, series : rows (POSITIONS, LANES)
+        Values and coefficients of what is searched, in one panel.
+    reaches : rows (steps, LANES)
+        How far each panel may reach.
+    search : rows (SEARCH, LANES)
+    other : row (LANES,)
+        Value of b.
+    """
+
+    combined: Memory
+    series: Memory
+    reaches: Memory
+    search: Memory
+    other: Memory
+
+
 @routine
-def combine(
-    values: np.ndarray, a: int, b: int, factor: np.ndarray, base: np.ndarray, sign: float, combined: np.ndarray
-) -> None:
+def combine(values: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, combined: Memory) -> None:
     """Values of s (a − c (b − b₀)) at the positions of a panel, from the slots of a and b."""
-    values, combined = in_panels(values), in_lanes(combined)
     for j in range(POSITIONS):
         for lane in range(LANES):
             combined[j, lane] = sign * (values[a, j, lane] - factor[lane] * (values[b, j, lane] - base[lane]))
@@ -52,10 +72,9 @@ def combine(
 
 @routine
 def combine_series(
-    coefficients: np.ndarray, a: int, b: int, factor: np.ndarray, base: np.ndarray, sign: float, combined: np.ndarray
+    coefficients: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, combined: Memory
 ) -> None:
     """The same for the coefficients of their series."""
-    coefficients, combined = in_panels(coefficients), in_lanes(combined)
     for k in range(POSITIONS):
         for lane in range(LANES):
             combined[k, lane] = sign * (coefficients[a, k, lane] - factor[lane] * coefficients[b, k, lane])
@@ -65,19 +84,18 @@ def combine_series(
 
 @routine
 def scan(
-    values: np.ndarray,
+    values: Memory,
     a: int,
     b: int,
-    factor: np.ndarray,
-    base: np.ndarray,
+    factor: Memory,
+    base: Memory,
     sign: float,
-    panels: np.ndarray,
+    panels: Memory,
     step: int,
-    reaches: np.ndarray,
-    search: np.ndarray,
+    reaches: Memory,
+    search: Memory,
 ) -> None:
     """Widen the greatest value by those of a step's panels; how far each of these may reach goes to its row."""
-    values, panels, reaches, search = in_panels(values), in_lanes(panels), in_lanes(reaches), in_lanes(search)
     for lane in range(LANES):
         high, low, total = -math.inf, math.inf, 0.0
         for j in range(POSITIONS):
@@ -92,9 +110,8 @@ def scan(
 
 
 @routine
-def reached(reaches: np.ndarray, step: int, search: np.ndarray, found: np.ndarray) -> bool:
+def reached(reaches: Memory, step: int, search: Memory, found: Memory) -> bool:
     """Whether the panel of any lane may hold its extreme; readies the search in this panel."""
-    reaches, search, found = in_lanes(reaches), in_lanes(search), in_lanes(found)
     wanted = False
     for lane in range(LANES):
         hopeful = reaches[step, lane] >= larger(search[BEST, lane], found[VALUE, lane])
@@ -104,7 +121,7 @@ def reached(reaches: np.ndarray, step: int, search: np.ndarray, found: np.ndarra
 
 
 @scalar
-def _choose_among(begin: int, end: int, combined: np.ndarray, search: np.ndarray, found: np.ndarray) -> None:
+def _choose_among(begin: int, end: int, combined: Memory, search: Memory, found: Memory) -> None:
     """The first of some positions that `choose` may choose; PLACE holds the one chosen before."""
     for lane in range(LANES):
         chosen, previous = search[CHOSEN, lane], search[PLACE, lane]
@@ -113,15 +130,17 @@ def _choose_among(begin: int, end: int, combined: np.ndarray, search: np.ndarray
             j = end - 1 - i
             here = combined[j, lane]
             fall, rise = here - combined[max(j - 1, 0), lane], here - combined[min(j + 1, DEGREE), lane]
-            is_top = (fall >= 0.0) & (rise >= 0.0) & (here + BEYOND * (fall + rise) >= enough)
+            # At an end of the panel the next step on tells how the curve bends.
+            on = abs(combined[1, lane] - combined[2, lane]) if j == 0 else 0.0
+            on = abs(combined[DEGREE - 1, lane] - combined[DEGREE - 2, lane]) if j == DEGREE else on
+            is_top = (fall >= 0.0) & (rise >= 0.0) & (here + BEYOND * (fall + rise + on) >= enough)
             chosen = float(j) if is_top & (j > previous) else chosen
         search[CHOSEN, lane] = chosen
 
 
 @routine
-def choose(combined: np.ndarray, search: np.ndarray, found: np.ndarray) -> bool:
+def choose(combined: Memory, search: Memory, found: Memory) -> bool:
     """Choose each lane's next position that its neighbours don't exceed and that may have the extreme beside it."""
-    combined, search, found = in_lanes(combined), in_lanes(search), in_lanes(found)
     # In two, each short enough to be unrolled.
     for lane in range(LANES):
         search[PLACE, lane], search[CHOSEN, lane] = search[CHOSEN, lane], NONE
@@ -140,9 +159,8 @@ def choose(combined: np.ndarray, search: np.ndarray, found: np.ndarray) -> bool:
 
 
 @routine
-def evaluate(series: np.ndarray, search: np.ndarray) -> None:
+def evaluate(series: Memory, search: Memory) -> None:
     """Value and first two derivatives of a series at each lane's X, by Clenshaw's recurrence."""
-    series, search = in_lanes(series), in_lanes(search)
     for lane in range(LANES):
         x = search[X, lane]
         twice = x + x
@@ -157,7 +175,7 @@ def evaluate(series: np.ndarray, search: np.ndarray) -> None:
 
 
 @routine
-def improve(search: np.ndarray) -> bool:
+def improve(search: Memory) -> bool:
     """Move each lane by a step of Newton's method towards the top, or by half the interval where that leads out of it.
 
     Returns
@@ -165,7 +183,6 @@ def improve(search: np.ndarray) -> bool:
     bool
         Whether any lane isn't there yet. A lane that is there stays.
     """
-    search = in_lanes(search)
     going = False
     for lane in range(LANES):
         x, slope, bend = search[X, lane], search[SLOPE, lane], search[BEND, lane]
@@ -182,9 +199,8 @@ def improve(search: np.ndarray) -> bool:
 
 
 @routine
-def climb(series: np.ndarray, search: np.ndarray) -> None:
+def climb(series: Memory, search: Memory) -> None:
     """From the chosen positions to the tops beside them."""
-    search = in_lanes(search)
     for lane in range(LANES):
         search[LENGTH, lane] = NONE if search[CHOSEN, lane] < NONE else 0.0
     for _ in range(MOST_STEPS):
@@ -195,9 +211,8 @@ def climb(series: np.ndarray, search: np.ndarray) -> None:
 
 
 @routine
-def value_of_series(coefficients: np.ndarray, slot: int, search: np.ndarray, values: np.ndarray) -> None:
+def value_of_series(coefficients: Memory, slot: int, search: Memory, values: Memory) -> None:
     """Value of a curve's series at each lane's X."""
-    coefficients, search = in_panels(coefficients), in_lanes(search)
     for lane in range(LANES):
         twice = 2.0 * search[X, lane]
         b = b_before = 0.0
@@ -212,14 +227,13 @@ def compare(
     step: int,
     a: int,
     b: int,
-    factor: np.ndarray,
-    other: np.ndarray,
-    search: np.ndarray,
-    found: np.ndarray,
+    factor: Memory,
+    other: Memory,
+    search: Memory,
+    found: Memory,
 ) -> None:
     """Take each lane's top for its extreme if it is higher than what was found so far."""
-    panels, errors, whole = in_lanes(record.panels), in_lanes(record.errors), in_lanes(record.whole)
-    search, found = in_lanes(search), in_lanes(found)
+    panels, errors, whole = record.panels, record.errors, record.whole
     slot_a, slot_b = step * record.curves + a, step * record.curves + b
     for lane in range(LANES):
         weight = abs(factor[lane])
@@ -263,10 +277,10 @@ def find_extreme(
     steps: int,
     a: int,
     b: int,
-    factor: np.ndarray,
+    factor: Memory,
     sign: float,
-    work: np.ndarray,
-    found: np.ndarray,
+    work: Search,
+    found: Memory,
 ) -> None:
     """Greatest (sign 1) or least (−1) value of a − c (b − b₀) over the cycle.
 
@@ -279,18 +293,15 @@ def find_extreme(
         How many steps the record has.
     a, b : int
         Curves of the record; the same where only one is meant.
-    factor : ndarray (LANES,)
+    factor : row (LANES,)
         c, 0 where only one curve is meant.
     sign : float
-    work : ndarray (2 POSITIONS + SEARCH + 2 + steps, LANES)
+    work : Search
         Used meanwhile.
-    found : ndarray (EXTREME, LANES)
+    found : rows (EXTREME, LANES)
         Receives the extreme; NaN where any value isn't finite.
     """
-    found, base = in_lanes(found), record.whole[b, FIRST]
-    combined, series = work[:POSITIONS], work[POSITIONS : 2 * POSITIONS]
-    search, other = work[2 * POSITIONS : 2 * POSITIONS + SEARCH], work[2 * POSITIONS + SEARCH]
-    reaches = work[2 * POSITIONS + SEARCH + 1 :]
+    base, (combined, series, reaches, search, other) = record.whole[b, FIRST], work
     for lane in range(LANES):
         search[BEST, lane] = found[VALUE, lane] = -math.inf
         found[VALUE_ERROR, lane] = found[AT, lane] = found[AT_ERROR, lane] = found[OTHER, lane] = 0.0
@@ -312,11 +323,7 @@ def find_extreme(
                 value_of_series(record.coefficients, slot_b, search, other)
             compare(record, step, a, b, factor, other, search, found)
     for lane in range(LANES):
-        value = sign * found[VALUE, lane] if search[BEST, lane] == search[BEST, lane] else math.nan
-        value = value if abs(value) < math.inf else math.nan
-        found[VALUE, lane] = value
-        unknown = value != value
-        found[VALUE_ERROR, lane] = math.nan if unknown else found[VALUE_ERROR, lane]
-        found[AT, lane] = math.nan if unknown else found[AT, lane]
-        found[AT_ERROR, lane] = math.nan if unknown else found[AT_ERROR, lane]
-        found[OTHER, lane] = math.nan if unknown else found[OTHER, lane]
+        unknown = not abs(found[VALUE, lane] + search[BEST, lane]) < math.inf
+        found[VALUE, lane] = math.nan if unknown else sign * found[VALUE, lane]
+        for part in range(VALUE_ERROR, EXTREME):
+            found[part, lane] = math.nan if unknown else found[part, lane]

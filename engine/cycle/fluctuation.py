@@ -16,8 +16,8 @@ import math
 import numpy as np
 
 from engine.cycle.compiling import routine
-from engine.cycle.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, find_extreme
-from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
+from engine.cycle.lanes import LANES, Memory
 from engine.cycle.record import FIRST, Record
 from engine.cycle.series import larger, smaller
 
@@ -36,8 +36,7 @@ MOST_STEPS = 40
 
 
 @routine
-def _slopes(omega: np.ndarray, result: np.ndarray) -> None:
-    result = in_lanes(result)
+def _slopes(omega: Memory, result: Memory) -> None:
     for lane in range(LANES):
         fast = omega[lane] * (1.0 + 0.5 * result[DELTA, lane])
         slow = omega[lane] * (1.0 - 0.5 * result[DELTA, lane])
@@ -46,15 +45,14 @@ def _slopes(omega: np.ndarray, result: np.ndarray) -> None:
 
 @routine
 def _improve(
-    omega: np.ndarray,
-    flywheel: np.ndarray,
-    first: np.ndarray,
-    high: np.ndarray,
-    low: np.ndarray,
-    result: np.ndarray,
+    omega: Memory,
+    flywheel: Memory,
+    first: Memory,
+    high: Memory,
+    low: Memory,
+    result: Memory,
 ) -> bool:
     """One step of Newton's method; whether any lane isn't there yet. A lane that is there stays."""
-    high, low, result = in_lanes(high), in_lanes(low), in_lanes(result)
     for lane in range(LANES):
         delta, square = result[DELTA, lane], omega[lane] * omega[lane]
         inertia = first[lane] + flywheel[lane]
@@ -91,11 +89,12 @@ def find_fluctuation(
     steps: int,
     work: int,
     inertia: int,
-    omega: np.ndarray,
-    flywheel: np.ndarray,
-    search: np.ndarray,
-    found: np.ndarray,
-    result: np.ndarray,
+    omega: Memory,
+    flywheel: Memory,
+    search: Search,
+    high: Memory,
+    low: Memory,
+    result: Memory,
 ) -> None:
     """Coefficient of speed fluctuation of each lane.
 
@@ -105,15 +104,13 @@ def find_fluctuation(
         As of `find_extreme`.
     work, inertia : int
         Curves of the record with W and I.
-    omega, flywheel : ndarray (LANES,)
+    omega, flywheel : row (LANES,)
         Mean speed, by its magnitude or not, and the flywheel's inertia.
-    found : ndarray (2 EXTREME, LANES)
+    high, low : rows (EXTREME, LANES)
         Used meanwhile.
-    result : ndarray (FLUCTUATION, LANES)
+    result : rows (FLUCTUATION, LANES)
         Receives it; NaN where the machine would stop within the cycle.
     """
-    high, low = found[: found.shape[0] // 2], found[found.shape[0] // 2 :]
-    result = in_lanes(result)
     for part in range(FLUCTUATION):
         for lane in range(LANES):
             result[part, lane] = 1.0 if part == STEP else 0.0

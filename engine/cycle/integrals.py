@@ -4,37 +4,34 @@ import numpy as np
 
 from engine.cycle.chebyshev import DEGREE
 from engine.cycle.compiling import routine
-from engine.cycle.lanes import LANES, in_lanes, in_panels
+from engine.cycle.lanes import LANES, Memory, memory
 from engine.cycle.panels import ACCEPTED, HALF, OPENED
 from engine.cycle.series import MAGNITUDE, MISSING, SUM
 
 # Rows of an integral; the last one is the curve's value at the end of the last panel.
 VALUE, ERROR, END = range(3)
 INTEGRAL = 3
+of_integrals = memory(INTEGRAL, LANES)
 # What values of a curve and weighted sums of them are off by, as a share of the greatest magnitude.
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 
 @routine
-def add_panels(
-    tile: np.ndarray, figures: np.ndarray, curve: int, walk: np.ndarray, integrals: np.ndarray, k: int
-) -> None:
+def add_panels(tile: Memory, figures: Memory, curve: int, walk: Memory, integrals: Memory, k: int) -> None:
     """Add the accepted panels' share to the integral of a curve.
 
     Where a curve jumps at an edge, it does so within what the edge's place may be off by.
 
     Parameters
     ----------
-    tile : ndarray (curves, POSITIONS, LANES)
-    figures : ndarray (curves, FIGURES, LANES)
+    tile : panels (curves, POSITIONS, LANES)
+    figures : rows (curves, FIGURES, LANES)
     curve : int
-    walk : ndarray (WALK, LANES)
-    integrals : ndarray (integrals, INTEGRAL, LANES)
+    walk : rows (WALK, LANES)
+    integrals : rows (integrals, INTEGRAL, LANES)
     k : int
         Which of them.
     """
-    tile = in_panels(tile)
-    figures, walk, integrals = in_lanes(figures), in_lanes(walk), in_lanes(integrals)
     for lane in range(LANES):
         half, accepted = walk[HALF, lane], walk[ACCEPTED, lane] > 0.0
         share = half * figures[curve, SUM, lane]

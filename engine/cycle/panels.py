@@ -9,10 +9,8 @@ What a lane does depends on nothing but the lane.
 
 import math
 
-import numpy as np
-
 from engine.cycle.compiling import routine, scalar
-from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.lanes import LANES, Memory, memory
 from engine.cycle.series import MAGNITUDE, NOISE, SUM, TAIL, larger, smaller
 
 # Rows of a walk. Along it, input positions count in the direction in which the input runs: BEGIN and END of the panel,
@@ -25,6 +23,8 @@ OPENED, NEXT_OPENED, AHEAD = 14, 15, 16
 WALK = 17
 # Parts of an edge: its place, and what that may be off by.
 PLACE, PLACE_ERROR = range(2)
+EDGES = 2
+of_edges = memory(EDGES, LANES)
 
 # A panel is made this much shorter, of its length, or longer than the one before, at most.
 SHORTER, LONGER = 0.25, 1.5
@@ -37,9 +37,8 @@ SAME = 2e-15
 
 
 @routine
-def set_out(first: np.ndarray, last: np.ndarray, longest: float, walk: np.ndarray) -> None:
+def set_out(first: Memory, last: Memory, longest: float, walk: Memory) -> None:
     """Begin a walk over each lane's range of the input; a lane whose range isn't finite has no panels."""
-    walk = in_lanes(walk)
     for lane in range(LANES):
         direction = 1.0 if last[lane] >= first[lane] else -1.0
         begin, end = direction * first[lane], direction * last[lane]
@@ -53,34 +52,33 @@ def set_out(first: np.ndarray, last: np.ndarray, longest: float, walk: np.ndarra
 
 
 @routine
-def next_panels(edges: np.ndarray, count: int, walk: np.ndarray) -> bool:
+def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
     """Lay each lane's next panel.
 
     Parameters
     ----------
-    edges : ndarray (2, edges, LANES)
+    edges : rows (edges, EDGES, LANES)
         Positions that no panel may have inside, in any order, in the direction of the walk, NaN for none; what they may
         be off by.
     count : int
         Number of rows of `edges` that are used.
-    walk : ndarray (WALK, LANES)
+    walk : rows (WALK, LANES)
 
     Returns
     -------
     bool
         Whether any lane is still on its way; lanes that aren't keep their last panel.
     """
-    edges, walk = in_lanes(edges), in_lanes(walk)
     for lane in range(LANES):
         walk[EDGE, lane], walk[AHEAD, lane] = walk[LAST, lane], 0.0
         walk[OPENED, lane] = walk[NEXT_OPENED, lane]
     for e in range(count):
         for lane in range(LANES):
-            edge, close = edges[PLACE, e, lane], walk[CLOSE, lane]
+            edge, close = edges[e, PLACE, lane], walk[CLOSE, lane]
             ahead = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close)
             nearest = ahead & (edge < walk[EDGE, lane])
             walk[EDGE, lane] = edge if nearest else walk[EDGE, lane]
-            walk[AHEAD, lane] = edges[PLACE_ERROR, e, lane] if nearest else walk[AHEAD, lane]
+            walk[AHEAD, lane] = edges[e, PLACE_ERROR, lane] if nearest else walk[AHEAD, lane]
     going = False
     for lane in range(LANES):
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
@@ -97,9 +95,7 @@ def next_panels(edges: np.ndarray, count: int, walk: np.ndarray) -> bool:
 
 
 @routine
-def compare_with_tolerance(
-    figures: np.ndarray, curve: int, tolerance: float, scales: np.ndarray, walk: np.ndarray
-) -> bool:
+def compare_with_tolerance(figures: Memory, curve: int, tolerance: float, scales: Memory, walk: Memory) -> bool:
     """Widen each lane's excess by that of a curve; scales are the greatest magnitudes so far.
 
     Returns
@@ -107,7 +103,6 @@ def compare_with_tolerance(
     bool
         Whether a value in any lane's panel isn't finite.
     """
-    figures, scales, walk = in_lanes(figures), in_lanes(scales), in_lanes(walk)
     broken = False
     for lane in range(LANES):
         scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, lane])
@@ -125,7 +120,7 @@ def sixteenth_root(x: float) -> float:
 
 
 @routine
-def judge(longest: float, walk: np.ndarray) -> bool:
+def judge(longest: float, walk: Memory) -> bool:
     """Accept each lane's panel or not, and move those on that do; the length of the next follows from the excess.
 
     Returns
@@ -133,7 +128,6 @@ def judge(longest: float, walk: np.ndarray) -> bool:
     bool
         Whether any lane's panel was accepted.
     """
-    walk = in_lanes(walk)
     any_accepted = False
     for lane in range(LANES):
         begin, end, excess = walk[BEGIN, lane], walk[END, lane], walk[EXCESS, lane]

@@ -9,7 +9,7 @@ import numpy as np
 
 from engine.cycle.chebyshev import POSITIONS
 from engine.cycle.compiling import routine
-from engine.cycle.lanes import ASIDE, LANES, in_lanes, in_panels, rows, tiles
+from engine.cycle.lanes import ASIDE, LANES, Memory, in_panels, memory, rows, tiles
 from engine.cycle.panels import ACCEPTED, TAKEN
 from engine.cycle.panels import HALF as PANEL_HALF
 from engine.cycle.panels import MIDDLE as PANEL_MIDDLE
@@ -26,6 +26,10 @@ MIDDLE, HALF = range(2)
 SCALE, FIRST, OFFSET = range(3)
 
 
+of_pairs = memory(2, LANES)
+of_wholes = memory(3, LANES)
+
+
 class Record(NamedTuple):
     """Kept curves; that of curve k in step i lies in slot i · curves + k.
 
@@ -33,51 +37,77 @@ class Record(NamedTuple):
     ----------
     curves : int
         How many are kept.
-    values : ndarray (slots, POSITIONS, LANES)
+    values : panels (slots, POSITIONS, LANES)
         Values at the positions of each panel.
-    coefficients : ndarray (slots, POSITIONS, LANES)
+    coefficients : panels (slots, POSITIONS, LANES)
         Of their Chebyshev series, where `known`.
+    errors : rows (slots, 2, LANES)
+        Rows TAIL and MISSING.
+    panels : rows (steps, 2, LANES)
+        Rows MIDDLE and HALF: middle and half the length of each lane's panel.
+    whole : rows (curves, 3, LANES)
+        Rows SCALE, FIRST and OFFSET, of the whole cycle.
+    work : panels (3, POSITIONS, LANES)
+        Used by transforms.
     known : ndarray (slots,) of int
         1 where the coefficients are known.
-    errors : ndarray (slots, 2, LANES)
-        Rows TAIL and MISSING.
-    panels : ndarray (steps, 2, LANES)
-        Rows MIDDLE and HALF: middle and half the length of each lane's panel.
-    whole : ndarray (curves, 3, LANES)
-        Rows SCALE, FIRST and OFFSET, of the whole cycle.
-    work : ndarray (3, POSITIONS, LANES)
-        Used by transforms.
     """
 
     curves: int
+    values: Memory
+    coefficients: Memory
+    errors: Memory
+    panels: Memory
+    whole: Memory
+    work: Memory
+    known: np.ndarray
+
+
+class Room(NamedTuple):
+    """Arrays for a record."""
+
     values: np.ndarray
     coefficients: np.ndarray
-    known: np.ndarray
     errors: np.ndarray
     panels: np.ndarray
     whole: np.ndarray
     work: np.ndarray
+    known: np.ndarray
 
 
-def new_record(curves: int, steps: int) -> Record:
-    """An empty record with room for so many steps."""
+def new_room(curves: int, steps: int) -> Room:
+    """Room for a record of so many curves and steps."""
     slots = curves * steps
-    return Record(
-        curves,
+    return Room(
         tiles(slots),
         tiles(slots),
-        np.zeros(slots, np.int64),
         rows(slots, 2, aside=ASIDE),
         rows(steps, 2, aside=ASIDE),
         rows(curves, 3, aside=ASIDE),
         tiles(3),
+        np.zeros(slots, np.int64),
+    )
+
+
+@routine
+def record_in(room: Room) -> Record:
+    """A record in its room."""
+    return Record(
+        room.whole.shape[0],
+        in_panels(room.values),
+        in_panels(room.coefficients),
+        of_pairs(room.errors),
+        of_pairs(room.panels),
+        of_wholes(room.whole),
+        in_panels(room.work),
+        room.known,
     )
 
 
 @routine
 def begin_record(record: Record) -> None:
     """Forget what a record holds."""
-    known, whole = record.known, in_lanes(record.whole)
+    known, whole = record.known, record.whole
     for slot in range(known.shape[0]):
         known[slot] = 0
     for k in range(record.curves):
@@ -86,21 +116,17 @@ def begin_record(record: Record) -> None:
 
 
 @routine
-def keep_panels(walk: np.ndarray, step: int, panels: np.ndarray) -> None:
+def keep_panels(walk: Memory, step: int, panels: Memory) -> None:
     """Enter each lane's panel of a step; the half length of those that aren't accepted is 0."""
-    walk, panels = in_lanes(walk), in_lanes(panels)
     for lane in range(LANES):
         panels[step, MIDDLE, lane] = walk[PANEL_MIDDLE, lane]
         panels[step, HALF, lane] = walk[PANEL_HALF, lane] if walk[ACCEPTED, lane] > 0.0 else 0.0
 
 
 @routine
-def keep_curve(
-    tile: np.ndarray, curve: int, figures: np.ndarray, walk: np.ndarray, record: Record, kept: int, step: int
-) -> None:
+def keep_curve(tile: Memory, curve: int, figures: Memory, walk: Memory, record: Record, kept: int, step: int) -> None:
     """Enter a curve of a tile as a curve of a step."""
-    tile, figures, walk = in_panels(tile), in_lanes(figures), in_lanes(walk)
-    values, errors, whole = in_panels(record.values), in_lanes(record.errors), in_lanes(record.whole)
+    values, errors, whole = record.values, record.errors, record.whole
     slot = step * record.curves + kept
     for j in range(POSITIONS):
         for lane in range(LANES):

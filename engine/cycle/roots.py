@@ -7,19 +7,21 @@ given the secant through the last two places, is kept within that interval, whic
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from engine.cycle.compiling import routine
 from engine.cycle.directions import directions
-from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.lanes import LANES, Memory, in_lanes, memory, rows
 
-# Parts of a root: its interval, and f less the level, or f′, at the interval's ends; f itself there; its place X; the
-# place BEFORE and what was to vanish there; LENGTH of the last step, and that which is short
-# enough; the interval to begin with.
-LOW, HIGH, AT_LOW, AT_HIGH, F_LOW, F_HIGH, X, BEFORE, AT_BEFORE, LENGTH, ENOUGH = range(11)
-FIRST_LOW, FIRST_HIGH = 11, 12
+# Parts of a root: its interval, and f less the level, or f′, at the interval's ends; its place X; the place BEFORE and
+# what was to vanish there; LENGTH of the last step, and that which is short enough.
+LOW, HIGH, AT_LOW, AT_HIGH, X, BEFORE, AT_BEFORE, LENGTH, ENOUGH = range(9)
+# Of a turn, the interval to begin with and f at its ends.
+FIRST_LOW, FIRST_HIGH, F_LOW, F_HIGH = range(9, 13)
 PARTS = 13
+of_roots = memory(PARTS, LANES)
 # What a row looks for: the number of f, and the row of P with the level or TURN.
 FUNCTION, LEVEL = range(2)
 TURN = -1
@@ -28,26 +30,75 @@ FOUND = 1e-11
 MOST_STEPS = 60
 
 
+class Samples(NamedTuple):
+    """Functions and their derivatives at rows of positions.
+
+    Attributes
+    ----------
+    room : int
+        How many rows of positions there may be.
+    q : rows (room, LANES)
+    values : rows (2 functions × room, LANES)
+        f_i at row k of positions is 2 i · room + k, its derivative (2 i + 1) · room + k.
+    place : ndarray (3, room, LANES)
+        Positions with cosine and sine.
+    tile : ndarray (2 functions, room, LANES)
+        The values as the machine's function sees them.
+    """
+
+    room: int
+    q: Memory
+    values: Memory
+    place: np.ndarray
+    tile: np.ndarray
+
+
+class SampleRoom(NamedTuple):
+    """Arrays for `Samples`."""
+
+    place: np.ndarray
+    tile: np.ndarray
+
+
+def new_samples(functions: int, room: int) -> SampleRoom:
+    """Room for so many functions at so many rows of positions."""
+    return SampleRoom(rows(3, room), rows(2 * functions, room))
+
+
 @routine
-def begin_roots(count: int, roots: np.ndarray) -> None:
+def samples_in(given: SampleRoom) -> Samples:
+    """Samples in their room."""
+    return Samples(given.place.shape[1], in_lanes(given.place[0]), in_lanes(given.tile), given.place, given.tile)
+
+
+@routine
+def sample(functions: Callable, block: np.ndarray, tables: np.ndarray, count: int, samples: Samples) -> None:
+    """Evaluate all functions at the first `count` rows of positions."""
+    place = samples.place
+    q, cos_q, sin_q = place[0, :count], place[1, :count], place[2, :count]
+    directions(count, in_lanes(q), in_lanes(cos_q), in_lanes(sin_q))
+    functions(block, tables, q, cos_q, sin_q, samples.tile)
+
+
+@routine
+def begin_roots(count: int, roots: Memory) -> None:
     """Begin each root on the straight line between the ends of its interval."""
-    roots = in_lanes(roots)
     for r in range(count):
         for lane in range(LANES):
-            low, high = roots[LOW, r, lane], roots[HIGH, r, lane]
-            at_low, at_high = roots[AT_LOW, r, lane], roots[AT_HIGH, r, lane]
+            low, high = roots[r, LOW, lane], roots[r, HIGH, lane]
+            at_low, at_high = roots[r, AT_LOW, lane], roots[r, AT_HIGH, lane]
             share = at_low / (at_low - at_high)
             share = share if (share > 0.0) & (share < 1.0) else 0.5
             nearer = abs(at_low) < abs(at_high)
-            roots[X, r, lane] = low + (high - low) * share
-            roots[BEFORE, r, lane] = low if nearer else high
-            roots[AT_BEFORE, r, lane] = at_low if nearer else at_high
-            roots[LENGTH, r, lane] = abs(high - low)
-            roots[ENOUGH, r, lane] = FOUND * abs(high - low)
+            roots[r, X, lane] = low + (high - low) * share
+            roots[r, BEFORE, lane] = low if nearer else high
+            roots[r, AT_BEFORE, lane] = at_low if nearer else at_high
+            roots[r, LENGTH, lane] = abs(high - low)
+            roots[r, ENOUGH, lane] = FOUND * abs(high - low)
 
 
 @routine
-def improve_roots(count: int, sought: np.ndarray, block: np.ndarray, tile: np.ndarray, roots: np.ndarray) -> bool:
+def improve_roots(count: int, sought: np.ndarray, block: Memory, room: int, values: Memory, roots: Memory) -> bool:
     """Move each root by one step.
 
     Parameters
@@ -55,42 +106,42 @@ def improve_roots(count: int, sought: np.ndarray, block: np.ndarray, tile: np.nd
     count : int
         Number of rows used.
     sought : ndarray (rows, 2) of int
-        Rows FUNCTION and LEVEL.
-    block : ndarray (numbers, LANES)
+        FUNCTION and LEVEL of each row.
+    block : rows (numbers, LANES)
         P.
-    tile : ndarray (2 functions, rows, LANES)
-        All functions and their derivatives at the X of each row.
-    roots : ndarray (PARTS, rows, LANES)
+    room : int
+    values : rows (2 functions × room, LANES)
+        As of `Samples`, at the X of each row.
+    roots : rows (rows, PARTS, LANES)
 
     Returns
     -------
     bool
         Whether any root isn't found yet. One that is stays.
     """
-    block, tile, roots = in_lanes(block), in_lanes(tile), in_lanes(roots)
     going = False
     for r in range(count):
-        function, level = sought[r, FUNCTION], max(sought[r, LEVEL], 0)
+        f_row, level = 2 * sought[r, FUNCTION] * room + r, max(sought[r, LEVEL], 0)
         turns = 1.0 if sought[r, LEVEL] == TURN else 0.0
         for lane in range(LANES):
-            f, derivative = tile[2 * function, r, lane], tile[2 * function + 1, r, lane]
-            x, before = roots[X, r, lane], roots[BEFORE, r, lane]
-            value = derivative if turns > 0.0 else f - block[level, lane]
-            slope = (value - roots[AT_BEFORE, r, lane]) / (x - before) if turns > 0.0 else derivative
-            beside_low = (value > 0.0) == (roots[AT_LOW, r, lane] > 0.0)
-            low = x if beside_low else roots[LOW, r, lane]
-            high = roots[HIGH, r, lane] if beside_low else x
+            derivative = values[f_row + room, lane]
+            x, before = roots[r, X, lane], roots[r, BEFORE, lane]
+            value = derivative if turns > 0.0 else values[f_row, lane] - block[level, lane]
+            slope = (value - roots[r, AT_BEFORE, lane]) / (x - before) if turns > 0.0 else derivative
+            beside_low = (value > 0.0) == (roots[r, AT_LOW, lane] > 0.0)
+            low = x if beside_low else roots[r, LOW, lane]
+            high = roots[r, HIGH, lane] if beside_low else x
             ahead = x - value / slope
             ahead = ahead if (ahead - low) * (ahead - high) <= 0.0 else 0.5 * (low + high)
             ahead = x if value == 0.0 else ahead
             ahead = ahead if abs(value) < math.inf else math.nan
-            found = not roots[LENGTH, r, lane] > roots[ENOUGH, r, lane]
-            roots[LENGTH, r, lane] = 0.0 if found else abs(ahead - x)
-            roots[BEFORE, r, lane], roots[AT_BEFORE, r, lane] = x, value
-            roots[X, r, lane] = x if found else ahead
-            roots[LOW, r, lane], roots[HIGH, r, lane] = low, high
+            found = not roots[r, LENGTH, lane] > roots[r, ENOUGH, lane]
+            roots[r, LENGTH, lane] = 0.0 if found else abs(ahead - x)
+            roots[r, BEFORE, lane], roots[r, AT_BEFORE, lane] = x, value
+            roots[r, X, lane] = x if found else ahead
+            roots[r, LOW, lane], roots[r, HIGH, lane] = low, high
         for lane in range(LANES):
-            going |= roots[LENGTH, r, lane] > roots[ENOUGH, r, lane]
+            going |= roots[r, LENGTH, lane] > roots[r, ENOUGH, lane]
     return going
 
 
@@ -101,11 +152,10 @@ def solve_roots(
     tables: np.ndarray,
     count: int,
     sought: np.ndarray,
-    place: np.ndarray,
-    tile: np.ndarray,
-    roots: np.ndarray,
+    samples: Samples,
+    roots: Memory,
 ) -> None:
-    """Find the roots of all rows; all functions at the places found are in `tile` afterwards.
+    """Find the roots of all rows; `samples` holds all functions at the places found afterwards.
 
     Parameters
     ----------
@@ -116,23 +166,18 @@ def solve_roots(
     count : int
         Number of rows used.
     sought : ndarray (rows, 2) of int
-    place : ndarray (3, rows, LANES)
-        Used for input positions.
-    tile : ndarray (2 functions, rows, LANES)
-    roots : ndarray (PARTS, rows, LANES)
+    samples : Samples
+    roots : rows (rows, PARTS, LANES)
     """
-    if count == 0:
-        return
+    q, found = samples.q, count == 0
     begin_roots(count, roots)
-    q, cos_q, sin_q, x = place[0, :count], place[1, :count], place[2, :count], roots[X]
-    found = False
     for _ in range(MOST_STEPS):
         for r in range(count):
             for lane in range(LANES):
-                q[r, lane] = x[r, lane]
-        directions(q, cos_q, sin_q)
-        functions(block, tables, q, cos_q, sin_q, tile)
+                q[r, lane] = roots[r, X, lane]
+        if count > 0:
+            sample(functions, block, tables, count, samples)
         # Once more where all were found, so that nothing depends on which of them was the last.
         if found:
             break
-        found = not improve_roots(count, sought, block, tile, roots)
+        found = not improve_roots(count, sought, in_lanes(block), samples.room, samples.values, roots)

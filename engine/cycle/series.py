@@ -1,21 +1,20 @@
 """The Chebyshev series of a curve within a panel: its integral, what is missing beyond degree 16, its values anywhere.
 
 The coefficients of a smooth curve fall by a constant factor in the end. By how much the last four are below the four
-before them tells what the next ones would be. Those also tell how far the integral is off, of which far less is missed
-(the rule for degree 16 is nearly exact for the next few). Where coefficients don't fall, for what is left is rounding or
-because something within the panel bends or jumps, no fall faster than SLOWEST is taken for granted.
+before them tells what the next ones would be. Those also tell how far the integral is off, of which far less is missed:
+the rule for degree 16 is nearly exact for the next few. Where coefficients don't fall, as what is left is rounding or
+something within the panel bends or jumps, no fall faster than SLOWEST is taken for granted.
 """
-
-import numpy as np
 
 from engine.cycle.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
 from engine.cycle.compiling import routine, scalar
-from engine.cycle.lanes import LANES, in_lanes, in_panels
+from engine.cycle.lanes import LANES, Memory, memory
 
 # Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
 # of that integral lies beyond degree 16; greatest magnitude; whether coefficients don't fall at all (1 or 0).
 SUM, TAIL, MISSING, MAGNITUDE, NOISE = range(5)
 FIGURES = 5
+of_figures = memory(FIGURES, LANES)
 
 # Share by which four coefficients fall against four before them at the least.
 SLOWEST = 0.65
@@ -38,17 +37,16 @@ def smaller(a: float, b: float) -> float:
 
 
 @routine
-def panel_figures(tile: np.ndarray, curve: int, figures: np.ndarray) -> None:
+def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
     """Figures of a curve in each lane's panel.
 
     Parameters
     ----------
-    tile : ndarray (curves, positions, LANES)
+    tile : panels (curves, positions, LANES)
     curve : int
-    figures : ndarray (curves, FIGURES, LANES)
+    figures : rows (curves, FIGURES, LANES)
         Receives them in the curve's rows.
     """
-    tile, figures = in_panels(tile), in_lanes(figures)
     for lane in range(LANES):
         total = WEIGHTS[MIDDLE] * tile[curve, MIDDLE, lane]
         low = high = tile[curve, MIDDLE, lane]

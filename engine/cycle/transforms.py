@@ -9,7 +9,7 @@ import numpy as np
 
 from engine.cycle.chebyshev import DEGREE, MIDDLE
 from engine.cycle.compiling import routine
-from engine.cycle.lanes import LANES, in_lanes, in_panels
+from engine.cycle.lanes import LANES, Memory
 
 _HALF = MIDDLE + 1
 # Tiles used meanwhile.
@@ -17,9 +17,8 @@ FOLDED, PRODUCT, SHIFTED = range(3)
 
 
 @routine
-def _folded(values: np.ndarray, slot: int, folded: np.ndarray) -> None:
+def _folded(values: Memory, slot: int, folded: Memory) -> None:
     """Sums of values at a position and its mirror image, the middle one once, then differences."""
-    values, folded = in_panels(values), in_lanes(folded)
     for j in range(MIDDLE):
         for lane in range(LANES):
             folded[j, lane] = values[slot, j, lane] + values[slot, DEGREE - j, lane]
@@ -30,9 +29,8 @@ def _folded(values: np.ndarray, slot: int, folded: np.ndarray) -> None:
 
 
 @routine
-def _product(matrix: np.ndarray, given: np.ndarray, result: np.ndarray) -> None:
+def _product(matrix: np.ndarray, given: Memory, result: Memory) -> None:
     """Both halves of a matrix times the two halves of the given rows."""
-    given, result = in_lanes(given), in_lanes(result)
     # Lengths read off the matrix: the compiler would write out loops of known length, all of them.
     size = matrix.shape[0]
     for i in range((size + 1) // 2):
@@ -50,23 +48,21 @@ def _product(matrix: np.ndarray, given: np.ndarray, result: np.ndarray) -> None:
 
 
 @routine
-def to_coefficients(
-    matrix: np.ndarray, values: np.ndarray, slot: int, work: np.ndarray, coefficients: np.ndarray
-) -> None:
+def to_coefficients(matrix: np.ndarray, values: Memory, slot: int, work: Memory, coefficients: Memory) -> None:
     """Coefficients of the Chebyshev series from the values at the positions.
 
     Parameters
     ----------
     matrix : ndarray (POSITIONS, MIDDLE + 1)
         `chebyshev.TO_COEFFICIENTS`.
-    values : ndarray (slots, POSITIONS, LANES)
+    values : panels (slots, POSITIONS, LANES)
     slot : int
-    work : ndarray (3, POSITIONS, LANES)
+    work : panels (3, POSITIONS, LANES)
         Used meanwhile.
-    coefficients : ndarray (slots, POSITIONS, LANES)
+    coefficients : panels (slots, POSITIONS, LANES)
         Receives them.
     """
-    coefficients, product = in_panels(coefficients), in_lanes(work[PRODUCT])
+    product = work[PRODUCT]
     _folded(values, slot, work[FOLDED])
     _product(matrix, work[FOLDED], work[PRODUCT])
     for i in range(_HALF):
@@ -78,18 +74,18 @@ def to_coefficients(
 
 
 @routine
-def to_integrals(matrix: np.ndarray, work: np.ndarray, integrals: np.ndarray, slot: int) -> None:
+def to_integrals(matrix: np.ndarray, work: Memory, integrals: Memory, slot: int) -> None:
     """Integrals over [−1, x] to each position x of the values in tile SHIFTED of `work`, into a slot.
 
     Parameters
     ----------
     matrix : ndarray (POSITIONS, MIDDLE + 1)
         `chebyshev.TO_INTEGRALS`.
-    work : ndarray (3, POSITIONS, LANES)
-    integrals : ndarray (slots, POSITIONS, LANES)
+    work : panels (3, POSITIONS, LANES)
+    integrals : panels (slots, POSITIONS, LANES)
     slot : int
     """
-    integrals, product = in_panels(integrals), in_lanes(work[PRODUCT])
+    product = work[PRODUCT]
     _folded(work, SHIFTED, work[FOLDED])
     # Of sums the integral from the middle is odd, of differences it is even.
     _product(matrix, work[FOLDED], work[PRODUCT])

@@ -8,7 +8,7 @@ import numpy as np
 from engine.cycle.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.compiling import routine
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, in_lanes, in_panels
+from engine.cycle.lanes import LANES, Memory
 from engine.cycle.record import FIRST, HALF, MISSING, OFFSET, SCALE, TAIL, Record
 from engine.cycle.transforms import SHIFTED, to_integrals
 
@@ -18,16 +18,14 @@ WORK_ROWS = 3
 
 
 @routine
-def _less_first(values: np.ndarray, slot: int, first: np.ndarray, shifted: np.ndarray) -> None:
-    values, shifted = in_panels(values), in_panels(shifted)
+def _less_first(values: Memory, slot: int, first: Memory, shifted: Memory) -> None:
     for j in range(POSITIONS):
         for lane in range(LANES):
             shifted[SHIFTED, j, lane] = values[slot, j, lane] - first[lane]
 
 
 @routine
-def _add_total(integrals: np.ndarray, slot: int, panels: np.ndarray, step: int, sums: np.ndarray) -> None:
-    integrals, panels, sums = in_panels(integrals), in_lanes(panels), in_lanes(sums)
+def _add_total(integrals: Memory, slot: int, panels: Memory, step: int, sums: Memory) -> None:
     for lane in range(LANES):
         half = panels[step, HALF, lane]
         sums[_TOTAL, lane] += half * integrals[slot, DEGREE, lane] if half != 0.0 else 0.0
@@ -35,9 +33,8 @@ def _add_total(integrals: np.ndarray, slot: int, panels: np.ndarray, step: int, 
 
 
 @routine
-def _about_mean(integrals: np.ndarray, slot: int, panels: np.ndarray, step: int, sums: np.ndarray) -> None:
+def _about_mean(integrals: Memory, slot: int, panels: Memory, step: int, sums: Memory) -> None:
     """From integrals over [−1, x] of one panel to the work about the mean from the first position."""
-    integrals, panels, sums = in_panels(integrals), in_lanes(panels), in_lanes(sums)
     for j in range(POSITIONS):
         for lane in range(LANES):
             mean, half = sums[_TOTAL, lane] / sums[_LENGTH, lane], panels[step, HALF, lane]
@@ -50,17 +47,16 @@ def _about_mean(integrals: np.ndarray, slot: int, panels: np.ndarray, step: int,
 @routine
 def _errors(record: Record, step: int, moment: int, work: int) -> None:
     """What lies beyond the series of the work in a panel, and what its values may be off by."""
-    panels, errors, whole = in_lanes(record.panels), in_lanes(record.errors), in_lanes(record.whole)
     of_moment, of_work = step * record.curves + moment, step * record.curves + work
     for lane in range(LANES):
-        half = abs(panels[step, HALF, lane])
-        errors[of_work, TAIL, lane] = half * errors[of_moment, TAIL, lane] / DEGREE
-        off = half * (errors[of_moment, MISSING, lane] + 2.0 * ROUNDING * whole[moment, SCALE, lane])
-        whole[work, OFFSET, lane] += off if half > 0.0 else 0.0
+        half = abs(record.panels[step, HALF, lane])
+        record.errors[of_work, TAIL, lane] = half * record.errors[of_moment, TAIL, lane] / DEGREE
+        off = half * (record.errors[of_moment, MISSING, lane] + 2.0 * ROUNDING * record.whole[moment, SCALE, lane])
+        record.whole[work, OFFSET, lane] += off if half > 0.0 else 0.0
 
 
 @routine
-def add_work(record: Record, matrix: np.ndarray, steps: int, moment: int, work: int, sums: np.ndarray) -> None:
+def add_work(record: Record, matrix: np.ndarray, steps: int, moment: int, work: int, sums: Memory) -> None:
     """Enter the work of a kept moment about its mean as another kept curve.
 
     Parameters
@@ -72,10 +68,10 @@ def add_work(record: Record, matrix: np.ndarray, steps: int, moment: int, work: 
         How many steps the record has.
     moment, work : int
         Curves of the record.
-    sums : ndarray (WORK_ROWS, LANES)
+    sums : rows (WORK_ROWS, LANES)
         Used meanwhile.
     """
-    sums, values, panels, whole = in_lanes(sums), record.values, record.panels, record.whole
+    values, panels, whole = record.values, record.panels, record.whole
     for lane in range(LANES):
         sums[_TOTAL, lane] = sums[_LENGTH, lane] = sums[_REACHED, lane] = 0.0
     for step in range(steps):

@@ -233,8 +233,7 @@ class Sum(Node):
 
     def __init__(self, graph: "Graph", terms: tuple[tuple[Node, Node], ...]) -> None:
         operands = tuple(node for term in terms for node in term)
-        # As of an application: what numbers alone decide is computed once for the cycle.
-        super().__init__(graph, max(Stage.CYCLE, *(o.stage for o in operands)), operands)
+        super().__init__(graph, max(o.stage for o in operands), operands)
         self.terms = terms
 
 

@@ -327,9 +327,11 @@ class Machine:
         lost = np.flatnonzero(np.isfinite(broken) & ~singular)
         if lost.size:
             self._blame_assembly(outcome, keep, table, lost, broken)
-        for name, margin in self._margins(answers).items():
-            jams = (outcome.status[keep] == Verdict.OK) & ~(margin.value > 0.0)
-            self._blame(outcome, keep[jams], Verdict.JAMS, name, np.full(jams.sum(), np.nan))
+        for group, (margin, place) in answers.least_margins().items():
+            jams = (outcome.status[keep] == Verdict.OK) & (margin <= 0.0)
+            # Where it jams first, curves stop being finite.
+            at = np.where(np.isfinite(broken), broken, place)
+            self._blame(outcome, keep[jams], Verdict.JAMS, group, at[jams])
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 
@@ -337,10 +339,6 @@ class Machine:
         outcome.status[who] = verdict
         outcome.status_group[who] = self.groups.index(group)
         outcome.status_at[who] = at
-
-    def _margins(self, answers: Answers) -> dict:
-        """Margin against jamming of each group whose friction is measured."""
-        return {}
 
     def _blame_assembly(
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, lost: np.ndarray, broken: np.ndarray

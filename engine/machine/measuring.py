@@ -50,6 +50,8 @@ class Measuring:
         Structural groups that take part, in the order of the scene.
     curves : list of Node
         All that is computed at a position.
+    margins : dict of str to Node
+        Margin against jamming of each group on whose friction something depends.
     """
 
     def __init__(
@@ -65,8 +67,9 @@ class Measuring:
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
         self.groups = self._taking_part([*curves, *fields, *(a.coordinate for a in of[StrokeEnd])])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
-        self.curves = list(dict.fromkeys([*curves, *self._sines, *fields]))
-        curves = list(dict.fromkeys([*curves, *self._sines]))
+        self.margins = self._margins([*curves, *fields])
+        curves = list(dict.fromkeys([*curves, *self._sines, *self.margins.values()]))
+        self.curves = list(dict.fromkeys([*curves, *fields]))
         self._steady = [_Steady(a, mechanics) for a in dict.fromkeys(_shared(a) for a in of[SteadyCycle])]
         numbers = [number for steady in self._steady for number in steady.numbers]
         numbers += [a.number for a in of[Given]]
@@ -88,11 +91,21 @@ class Measuring:
         # The law that gives the quality of transmission gives the group's position too.
         return tuple(g for g, sine in sines.items() if sine in behind or behind.intersection(sine.operands))
 
+    def _margins(self, nodes: Iterable[Node]) -> dict[str, Node]:
+        """Margins against jamming of the groups on whose friction some nodes depend."""
+        if not self.mechanics.scene.friction:
+            return {}
+        behind = set(reached(nodes))
+        settlings = self.mechanics.reactions.settlings
+        return {g: s.margin for g, s in settlings.items() if behind.intersection((s.margin, *s.margin.operands))}
+
     def _plan(self, of: dict[type, list], accuracy: float) -> None:
         f = self.functions
         row, curve = f.rows, f.curves
         self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
-        self._extremes = list(dict.fromkeys([*(a.curve for a in (*of[Extreme], *of[Place])), *self._sines]))
+        self._extremes = list(
+            dict.fromkeys([*(a.curve for a in (*of[Extreme], *of[Place])), *self._sines, *self.margins.values()])
+        )
         self._values = list(dict.fromkeys(a.curve for a in of[AtFirst]))
         self._works = list(dict.fromkeys([*(a.rate for a in of[RunningExtreme]), *(s.of.moment for s in self._steady)]))
         self._combinations = [c for steady in self._steady for c in steady.combinations]
@@ -207,6 +220,12 @@ class Answers:
             place = np.where(positive, extremes.least_at[k].value, extremes.greatest_at[k].value)
             found.append((least, place))
         return found
+
+    def least_margins(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Of each group with friction the least margin against jamming and the position there."""
+        least, places = self.outcome.extremes.least, self.outcome.extremes.least_at
+        rows = {group: self._m._extremes.index(margin) for group, margin in self._m.margins.items()}
+        return {group: (least[k].value, places[k].value) for group, k in rows.items()}
 
     def _measured(self, asked: Measurement) -> Measured:
         m, outcome = self._m, self.outcome

@@ -14,7 +14,7 @@ from engine.graph.nodes import Node
 from engine.laws.friction.coefficients import GAUSS, stribeck
 from engine.laws.friction.settled import GUIDE, JOURNAL, settled_one, settled_three, settled_two
 from engine.laws.senses import sense
-from engine.mechanism.characteristics import sense_of_input
+from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import named
@@ -127,7 +127,7 @@ def _rub(kinematics: Kinematics, motion: InputMotion, pair: Pair, path: str, fri
         edge = graph.derived(f"edge of {path}", lambda n: 2.0 / n[f"{path}.length"], "load")
     return Rub(
         JOURNAL if turns else GUIDE,
-        named(-(drag * moves * sense_of_input(kinematics)), f"drag in {pair.name}"),
+        named(-(drag * moves * input_sense(kinematics)), f"drag in {pair.name}"),
         (moves * rate) * drag,
         edge,
     )

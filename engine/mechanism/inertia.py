@@ -33,11 +33,14 @@ class ReducedInertia(NamedTuple):
         All of it.
     slope : Node
         Its derivative by the input.
+    slope_terms : tuple of (Node, Node)
+        Masses and moments of inertia, with what the derivative takes of each.
     """
 
     first_kind: Node
     inertia: Node
     slope: Node
+    slope_terms: tuple[tuple[Node, Node], ...]
 
 
 def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
@@ -69,6 +72,7 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
         first_kind,
         graph.combination([(first_kind, graph.one), *inertia]),
         graph.combination(slope),
+        tuple(slope),
     )
 
 

@@ -9,12 +9,12 @@ from collections.abc import Iterator
 
 from engine.graph.nodes import Node
 from engine.mechanism.acting import Characteristic, Grip, Load, load
-from engine.mechanism.characteristics import characteristic
-from engine.mechanism.cylinders import cylinder_load
+from engine.mechanism.actions.characteristics import characteristic
+from engine.mechanism.actions.cylinders import cylinder_load
 from engine.mechanism.kinematics import Kinematics
-from engine.mechanism.paths import about, along
-from engine.mechanism.springs import spring_loads, torsion_spring
-from engine.mechanism.tables import uniform_time
+from engine.mechanism.actions.paths import about_link, along
+from engine.mechanism.actions.springs import spring_loads, torsion_spring
+from engine.mechanism.actions.tables import uniform_time
 from engine.mechanism.vectors import Vector
 from engine.scene import actions
 from engine.scene.pairs import holder_of
@@ -84,7 +84,7 @@ class Loads:
 
     def _moment(self, name: str) -> Load:
         moment, kinematics = self.scene.moments[name], self.kinematics
-        motion = about(kinematics, moment.on)
+        motion = about_link(kinematics, moment.on)
         on_frame = isinstance(moment, actions.TorsionSpring | actions.Brake)
         grip = Grip(moment.on, None, None, (FRAME, kinematics.links[FRAME].origin) if on_frame else None)
         if isinstance(moment, actions.TorsionSpring):

@@ -119,7 +119,6 @@ class Mechanics:
     def input_moment(self) -> Node:
         """Input moment that keeps the speed uniform: ½ ω² dI/dφ − M."""
         half_square = 0.5 * self.speed_squared
-        slope, moment = self.reduced.slope, self.moment_of()
-        terms = [(half_square * c, b) for c, b in getattr(slope, "terms", ())]
-        terms += [(-c, b) for c, b in getattr(moment, "terms", ())]
+        terms = [(half_square * mass, basis) for mass, basis in self.reduced.slope_terms]
+        terms += [(-t.coefficient, t.basis) for t in self.loads.terms if t.role != "braking"]
         return self.graph.combination(terms)

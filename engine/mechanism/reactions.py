@@ -21,8 +21,8 @@ from engine.laws.kinematics.rpr import rpr_reactions
 from engine.laws.kinematics.rrp import rrp_reactions
 from engine.laws.kinematics.rrr import rrr_reactions
 from engine.mechanism.acting import Load
+from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import Turning
-from engine.mechanism.characteristics import sense_of_input
 from engine.mechanism.friction import Components, Settled, rubbing_pairs, settle
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
@@ -335,7 +335,7 @@ class Reactions:
             self.variables.setdefault(f"{pair}.{_FRICTION[self._pairs[pair].kind]}", self.graph.zero)
             self.variables[f"{pair}.friction_power"] = self.motion.speed * lost
         total = sum(self.lost.values(), self.graph.zero)
-        self.variables["friction_moment"] = named(-(sense_of_input(self.kinematics) * total), "friction_moment")
+        self.variables["friction_moment"] = named(-(input_sense(self.kinematics) * total), "friction_moment")
         self.variables["input_moment_with_friction"] = self.variables["input_moment_by_equilibrium"]
 
     # The whole

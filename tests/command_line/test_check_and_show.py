@@ -4,6 +4,7 @@ import ast
 import itertools
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from commands import STUDY, refused, said
@@ -117,6 +118,12 @@ def test_show__says_so_of_the_study_s_own_condition(press_folder):
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     answer = said("show", "r.h5").stdout
     assert "\n4 variants meet the condition, 2 more can't be told to:" in answer
+
+
+def test_show_of_a_file_that_holds_no_study__says_so(press_result):
+    with h5py.File(press_result, "r+") as file:
+        del file.attrs["study_json"]
+    assert "holds no study (attribute study_json): run its sweep again" in refused("show", press_result)
 
 
 def test_show_where_nothing_fits__shows_an_empty_table(press_result):

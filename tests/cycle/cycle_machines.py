@@ -17,46 +17,50 @@ NUMBERS = 23
 
 @curves_function
 def press_events(P, T, q, cos_q, sin_q, tile):
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(q.shape[0]):
+    count, room = q.shape[0], tile.shape[1]
+    P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
         for k in range(LANES):
             r, length, y = P[R, k], P[L, k], P[R, k] * sin_q[i, k] - P[E, k]
             root = math.sqrt(length * length - y * y)
-            tile[0, i, k] = r * cos_q[i, k] + root
-            tile[1, i, k] = -r * sin_q[i, k] - y * r * cos_q[i, k] / root
+            tile[i, k] = r * cos_q[i, k] + root
+            tile[room + i, k] = -r * sin_q[i, k] - y * r * cos_q[i, k] / root
 
 
 @curves_function
 def press_levels(P, T, q, cos_q, sin_q, tile):
+    room = tile.shape[1]
     P, tile = in_lanes(P), in_lanes(tile)
     for k in range(LANES):
         stroke = P[HIGH, k] - P[LOW, k]
-        tile[0, 0, k], tile[1, 0, k] = P[LOW, k] + 0.1 * stroke, P[LOW, k] + 0.4 * stroke
+        tile[0, k], tile[room, k] = P[LOW, k] + 0.1 * stroke, P[LOW, k] + 0.4 * stroke
 
 
 @curves_function
 def press_states(P, T, q, cos_q, sin_q, tile):
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(q.shape[0]):
+    count, room = q.shape[0], tile.shape[1]
+    P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
         for k in range(LANES):
             r, length, y = P[R, k], P[L, k], P[R, k] * sin_q[i, k] - P[E, k]
             root = math.sqrt(length * length - y * y)
             x, v = r * cos_q[i, k] + root, -r * sin_q[i, k] - y * r * cos_q[i, k] / root
             on_stroke = (x > P[LEVEL_A, k]) & (x < P[LEVEL_B, k]) & (v < 0.0)
             on_angle = (q[i, k] > P[FROM, k]) & (q[i, k] < P[TO, k])
-            tile[0, i, k] = (P[F, k] if on_stroke else 0.0) + (P[G, k] if on_angle else 0.0)
+            tile[i, k] = (P[F, k] if on_stroke else 0.0) + (P[G, k] if on_angle else 0.0)
 
 
 @curves_function
 def press_curves(P, T, q, cos_q, sin_q, tile):
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(q.shape[0]):
+    count, room = q.shape[0], tile.shape[1]
+    P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
         for k in range(LANES):
             r, length, y = P[R, k], P[L, k], P[R, k] * sin_q[i, k] - P[E, k]
             root = math.sqrt(length * length - y * y)
             v = -r * sin_q[i, k] - y * r * cos_q[i, k] / root
-            tile[0, i, k] = P[J, k] + P[M, k] * v * v
-            tile[1, i, k] = P[LOAD, k] * v
+            tile[i, k] = P[J, k] + P[M, k] * v * v
+            tile[room + i, k] = P[LOAD, k] * v
 
 
 def press_numbers(variants, rng):

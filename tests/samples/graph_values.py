@@ -50,9 +50,11 @@ class GraphValues:
     ) -> list[np.ndarray]:
         q = np.asarray(q, float)
         known: dict[Node, np.ndarray] = dict(held or {})
-        for node in reached(nodes, lambda node: node in known):
-            if node not in known:
-                known[node] = self._value(node, q, known)
+        # Laws may divide by zero, and take the logarithm of zero, on their way.
+        with np.errstate(all="ignore"):
+            for node in reached(nodes, lambda node: node in known):
+                if node not in known:
+                    known[node] = self._value(node, q, known)
         return [np.broadcast_to(known[node], q.shape) for node in nodes]
 
     def _value(self, node: Node, q: np.ndarray, known: dict) -> np.ndarray:
@@ -71,8 +73,7 @@ class GraphValues:
             case Found():
                 return self._end(node)
             case Operation():
-                with np.errstate(all="ignore"):
-                    return {**ARITHMETIC, **FUNCTIONS}[node.symbol](*operands)
+                return {**ARITHMETIC, **FUNCTIONS}[node.symbol](*operands)
             case Application():
                 return self._applied(node, operands)
             case Result():
@@ -85,7 +86,7 @@ class GraphValues:
     def _applied(node: Application, operands: list) -> np.ndarray | tuple:
         leading = [o for n, o in zip(node.operands, operands, strict=True) if isinstance(n, Memory)]
         rest = np.broadcast_arrays(*operands[len(leading) :])
-        return np.vectorize(lambda *x: node.law(*leading, *x), otypes=None)(*rest)
+        return np.vectorize(lambda *x: node.law(*leading, *x))(*rest)
 
     def _end(self, node: Found) -> float:
         if node not in self._found:

@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.graph.nodes import Constant, Crossing, Given, Held, Node, Operation, reached
 from engine.mechanism.acting import Load
-from engine.mechanism.tables import kinks_of
+from engine.mechanism.actions.tables import kinks_of
 from engine.scene.scene import Scene
 
 # Of a curve with more places at which something only bends, the first and the last count.

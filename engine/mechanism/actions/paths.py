@@ -45,7 +45,7 @@ class Along(NamedTuple):
         return graph.apply(law, *operands, self.velocity)
 
 
-def about(kinematics: Kinematics, link: str) -> Along:
+def about_link(kinematics: Kinematics, link: str) -> Along:
     """Motion of a link under a moment."""
     turning = kinematics.links[link]
     return Along(turning.w, None, (turning.w, turning.e))

@@ -13,9 +13,9 @@ from engine.laws.elementary import power
 from engine.laws.loads import acts_in_direction, constant_against_motion
 from engine.machine.brakes import braking_moment
 from engine.mechanism.acting import Characteristic
+from engine.mechanism.actions.paths import Along
+from engine.mechanism.actions.tables import tabled
 from engine.mechanism.kinematics import Kinematics
-from engine.mechanism.paths import Along
-from engine.mechanism.tables import tabled
 from engine.scene import actions
 
 _SENSES = {"along": 1.0, "against": -1.0}
@@ -66,7 +66,7 @@ def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Alon
             return Characteristic(moment, _against(along, acts))
 
 
-def sense_of_input(kinematics: Kinematics) -> Node:
+def input_sense(kinematics: Kinematics) -> Node:
     """Sign of the input's speed: which way the cycle is run through."""
     return kinematics.graph.derived("sense of the input", lambda n: _sense(n) + 0.0)
 
@@ -85,7 +85,7 @@ def _acts(kinematics: Kinematics, action: _Action, along: Along) -> Node:
     sense = _SENSES.get(getattr(action, "acts", "always"))
     if sense is None:
         return kinematics.graph.one
-    return along.switch(acts_in_direction, sense * sense_of_input(kinematics))
+    return along.switch(acts_in_direction, sense * input_sense(kinematics))
 
 
 def _against(along: Along, acts: Node) -> Node:

@@ -9,15 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Graph, Node
-from engine.laws.table_segments import (
+from engine.laws.tables import (
+    Table,
     first_piece,
     in_memory,
+    make_table,
     next_piece,
     periods_before,
     segment_value,
     table_segment,
 )
-from engine.laws.tables import Table, make_table
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.actions import Tabled
 from engine.scene.parts import CrankInput

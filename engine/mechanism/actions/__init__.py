@@ -1,0 +1,1 @@
+"""What each kind of action of a scene adds to the graph: its size, where it acts along, what in it switches."""
