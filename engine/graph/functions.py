@@ -17,7 +17,20 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.tiles import PANEL_POSITIONS
-from engine.graph.nodes import Constant, Crossing, Found, Given, Graph, Held, Memory, Node, Number, Result, Stage, reached
+from engine.graph.nodes import (
+    Constant,
+    Crossing,
+    Found,
+    Given,
+    Graph,
+    Held,
+    Memory,
+    Node,
+    Number,
+    Result,
+    Stage,
+    reached,
+)
 from engine.graph.printer import in_lanes, over_positions
 
 _HEAD = '''"""{title}"""
@@ -218,9 +231,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
         if not part.outputs:
             missing.append(f"from engine.compiling.nothing import nothing as {part.name}")
             continue
-        text, called = in_lanes(
-            part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held
-        )
+        text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
         texts.append(f"@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}")
         laws += called
     imports = [*missing, "from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]

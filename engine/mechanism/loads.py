@@ -11,10 +11,10 @@ from engine.graph.nodes import Node
 from engine.mechanism.acting import Characteristic, Grip, Load, load
 from engine.mechanism.actions.characteristics import characteristic
 from engine.mechanism.actions.cylinders import cylinder_load
-from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.actions.paths import about_link, along
 from engine.mechanism.actions.springs import spring_loads, torsion_spring
 from engine.mechanism.actions.tables import uniform_time
+from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
 from engine.scene import actions
 from engine.scene.pairs import holder_of

@@ -103,6 +103,9 @@ class PairLoads:
                 parameters[rows[node]] = 0.0 if action in off else parameters[rows[coefficient]]
             elif node in self._moving:
                 given[node] = moving[self._moving[node]]
+            else:
+                # In a motion that repeats itself nothing that depends on time acts.
+                parameters[rows[node]] = 0.0
         found = tabulation(parameters, places, given)
         fields = {name: found[row] for name, row in self._curves.items()}
         made = self.scene.flywheel

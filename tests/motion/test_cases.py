@@ -14,6 +14,7 @@ from engine.laws.tables import make_table, table_value
 from engine.machine.motors import kloss_constants
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import Law, regime_text
+from engine.scene.scene import Numbers, scene_numbers
 
 INERTIA = 0.4
 COURSE = ["time", "angle", "final_speed", "speed_min", "speed_max"]
@@ -271,7 +272,7 @@ def test_run_of_an_induction_motor__is_the_quadrature(begin, end):
     outcome = asked(crank(MOMENTS, runs(begin, "induction", "rub", go={"speed": end})))
     assert outcome.status == [Verdict.OK]
     scene = Scene.model_validate(crank(MOMENTS, runs(begin, go={"speed": end})))
-    numbers = Model(scene).numbers({})
+    numbers = Numbers(scene_numbers(scene), {})
     constants = [mpf(float(c)) for c in kloss_constants(scene.moments["induction"], "moments.induction", numbers)]
     found = references(begin, end, lambda w: kloss(w, (*constants, mpf(3))), {"useful": constant(-1)})
     for name, value in found.items():

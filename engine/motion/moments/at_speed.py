@@ -13,7 +13,7 @@ from numba import types
 
 from engine.cycle.compiling import driver, prepare, scalar, spread
 from engine.cycle.driver import gather, hand_out
-from engine.cycle.lanes import LANES, in_lanes, rows
+from engine.cycle.lanes import LANES, Memory, in_lanes, rows
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 
@@ -53,18 +53,20 @@ class Drive(NamedTuple):
 
 
 @scalar
-def motor_moments(drive: np.ndarray, speed: np.ndarray, moment: np.ndarray) -> None:
+def motor_moments(drive: Memory, motors: int, speed: Memory, moment: Memory) -> None:
     """Moments of the motors at a speed of each lane.
 
     Parameters
     ----------
-    drive : ndarray (2 + 5 motors, LANES)
-    speed, moment : ndarray (LANES,)
+    drive : rows (2 + 5 motors, LANES)
+    motors : int
+        How many induction motors there are.
+    speed, moment : row (LANES,)
     """
-    drive, speed, moment = in_lanes(drive), in_lanes(speed), in_lanes(moment)
     for lane in range(LANES):
         moment[lane] = drive[LEVEL, lane] + drive[FALL, lane] * speed[lane]
-    for k in range(KLOSS, drive.shape[0], PER_MOTOR):
+    for motor in range(motors):
+        k = KLOSS + PER_MOTOR * motor
         for lane in range(LANES):
             ratio = drive[k + 4, lane]
             moment[lane] += ratio * induction_motor(
@@ -73,12 +75,12 @@ def motor_moments(drive: np.ndarray, speed: np.ndarray, moment: np.ndarray) -> N
 
 
 @scalar
-def motor_slopes(drive: np.ndarray, speed: np.ndarray, slope: np.ndarray) -> None:
+def motor_slopes(drive: Memory, motors: int, speed: Memory, slope: Memory) -> None:
     """Derivatives of the motors' moments by the speed; parameters as of `motor_moments`."""
-    drive, speed, slope = in_lanes(drive), in_lanes(speed), in_lanes(slope)
     for lane in range(LANES):
         slope[lane] = drive[FALL, lane]
-    for k in range(KLOSS, drive.shape[0], PER_MOTOR):
+    for motor in range(motors):
+        k = KLOSS + PER_MOTOR * motor
         for lane in range(LANES):
             ratio = drive[k + 4, lane]
             slope[lane] += (ratio * ratio) * induction_motor_slope(
@@ -87,40 +89,38 @@ def motor_slopes(drive: np.ndarray, speed: np.ndarray, slope: np.ndarray) -> Non
 
 
 @scalar
-def add_polynomial(loads: np.ndarray, speed: np.ndarray, moment: np.ndarray) -> None:
+def add_polynomial(loads: Memory, begin: int, speed: Memory, moment: Memory) -> None:
     """Add the moments of loads over ω⁰, ω¹ and ω² at a speed of each lane.
 
     Parameters
     ----------
-    loads : ndarray (3 or more, LANES)
-    speed, moment : ndarray (LANES,)
+    loads : rows (…, LANES)
+    begin : int
+        Which of them is the first.
+    speed, moment : row (LANES,)
     """
-    loads, speed, moment = in_lanes(loads), in_lanes(speed), in_lanes(moment)
     for lane in range(LANES):
         w = speed[lane]
-        moment[lane] += loads[0, lane] + w * (loads[1, lane] + w * loads[2, lane])
+        moment[lane] += loads[begin, lane] + w * (loads[begin + 1, lane] + w * loads[begin + 2, lane])
 
 
 @scalar
-def add_polynomial_slope(loads: np.ndarray, speed: np.ndarray, slope: np.ndarray) -> None:
+def add_polynomial_slope(loads: Memory, begin: int, speed: Memory, slope: Memory) -> None:
     """Add their derivatives by the speed; parameters as of `add_polynomial`."""
-    loads, speed, slope = in_lanes(loads), in_lanes(speed), in_lanes(slope)
     for lane in range(LANES):
-        slope[lane] += loads[1, lane] + 2.0 * speed[lane] * loads[2, lane]
+        slope[lane] += loads[begin + 1, lane] + 2.0 * speed[lane] * loads[begin + 2, lane]
 
 
 @scalar
-def add_power(load: np.ndarray, exponent: np.ndarray, speed: np.ndarray, moment: np.ndarray) -> None:
+def add_power(load: Memory, exponent: Memory, speed: Memory, moment: Memory) -> None:
     """Add the moment of a load over a power of the speed; every array is a row, (LANES,)."""
-    load, exponent, speed, moment = in_lanes(load), in_lanes(exponent), in_lanes(speed), in_lanes(moment)
     for lane in range(LANES):
         moment[lane] += load[lane] * power(abs(speed[lane]), exponent[lane])
 
 
 @scalar
-def add_power_slope(load: np.ndarray, exponent: np.ndarray, speed: np.ndarray, slope: np.ndarray) -> None:
+def add_power_slope(load: Memory, exponent: Memory, speed: Memory, slope: Memory) -> None:
     """Add its derivative by the speed; parameters as of `add_power`."""
-    load, exponent, speed, slope = in_lanes(load), in_lanes(exponent), in_lanes(speed), in_lanes(slope)
     for lane in range(LANES):
         w, n = speed[lane], exponent[lane]
         slope[lane] += n * (load[lane] * power(abs(w), n)) / w
@@ -179,33 +179,42 @@ def moments_of_blocks(
     loads: np.ndarray,
     powers: np.ndarray,
     omega: np.ndarray,
-    drive: np.ndarray,
-    exponents: np.ndarray,
-    place: np.ndarray,
-    speed: np.ndarray,
-    moments: np.ndarray,
+    room_for_drive: np.ndarray,
+    room_for_exponents: np.ndarray,
+    room_for_place: np.ndarray,
+    room_for_speed: np.ndarray,
+    room_for_moments: np.ndarray,
     found: np.ndarray,
 ) -> None:
     """Moments of the motors, ∂M/∂ω, and moments of each channel into `found`, for blocks begin … end − 1 of variants.
 
-    Arguments before `drive` are those of `moments_at`; from there on memory for a block.
+    Arguments are those of `moments_at`, and memory for a block.
     """
+    drive, exponents, place, speeds, moments = (
+        in_lanes(room_for_drive),
+        in_lanes(room_for_exponents),
+        in_lanes(room_for_place),
+        in_lanes(room_for_speed),
+        in_lanes(room_for_moments),
+    )
+    motors, speed, slope = (drives.shape[0] - KLOSS) // PER_MOTOR, speeds[0], moments[1]
     for b in range(begin, end):
         first = b * LANES
         gather(drives, first, drive)
         gather(every_exponent, first, exponents)
         for j in range(omega.shape[0]):
-            gather(omega[j : j + 1], first, speed)
-            motor_moments(drive, speed[0], moments[0])
-            motor_slopes(drive, speed[0], moments[1])
+            gather(omega[j : j + 1], first, speeds)
+            motor_moments(drive, motors, speed, moments[0])
+            motor_slopes(drive, motors, speed, slope)
             for channel in range(loads.shape[0]):
                 gather(loads[channel, :, j], first, place)
-                moments[2 + channel] = 0.0
-                add_polynomial(place, speed[0], moments[2 + channel])
-                add_polynomial_slope(place, speed[0], moments[1])
+                for lane in range(LANES):
+                    moments[2 + channel, lane] = 0.0
+                add_polynomial(place, 0, speed, moments[2 + channel])
+                add_polynomial_slope(place, 0, speed, slope)
             for law in range(powers.shape[0]):
                 gather(powers[law, j : j + 1], first, place)
-                add_power(place[0], exponents[law], speed[0], moments[2 + channel_of[law]])
-                add_power_slope(place[0], exponents[law], speed[0], moments[1])
+                add_power(place[0], exponents[law], speed, moments[2 + channel_of[law]])
+                add_power_slope(place[0], exponents[law], speed, slope)
             for row in range(found.shape[0]):
                 hand_out(moments[row], first, found[row, j])

@@ -4,18 +4,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.jit import over_variants
-from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Node, reached
 from engine.machine.motors import kloss_constants, motor_ratio, stall_moment
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.moments.at_speed import Drive, Moments, moments_at
 from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid, nested_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.steppers.energy_form import Drive, Tables
+from engine.motion.steppers.energy_form import Tables
 from engine.scene.actions import DCMotor
 from engine.scene.scene import Numbers
 
@@ -70,7 +69,7 @@ class Variants(NamedTuple):
             np.ascontiguousarray(self.parameters[:, chosen]),
             {node: end[chosen] for node, end in self.ends.items()},
             self.breaks.some(chosen),
-            None if drive is None else Drive(*(np.ascontiguousarray(part[..., chosen]) for part in drive)),
+            None if drive is None else drive.some(chosen),
             {},
         )
 
@@ -187,9 +186,9 @@ class Dynamics:
         return CHANNELS.index(role if role in CHANNELS else "other")
 
     @property
-    def laws_channels(self) -> tuple[int, ...]:
-        """Channel of each power law."""
-        return tuple(channel for _, channel, _ in self.laws)
+    def channel_of_laws(self) -> np.ndarray:
+        """Channel of each power law, (laws,)."""
+        return np.array([channel for _, channel, _ in self.laws], np.int64)
 
     def driven(self, variants: Variants) -> Variants:
         """The variants with the motors that are at work here."""
@@ -261,7 +260,7 @@ class Dynamics:
         loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
         return Rows(out[0] + variants.flywheel, out[1], loads, powers)
 
-    def moments(self, variants: Variants, rows: "Rows", omega: np.ndarray) -> "Moments":
+    def moments(self, variants: Variants, rows: "Rows | Tables", omega: np.ndarray) -> Moments:
         """Moments at given speeds, in the direction of motion.
 
         Parameters
@@ -271,17 +270,7 @@ class Dynamics:
         omega : ndarray (places, variants)
             Speed, positive in the direction of motion [rad/s].
         """
-        drive = variants.drive
-        motors, slope = drive.line[0] + drive.line[1] * omega, np.broadcast_to(drive.line[1], omega.shape).copy()
-        of_motors(variants.count, drive.kloss, omega, motors, slope)
-        loads = rows.loads[:, 0] + omega * (rows.loads[:, 1] + omega * rows.loads[:, 2])
-        slope += rows.loads[:, 1].sum(axis=0) + 2.0 * omega * rows.loads[:, 2].sum(axis=0)
-        with np.errstate(all="ignore"):
-            for (_, channel, _), row, exponent in zip(self.laws, rows.powers, drive.exponents, strict=True):
-                moment = row * np.abs(omega) ** exponent
-                loads[channel] += moment
-                slope += exponent * moment / omega
-        return Moments(motors, loads, slope)
+        return moments_at(variants.drive, self.channel_of_laws, rows.loads, rows.powers, omega)
 
 
 class Rows(NamedTuple):
@@ -291,31 +280,3 @@ class Rows(NamedTuple):
     inertia_phi: np.ndarray
     loads: np.ndarray
     powers: np.ndarray
-
-
-class Moments(NamedTuple):
-    """Moment of the motors, of each channel of loads [N·m], and ∂M/∂ω of all of them [N·m·s]."""
-
-    motors: np.ndarray
-    loads: np.ndarray
-    slope: np.ndarray
-
-    @property
-    def total(self) -> np.ndarray:
-        """The reduced moment."""
-        return self.motors + self.loads.sum(axis=0)
-
-
-@over_variants
-def of_motors(
-    begin: int, end: int, kloss: np.ndarray, omega: np.ndarray, moment: np.ndarray, slope: np.ndarray
-) -> None:
-    """Add the moments of induction motors, and their slopes, at the places of variants begin … end − 1."""
-    for motor in range(kloss.shape[0]):
-        for j in range(omega.shape[0]):
-            for v in range(begin, end):
-                most, slip, rotor = kloss[motor, 0, v], kloss[motor, 1, v], kloss[motor, 2, v]
-                synchronous, ratio = kloss[motor, 3, v], kloss[motor, 4, v]
-                w = ratio * omega[j, v]
-                moment[j, v] += ratio * induction_motor(most, slip, rotor, synchronous, w)
-                slope[j, v] += ratio * ratio * induction_motor_slope(most, slip, rotor, synchronous, w)

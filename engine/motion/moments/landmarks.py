@@ -10,9 +10,9 @@ from engine.compiling.jit import load_compiled
 from engine.cycle.compiling import CURVES, driver, prepare, spread
 from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
 from engine.cycle.events import MOST_ROOTS
-from engine.cycle.lanes import LANES
-from engine.cycle.panels import set_out
-from engine.cycle.roots import FUNCTION, LEVEL, X
+from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.panels import of_edges, set_out
+from engine.cycle.roots import FUNCTION, LEVEL, X, of_roots
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
@@ -147,17 +147,23 @@ def find_places(
     `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `numbers` the landmarks and
     what follows from them.
     """
+    block, walk, edges, roots = (
+        in_lanes(work.block),
+        in_lanes(work.walk),
+        of_edges(work.edges),
+        of_roots(work.crossings),
+    )
     for b in range(begin, end):
         first = b * LANES
-        gather(numbers, first, work.block)
-        set_out(work.block[task.ends[0]], work.block[task.ends[1]], task.longest[0], work.walk)
-        count = cut(events, levels, task, tables, work.walk, work)
+        gather(numbers, first, block)
+        set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
+        count = cut(events, levels, task, tables, walk, edges, work)
         for k in range(task.crossings.shape[0]):
             slot = 0
             for r in range(count):
                 same = work.crossing_sought[r, FUNCTION] == task.crossings[k, 0]
                 if same and work.crossing_sought[r, LEVEL] == task.crossings[k, 1]:
-                    hand_out(work.crossings[X, r], first, found[k, slot])
+                    hand_out(roots[r, X], first, found[k, slot])
                     slot += 1
         for row in range(numbers.shape[0]):
-            hand_out(work.block[row], first, numbers[row])
+            hand_out(block[row], first, numbers[row])

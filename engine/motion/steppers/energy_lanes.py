@@ -5,16 +5,18 @@ What follows from these, and whether the step passes an end of the stretch, is t
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.compiling import driver, scalar
-from engine.cycle.driver import gather
-from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.compiling import driver, routine, scalar
+from engine.cycle.driver import fill, gather
+from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, lane_of, rows
 from engine.cycle.series import larger, smaller
 from engine.motion.moments.at_speed import (
+    KLOSS,
+    PER_MOTOR,
     POLYNOMIAL,
-    Drive,
     add_polynomial,
     add_polynomial_slope,
     add_power,
@@ -60,83 +62,99 @@ MOST_ROUNDS = 60
 SOLVED = 1e-14
 
 
-@scalar
-def pack(tables: Tables, first: int, steps: np.ndarray, places: np.ndarray) -> None:
-    """Gather the tables of a block, place by place, the loads of all channels together."""
-    gather(tables.steps, first, steps)
+class Form(NamedTuple):
+    """How many there are of what differs between machines: induction motors, power laws, channels of work.
+
+    `width` is the number of rows of a place.
+    """
+
+    motors: int
+    laws: int
+    channels: int
+    width: int
+
+
+@routine
+def pack(tables: Tables, first: int, width: int, places: Memory) -> None:
+    """Gather the tables of a block, place by place, the loads of all channels together; `width` rows a place."""
     last = tables.inertia.shape[1] - 1
-    for j in range(places.shape[0]):
-        place = in_lanes(places[j])
+    for j in range(tables.inertia.shape[0]):
+        at = width * j
         for lane in range(LANES):
-            place[INVERSE, lane] = 2.0 / tables.inertia[j, min(first + lane, last)]
+            places[at + INVERSE, lane] = 2.0 / tables.inertia[j, min(first + lane, last)]
         for order in range(POLYNOMIAL):
+            row = at + LOADS + order
             for lane in range(LANES):
-                place[LOADS + order, lane] = tables.loads[0, order, j, min(first + lane, last)]
+                places[row, lane] = tables.loads[0, order, j, min(first + lane, last)]
             for channel in range(1, tables.loads.shape[0]):
                 for lane in range(LANES):
-                    place[LOADS + order, lane] += tables.loads[channel, order, j, min(first + lane, last)]
+                    places[row, lane] += tables.loads[channel, order, j, min(first + lane, last)]
         for law in range(tables.powers.shape[0]):
             for lane in range(LANES):
-                place[LOADS + POLYNOMIAL + law, lane] = tables.powers[law, j, min(first + lane, last)]
+                places[at + LOADS + POLYNOMIAL + law, lane] = tables.powers[law, j, min(first + lane, last)]
 
 
-@scalar
-def set_off(energy: np.ndarray, limits: Limits, first: int, width: int, place: np.ndarray, state: np.ndarray) -> None:
-    """Set a block to its first node; lanes that are left over don't move."""
-    state, place, last = in_lanes(state), in_lanes(place), energy.shape[0] - 1
-    state[:] = 0.0
+@routine
+def set_off(energy: np.ndarray, limits: Limits, first: int, width: int, places: Memory, state: Memory) -> None:
+    """Set a block to its first node; lanes from `width` on are left over and don't move."""
+    last = energy.shape[0] - 1
+    for row in range(STATE):
+        for lane in range(LANES):
+            state[row, lane] = 0.0
     for lane in range(LANES):
         v = min(first + lane, last)
-        speed = math.sqrt(energy[v] * place[INVERSE, lane])
+        speed = math.sqrt(energy[v] * places[INVERSE, lane])
         state[E, lane], state[W, lane], state[SLOW, lane], state[FAST, lane] = energy[v], speed, speed, speed
         state[MOVING, lane] = 1.0 if lane < width else 0.0
-        state[STEPS, lane], state[UNTIL, lane] = limits.steps[v], limits.time[v]
+        state[STEPS, lane], state[UNTIL, lane] = float(limits.steps[v]), limits.time[v]
         state[OVER, lane], state[UNDER, lane] = limits.above[v], limits.below[v]
 
 
 @scalar
-def stage_moments(drive: np.ndarray, exponents: np.ndarray, place: np.ndarray, s: int, stages: np.ndarray) -> None:
-    """Moments of a stage at its speed."""
-    stages = in_lanes(stages)
+def stage_moments(
+    form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, s: int, stages: Memory
+) -> None:
+    """Moments of a stage at its speed; its place begins at row `at`."""
     speed, motors, moment = stages[SPEED + s], stages[FROM_MOTORS + s], stages[MOMENT + s]
-    motor_moments(drive, speed, motors)
+    motor_moments(drive, form.motors, speed, motors)
     for lane in range(LANES):
         moment[lane] = motors[lane]
-    add_polynomial(place[LOADS:], speed, moment)
-    for law in range(exponents.shape[0]):
-        add_power(place[LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
+    add_polynomial(places, at + LOADS, speed, moment)
+    for law in range(form.laws):
+        add_power(places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
 
 
-@scalar
+@routine
 def explicit_step(
-    drive: np.ndarray, exponents: np.ndarray, near: np.ndarray, state: np.ndarray, stages: np.ndarray
+    form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
 ) -> None:
-    """A step of the classical method of all lanes; `near` (places, rows, LANES) begins at the step's first node."""
-    state, stages = in_lanes(state), in_lanes(stages)
+    """A step of the classical method of all lanes, from the place that begins at row `first`."""
     for s in range(STAGES):
-        speed, place = stages[SPEED + s], in_lanes(near[PLACES[s]])
+        at = first + form.width * PLACES[s]
         for lane in range(LANES):
-            speed[lane] = state[E, lane]
+            stages[SPEED + s, lane] = state[E, lane]
         for k in range(s):
-            if A[s, k] != 0.0:
+            share = A[s, k]
+            if share != 0.0:
                 for lane in range(LANES):
-                    speed[lane] += state[H, lane] * A[s, k] * stages[MOMENT + k, lane]
+                    stages[SPEED + s, lane] += (share * state[H, lane]) * stages[MOMENT + k, lane]
         for lane in range(LANES):
-            speed[lane] = math.sqrt(speed[lane] * place[INVERSE, lane])
-        stage_moments(drive, exponents, place, s, stages)
+            stages[SPEED + s, lane] = math.sqrt(stages[SPEED + s, lane] * places[at + INVERSE, lane])
+        stage_moments(form, drive, exponents, places, at, s, stages)
     for lane in range(LANES):
         state[E_AFTER, lane] = state[E, lane]
     for s in range(STAGES):
+        weight = B[s]
         for lane in range(LANES):
-            state[E_AFTER, lane] += state[H, lane] * B[s] * stages[MOMENT + s, lane]
+            state[E_AFTER, lane] += (weight * state[H, lane]) * stages[MOMENT + s, lane]
     for lane in range(LANES):
-        e, h, first = state[E, lane], state[H, lane], stages[MOMENT, lane]
+        e, h, near = state[E, lane], state[H, lane], stages[MOMENT, lane]
         # M differs between the second and the third stage by its dependence on E alone, and E there as the
         # first two stages do: the ratio says how near an explicit method is to being unstable.
-        change, before = stages[MOMENT + 2, lane] - stages[MOMENT + 1, lane], stages[MOMENT + 1, lane] - first
+        change, before = stages[MOMENT + 2, lane] - stages[MOMENT + 1, lane], stages[MOMENT + 1, lane] - near
         stiff = (abs(change) - abs(before)) * h > STIFF_SHARE * e
         careful = state[UNDER, lane] >= 0.0
-        slowing = careful & ((-first > TIMES_PER_RADIAN * e) | (-first * h > SHARE_PER_STEP * e))
+        slowing = careful & ((-near > TIMES_PER_RADIAN * e) | (-near * h > SHARE_PER_STEP * e))
         state[STIFFNESS, lane] = 1.0 if stiff else 0.0
         state[GOES, lane] = 0.0 if (stiff | slowing) else 1.0
 
@@ -165,9 +183,9 @@ def solved(
     return x * inverse, y * inverse, z * inverse
 
 
-@scalar
+@routine
 def implicit_step(
-    drive: np.ndarray, exponents: np.ndarray, near: np.ndarray, state: np.ndarray, stages: np.ndarray
+    form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
 ) -> None:
     """A step of Lobatto IIIC of all lanes; parameters as of `explicit_step`.
 
@@ -175,7 +193,6 @@ def implicit_step(
     found by Newton's method; ∂M/∂E = ∂M/∂ω/(Iω). Steps of any length are stable: a motor that holds its speed within a
     fraction of a step is simply followed.
     """
-    state, stages = in_lanes(state), in_lanes(stages)
     for s in range(IMPLICIT_STAGES):
         for lane in range(LANES):
             stages[ENERGY + s, lane] = state[E, lane]
@@ -183,28 +200,33 @@ def implicit_step(
         state[STIFFNESS, lane], state[GOES, lane] = 0.0, 0.0
     pending = 1.0
     for _ in range(MOST_ROUNDS):
+        for s in range(IMPLICIT_STAGES):
+            at, speed, slope = first + form.width * IMPLICIT_PLACES[s], stages[SPEED + s], stages[SLOPE + s]
+            for lane in range(LANES):
+                stages[SPEED + s, lane] = math.sqrt(stages[ENERGY + s, lane] * places[at + INVERSE, lane])
+            stage_moments(form, drive, exponents, places, at, s, stages)
+            motor_slopes(drive, form.motors, speed, slope)
+            add_polynomial_slope(places, at + LOADS, speed, slope)
+            for law in range(form.laws):
+                add_power_slope(places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
+            for lane in range(LANES):
+                by_energy = 0.5 * places[at + INVERSE, lane] / stages[SPEED + s, lane]
+                stages[SLOPE + s, lane] *= by_energy
+        # Once more after all are found, so that nothing depends on which of them was the last.
         if pending == 0.0:
             break
-        for s in range(IMPLICIT_STAGES):
-            place, speed, slope = in_lanes(near[IMPLICIT_PLACES[s]]), stages[SPEED + s], stages[SLOPE + s]
-            for lane in range(LANES):
-                speed[lane] = math.sqrt(stages[ENERGY + s, lane] * place[INVERSE, lane])
-            stage_moments(drive, exponents, place, s, stages)
-            motor_slopes(drive, speed, slope)
-            add_polynomial_slope(place[LOADS:], speed, slope)
-            for law in range(exponents.shape[0]):
-                add_power_slope(place[LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
-            for lane in range(LANES):
-                slope[lane] = slope[lane] * (0.5 * place[INVERSE, lane]) / speed[lane]
         pending = newton_step(state, stages)
     for lane in range(LANES):
-        found = (state[GOES, lane] > 0.0) & (stages[ENERGY + IMPLICIT_STAGES - 1, lane] > 0.0)
-        state[E_AFTER, lane] = stages[ENERGY + IMPLICIT_STAGES - 1, lane] if found else math.nan
+        end = stages[ENERGY + IMPLICIT_STAGES - 1, lane]
+        state[E_AFTER, lane] = end if (state[GOES, lane] > 0.0) & (end > 0.0) else math.nan
 
 
-@scalar
-def newton_step(state: np.ndarray, stages: np.ndarray) -> float:
-    """Improve the energies of an implicit step in lanes where they aren't found yet; how many those are now."""
+@routine
+def newton_step(state: Memory, stages: Memory) -> float:
+    """Improve the energies of an implicit step in lanes where they aren't found yet; how many those are now.
+
+    GOES is 1 of a lane whose energies are found, −1 of one that has none.
+    """
     pending = 0.0
     for lane in range(LANES):
         h, e = state[H, lane], state[E, lane]
@@ -226,24 +248,27 @@ def newton_step(state: np.ndarray, stages: np.ndarray) -> float:
             e + h * (IMPLICIT_A[2, 0] * m1 + IMPLICIT_A[2, 1] * m2 + IMPLICIT_A[2, 2] * m3) - e3,
         )
         worst = larger(larger(abs(by1) / e1, abs(by2) / e2), abs(by3) / e3)
-        done = state[GOES, lane] > 0.0
+        done = state[GOES, lane] != 0.0
         stages[ENERGY, lane] = e1 if done else larger(e1 + by1, 0.1 * e1)
         stages[ENERGY + 1, lane] = e2 if done else larger(e2 + by2, 0.1 * e2)
         stages[ENERGY + 2, lane] = e3 if done else larger(e3 + by3, 0.1 * e3)
-        # What isn't a number stays so: no more rounds for it.
-        lost = not (abs(by1) + abs(by2) + abs(by3) < math.inf)
-        state[GOES, lane] = 1.0 if (worst < SOLVED) | done else 0.0
-        pending += 0.0 if (state[GOES, lane] > 0.0) | lost else 1.0
+        known = abs(by1) + abs(by2) + abs(by3) < math.inf
+        now = (1.0 if worst < SOLVED else 0.0) if known else -1.0
+        state[GOES, lane] = state[GOES, lane] if done else now
+    for lane in range(LANES):
+        pending += 1.0 if state[GOES, lane] == 0.0 else 0.0
     return pending
 
 
-@scalar
-def finish_step(weights: np.ndarray, count: int, after: np.ndarray, state: np.ndarray, stages: np.ndarray) -> None:
-    """Time, work and squares of the motors' moment over the step from its stages, and the speed at its end."""
-    state, stages, after = in_lanes(state), in_lanes(stages), in_lanes(after)
+@routine
+def finish_step(weights: np.ndarray, after: Memory, state: Memory, stages: Memory) -> None:
+    """Time, work and squares of the motors' moment over the step from its stages, and the speed at its end.
+
+    `after` is the row 2/I of the place there.
+    """
     for lane in range(LANES):
         state[T_STEP, lane] = state[MOTOR_STEP, lane] = state[SQUARES_STEP, lane] = 0.0
-    for s in range(count):
+    for s in range(weights.shape[0]):
         weight = weights[s]
         for lane in range(LANES):
             motor, pace = stages[FROM_MOTORS + s, lane], weight / stages[SPEED + s, lane]
@@ -255,18 +280,19 @@ def finish_step(weights: np.ndarray, count: int, after: np.ndarray, state: np.nd
         state[T_STEP, lane] *= h
         state[MOTOR_STEP, lane] *= h
         state[SQUARES_STEP, lane] *= h
-        state[W_AFTER, lane] = math.sqrt(state[E_AFTER, lane] * after[INVERSE, lane])
+        state[W_AFTER, lane] = math.sqrt(state[E_AFTER, lane] * after[lane])
 
 
-@scalar
-def take(last: int, done: int, state: np.ndarray, stages: np.ndarray) -> float:
+@routine
+def take(last: int, done: int, state: Memory, stages: Memory) -> float:
     """Take the step in the lanes where it passes no end of the stretch; returns how many do."""
-    state, stages, going = in_lanes(state), in_lanes(stages), 0.0
+    going, count = 0.0, float(done)
     for lane in range(LANES):
         w, t = state[W_AFTER, lane], state[T, lane] + state[T_STEP, lane]
         inside = (w > state[UNDER, lane]) & (w < state[OVER, lane]) & (w > 0.0)
-        inside &= (t < state[UNTIL, lane]) & (done < state[STEPS, lane])
-        state[GOES, lane] = state[GOES, lane] * state[MOVING, lane] if inside else 0.0
+        inside &= (t < state[UNTIL, lane]) & (count < state[STEPS, lane])
+        goes = (state[GOES, lane] > 0.0) & (state[MOVING, lane] > 0.0) & inside
+        state[GOES, lane] = 1.0 if goes else 0.0
     for lane in range(LANES):
         goes, w = state[GOES, lane] > 0.0, state[W_AFTER, lane]
         peak = larger(abs(stages[FROM_MOTORS, lane]), abs(stages[FROM_MOTORS + last, lane]))
@@ -283,41 +309,40 @@ def take(last: int, done: int, state: np.ndarray, stages: np.ndarray) -> float:
     return going
 
 
-@scalar
+@routine
 def add_works(
     tables: Tables,
     channel_of: np.ndarray,
-    exponents: np.ndarray,
+    exponents: Memory,
     k: int,
     first: int,
     weights: np.ndarray,
     nodes: np.ndarray,
-    state: np.ndarray,
-    stages: np.ndarray,
-    place: np.ndarray,
-    moment: np.ndarray,
-    works: np.ndarray,
+    state: Memory,
+    stages: Memory,
+    place: Memory,
+    moment: Memory,
+    works: Memory,
 ) -> None:
-    """Works of all channels over the step that is taken, with the speeds of its stages."""
-    state, stages, works, moment = in_lanes(state), in_lanes(stages), in_lanes(works), in_lanes(moment)
-    for channel in range(works.shape[0]):
+    """Works of all channels over step k, where it is taken, with the speeds of its stages."""
+    for channel in range(tables.loads.shape[0]):
         for s in range(weights.shape[0]):
-            j, speed = 2 * k + nodes[s], stages[SPEED + s]
+            j, weight, speed = 2 * k + nodes[s], weights[s], stages[SPEED + s]
             gather(tables.loads[channel, :, j], first, place)
             for lane in range(LANES):
-                moment[0, lane] = 0.0
-            add_polynomial(place, speed, moment[0])
-            for law in range(exponents.shape[0]):
+                moment[lane] = 0.0
+            add_polynomial(place, 0, speed, moment)
+            for law in range(tables.powers.shape[0]):
                 if channel_of[law] == channel:
                     gather(tables.powers[law, j : j + 1], first, place)
-                    add_power(place[0], exponents[law], speed, moment[0])
+                    add_power(place[0], exponents[law], speed, moment)
             for lane in range(LANES):
-                gained = state[H, lane] * weights[s] * moment[0, lane]
+                gained = (weight * state[H, lane]) * moment[lane]
                 works[channel, lane] += gained if state[GOES, lane] > 0.0 else 0.0
 
 
-@scalar
-def why(state: np.ndarray, lane: int, done: int) -> int:
+@routine
+def why(state: Memory, lane: int, done: int) -> int:
     """Why a lane can't take the step."""
     w = state[W_AFTER, lane]
     if done >= state[STEPS, lane]:
@@ -331,8 +356,8 @@ def why(state: np.ndarray, lane: int, done: int) -> int:
     return STIFF if state[STIFFNESS, lane] > 0.0 else NEAR_REST
 
 
-@scalar
-def settle(first: int, width: int, done: int, state: np.ndarray, works: np.ndarray, course: Course) -> None:
+@routine
+def settle(first: int, width: int, done: int, channels: int, state: Memory, works: Memory, course: Course) -> None:
     """Write down the lanes that stop here."""
     for lane in range(width):
         if state[MOVING, lane] > state[GOES, lane]:
@@ -343,8 +368,46 @@ def settle(first: int, width: int, done: int, state: np.ndarray, works: np.ndarr
             course.slowest[v], course.fastest[v] = state[SLOW, lane], state[FAST, lane]
             course.peak[v], course.squares[v] = state[PEAK, lane], state[SQUARES, lane]
             course.works[0, v] = state[MOTOR, lane]
-            for channel in range(works.shape[0]):
+            for channel in range(channels):
                 course.works[channel + 1, v] = works[channel, lane]
+
+
+class Room(NamedTuple):
+    """Memory for a block, each (…, LANES).
+
+    Attributes
+    ----------
+    drive, exponents, steps, places : ndarray
+        What belongs to its variants: as of `Drive`, lengths of steps, and rows of all places.
+    state, stages : ndarray
+    place, moment, works : ndarray
+        Loads of a channel at a place, its moment, and works of all channels.
+    """
+
+    drive: np.ndarray
+    exponents: np.ndarray
+    steps: np.ndarray
+    places: np.ndarray
+    state: np.ndarray
+    stages: np.ndarray
+    place: np.ndarray
+    moment: np.ndarray
+    works: np.ndarray
+
+
+def new_room(form: Form, steps: int) -> Room:
+    """Memory for tables of so many steps."""
+    return Room(
+        rows(KLOSS + PER_MOTOR * form.motors),
+        rows(form.laws),
+        rows(steps),
+        rows((2 * steps + 1) * form.width),
+        rows(STATE),
+        rows(STAGE_ROWS, aside=ASIDE),
+        rows(POLYNOMIAL),
+        rows(1),
+        rows(form.channels),
+    )
 
 
 @driver
@@ -352,6 +415,7 @@ def carry(
     begin: int,
     end: int,
     implicit: bool,
+    form: Form,
     tables: Tables,
     drives: np.ndarray,
     every_exponent: np.ndarray,
@@ -360,53 +424,53 @@ def carry(
     limits: Limits,
     record: np.ndarray,
     course: Course,
-    drive: np.ndarray,
-    exponents: np.ndarray,
-    steps: np.ndarray,
-    places: np.ndarray,
-    state: np.ndarray,
-    stages: np.ndarray,
-    place: np.ndarray,
-    moment: np.ndarray,
-    works: np.ndarray,
+    room: Room,
 ) -> None:
-    """Carry the blocks begin … end − 1 of variants to the end of their stretch; see `energy_form`.
+    """Carry the blocks begin … end − 1 of variants to the end of their stretch; see `advance`.
 
-    Arguments from `drive` on are memory for a block.
+    Energy and time at every node go into `record` (2, nodes, variants), as far as it reaches; the rest into `course`.
+    After the last node of the tables comes the first.
     """
     cycle, variants = tables.steps.shape[0], energy.shape[0]
+    drive, exponents, steps, places = (
+        in_lanes(room.drive),
+        in_lanes(room.exponents),
+        in_lanes(room.steps),
+        in_lanes(room.places),
+    )
+    state, stages, place = in_lanes(room.state), in_lanes(room.stages), in_lanes(room.place)
+    moment, works = lane_of(room.moment), in_lanes(room.works)
     weights, nodes = (IMPLICIT_B, IMPLICIT_PLACES) if implicit else (B, PLACES)
-    last = weights.shape[0] - 1
     for b in range(begin, end):
         first = b * LANES
         width = min(LANES, variants - first)
         gather(drives, first, drive)
         gather(every_exponent, first, exponents)
-        pack(tables, first, steps, places)
-        set_off(energy, limits, first, width, places[0], state)
-        works[:] = 0.0
+        gather(tables.steps, first, steps)
+        pack(tables, first, form.width, places)
+        set_off(energy, limits, first, width, places, state)
+        fill(form.channels, works, 0.0)
         moving, done = float(width), 0
         while moving > 0.0:
             if done < record.shape[1]:
                 for lane in range(width):
                     record[0, done, first + lane], record[1, done, first + lane] = state[E, lane], state[T, lane]
             k = done % cycle
-            near = places[2 * k : 2 * k + 3]
-            state[H] = steps[k]
+            at = 2 * k * form.width
+            for lane in range(LANES):
+                state[H, lane] = steps[k, lane]
             if implicit:
-                implicit_step(drive, exponents, near, state, stages)
+                implicit_step(form, drive, exponents, places, at, state, stages)
             else:
-                explicit_step(drive, exponents, near, state, stages)
-            finish_step(weights, last + 1, near[2], state, stages)
-            going = take(last, done, state, stages)
-            if works.shape[0] > 1:
-                add_works(
-                    tables, channel_of, exponents, k, first, weights, nodes, state, stages, place, moment, works
-                )
+                explicit_step(form, drive, exponents, places, at, state, stages)
+            finish_step(weights, places[at + 2 * form.width + INVERSE], state, stages)
+            going = take(weights.shape[0] - 1, done, state, stages)
+            if form.channels > 1:
+                add_works(tables, channel_of, exponents, k, first, weights, nodes, state, stages, place, moment, works)
             if going < moving:
-                settle(first, width, done, state, works, course)
+                settle(first, width, done, form.channels, state, works, course)
             moving, done = going, done + 1
-        if works.shape[0] == 1:
+        if form.channels == 1:
             # What the motors didn't give.
             for lane in range(width):
                 v = first + lane
