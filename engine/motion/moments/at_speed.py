@@ -53,21 +53,39 @@ class Drive(NamedTuple):
 
 
 @scalar
-def motor_moments(drive: Memory, motors: int, speed: Memory, moment: Memory) -> None:
-    """Moments of the motors at a speed of each lane.
+def straight_motors(drive: Memory, lane: int, speed: float) -> float:
+    """Moment of the motors with a straight characteristic."""
+    return drive[LEVEL, lane] + drive[FALL, lane] * speed
+
+
+@scalar
+def polynomial(loads: Memory, begin: int, lane: int, speed: float) -> float:
+    """Moment of loads over ω⁰, ω¹ and ω², whose rows follow each other from `begin` on."""
+    return loads[begin, lane] + speed * (loads[begin + 1, lane] + speed * loads[begin + 2, lane])
+
+
+@scalar
+def polynomial_slope(loads: Memory, begin: int, lane: int, speed: float) -> float:
+    """Derivative of `polynomial` by the speed."""
+    return loads[begin + 1, lane] + 2.0 * speed * loads[begin + 2, lane]
+
+
+@scalar
+def add_induction_motors(wide: int, drive: Memory, motors: int, speed: Memory, moment: Memory) -> None:
+    """Add the moments of induction motors at a speed of each lane.
 
     Parameters
     ----------
+    wide : int
+        In how many lanes.
     drive : rows (2 + 5 motors, LANES)
     motors : int
-        How many induction motors there are.
+        How many there are.
     speed, moment : row (LANES,)
     """
-    for lane in range(LANES):
-        moment[lane] = drive[LEVEL, lane] + drive[FALL, lane] * speed[lane]
     for motor in range(motors):
         k = KLOSS + PER_MOTOR * motor
-        for lane in range(LANES):
+        for lane in range(wide):
             ratio = drive[k + 4, lane]
             moment[lane] += ratio * induction_motor(
                 drive[k, lane], drive[k + 1, lane], drive[k + 2, lane], drive[k + 3, lane], ratio * speed[lane]
@@ -75,13 +93,11 @@ def motor_moments(drive: Memory, motors: int, speed: Memory, moment: Memory) -> 
 
 
 @scalar
-def motor_slopes(drive: Memory, motors: int, speed: Memory, slope: Memory) -> None:
-    """Derivatives of the motors' moments by the speed; parameters as of `motor_moments`."""
-    for lane in range(LANES):
-        slope[lane] = drive[FALL, lane]
+def add_induction_slopes(wide: int, drive: Memory, motors: int, speed: Memory, slope: Memory) -> None:
+    """Add their derivatives by the speed; parameters as of `add_induction_motors`."""
     for motor in range(motors):
         k = KLOSS + PER_MOTOR * motor
-        for lane in range(LANES):
+        for lane in range(wide):
             ratio = drive[k + 4, lane]
             slope[lane] += (ratio * ratio) * induction_motor_slope(
                 drive[k, lane], drive[k + 1, lane], drive[k + 2, lane], drive[k + 3, lane], ratio * speed[lane]
@@ -89,39 +105,16 @@ def motor_slopes(drive: Memory, motors: int, speed: Memory, slope: Memory) -> No
 
 
 @scalar
-def add_polynomial(loads: Memory, begin: int, speed: Memory, moment: Memory) -> None:
-    """Add the moments of loads over ω⁰, ω¹ and ω² at a speed of each lane.
-
-    Parameters
-    ----------
-    loads : rows (…, LANES)
-    begin : int
-        Which of them is the first.
-    speed, moment : row (LANES,)
-    """
-    for lane in range(LANES):
-        w = speed[lane]
-        moment[lane] += loads[begin, lane] + w * (loads[begin + 1, lane] + w * loads[begin + 2, lane])
-
-
-@scalar
-def add_polynomial_slope(loads: Memory, begin: int, speed: Memory, slope: Memory) -> None:
-    """Add their derivatives by the speed; parameters as of `add_polynomial`."""
-    for lane in range(LANES):
-        slope[lane] += loads[begin + 1, lane] + 2.0 * speed[lane] * loads[begin + 2, lane]
-
-
-@scalar
-def add_power(load: Memory, exponent: Memory, speed: Memory, moment: Memory) -> None:
-    """Add the moment of a load over a power of the speed; every array is a row, (LANES,)."""
-    for lane in range(LANES):
+def add_power(wide: int, load: Memory, exponent: Memory, speed: Memory, moment: Memory) -> None:
+    """Add the moment of a load over a power of the speed; all are rows, (LANES,)."""
+    for lane in range(wide):
         moment[lane] += load[lane] * power(abs(speed[lane]), exponent[lane])
 
 
 @scalar
-def add_power_slope(load: Memory, exponent: Memory, speed: Memory, slope: Memory) -> None:
+def add_power_slope(wide: int, load: Memory, exponent: Memory, speed: Memory, slope: Memory) -> None:
     """Add its derivative by the speed; parameters as of `add_power`."""
-    for lane in range(LANES):
+    for lane in range(wide):
         w, n = speed[lane], exponent[lane]
         slope[lane] += n * (load[lane] * power(abs(w), n)) / w
 
@@ -158,13 +151,15 @@ def moments_at(
     """
     found = np.empty((2 + loads.shape[0], *omega.shape))
     if omega.size:
-        given = [np.ascontiguousarray(x) for x in (drive.rows, drive.exponents, channel_of, loads, powers, omega)]
-        sizes = len(given[0]), len(given[1]), POLYNOMIAL, 1, len(found)
+        parts = (drive.rows, drive.exponents, channel_of, loads, powers, omega)
+        given = [part if part.flags.carray else np.array(part, order="C") for part in parts]
+        count = len(given[0]) + len(given[1]) + POLYNOMIAL + 1 + len(found)
 
         def arguments() -> tuple:
-            return (*given, *(rows(size) for size in sizes), found)
+            return (*given, rows(count), found)
 
-        prepare(moments_of_blocks, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
+        if not moments_of_blocks.overloads:
+            prepare(moments_of_blocks, [types.intp, types.intp, *(numba.typeof(part) for part in arguments())])
         spread(moments_of_blocks, -(-omega.shape[1] // LANES), arguments)
     return Moments(found[0], found[2:], found[1])
 
@@ -179,42 +174,36 @@ def moments_of_blocks(
     loads: np.ndarray,
     powers: np.ndarray,
     omega: np.ndarray,
-    room_for_drive: np.ndarray,
-    room_for_exponents: np.ndarray,
-    room_for_place: np.ndarray,
-    room_for_speed: np.ndarray,
-    room_for_moments: np.ndarray,
+    room: np.ndarray,
     found: np.ndarray,
 ) -> None:
     """Moments of the motors, ∂M/∂ω, and moments of each channel into `found`, for blocks begin … end − 1 of variants.
 
     Arguments are those of `moments_at`, and memory for a block.
     """
-    drive, exponents, place, speeds, moments = (
-        in_lanes(room_for_drive),
-        in_lanes(room_for_exponents),
-        in_lanes(room_for_place),
-        in_lanes(room_for_speed),
-        in_lanes(room_for_moments),
-    )
-    motors, speed, slope = (drives.shape[0] - KLOSS) // PER_MOTOR, speeds[0], moments[1]
+    drive, exponents = in_lanes(room), in_lanes(room[drives.shape[0] :])
+    after = room[drives.shape[0] + every_exponent.shape[0] :]
+    place, speeds, moments = in_lanes(after), in_lanes(after[POLYNOMIAL:]), in_lanes(after[POLYNOMIAL + 1 :])
+    motors, speed, of_motors, slope = (drives.shape[0] - KLOSS) // PER_MOTOR, speeds[0], moments[0], moments[1]
     for b in range(begin, end):
         first = b * LANES
         gather(drives, first, drive)
         gather(every_exponent, first, exponents)
         for j in range(omega.shape[0]):
             gather(omega[j : j + 1], first, speeds)
-            motor_moments(drive, motors, speed, moments[0])
-            motor_slopes(drive, motors, speed, slope)
+            for lane in range(LANES):
+                of_motors[lane] = straight_motors(drive, lane, speed[lane])
+                slope[lane] = drive[FALL, lane]
+            add_induction_motors(LANES, drive, motors, speed, of_motors)
+            add_induction_slopes(LANES, drive, motors, speed, slope)
             for channel in range(loads.shape[0]):
                 gather(loads[channel, :, j], first, place)
                 for lane in range(LANES):
-                    moments[2 + channel, lane] = 0.0
-                add_polynomial(place, 0, speed, moments[2 + channel])
-                add_polynomial_slope(place, 0, speed, slope)
+                    moments[2 + channel, lane] = polynomial(place, 0, lane, speed[lane])
+                    slope[lane] += polynomial_slope(place, 0, lane, speed[lane])
             for law in range(powers.shape[0]):
                 gather(powers[law, j : j + 1], first, place)
-                add_power(place[0], exponents[law], speed, moments[2 + channel_of[law]])
-                add_power_slope(place[0], exponents[law], speed, slope)
+                add_power(LANES, place[0], exponents[law], speed, moments[2 + channel_of[law]])
+                add_power_slope(LANES, place[0], exponents[law], speed, slope)
             for row in range(found.shape[0]):
                 hand_out(moments[row], first, found[row, j])

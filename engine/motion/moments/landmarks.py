@@ -108,8 +108,9 @@ class Landmarks:
             work = new_workspace(task, len(parameters), 0)
             return module.events, module.levels, task, parameters, functions.memory, work, found
 
-        kinds = [numba.typeof(argument) for argument in arguments()[2:]]
-        prepare(find_places, [types.intp, types.intp, CURVES, CURVES, *kinds])
+        if not find_places.overloads:
+            kinds = [numba.typeof(argument) for argument in arguments()[2:]]
+            prepare(find_places, [types.intp, types.intp, CURVES, CURVES, *kinds])
         spread(find_places, -(-found.shape[2] // LANES), arguments)
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:

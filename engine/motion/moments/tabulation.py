@@ -12,6 +12,7 @@ import numpy as np
 from numba import types
 
 from engine.compiling.jit import load_compiled, run_pieces
+from engine.compiling.tiles import TileFunction
 from engine.cycle.compiling import CURVES, driver, prepare, scalar
 from engine.cycle.lanes import LANES
 from engine.graph.functions import Functions
@@ -59,6 +60,7 @@ class Tabulation:
     def __init__(self, functions: Functions) -> None:
         self.functions = functions
         self.given = tuple(node for node in functions.rows if isinstance(node, Given))
+        self._compiled: dict[str, TileFunction] = {}
         self._found = [(node, row) for node, row in functions.rows.items() if isinstance(node, Found)]
 
     def parameters(self, numbers: Numbers, direction: np.ndarray, ends: Ends | None = None) -> np.ndarray:
@@ -115,6 +117,12 @@ class Tabulation:
         """
         return self._filled("curves_at", len(self.functions.curves), parameters, q, given, sums)
 
+    def _function(self, name: str) -> TileFunction:
+        """One of the printed functions, compiled."""
+        if name not in self._compiled:
+            self._compiled[name] = TileFunction(getattr(load_compiled(self.functions.text), name))
+        return self._compiled[name]
+
     def _filled(
         self,
         function: str,
@@ -133,9 +141,10 @@ class Tabulation:
         given = given or {}
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
         every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, *q.shape)
-        fill = getattr(load_compiled(self.functions.text), function)
+        fill = self._function(function)
         arguments = (fill, parameters, self.functions.memory, np.ascontiguousarray(q), every, given_rows)
-        prepare(fill_places, _TYPES)
+        if not fill_places.overloads:
+            prepare(fill_places, _TYPES)
         run_pieces(fill_places, -(-variants // LANES), (*arguments, rows, sums.target, sums.way, out))
         return out
 

@@ -5,6 +5,8 @@ What follows from these, and whether the step passes an end of the stretch, is t
 """
 
 import math
+from collections.abc import Callable
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -14,15 +16,17 @@ from engine.cycle.driver import fill, gather
 from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, lane_of, rows
 from engine.cycle.series import larger, smaller
 from engine.motion.moments.at_speed import (
+    FALL,
     KLOSS,
     PER_MOTOR,
     POLYNOMIAL,
-    add_polynomial,
-    add_polynomial_slope,
+    add_induction_motors,
+    add_induction_slopes,
     add_power,
     add_power_slope,
-    motor_moments,
-    motor_slopes,
+    polynomial,
+    polynomial_slope,
+    straight_motors,
 )
 from engine.motion.steppers.energy_form import (
     ABOVE,
@@ -38,13 +42,13 @@ from engine.motion.steppers.energy_form import (
     Limits,
     Tables,
 )
-from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC
+from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC, Tableau
 
 # Stages of the two methods lie at nodes of the tables and in the middle between them.
-A, B, STAGES = CLASSICAL.matrix, CLASSICAL.weights, CLASSICAL.stages
-PLACES = (2.0 * CLASSICAL.nodes).astype(np.int64)
-IMPLICIT_A, IMPLICIT_B, IMPLICIT_STAGES = LOBATTO_IIIC.matrix, LOBATTO_IIIC.weights, LOBATTO_IIIC.stages
-IMPLICIT_PLACES = (2.0 * LOBATTO_IIIC.nodes).astype(np.int64)
+B, STAGES = tuple(CLASSICAL.weights), CLASSICAL.stages
+WEIGHTS, PLACES = CLASSICAL.weights, (2.0 * CLASSICAL.nodes).astype(np.int64)
+IMPLICIT_A, IMPLICIT_STAGES = LOBATTO_IIIC.matrix, LOBATTO_IIIC.stages
+IMPLICIT_WEIGHTS, IMPLICIT_PLACES = LOBATTO_IIIC.weights, (2.0 * LOBATTO_IIIC.nodes).astype(np.int64)
 MOST_STAGES = max(STAGES, IMPLICIT_STAGES)
 
 # Rows of a block's state: what has gathered, whether a lane is on its way and takes the step, limits …
@@ -58,6 +62,11 @@ STAGE_ROWS = 5 * MOST_STAGES
 # Rows of a place: 2/I, then loads.
 INVERSE, LOADS = range(2)
 
+# Lanes that the compiled code takes at once, or a multiple of that: what is left over would go a scalar way. Loops over
+# a number that the compiler doesn't know aren't unrolled, so that the code of a step stays small enough to be decoded
+# once.
+TOGETHER = 32
+
 MOST_ROUNDS = 60
 SOLVED = 1e-14
 
@@ -65,7 +74,8 @@ SOLVED = 1e-14
 class Form(NamedTuple):
     """How many there are of what differs between machines: induction motors, power laws, channels of work.
 
-    `width` is the number of rows of a place.
+    `width` is the number of rows of a place: 2/I, all loads by powers of the speed, power laws, and where there are
+    several channels, the loads of each.
     """
 
     motors: int
@@ -92,6 +102,13 @@ def pack(tables: Tables, first: int, width: int, places: Memory) -> None:
         for law in range(tables.powers.shape[0]):
             for lane in range(LANES):
                 places[at + LOADS + POLYNOMIAL + law, lane] = tables.powers[law, j, min(first + lane, last)]
+        # Works need each channel by itself.
+        row = at + LOADS + POLYNOMIAL + tables.powers.shape[0]
+        for channel in range(tables.loads.shape[0] if row < at + width else 0):
+            for order in range(POLYNOMIAL):
+                for lane in range(LANES):
+                    places[row, lane] = tables.loads[channel, order, j, min(first + lane, last)]
+                row += 1
 
 
 @routine
@@ -111,44 +128,116 @@ def set_off(energy: np.ndarray, limits: Limits, first: int, width: int, places: 
 
 
 @scalar
-def stage_moments(
-    form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, s: int, stages: Memory
+def add_curved(
+    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, s: int, stages: Memory
 ) -> None:
-    """Moments of a stage at its speed; its place begins at row `at`."""
+    """Add to the moments of a stage those of induction motors and power laws; its place begins at row `at`."""
     speed, motors, moment = stages[SPEED + s], stages[FROM_MOTORS + s], stages[MOMENT + s]
-    motor_moments(drive, form.motors, speed, motors)
-    for lane in range(LANES):
-        moment[lane] = motors[lane]
-    add_polynomial(places, at + LOADS, speed, moment)
+    if form.motors > 0:
+        for lane in range(wide):
+            moment[lane] -= motors[lane]
+        add_induction_motors(wide, drive, form.motors, speed, motors)
+        for lane in range(wide):
+            moment[lane] += motors[lane]
     for law in range(form.laws):
-        add_power(places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
+        add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
+
+
+def stage_of(method: Tableau, s: int) -> Callable:
+    """Stage s of an explicit method, as a function of its own: the compiler then knows its coefficients."""
+    row, node = tuple(method.matrix[s]), int(2.0 * method.nodes[s])
+
+    @scalar
+    def stage(
+        wide: int,
+        form: Form,
+        drive: Memory,
+        exponents: Memory,
+        places: Memory,
+        first: int,
+        state: Memory,
+        stages: Memory,
+    ) -> None:
+        at = first + form.width * node
+        for lane in range(wide):
+            moment = 0.0
+            for k in range(s):
+                moment += row[k] * stages[MOMENT + k, lane] if row[k] != 0.0 else 0.0
+            speed = math.sqrt((state[E, lane] + state[H, lane] * moment) * places[at + INVERSE, lane])
+            motors = straight_motors(drive, lane, speed)
+            stages[SPEED + s, lane], stages[FROM_MOTORS + s, lane] = speed, motors
+            stages[MOMENT + s, lane] = motors + polynomial(places, at + LOADS, lane, speed)
+        add_curved(wide, form, drive, exponents, places, at, s, stages)
+
+    return stage
+
+
+def one_after_another(first: Callable, second: Callable) -> Callable:
+    """Two stages, one after the other."""
+
+    @scalar
+    def both(
+        wide: int,
+        form: Form,
+        drive: Memory,
+        exponents: Memory,
+        places: Memory,
+        begin: int,
+        state: Memory,
+        stages: Memory,
+    ) -> None:
+        first(wide, form, drive, exponents, places, begin, state, stages)
+        second(wide, form, drive, exponents, places, begin, state, stages)
+
+    return both
+
+
+all_stages = reduce(one_after_another, (stage_of(CLASSICAL, s) for s in range(STAGES)))
+
+
+def finish_of(method: Tableau) -> Callable:
+    """What follows from the stages of a step: its time, work and squares of the motors, and the speed at its end."""
+    weights, count = tuple(method.weights), method.stages
+
+    @scalar
+    def finish(wide: int, after: Memory, state: Memory, stages: Memory) -> None:
+        for lane in range(wide):
+            time = work = squares = 0.0
+            # Of two speeds the reciprocals for one division.
+            for s in range(0, count - 1, 2):
+                near, far = stages[SPEED + s, lane], stages[SPEED + s + 1, lane]
+                one, other = stages[FROM_MOTORS + s, lane], stages[FROM_MOTORS + s + 1, lane]
+                both = 1.0 / (near * far)
+                pace, other_pace = weights[s] * far * both, weights[s + 1] * near * both
+                time += pace + other_pace
+                work += weights[s] * one + weights[s + 1] * other
+                squares += one * one * pace + other * other * other_pace
+            if count % 2 == 1:
+                motor, pace = stages[FROM_MOTORS + count - 1, lane], weights[-1] / stages[SPEED + count - 1, lane]
+                time += pace
+                work += weights[-1] * motor
+                squares += motor * motor * pace
+            h = state[H, lane]
+            state[T_STEP, lane], state[MOTOR_STEP, lane], state[SQUARES_STEP, lane] = h * time, h * work, h * squares
+            state[W_AFTER, lane] = math.sqrt(state[E_AFTER, lane] * after[lane])
+
+    return finish
+
+
+finish_explicit, finish_implicit = finish_of(CLASSICAL), finish_of(LOBATTO_IIIC)
 
 
 @routine
 def explicit_step(
-    form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
+    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
 ) -> None:
     """A step of the classical method of all lanes, from the place that begins at row `first`."""
-    for s in range(STAGES):
-        at = first + form.width * PLACES[s]
-        for lane in range(LANES):
-            stages[SPEED + s, lane] = state[E, lane]
-        for k in range(s):
-            share = A[s, k]
-            if share != 0.0:
-                for lane in range(LANES):
-                    stages[SPEED + s, lane] += (share * state[H, lane]) * stages[MOMENT + k, lane]
-        for lane in range(LANES):
-            stages[SPEED + s, lane] = math.sqrt(stages[SPEED + s, lane] * places[at + INVERSE, lane])
-        stage_moments(form, drive, exponents, places, at, s, stages)
-    for lane in range(LANES):
-        state[E_AFTER, lane] = state[E, lane]
-    for s in range(STAGES):
-        weight = B[s]
-        for lane in range(LANES):
-            state[E_AFTER, lane] += (weight * state[H, lane]) * stages[MOMENT + s, lane]
-    for lane in range(LANES):
-        e, h, near = state[E, lane], state[H, lane], stages[MOMENT, lane]
+    all_stages(wide, form, drive, exponents, places, first, state, stages)
+    for lane in range(wide):
+        e, h, near, gained = state[E, lane], state[H, lane], stages[MOMENT, lane], 0.0
+        for s in range(STAGES):
+            gained += B[s] * stages[MOMENT + s, lane]
+        state[E_AFTER, lane] = e + h * gained
         # M differs between the second and the third stage by its dependence on E alone, and E there as the
         # first two stages do: the ratio says how near an explicit method is to being unstable.
         change, before = stages[MOMENT + 2, lane] - stages[MOMENT + 1, lane], stages[MOMENT + 1, lane] - near
@@ -157,6 +246,7 @@ def explicit_step(
         slowing = careful & ((-near > TIMES_PER_RADIAN * e) | (-near * h > SHARE_PER_STEP * e))
         state[STIFFNESS, lane] = 1.0 if stiff else 0.0
         state[GOES, lane] = 0.0 if (stiff | slowing) else 1.0
+    finish_explicit(wide, places[first + 2 * form.width + INVERSE], state, stages)
 
 
 @scalar
@@ -185,7 +275,7 @@ def solved(
 
 @routine
 def implicit_step(
-    form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
+    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
 ) -> None:
     """A step of Lobatto IIIC of all lanes; parameters as of `explicit_step`.
 
@@ -194,41 +284,45 @@ def implicit_step(
     fraction of a step is simply followed.
     """
     for s in range(IMPLICIT_STAGES):
-        for lane in range(LANES):
+        for lane in range(wide):
             stages[ENERGY + s, lane] = state[E, lane]
-    for lane in range(LANES):
+    for lane in range(wide):
         state[STIFFNESS, lane], state[GOES, lane] = 0.0, 0.0
     pending = 1.0
     for _ in range(MOST_ROUNDS):
         for s in range(IMPLICIT_STAGES):
-            at, speed, slope = first + form.width * IMPLICIT_PLACES[s], stages[SPEED + s], stages[SLOPE + s]
-            for lane in range(LANES):
-                stages[SPEED + s, lane] = math.sqrt(stages[ENERGY + s, lane] * places[at + INVERSE, lane])
-            stage_moments(form, drive, exponents, places, at, s, stages)
-            motor_slopes(drive, form.motors, speed, slope)
-            add_polynomial_slope(places, at + LOADS, speed, slope)
+            at, slope = first + form.width * IMPLICIT_PLACES[s], stages[SLOPE + s]
+            for lane in range(wide):
+                speed = math.sqrt(stages[ENERGY + s, lane] * places[at + INVERSE, lane])
+                motors = straight_motors(drive, lane, speed)
+                stages[SPEED + s, lane], stages[FROM_MOTORS + s, lane] = speed, motors
+                stages[MOMENT + s, lane] = motors + polynomial(places, at + LOADS, lane, speed)
+                slope[lane] = drive[FALL, lane] + polynomial_slope(places, at + LOADS, lane, speed)
+            add_curved(wide, form, drive, exponents, places, at, s, stages)
+            add_induction_slopes(wide, drive, form.motors, stages[SPEED + s], slope)
             for law in range(form.laws):
-                add_power_slope(places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
-            for lane in range(LANES):
+                add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], stages[SPEED + s], slope)
+            for lane in range(wide):
                 by_energy = 0.5 * places[at + INVERSE, lane] / stages[SPEED + s, lane]
                 stages[SLOPE + s, lane] *= by_energy
         # Once more after all are found, so that nothing depends on which of them was the last.
         if pending == 0.0:
             break
-        pending = newton_step(state, stages)
-    for lane in range(LANES):
+        pending = newton_step(wide, state, stages)
+    for lane in range(wide):
         end = stages[ENERGY + IMPLICIT_STAGES - 1, lane]
         state[E_AFTER, lane] = end if (state[GOES, lane] > 0.0) & (end > 0.0) else math.nan
+    finish_implicit(wide, places[first + 2 * form.width + INVERSE], state, stages)
 
 
 @routine
-def newton_step(state: Memory, stages: Memory) -> float:
+def newton_step(wide: int, state: Memory, stages: Memory) -> float:
     """Improve the energies of an implicit step in lanes where they aren't found yet; how many those are now.
 
     GOES is 1 of a lane whose energies are found, −1 of one that has none.
     """
     pending = 0.0
-    for lane in range(LANES):
+    for lane in range(wide):
         h, e = state[H, lane], state[E, lane]
         m1, m2, m3 = stages[MOMENT, lane], stages[MOMENT + 1, lane], stages[MOMENT + 2, lane]
         d1, d2, d3 = h * stages[SLOPE, lane], h * stages[SLOPE + 1, lane], h * stages[SLOPE + 2, lane]
@@ -255,45 +349,22 @@ def newton_step(state: Memory, stages: Memory) -> float:
         known = abs(by1) + abs(by2) + abs(by3) < math.inf
         now = (1.0 if worst < SOLVED else 0.0) if known else -1.0
         state[GOES, lane] = state[GOES, lane] if done else now
-    for lane in range(LANES):
+    for lane in range(wide):
         pending += 1.0 if state[GOES, lane] == 0.0 else 0.0
     return pending
 
 
 @routine
-def finish_step(weights: np.ndarray, after: Memory, state: Memory, stages: Memory) -> None:
-    """Time, work and squares of the motors' moment over the step from its stages, and the speed at its end.
-
-    `after` is the row 2/I of the place there.
-    """
-    for lane in range(LANES):
-        state[T_STEP, lane] = state[MOTOR_STEP, lane] = state[SQUARES_STEP, lane] = 0.0
-    for s in range(weights.shape[0]):
-        weight = weights[s]
-        for lane in range(LANES):
-            motor, pace = stages[FROM_MOTORS + s, lane], weight / stages[SPEED + s, lane]
-            state[T_STEP, lane] += pace
-            state[MOTOR_STEP, lane] += weight * motor
-            state[SQUARES_STEP, lane] += motor * motor * pace
-    for lane in range(LANES):
-        h = state[H, lane]
-        state[T_STEP, lane] *= h
-        state[MOTOR_STEP, lane] *= h
-        state[SQUARES_STEP, lane] *= h
-        state[W_AFTER, lane] = math.sqrt(state[E_AFTER, lane] * after[lane])
-
-
-@routine
-def take(last: int, done: int, state: Memory, stages: Memory) -> float:
+def take(wide: int, last: int, done: int, state: Memory, stages: Memory) -> float:
     """Take the step in the lanes where it passes no end of the stretch; returns how many do."""
     going, count = 0.0, float(done)
-    for lane in range(LANES):
+    for lane in range(wide):
         w, t = state[W_AFTER, lane], state[T, lane] + state[T_STEP, lane]
         inside = (w > state[UNDER, lane]) & (w < state[OVER, lane]) & (w > 0.0)
         inside &= (t < state[UNTIL, lane]) & (count < state[STEPS, lane])
         goes = (state[GOES, lane] > 0.0) & (state[MOVING, lane] > 0.0) & inside
         state[GOES, lane] = 1.0 if goes else 0.0
-    for lane in range(LANES):
+    for lane in range(wide):
         goes, w = state[GOES, lane] > 0.0, state[W_AFTER, lane]
         peak = larger(abs(stages[FROM_MOTORS, lane]), abs(stages[FROM_MOTORS + last, lane]))
         state[E, lane] = state[E_AFTER, lane] if goes else state[E, lane]
@@ -304,41 +375,41 @@ def take(last: int, done: int, state: Memory, stages: Memory) -> float:
         state[SLOW, lane] = smaller(state[SLOW, lane], w) if goes else state[SLOW, lane]
         state[FAST, lane] = larger(state[FAST, lane], w) if goes else state[FAST, lane]
         state[PEAK, lane] = larger(state[PEAK, lane], peak) if goes else state[PEAK, lane]
-    for lane in range(LANES):
+    for lane in range(wide):
         going += state[GOES, lane]
     return going
 
 
 @routine
 def add_works(
-    tables: Tables,
+    wide: int,
+    form: Form,
     channel_of: np.ndarray,
     exponents: Memory,
-    k: int,
-    first: int,
     weights: np.ndarray,
     nodes: np.ndarray,
+    places: Memory,
+    first: int,
     state: Memory,
     stages: Memory,
-    place: Memory,
     moment: Memory,
     works: Memory,
 ) -> None:
-    """Works of all channels over step k, where it is taken, with the speeds of its stages."""
-    for channel in range(tables.loads.shape[0]):
-        for s in range(weights.shape[0]):
-            j, weight, speed = 2 * k + nodes[s], weights[s], stages[SPEED + s]
-            gather(tables.loads[channel, :, j], first, place)
-            for lane in range(LANES):
-                moment[lane] = 0.0
-            add_polynomial(place, 0, speed, moment)
-            for law in range(tables.powers.shape[0]):
-                if channel_of[law] == channel:
-                    gather(tables.powers[law, j : j + 1], first, place)
-                    add_power(place[0], exponents[law], speed, moment)
-            for lane in range(LANES):
-                gained = (weight * state[H, lane]) * moment[lane]
+    """Works of all channels over the step, where it is taken, with the speeds of its stages."""
+    channels = LOADS + POLYNOMIAL + form.laws
+    for s in range(weights.shape[0]):
+        at, weight, speed = first + form.width * nodes[s], weights[s], stages[SPEED + s]
+        for channel in range(form.channels):
+            for lane in range(wide):
+                gained = weight * state[H, lane] * polynomial(places, at + channels + 3 * channel, lane, speed[lane])
                 works[channel, lane] += gained if state[GOES, lane] > 0.0 else 0.0
+        for law in range(form.laws):
+            for lane in range(wide):
+                moment[lane] = 0.0
+            add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
+            for lane in range(wide):
+                gained = weight * state[H, lane] * moment[lane]
+                works[channel_of[law], lane] += gained if state[GOES, lane] > 0.0 else 0.0
 
 
 @routine
@@ -380,8 +451,8 @@ class Room(NamedTuple):
     drive, exponents, steps, places : ndarray
         What belongs to its variants: as of `Drive`, lengths of steps, and rows of all places.
     state, stages : ndarray
-    place, moment, works : ndarray
-        Loads of a channel at a place, its moment, and works of all channels.
+    moment, works : ndarray
+        Moment of a load, and works of all channels.
     """
 
     drive: np.ndarray
@@ -390,7 +461,6 @@ class Room(NamedTuple):
     places: np.ndarray
     state: np.ndarray
     stages: np.ndarray
-    place: np.ndarray
     moment: np.ndarray
     works: np.ndarray
 
@@ -404,7 +474,6 @@ def new_room(form: Form, steps: int) -> Room:
         rows((2 * steps + 1) * form.width),
         rows(STATE),
         rows(STAGE_ROWS, aside=ASIDE),
-        rows(POLYNOMIAL),
         rows(1),
         rows(form.channels),
     )
@@ -438,12 +507,13 @@ def carry(
         in_lanes(room.steps),
         in_lanes(room.places),
     )
-    state, stages, place = in_lanes(room.state), in_lanes(room.stages), in_lanes(room.place)
+    state, stages = in_lanes(room.state), in_lanes(room.stages)
     moment, works = lane_of(room.moment), in_lanes(room.works)
-    weights, nodes = (IMPLICIT_B, IMPLICIT_PLACES) if implicit else (B, PLACES)
+    weights, nodes = (IMPLICIT_WEIGHTS, IMPLICIT_PLACES) if implicit else (WEIGHTS, PLACES)
     for b in range(begin, end):
         first = b * LANES
         width = min(LANES, variants - first)
+        wide = -(-width // TOGETHER) * TOGETHER
         gather(drives, first, drive)
         gather(every_exponent, first, exponents)
         gather(tables.steps, first, steps)
@@ -457,16 +527,15 @@ def carry(
                     record[0, done, first + lane], record[1, done, first + lane] = state[E, lane], state[T, lane]
             k = done % cycle
             at = 2 * k * form.width
-            for lane in range(LANES):
+            for lane in range(wide):
                 state[H, lane] = steps[k, lane]
             if implicit:
-                implicit_step(form, drive, exponents, places, at, state, stages)
+                implicit_step(wide, form, drive, exponents, places, at, state, stages)
             else:
-                explicit_step(form, drive, exponents, places, at, state, stages)
-            finish_step(weights, places[at + 2 * form.width + INVERSE], state, stages)
-            going = take(weights.shape[0] - 1, done, state, stages)
+                explicit_step(wide, form, drive, exponents, places, at, state, stages)
+            going = take(wide, weights.shape[0] - 1, done, state, stages)
             if form.channels > 1:
-                add_works(tables, channel_of, exponents, k, first, weights, nodes, state, stages, place, moment, works)
+                add_works(wide, form, channel_of, exponents, weights, nodes, places, at, state, stages, moment, works)
             if going < moving:
                 settle(first, width, done, form.channels, state, works, course)
             moving, done = going, done + 1

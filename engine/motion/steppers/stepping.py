@@ -68,13 +68,16 @@ def _carry(
 ) -> None:
     """Fill record and course; explicitly or implicitly."""
     drive, laws, steps = variants.drive, tables.powers.shape[0], tables.steps.shape[0]
-    form = Form(len(drive.kloss), laws, len(dynamics.channels), LOADS + POLYNOMIAL + laws)
+    channels = len(dynamics.channels)
+    width = LOADS + POLYNOMIAL + laws + (POLYNOMIAL * channels if channels > 1 else 0)
+    form = Form(len(drive.kloss), laws, channels, width)
     given = (implicit, form, tables, drive.rows, drive.exponents, dynamics.channel_of_laws, energy, limits)
 
     def arguments() -> tuple:
         return (*given, record, course, new_room(form, steps))
 
-    prepare(carry, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
+    if not carry.overloads:
+        prepare(carry, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
     spread(carry, -(-energy.size // LANES), arguments)
 
 
