@@ -75,7 +75,7 @@ def _equation(dynamics: Dynamics, variants: Variants, start: np.ndarray, doubt: 
         table = make_table(action.abscissae, action.ordinates, action.interpolation, outside=action.outside)
         instant, value = strongest(table)
     rows = len(reduction.keys) + 2
-    alone = Sums(np.arange(rows), rows, np.ones((rows, variants.count)))
+    alone = Sums(np.arange(rows), rows, np.zeros(rows, bool), variants.direction)
     out = reduction.curves(variants, start[None], np.full((1, variants.count), instant), alone)[:, 0]
     loads = np.zeros((len(dynamics.channels), 3, variants.count))
     for i, channel, order in dynamics.polynomial:

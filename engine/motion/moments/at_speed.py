@@ -29,23 +29,25 @@ class Drive(NamedTuple):
 
     Attributes
     ----------
-    line : ndarray (2, variants)
-        Moment of the motors with a straight characteristic, reduced: line[0] + line[1]·ω.
-    kloss : ndarray (motors, 5, variants)
-        Of each induction motor: breakdown moment, breakdown slip, rotor ratio, synchronous speed, and speed
-        ratio to the crank.
+    rows : ndarray (2 + 5 motors, variants)
+        Moment of the motors with a straight characteristic, reduced, rows[0] + rows[1]·ω; then of each induction motor
+        breakdown moment, breakdown slip, rotor ratio, synchronous speed, and speed ratio to the crank.
     exponents : ndarray (laws, variants)
         Powers of ω of the power laws.
     """
 
-    line: np.ndarray
-    kloss: np.ndarray
+    rows: np.ndarray
     exponents: np.ndarray
 
     @property
-    def rows(self) -> np.ndarray:
-        """Line and motors as rows, (2 + 5 motors, variants)."""
-        return np.concatenate((self.line, self.kloss.reshape(-1, self.line.shape[1])))
+    def line(self) -> np.ndarray:
+        """Of the straight characteristic, (2, variants)."""
+        return self.rows[:KLOSS]
+
+    @property
+    def kloss(self) -> np.ndarray:
+        """Constants of the induction motors, (motors, 5, variants)."""
+        return self.rows[KLOSS:].reshape(-1, PER_MOTOR, self.rows.shape[1])
 
     def some(self, chosen: np.ndarray) -> "Drive":
         """Of some of the variants, by index."""
@@ -142,9 +144,9 @@ def moments_at(
     drive : Drive
     channel_of : ndarray (laws,) of int
         Channel of each power law.
-    loads : ndarray (channels, 3, places, variants)
-        Over ω⁰, ω¹ and ω².
-    powers : ndarray (laws, places, variants)
+    loads : ndarray (channels, 3, places or 1, variants)
+        Over ω⁰, ω¹ and ω²; those of one place hold at all.
+    powers : ndarray (laws, places or 1, variants)
         Over ω to a power of its own.
     omega : ndarray (places, variants)
         [rad/s].
@@ -190,6 +192,7 @@ def moments_of_blocks(
         gather(drives, first, drive)
         gather(every_exponent, first, exponents)
         for j in range(omega.shape[0]):
+            at = j if loads.shape[2] > 1 else 0
             gather(omega[j : j + 1], first, speeds)
             for lane in range(LANES):
                 of_motors[lane] = straight_motors(drive, lane, speed[lane])
@@ -197,12 +200,12 @@ def moments_of_blocks(
             add_induction_motors(LANES, drive, motors, speed, of_motors)
             add_induction_slopes(LANES, drive, motors, speed, slope)
             for channel in range(loads.shape[0]):
-                gather(loads[channel, :, j], first, place)
+                gather(loads[channel, :, at], first, place)
                 for lane in range(LANES):
                     moments[2 + channel, lane] = polynomial(place, 0, lane, speed[lane])
                     slope[lane] += polynomial_slope(place, 0, lane, speed[lane])
             for law in range(powers.shape[0]):
-                gather(powers[law, j : j + 1], first, place)
+                gather(powers[law, at : at + 1], first, place)
                 add_power(LANES, place[0], exponents[law], speed, moments[2 + channel_of[law]])
                 add_power_slope(LANES, place[0], exponents[law], speed, slope)
             for row in range(found.shape[0]):

@@ -178,17 +178,14 @@ class Dynamics:
             self.target[i + 2] = 2 + 3 * channel + order
         for k, (i, _, _) in enumerate(self.laws):
             self.target[i + 2] = 2 + 3 * len(self.channels) + k
+        self._turned = np.arange(self.target.size) > 0
+        self.channel_of_laws = np.array([channel for _, channel, _ in self.laws], np.int64)
         self.cycle = reduction.cycle
 
     def _channel(self, role: str | None) -> int:
         if not self.works:
             return 0
         return CHANNELS.index(role if role in CHANNELS else "other")
-
-    @property
-    def channel_of_laws(self) -> np.ndarray:
-        """Channel of each power law, (laws,)."""
-        return np.array([channel for _, channel, _ in self.laws], np.int64)
 
     def driven(self, variants: Variants) -> Variants:
         """The variants with the motors that are at work here."""
@@ -208,9 +205,7 @@ class Dynamics:
                 constants = (*kloss_constants(motor, at, numbers), ratio)
                 kloss.append(np.array([np.broadcast_to(c, count) for c in constants]))
         exponents = [np.broadcast_to(numbers[path], count) for _, _, path in self.laws]
-        return Drive(
-            line, np.array(kloss).reshape(len(kloss), 5, count), np.array(exponents).reshape(len(exponents), count)
-        )
+        return Drive(np.concatenate((line, *kloss)), np.array(exponents).reshape(len(exponents), count))
 
     def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:
         """Grid from a start angle, with a node at every break."""
@@ -253,9 +248,7 @@ class Dynamics:
             Time [s].
         """
         channels = len(self.channels)
-        way = np.broadcast_to(variants.direction, (self.target.size, variants.count)).copy()
-        way[0] = 1.0
-        sums = Sums(self.target, 2 + 3 * channels + len(self.laws), way)
+        sums = Sums(self.target, 2 + 3 * channels + len(self.laws), self._turned, variants.direction)
         out = self.reduction.curves(variants, places, clock, sums)
         loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
         return Rows(out[0] + variants.flywheel, out[1], loads, powers)

@@ -33,13 +33,16 @@ class Sums(NamedTuple):
         To which sum each row belongs; −1 where to none.
     count : int
         Number of sums.
-    way : ndarray (rows, variants)
-        Factor of each row.
+    turned : ndarray (rows,) of bool
+        Which rows are taken in the direction of motion.
+    direction : ndarray (variants,)
+        +1 or −1.
     """
 
     target: np.ndarray
     count: int
-    way: np.ndarray
+    turned: np.ndarray
+    direction: np.ndarray
 
 
 class Tabulation:
@@ -134,7 +137,7 @@ class Tabulation:
     ) -> np.ndarray:
         variants = q.shape[1]
         if sums is None:
-            sums = Sums(np.arange(rows), rows, np.ones((rows, variants)))
+            sums = Sums(np.arange(rows), rows, np.zeros(rows, bool), np.ones(variants))
         out = np.empty((sums.count, *q.shape))
         if not variants or not rows:
             return out
@@ -145,7 +148,9 @@ class Tabulation:
         arguments = (fill, parameters, self.functions.memory, np.ascontiguousarray(q), every, given_rows)
         if not fill_places.overloads:
             prepare(fill_places, _TYPES)
-        run_pieces(fill_places, -(-variants // LANES), (*arguments, rows, sums.target, sums.way, out))
+        run_pieces(
+            fill_places, -(-variants // LANES), (*arguments, rows, sums.target, sums.turned, sums.direction, out)
+        )
         return out
 
 
@@ -181,7 +186,8 @@ def fill_places(
     given_rows: np.ndarray,
     rows: int,
     target: np.ndarray,
-    way: np.ndarray,
+    turned: np.ndarray,
+    direction: np.ndarray,
     out: np.ndarray,
 ) -> None:
     """Fill `out` (sums, places, variants) for the blocks begin … end − 1 of variants, place by place.
@@ -190,13 +196,14 @@ def fill_places(
     of the parameters before.
     """
     places, variants = q.shape
-    block, turned = lanes(parameters.shape[0]), lanes(way.shape[0])
-    position, sums = lanes(3), lanes(out.shape[0])
+    block, position, sums = lanes(parameters.shape[0]), lanes(3), lanes(out.shape[0])
+    ways = lanes(2)
     tile = lanes(rows).reshape(rows, 1, LANES)
     for b in range(begin, end):
         first = b * LANES
         gather(parameters, first, block)
-        gather(way, first, turned)
+        for lane in range(LANES):
+            ways[0, lane], ways[1, lane] = 1.0, direction[min(first + lane, variants - 1)]
         for j in range(places):
             for lane in range(LANES):
                 position[0, lane] = q[j, min(first + lane, variants - 1)]
@@ -210,8 +217,9 @@ def fill_places(
             for row in range(rows):
                 into = target[row]
                 if into >= 0:
+                    way = 1 if turned[row] else 0
                     for lane in range(LANES):
-                        sums[into, lane] += tile[row, 0, lane] * turned[row, lane]
+                        sums[into, lane] += tile[row, 0, lane] * ways[way, lane]
             for i in range(sums.shape[0]):
                 for lane in range(min(LANES, variants - first)):
                     out[i, j, first + lane] = sums[i, lane]
@@ -220,5 +228,5 @@ def fill_places(
 _ROWS, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]
 _TYPES = (
     *(types.intp, types.intp, CURVES, _ROWS, types.float64[::1], _ROWS, _CUBE, types.int64[::1]),
-    *(types.intp, types.int64[::1], _ROWS, _CUBE),
+    *(types.intp, types.int64[::1], types.boolean[::1], types.float64[::1], _CUBE),
 )
