@@ -9,7 +9,7 @@ import re
 from typing import NamedTuple
 
 from engine.machine.model import Model
-from engine.machine.motors import motor_moment
+from engine.mechanism.actions.motors import motor_moment
 from engine.machine.quantities.inertia import replacement_slots, replacement_summaries
 from engine.machine.quantities.loops import RESIDUAL, loop_summaries, magnifications
 from engine.machine.quantities.quantities import (

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.jit import on_all_threads, threads
-from engine.machine.motors import motor_ratio
+from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form

@@ -11,7 +11,7 @@ from mpmath import mpf
 
 from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table, table_value
-from engine.machine.motors import kloss_constants
+from engine.mechanism.actions.motors import kloss_constants
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import Law, regime_text
 from engine.scene.scene import Numbers, scene_numbers

@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Node, reached
-from engine.machine.motors import kloss_constants, motor_ratio, stall_moment
+from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.at_speed import Drive, Moments, moments_at
