@@ -1,13 +1,20 @@
 """Fixtures of several files."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from commands import STUDY, said
+from hypothesis import settings
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
 from engine.compiling.jit import set_threads
+
+# The same examples in every run of CI; others on every developer's machine.
+settings.register_profile("ci", derandomize=True)
+if os.environ.get("CI"):
+    settings.load_profile("ci")
 
 
 @pytest.fixture

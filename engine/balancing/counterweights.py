@@ -174,7 +174,7 @@ def _check(
     for link in links:
         if link not in fixed:
             raise BalanceError(f"{link!r} doesn't turn about a fixed axis: give a Place on it; or {_listed(fixed)}")
-        if moment_weight and turning[link].e is not None:
+        if moment_weight and turning[link].e is not zero:
             raise BalanceError(f"the moment of a counterweight on {link!r} depends on its radius: give a Place on it")
     for link, value in most.items():
         if link not in links or not value > 0:

@@ -293,6 +293,17 @@ def on_all_threads(function: Callable, pieces: Sequence) -> list:
 
 
 def run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
+    """Run a compiled function over a range 0 … count − 1, in pieces on all threads.
+
+    Parameters
+    ----------
+    kernel : callable
+        Its first two arguments are the range it works on.
+    count : int
+        Length of the whole range.
+    arguments : tuple
+        Passed on after the range.
+    """
     workers = threads()
     pieces = min(count, workers * PIECES_PER_THREAD)
     if workers == 1 or pieces <= 1 or getattr(_here, "alone", False):

@@ -1,8 +1,8 @@
 """Polynomials through Chebyshev points: the numbers by which a panel's values become coefficients and integrals.
 
 A panel of degree n has its positions at x_j = −cos(πj/n) on [−1, 1], j = 0 … n, ends included. The polynomial through
-the values there is Σ a_k T_k(x); the a_k are a cosine sum over the positions. A position and its mirror image have equal
-weights in even coefficients and opposite ones in odd coefficients: sums run over half the positions.
+the values there is Σ a_k T_k(x); the a_k are a cosine sum over the positions. A position and its mirror image have
+equal weights in even coefficients and opposite ones in odd coefficients: sums run over half the positions.
 
 Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), ch. 3, 4, 8, 19.
 """
@@ -29,17 +29,10 @@ def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 PLACES, _values, _shares = _tables()
 
-# Coefficient 2i is the sum over j of EVEN[i, j] (f_j + f_{n−j}), with the middle value once; 2i + 1 that of
-# ODD[i, j] (f_j − f_{n−j}).
-EVEN = np.ascontiguousarray(_shares[0::2, : MIDDLE + 1])
+# The value in the middle is taken out as a constant. Coefficient 2i is then the sum over j of EVEN[i, j] (f_j +
+# f_{n−j}), coefficient 2i + 1 that of ODD[i, j] (f_j − f_{n−j}), j = 0 … n/2 − 1.
+EVEN = np.ascontiguousarray(_shares[0::2, :MIDDLE])
 ODD = np.ascontiguousarray(_shares[1::2, :MIDDLE])
-
-
-def _halves(of_sums: np.ndarray, of_differences: np.ndarray) -> np.ndarray:
-    """A matrix (MIDDLE + 1, MIDDLE + 1) for sums above one (MIDDLE, MIDDLE) for differences."""
-    both = np.zeros((POSITIONS, MIDDLE + 1))
-    both[: MIDDLE + 1], both[MIDDLE + 1 :, :MIDDLE] = of_sums, of_differences
-    return both
 
 
 def _integrals_from_middle() -> np.ndarray:
@@ -49,18 +42,18 @@ def _integrals_from_middle() -> np.ndarray:
 
 
 _integrals = _integrals_from_middle()
-TO_COEFFICIENTS = _halves(EVEN, ODD)
-TO_INTEGRALS = _halves(_integrals[0::2, : MIDDLE + 1].T @ EVEN, _integrals[1::2, :MIDDLE].T @ ODD)
+# Rows for sums, then rows for differences.
+TO_COEFFICIENTS = np.vstack([EVEN, ODD])
+TO_INTEGRALS = np.vstack([_integrals[0::2, : MIDDLE + 1].T @ EVEN, _integrals[1::2, :MIDDLE].T @ ODD])
 _of_even = 2.0 / (1.0 - np.arange(0, POSITIONS, 2) ** 2.0)
-# Weights of the Clenshaw–Curtis rule, of f_j + f_{n−j}, with the middle value once.
+# Weights of the Clenshaw–Curtis rule, of f_j + f_{n−j}, with the middle value taken out.
 WEIGHTS = _of_even @ EVEN
 
 
 def _missed() -> np.ndarray:
-    """How far the rule is off for T_k, k = n + 2, n + 4, … 2n, which look like T_{2n−k} at the positions; by pairs."""
+    """How far the rule is off for T_k, k = n + 2, n + 4, … 2n, which look like T_{2n−k} at the positions."""
     k = np.arange(DEGREE + 2, 2 * DEGREE + 1, 2)
-    return np.abs(2.0 / (1.0 - k**2.0) - 2.0 / (1.0 - (2 * DEGREE - k) ** 2.0)).reshape(-1, 2).sum(axis=1)
+    return np.abs(2.0 / (1.0 - k**2.0) - 2.0 / (1.0 - (2 * DEGREE - k) ** 2.0))
 
 
-# Coefficients beyond the last are taken four at a time.
 MISSED = _missed()

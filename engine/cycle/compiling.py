@@ -1,7 +1,7 @@
 """How this room is compiled: in lanes, once for all machines.
 
-Loops over lanes need no freedom to reorder sums: what is added up over positions is added in the order written, whatever
-the lane, and results don't depend on the width of the processor's vectors.
+Loops over lanes need no freedom to reorder sums: what is added up over positions is added in the order written,
+whatever the lane, and results don't depend on the width of the processor's vectors.
 """
 
 from collections.abc import Callable, Sequence

@@ -49,7 +49,7 @@ def directions(count: int, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
 
 @scalar
 def _mirrored(first: int, last: int, half: Memory, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
-    """Some positions of each panel and their mirror images, by sums and differences with the direction of the middle."""
+    """Some positions of each panel and their mirror images, by sums and differences with the middle's direction."""
     for lane in range(LANES):
         middle, c, s = q[MIDDLE, lane], cos_q[MIDDLE, lane], sin_q[MIDDLE, lane]
         for j in range(first, last):

@@ -23,13 +23,12 @@ from engine.cycle.events import (
     of_landmarks,
     scan_positions,
 )
-from engine.cycle.extremes import EXTREME, SEARCH, Search, find_extreme
+from engine.cycle.extremes import CANDIDATE, EXTREME, SEARCH, Search, find_extreme, of_candidates
 from engine.cycle.fluctuation import FLUCTUATION, RESULTS, find_fluctuation
 from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
 from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels import (
     ACCEPTED,
-    ACTIVE,
     EDGES,
     TAKEN,
     WALK,
@@ -153,15 +152,6 @@ class Answers(NamedTuple):
 
 
 @routine
-def any_active(walk: Memory) -> bool:
-    """Whether any lane is still on its way."""
-    going = False
-    for lane in range(LANES):
-        going |= walk[ACTIVE, lane] > 0.0
-    return going
-
-
-@routine
 def gather(numbers: np.ndarray, begin: int, block: Memory) -> None:
     """Numbers of a block of variants; lanes beyond the last variant repeat it."""
     last = numbers.shape[1] - 1
@@ -224,9 +214,9 @@ class Workspace(NamedTuple):
     sums : ndarray (WORK_ROWS, LANES)
     marks : ndarray (5, LANES)
         Zeros; first position where a curve isn't finite; three rows used meanwhile.
-    combined : ndarray (2, POSITIONS, LANES)
-    reaches : ndarray (steps, LANES)
-    search : ndarray (SEARCH + 1, LANES)
+    series : ndarray (2, POSITIONS, LANES)
+    candidates : ndarray (steps, CANDIDATE, LANES)
+    search : ndarray (SEARCH, LANES)
     found : ndarray (2 EXTREME, LANES)
     result : ndarray (FLUCTUATION, LANES)
     zeros : ndarray (most, 2, LANES)
@@ -254,8 +244,8 @@ class Workspace(NamedTuple):
     edges: np.ndarray
     sums: np.ndarray
     marks: np.ndarray
-    combined: np.ndarray
-    reaches: np.ndarray
+    series: np.ndarray
+    candidates: np.ndarray
     search: np.ndarray
     found: np.ndarray
     result: np.ndarray
@@ -289,8 +279,8 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(WORK_ROWS, aside=ASIDE),
         rows(5, aside=ASIDE),
         tiles(2),
-        rows(steps, aside=ASIDE),
-        rows(SEARCH + 1, aside=ASIDE),
+        rows(steps, CANDIDATE, aside=ASIDE),
+        rows(SEARCH, aside=ASIDE),
         rows(2 * EXTREME, aside=ASIDE),
         rows(FLUCTUATION, aside=ASIDE),
         rows(MOST_ZEROS, 2, aside=ASIDE),
@@ -350,7 +340,6 @@ def cut(
             crossings,
             marks,
             counts,
-            spare,
         )
     solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, crossed, crossings)
     return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
@@ -372,7 +361,10 @@ def follow(
     record: Record,
     work: Workspace,
 ) -> int:
-    """Walk over each lane's range, add up what is to be integrated and keep what is to be kept; returns the steps kept."""
+    """Walk over each lane's range, add up what is to be integrated, keep what is to be kept; returns the steps kept.
+
+    One more than there is room for where there isn't enough.
+    """
     count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
     block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
     cos_q, sin_q = in_lanes(work.place[1]), in_lanes(work.place[2])
@@ -386,7 +378,7 @@ def follow(
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures)
-            broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
+            broken |= compare_with_tolerance(tile, figures, c, task.tolerances[c], task.longest[0], scales, walk)
         if not judge(task.longest[0], walk):
             continue
         if broken:
@@ -394,8 +386,8 @@ def follow(
         for k in range(task.integrals.shape[0]):
             add_panels(tile, figures, task.integrals[k], walk, integrals, k)
         if kept > 0:
-            if step == work.reaches.shape[0]:
-                break
+            if step == work.candidates.shape[0]:
+                return step + 1
             keep_panels(walk, step, record.panels)
             for k in range(kept):
                 keep_curve(tile, task.kept[k], figures, walk, record, k, step)
@@ -405,21 +397,21 @@ def follow(
 
 @driver
 def evaluate_blocks(
-    begin,
-    end,
-    blocks,
-    events,
-    levels,
-    states,
-    curves,
-    task,
-    numbers,
-    tables,
-    to_coefficients,
-    to_integrals,
-    answers,
-    work,
-):
+    begin: int,
+    end: int,
+    blocks: np.ndarray,
+    events: Callable,
+    levels: Callable,
+    states: Callable,
+    curves: Callable,
+    task: Task,
+    numbers: np.ndarray,
+    tables: np.ndarray,
+    to_coefficients: np.ndarray,
+    to_integrals: np.ndarray,
+    answers: Answers,
+    work: Workspace,
+) -> None:
     """Evaluate blocks of variants.
 
     Parameters
@@ -449,8 +441,8 @@ def evaluate_blocks(
     integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
     marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
     zeros, landmarks, record = of_zeros(work.zeros), of_landmarks(work.landmarks), record_in(work.room)
-    combined, others = in_panels(work.combined), in_lanes(work.search)
-    search = Search(combined[0], combined[1], in_lanes(work.reaches), others, others[SEARCH])
+    series = in_panels(work.series)
+    search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
     high, low, none, broken_at, counts = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
     for i in range(begin, end):
         b = blocks[i]
@@ -465,6 +457,9 @@ def evaluate_blocks(
         steps = follow(
             states, curves, task, tables, edges, cuts, walk, figures, scales, integrals, broken_at, record, work
         )
+        answers.short_of_room[b] = steps > work.candidates.shape[0]
+        if answers.short_of_room[b]:
+            continue
         for k in range(task.works.shape[0]):
             add_work(record, to_integrals, steps, task.works[k], kept + k, sums)
         for f in range(task.landmark_rows.shape[0]):
@@ -501,4 +496,3 @@ def evaluate_blocks(
             hand_out(record.whole[k, FIRST], first, answers.firsts[k])
         hand_out(walk[TAKEN], first, answers.panels)
         hand_out(broken_at, first, answers.broken_at)
-        answers.short_of_room[b] = any_active(walk)

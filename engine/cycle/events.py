@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from engine.cycle.compiling import routine
+from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
 from engine.cycle.lanes import LANES, Memory, memory
 from engine.cycle.panels import DIRECTION, PLACE, PLACE_ERROR, RANGE
@@ -193,15 +193,23 @@ def find_landmarks(
             landmarks[function, part, lane] = landmarks[function, part, lane] if known else math.nan
 
 
+@scalar
+def crosses(at_low: float, at_high: float, level: float, near: float) -> float:
+    """2 where f touches a level within rounding at the low end of a piece, 1 where it crosses it in between, else 0.
+
+    Where f touches a level it counts as on neither side of it, whatever its rounding.
+    """
+    here, there = at_low - level, at_high - level
+    apart = ((here > near) & (there < -near)) | ((here < -near) & (there > near))
+    return 2.0 if abs(here) <= near else (1.0 if apart else 0.0)
+
+
 @routine
 def enter_crossings(
     low: Memory,
     high: Memory,
     at_low: Memory,
     at_high: Memory,
-    monotone: Memory,
-    touching: float,
-    scale: Memory,
     function: int,
     level_row: int,
     level: Memory,
@@ -212,20 +220,12 @@ def enter_crossings(
     marks: Memory,
     counts: Memory,
 ) -> int:
-    """Enter the lanes where a monotone piece of f crosses a level, or touches it within rounding at its low end.
-
-    Where f touches a level it counts as on neither side of it, whatever its rounding.
+    """Enter the pieces of f marked as of `crosses` as new rows of roots.
 
     Parameters
     ----------
     low, high, at_low, at_high : row (LANES,)
-        Ends of the piece and f there.
-    monotone : row (LANES,)
-        Less than 0 where the piece isn't.
-    touching : float
-        1, or 0 where places that it touches are entered with another piece.
-    scale : row (LANES,)
-        Greatest magnitude of f.
+        Ends of the pieces and f there.
     function, level_row, level, before, used, sought, roots, marks, counts
         As of `find_crossings`; `before` is the first row for this function and level.
 
@@ -234,16 +234,6 @@ def enter_crossings(
     int
         Rows of roots in use now.
     """
-    marked = False
-    for lane in range(LANES):
-        here, there, near = at_low[lane] - level[lane], at_high[lane] - level[lane], ROUNDING * scale[lane]
-        apart = ((here > near) & (there < -near)) | ((here < -near) & (there > near))
-        crosses = apart & (monotone[lane] >= 0.0)
-        touches = (abs(here) <= near) & (touching > 0.0)
-        marks[lane] = 2.0 if touches else (1.0 if crosses else 0.0)
-        marked |= touches | crosses
-    if not marked:
-        return used
     for lane in range(LANES):
         row = before + int(counts[lane])
         if marks[lane] > 0.0 and counts[lane] < MOST_ROOTS:
@@ -271,7 +261,6 @@ def find_crossings(
     roots: Memory,
     marks: Memory,
     counts: Memory,
-    monotone: Memory,
 ) -> int:
     """Enter the intervals in which a function takes a level as new rows of roots.
 
@@ -291,7 +280,7 @@ def find_crossings(
         Rows of roots in use.
     sought : ndarray (rows, 2) of int
     roots : rows (rows, PARTS, LANES)
-    marks, counts, monotone : row (LANES,)
+    marks, counts : row (LANES,)
         Used meanwhile.
 
     Returns
@@ -304,26 +293,31 @@ def find_crossings(
     for lane in range(LANES):
         counts[lane] = 0.0
     for k in range(samples.room - 1):
+        marked = False
         for lane in range(LANES):
+            mark = crosses(values[f_row + k, lane], values[f_row + k + 1, lane], level[lane], ROUNDING * scale[lane])
+            # Where it turns within, it isn't monotone.
             turns_here = (values[slope_row + k, lane] >= 0.0) != (values[slope_row + k + 1, lane] >= 0.0)
-            monotone[lane] = -1.0 if turns_here else 1.0
-        low, high, at_low, at_high = q[k], q[k + 1], values[f_row + k], values[f_row + k + 1]
-        used = enter_crossings(
-            low, high, at_low, at_high, monotone, 1.0, scale,
-            function, level_row, level, before, used, sought, roots, marks, counts,
-        )  # fmt: skip
-    for lane in range(LANES):
-        monotone[lane] = 1.0
+            marks[lane] = 0.0 if turns_here & (mark == 1.0) else mark
+            marked |= marks[lane] > 0.0
+        if marked:
+            low, high, at_low, at_high = q[k], q[k + 1], values[f_row + k], values[f_row + k + 1]
+            used = enter_crossings(
+                low, high, at_low, at_high, function, level_row, level, before, used, sought, roots, marks, counts
+            )
     for r in range(turns):
         if turn_sought[r, FUNCTION] != function:
             continue
         place, at_place = turn_roots[r, X], turned.values[2 * function * turned.room + r]
         for side in range(2):
             end, at_end = turn_roots[r, FIRST_LOW + side], turn_roots[r, F_LOW + side]
+            for lane in range(LANES):
+                mark = crosses(at_place[lane], at_end[lane], level[lane], ROUNDING * scale[lane])
+                # A turn that touches the level is entered once.
+                marks[lane] = 0.0 if (side == 1) & (mark == 2.0) else mark
             used = enter_crossings(
-                place, end, at_place, at_end, monotone, 1.0 - side, scale,
-                function, level_row, level, before, used, sought, roots, marks, counts,
-            )  # fmt: skip
+                place, end, at_place, at_end, function, level_row, level, before, used, sought, roots, marks, counts
+            )
     return used
 
 

@@ -3,9 +3,10 @@
 Looked for is the greatest value of s (a − c (b − b₀)), s = ±1, of two kept curves a and b with a factor c of each
 lane's own; b₀ is the value of b at the first position. Of a single curve, c = 0.
 
-The greatest value at any position is a lower bound. A panel whose curve may go beyond it is looked at more closely:
-beside each position that its neighbours don't exceed, the polynomial's top is found by Newton's method, kept between the
-neighbours. Panels include their ends, so a curve that jumps from one to the next has its extremes on either side.
+In each panel, the position that its neighbours don't exceed and beside which the curve may reach farthest is a
+candidate. Of its candidates each lane takes the one that may reach farthest, finds the top of the polynomial there by
+Newton's method, kept between the neighbours, and goes on with the next for as long as that may reach beyond what it
+has found. Panels include their ends, so a curve that jumps from one to the next has its extremes on either side.
 """
 
 import math
@@ -16,29 +17,37 @@ import numpy as np
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import LANES, Memory, memory
 from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
-from engine.cycle.record import MIDDLE as MIDDLE_ROW
-from engine.cycle.series import larger, smaller
+from engine.cycle.record import MIDDLE as PANEL_MIDDLE
+from engine.cycle.series import TINY, larger, smaller
 
 # Rows of an extreme: its value, its place, what they may be off by, b − b₀ there.
 VALUE, VALUE_ERROR, AT, AT_ERROR, OTHER = range(5)
 EXTREME = 5
-# Rows of a search: greatest value at any position, NaN if one isn't finite; in a panel the position CHOSEN, with the
-# value SAMPLEd there and its PLACE; the interval LOW … HIGH in which Newton's method is at X, LENGTH of its last step; values found at X.
-BEST, CHOSEN, SAMPLE, PLACE, LOW, HIGH, X, LENGTH, TOP, SLOPE, BEND = range(11)
-SEARCH = 11
-# Where no position is chosen.
-NONE = 99.0
+# Rows of a step's candidates: how far the best may reach, its position, how far the next best may.
+REACH, POSITION, NEXT_REACH = range(3)
+CANDIDATE = 3
+of_candidates = memory(CANDIDATE, LANES)
+# Rows of a search: greatest value at any position, NaN if one isn't finite; the candidate taken, with its STEP, its
+# position, HALF and MIDDLE of its panel, what lies beyond the series there.
+BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
+# The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
+# top; value, slope and bend at X.
+LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND = range(7, 17)
+SEARCH = 17
+# Of no candidate.
+NONE = -1.0
 
 # How far a curve may go beyond three neighbours, by what they differ. Positions lie up to three times farther apart on
-# one side than on the other: a parabola's top may then be 0.55 of the differences above the highest of the three.
+# one side than on the other: a parabola's top may then be 0.55 of the differences above the highest of the three. At
+# an end of a panel, which has one neighbour, the next difference on takes the place of the missing one.
 BEYOND = 1.0
-# How far beyond all positions, as a share of the range of the values in a panel.
-REACH = 0.1
 # The last of Newton's steps, as a share of half the panel: it leaves the square of this.
-FOUND = 1e-6
-MOST_TOPS, MOST_STEPS = 4, 30
+FOUND = 1e-5
+MOST_TOPS, MOST_STEPS = 8, 40
+# Rounding of values tells on slopes as 1/√(1 − x²), but at the ends of a panel.
+STEEPEST = 0.05
 
 
 class Search(NamedTuple):
@@ -46,40 +55,22 @@ class Search(NamedTuple):
 
     Attributes
     ----------
-    combined, series : rows (POSITIONS, LANES)
-        Values and coefficients of what is searched, in one panel.
-    reaches : rows (steps, LANES)
-        How far each panel may reach.
-    search : rows (SEARCH, LANES)
-    other : row (LANES,)
-        Value of b.
+    candidates : rows (steps, CANDIDATE, LANES)
+    series, other_series : rows (POSITIONS, LANES)
+        Coefficients of what is searched and of b, in the panel of each lane's candidate.
+    rows : rows (SEARCH, LANES)
     """
 
-    combined: Memory
+    candidates: Memory
     series: Memory
-    reaches: Memory
-    search: Memory
-    other: Memory
+    other_series: Memory
+    rows: Memory
 
 
-@routine
-def combine(values: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, combined: Memory) -> None:
-    """Values of s (a − c (b − b₀)) at the positions of a panel, from the slots of a and b."""
-    for j in range(POSITIONS):
-        for lane in range(LANES):
-            combined[j, lane] = sign * (values[a, j, lane] - factor[lane] * (values[b, j, lane] - base[lane]))
-
-
-@routine
-def combine_series(
-    coefficients: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, combined: Memory
-) -> None:
-    """The same for the coefficients of their series."""
-    for k in range(POSITIONS):
-        for lane in range(LANES):
-            combined[k, lane] = sign * (coefficients[a, k, lane] - factor[lane] * coefficients[b, k, lane])
-    for lane in range(LANES):
-        combined[0, lane] += sign * factor[lane] * base[lane]
+@scalar
+def combined(values: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, j: int, lane: int) -> float:
+    """Value of s (a − c (b − b₀)) at a position, from the slots of a and b."""
+    return sign * (values[a, j, lane] - factor[lane] * (values[b, j, lane] - base[lane]))
 
 
 @routine
@@ -92,70 +83,123 @@ def scan(
     sign: float,
     panels: Memory,
     step: int,
-    reaches: Memory,
+    candidates: Memory,
     search: Memory,
 ) -> None:
-    """Widen the greatest value by those of a step's panels; how far each of these may reach goes to its row."""
+    """Candidates in the panels of a step; widen the greatest value by those there."""
     for lane in range(LANES):
-        high, low, total = -math.inf, math.inf, 0.0
-        for j in range(POSITIONS):
-            value = sign * (values[a, j, lane] - factor[lane] * (values[b, j, lane] - base[lane]))
-            high, low, total = larger(value, high), smaller(value, low), total + value
+        best, reach, next_reach, position, total = -math.inf, -math.inf, -math.inf, NONE, 0.0
+        before = here = combined(values, a, b, factor, base, sign, 0, lane)
+        at_first = abs(
+            combined(values, a, b, factor, base, sign, 1, lane) - combined(values, a, b, factor, base, sign, 2, lane)
+        )
+        at_last = abs(
+            combined(values, a, b, factor, base, sign, DEGREE - 1, lane)
+            - combined(values, a, b, factor, base, sign, DEGREE - 2, lane)
+        )
+        # In two, each short enough to be unrolled.
+        for j in range(MIDDLE):
+            after = combined(values, a, b, factor, base, sign, j + 1, lane)
+            fall, rise = here - before, here - after
+            differences = fall + rise + (at_first if j == 0 else 0.0)
+            mine = here + BEYOND * differences if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            next_reach = larger(smaller(mine, reach), next_reach)
+            position = float(j) if mine > reach else position
+            best, reach, total = larger(here, best), larger(mine, reach), total + here
+            before, here = here, after
+        for j in range(MIDDLE, POSITIONS):
+            after = combined(values, a, b, factor, base, sign, min(j + 1, DEGREE), lane)
+            fall, rise = here - before, here - after
+            differences = fall + rise + (at_last if j == DEGREE else 0.0)
+            mine = here + BEYOND * differences if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            next_reach = larger(smaller(mine, reach), next_reach)
+            position = float(j) if mine > reach else position
+            best, reach, total = larger(here, best), larger(mine, reach), total + here
+            before, here = here, after
         taken = panels[step, HALF, lane] != 0.0
-        reaches[step, lane] = high + REACH * (high - low) if taken else -math.inf
-        best = larger(high, search[BEST, lane]) if taken else search[BEST, lane]
-        # NaN stays: it is larger than nothing, and nothing is larger than it.
+        candidates[step, REACH, lane] = reach if taken else -math.inf
+        candidates[step, NEXT_REACH, lane] = next_reach if taken else -math.inf
+        candidates[step, POSITION, lane] = position
+        # NaN is there to stay.
         broken = taken & (not abs(total) < math.inf)
+        best = larger(best, search[BEST, lane]) if taken else search[BEST, lane]
         search[BEST, lane] = math.nan if broken | (search[BEST, lane] != search[BEST, lane]) else best
 
 
 @routine
-def reached(reaches: Memory, step: int, search: Memory, found: Memory) -> bool:
-    """Whether the panel of any lane may hold its extreme; readies the search in this panel."""
-    wanted = False
+def take(steps: int, candidates: Memory, search: Memory, found: Memory) -> bool:
+    """Take each lane's candidate that may reach farthest; whether any lane has one that may reach far enough."""
     for lane in range(LANES):
-        hopeful = reaches[step, lane] >= larger(search[BEST, lane], found[VALUE, lane])
-        search[CHOSEN, lane] = -1.0 if hopeful else NONE
-        wanted |= hopeful
-    return wanted
-
-
-@scalar
-def _choose_among(begin: int, end: int, combined: Memory, search: Memory, found: Memory) -> None:
-    """The first of some positions that `choose` may choose; PLACE holds the one chosen before."""
+        search[TAKEN, lane], search[STEP, lane] = -math.inf, NONE
+    for step in range(steps):
+        for lane in range(LANES):
+            farther = candidates[step, REACH, lane] > search[TAKEN, lane]
+            search[TAKEN, lane] = candidates[step, REACH, lane] if farther else search[TAKEN, lane]
+            search[STEP, lane] = float(step) if farther else search[STEP, lane]
+    taken = False
     for lane in range(LANES):
-        chosen, previous = search[CHOSEN, lane], search[PLACE, lane]
-        enough = larger(search[BEST, lane], found[VALUE, lane])
-        for i in range(end - begin):
-            j = end - 1 - i
-            here = combined[j, lane]
-            fall, rise = here - combined[max(j - 1, 0), lane], here - combined[min(j + 1, DEGREE), lane]
-            # At an end of the panel the next step on tells how the curve bends.
-            on = abs(combined[1, lane] - combined[2, lane]) if j == 0 else 0.0
-            on = abs(combined[DEGREE - 1, lane] - combined[DEGREE - 2, lane]) if j == DEGREE else on
-            is_top = (fall >= 0.0) & (rise >= 0.0) & (here + BEYOND * (fall + rise + on) >= enough)
-            chosen = float(j) if is_top & (j > previous) else chosen
-        search[CHOSEN, lane] = chosen
+        enough = search[TAKEN, lane] >= larger(search[BEST, lane], found[VALUE, lane])
+        search[STEP, lane] = search[STEP, lane] if enough else NONE
+        taken |= enough
+    return taken
 
 
 @routine
-def choose(combined: Memory, search: Memory, found: Memory) -> bool:
-    """Choose each lane's next position that its neighbours don't exceed and that may have the extreme beside it."""
-    # In two, each short enough to be unrolled.
+def leave_next(
+    values: Memory,
+    a: int,
+    b: int,
+    factor: Memory,
+    base: Memory,
+    sign: float,
+    step: int,
+    lane: int,
+    candidates: Memory,
+) -> None:
+    """After a panel's best candidate the next best is its best; there is none after that."""
+    reach, position, done = -math.inf, NONE, int(candidates[step, POSITION, lane])
+    for j in range(POSITIONS):
+        here = combined(values, a, b, factor, base, sign, j, lane)
+        fall = here - combined(values, a, b, factor, base, sign, max(j - 1, 0), lane)
+        rise = here - combined(values, a, b, factor, base, sign, min(j + 1, DEGREE), lane)
+        end = 1 if j == 0 else DEGREE - 1
+        on = combined(values, a, b, factor, base, sign, end, lane)
+        on -= combined(values, a, b, factor, base, sign, 2 if j == 0 else DEGREE - 2, lane)
+        mine = here + BEYOND * (fall + rise + (abs(on) if j in (0, DEGREE) else 0.0))
+        if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
+            reach, position = mine, float(j)
+    candidates[step, REACH, lane], candidates[step, NEXT_REACH, lane] = candidates[step, NEXT_REACH, lane], -math.inf
+    candidates[step, POSITION, lane] = position
+
+
+@routine
+def fetch(
+    record: Record,
+    step: int,
+    slot_a: int,
+    slot_b: int,
+    factor: Memory,
+    base: Memory,
+    sign: float,
+    work: Search,
+) -> None:
+    """Copy what is known of a step's panels for the lanes whose candidate is there."""
+    search, series, other, coefficients = work.rows, work.series, work.other_series, record.coefficients
+    for k in range(POSITIONS):
+        for lane in range(LANES):
+            mine = search[STEP, lane] == float(step)
+            value = sign * (coefficients[slot_a, k, lane] - factor[lane] * coefficients[slot_b, k, lane])
+            series[k, lane] = value if mine else series[k, lane]
+            other[k, lane] = coefficients[slot_b, k, lane] if mine else other[k, lane]
     for lane in range(LANES):
-        search[PLACE, lane], search[CHOSEN, lane] = search[CHOSEN, lane], NONE
-    _choose_among(MIDDLE, POSITIONS, combined, search, found)
-    _choose_among(0, MIDDLE, combined, search, found)
-    any_chosen = False
-    for lane in range(LANES):
-        any_chosen |= search[CHOSEN, lane] < NONE
-    for lane in range(LANES):
-        # Unused where none is chosen, but read.
-        j = int(smaller(search[CHOSEN, lane], float(DEGREE)))
-        search[SAMPLE, lane] = combined[j, lane]
-        search[PLACE, lane] = search[X, lane] = PLACES[j]
-        search[LOW, lane], search[HIGH, lane] = PLACES[max(j - 1, 0)], PLACES[min(j + 1, DEGREE)]
-    return any_chosen
+        mine = search[STEP, lane] == float(step)
+        series[0, lane] += sign * factor[lane] * base[lane] if mine else 0.0
+        tail = record.errors[slot_a, TAIL, lane] + abs(factor[lane]) * record.errors[slot_b, TAIL, lane]
+        search[BEYOND_SERIES, lane] = tail if mine else search[BEYOND_SERIES, lane]
+        search[PANEL_HALF, lane] = record.panels[step, HALF, lane] if mine else search[PANEL_HALF, lane]
+        search[PANEL_CENTRE, lane] = record.panels[step, PANEL_MIDDLE, lane] if mine else search[PANEL_CENTRE, lane]
+        position = work.candidates[step, POSITION, lane]
+        search[AT_POSITION, lane] = position if mine else search[AT_POSITION, lane]
 
 
 @routine
@@ -166,12 +210,23 @@ def evaluate(series: Memory, search: Memory) -> None:
         twice = x + x
         b = b_before = d = d_before = e = e_before = 0.0
         for i in range(DEGREE):
-            e, e_before = 4.0 * d + twice * e - e_before, e
-            d, d_before = 2.0 * b + twice * d - d_before, d
-            b, b_before = series[DEGREE - i, lane] + twice * b - b_before, b
-        search[TOP, lane] = series[0, lane] + x * b - b_before
-        search[SLOPE, lane] = b + x * d - d_before
-        search[BEND, lane] = 2.0 * d + x * e - e_before
+            e, e_before = 4.0 * d + (twice * e - e_before), e
+            d, d_before = 2.0 * b + (twice * d - d_before), d
+            b, b_before = series[DEGREE - i, lane] + (twice * b - b_before), b
+        search[HERE, lane] = series[0, lane] + (x * b - b_before)
+        search[SLOPE, lane] = b + (x * d - d_before)
+        search[BEND, lane] = 2.0 * d + (x * e - e_before)
+
+
+@routine
+def value_of_series(series: Memory, search: Memory, values: Memory) -> None:
+    """Value of a series at each lane's X."""
+    for lane in range(LANES):
+        twice = 2.0 * search[X, lane]
+        b = b_before = 0.0
+        for i in range(DEGREE):
+            b, b_before = series[DEGREE - i, lane] + (twice * b - b_before), b
+        values[lane] = series[0, lane] + (search[X, lane] * b - b_before)
 
 
 @routine
@@ -189,9 +244,11 @@ def improve(search: Memory) -> bool:
         low = x if slope > 0.0 else search[LOW, lane]
         high = search[HIGH, lane] if slope > 0.0 else x
         ahead = x - slope / bend
-        ahead = ahead if (bend < 0.0) & (ahead > low) & (ahead < high) else 0.5 * (low + high)
-        there = not search[LENGTH, lane] > FOUND
-        search[LENGTH, lane] = 0.0 if there else abs(ahead - x)
+        ahead = ahead if (bend < 0.0) & (ahead >= low) & (ahead <= high) else 0.5 * (low + high)
+        there, step = not search[LENGTH, lane] > FOUND, ahead - x
+        search[TOP, lane] = search[TOP, lane] if there else search[HERE, lane] + step * (slope + 0.5 * bend * step)
+        search[TOP_BEND, lane] = search[TOP_BEND, lane] if there else bend
+        search[LENGTH, lane] = search[LENGTH, lane] if there else abs(step)
         search[X, lane] = x if there else ahead
         search[LOW, lane], search[HIGH, lane] = low, high
         going |= search[LENGTH, lane] > FOUND
@@ -200,74 +257,55 @@ def improve(search: Memory) -> bool:
 
 @routine
 def climb(series: Memory, search: Memory) -> None:
-    """From the chosen positions to the tops beside them."""
+    """From the positions of the candidates taken to the tops beside them."""
     for lane in range(LANES):
-        search[LENGTH, lane] = NONE if search[CHOSEN, lane] < NONE else 0.0
+        taken = search[STEP, lane] >= 0.0
+        j = int(search[AT_POSITION, lane]) if taken else 0
+        search[X, lane], search[LENGTH, lane] = PLACES[j], 2.0 if taken else 0.0
+        search[LOW, lane], search[HIGH, lane] = PLACES[max(j - 1, 0)], PLACES[min(j + 1, DEGREE)]
+    evaluate(series, search)
+    for lane in range(LANES):
+        search[START, lane] = search[TOP, lane] = search[HERE, lane]
+        search[TOP_BEND, lane] = search[BEND, lane]
     for _ in range(MOST_STEPS):
-        evaluate(series, search)
         if not improve(search):
             break
-    evaluate(series, search)
+        evaluate(series, search)
 
 
 @routine
-def value_of_series(coefficients: Memory, slot: int, search: Memory, values: Memory) -> None:
-    """Value of a curve's series at each lane's X."""
-    for lane in range(LANES):
-        twice = 2.0 * search[X, lane]
-        b = b_before = 0.0
-        for i in range(DEGREE):
-            b, b_before = coefficients[slot, DEGREE - i, lane] + twice * b - b_before, b
-        values[lane] = coefficients[slot, 0, lane] + search[X, lane] * b - b_before
-
-
-@routine
-def compare(
-    record: Record,
-    step: int,
-    a: int,
-    b: int,
-    factor: Memory,
-    other: Memory,
-    search: Memory,
-    found: Memory,
-) -> None:
+def compare(record: Record, a: int, b: int, factor: Memory, others: Memory, search: Memory, found: Memory) -> None:
     """Take each lane's top for its extreme if it is higher than what was found so far."""
-    panels, errors, whole = record.panels, record.errors, record.whole
-    slot_a, slot_b = step * record.curves + a, step * record.curves + b
+    whole = record.whole
     for lane in range(LANES):
-        weight = abs(factor[lane])
-        tail = errors[slot_a, TAIL, lane] + weight * errors[slot_b, TAIL, lane]
+        weight, tail = abs(factor[lane]), search[BEYOND_SERIES, lane]
         noise = ROUNDING * (whole[a, SCALE, lane] + weight * whole[b, SCALE, lane])
         offset = whole[a, OFFSET, lane] + weight * whole[b, OFFSET, lane]
-        sample, top, x = search[SAMPLE, lane], search[TOP, lane], search[X, lane]
-        half, middle = panels[step, HALF, lane], panels[step, MIDDLE_ROW, lane]
-        between = top > sample
-        value = top if between else sample
-        x = x if between else search[PLACE, lane]
-        place = middle + half * x
+        start, top, x = search[START, lane], search[TOP, lane], search[X, lane]
+        half, middle = search[PANEL_HALF, lane], search[PANEL_CENTRE, lane]
+        # What rises above the position by no more than rounding isn't known to be higher.
+        value, place = top if top > start + noise else start, middle + half * x
         # Between the positions the series is off by 2 |sin 16θ sin mθ| times coefficient 16 + m, where x = cos θ.
         cosine = 2.0 * x * x - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
-        sine = math.sqrt(larger(1.0 - cosine * cosine, 0.0))
-        value_error = noise + offset + 2.0 * tail * sine
-        inside = abs(x) < 1.0
-        aside = (2.0 * DEGREE * tail + 2.0 * noise) / larger(-search[BEND, lane], 1e-300)
-        place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if inside else 0.0)
+        value_error = noise + offset + 2.0 * tail * math.sqrt(larger(1.0 - cosine * cosine, 0.0))
+        across = larger(math.sqrt(larger(1.0 - x * x, 0.0)), STEEPEST)
+        bend = larger(-search[TOP_BEND, lane], TINY)
+        aside = (2.0 * DEGREE * tail + 8.0 * noise / across) / bend + search[LENGTH, lane] * search[LENGTH, lane]
+        place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if abs(x) < 1.0 else 0.0)
         # Of two that may be the same, either may be the extreme.
         before, at_before = found[VALUE, lane], found[AT, lane]
-        chosen = search[CHOSEN, lane] < NONE
-        higher = chosen & (value > before)
-        rivals = chosen & (abs(value - before) <= value_error + found[VALUE_ERROR, lane])
-        apart = abs(place - at_before)
+        taken = search[STEP, lane] >= 0.0
+        higher = taken & (value > before)
+        rivals = taken & (abs(value - before) <= value_error + found[VALUE_ERROR, lane])
         kept_error = place_error if higher else found[AT_ERROR, lane]
         found[VALUE, lane] = value if higher else before
         found[VALUE_ERROR, lane] = value_error if higher else found[VALUE_ERROR, lane]
         found[AT, lane] = place if higher else at_before
-        found[AT_ERROR, lane] = larger(kept_error, apart) if rivals else kept_error
-        found[OTHER, lane] = other[lane] - whole[b, FIRST, lane] if higher else found[OTHER, lane]
+        found[AT_ERROR, lane] = larger(kept_error, abs(place - at_before)) if rivals else kept_error
+        found[OTHER, lane] = others[lane] - whole[b, FIRST, lane] if higher else found[OTHER, lane]
 
 
 @routine
@@ -301,28 +339,35 @@ def find_extreme(
     found : rows (EXTREME, LANES)
         Receives the extreme; NaN where any value isn't finite.
     """
-    base, (combined, series, reaches, search, other) = record.whole[b, FIRST], work
+    base, search, candidates = record.whole[b, FIRST], work.rows, work.candidates
     for lane in range(LANES):
         search[BEST, lane] = found[VALUE, lane] = -math.inf
         found[VALUE_ERROR, lane] = found[AT, lane] = found[AT_ERROR, lane] = found[OTHER, lane] = 0.0
-        other[lane] = 0.0
     for step in range(steps):
         slot_a, slot_b = step * record.curves + a, step * record.curves + b
-        scan(record.values, slot_a, slot_b, factor, base, sign, record.panels, step, reaches, search)
-    for step in range(steps):
-        if not reached(reaches, step, search, found):
-            continue
-        slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
-        combine(record.values, slot_a, slot_b, factor, base, sign, combined)
-        combine_series(record.coefficients, slot_a, slot_b, factor, base, sign, series)
-        for _ in range(MOST_TOPS):
-            if not choose(combined, search, found):
-                break
-            climb(series, search)
-            if a != b:
-                value_of_series(record.coefficients, slot_b, search, other)
-            compare(record, step, a, b, factor, other, search, found)
+        scan(record.values, slot_a, slot_b, factor, base, sign, record.panels, step, candidates, search)
+    for _ in range(MOST_TOPS):
+        if not take(steps, candidates, search, found):
+            break
+        for step in range(steps):
+            mine = False
+            for lane in range(LANES):
+                mine |= search[STEP, lane] == float(step)
+            if mine:
+                slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
+                fetch(record, step, slot_a, slot_b, factor, base, sign, work)
+                for lane in range(LANES):
+                    if search[STEP, lane] == float(step):
+                        candidates[step, REACH, lane] = -math.inf
+                        if candidates[step, NEXT_REACH, lane] >= search[BEST, lane]:
+                            leave_next(record.values, slot_a, slot_b, factor, base, sign, step, lane, candidates)
+        climb(work.series, search)
+        value_of_series(work.other_series, search, search[HERE])
+        compare(record, a, b, factor, search[HERE], search, found)
+    left = take(steps, candidates, search, found)
     for lane in range(LANES):
+        beyond = search[TAKEN, lane] - found[VALUE, lane] if left & (search[STEP, lane] >= 0.0) else 0.0
+        found[VALUE_ERROR, lane] = larger(found[VALUE_ERROR, lane], beyond)
         unknown = not abs(found[VALUE, lane] + search[BEST, lane]) < math.inf
         found[VALUE, lane] = math.nan if unknown else sign * found[VALUE, lane]
         for part in range(VALUE_ERROR, EXTREME):

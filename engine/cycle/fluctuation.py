@@ -1,14 +1,14 @@
 """The coefficient of speed fluctuation δ of the steady cycle with a given flywheel.
 
 Let W be the work about the mean since the first position, I the machine's inertia and I_F that of the flywheel, both
-reduced to the input link. The kinetic energy ½ω² (I + I_F) changes by W. With ω_max,min = ω_m (1 ± δ/2), both the energy
-at the greatest and that at the least speed differ from the first one's by extremes of W − ½ω² I at fixed ω:
+reduced to the input link. The kinetic energy ½ω² (I + I_F) changes by W. With ω_max,min = ω_m (1 ± δ/2), the energy
+both at the greatest and that at the least speed differ from the first one's by extremes of W − ½ω² I at fixed ω:
 
     h(δ) = max[W − ½ω_max² (I − I_1)] − min[W − ½ω_min² (I − I_1)] − δ ω_m² (I_1 + I_F) = 0,
 
-Wittenbauer's condition, I_1 = I at the first position. No nearly equal numbers are subtracted, however small δ is. At an
-extreme the derivative by its place is 0, so h′(δ) needs nothing but I at the places of the extremes, and Newton's method
-converges from δ = 0.
+Wittenbauer's condition, I_1 = I at the first position. No nearly equal numbers are subtracted, however small δ is. At
+an extreme the derivative by its place is 0, so h′(δ) needs nothing but I at the places of the extremes, and Newton's
+method converges from δ = 0.
 """
 
 import math
@@ -21,8 +21,8 @@ from engine.cycle.lanes import LANES, Memory
 from engine.cycle.record import FIRST, Record
 from engine.cycle.series import larger, smaller
 
-# Rows of the result: δ and its error; places of the least and the greatest speed with errors; max[W − ½ω_max² (I − I_1)]
-# and its error. Then rows used meanwhile: ½ω² at the greatest and the least speed, length of the last step.
+# Rows of the result: δ and its error; places of the least and the greatest speed with errors; max[W − ½ω_max² (I −
+# I_1)] and its error. Then rows used meanwhile: ½ω² at the greatest and the least speed, length of the last step.
 DELTA, DELTA_ERROR, SLOWEST_AT, SLOWEST_AT_ERROR, FASTEST_AT, FASTEST_AT_ERROR, TOP, TOP_ERROR, FAST, SLOW, STEP = (
     range(11)
 )
@@ -31,7 +31,7 @@ RESULTS = 8
 
 # Greatest δ: the machine stops at its slowest.
 MOST = 2.0
-FOUND = 1e-9
+FOUND = 1e-6
 MOST_STEPS = 40
 
 
@@ -66,7 +66,8 @@ def _improve(
         there = not result[STEP, lane] > 0.0
         step = abs(ahead - delta)
         result[STEP, lane] = 0.0 if there else (step if step > FOUND * ahead else -1.0)
-        off = (high[VALUE_ERROR, lane] + low[VALUE_ERROR, lane]) / fall
+        # The last step leaves its square.
+        off = (high[VALUE_ERROR, lane] + low[VALUE_ERROR, lane]) / fall + step * step
         result[DELTA, lane] = delta if there else ahead
         result[DELTA_ERROR, lane] = result[DELTA_ERROR, lane] if there else off
         result[SLOWEST_AT, lane] = result[SLOWEST_AT, lane] if there else low[AT, lane]

@@ -5,7 +5,7 @@ import numpy as np
 from engine.cycle.chebyshev import DEGREE
 from engine.cycle.compiling import routine
 from engine.cycle.lanes import LANES, Memory, memory
-from engine.cycle.panels import ACCEPTED, HALF, OPENED
+from engine.cycle.panels import ACCEPTED, CLOSE, HALF, OPENED
 from engine.cycle.series import MAGNITUDE, MISSING, SUM
 
 # Rows of an integral; the last one is the curve's value at the end of the last panel.
@@ -35,7 +35,9 @@ def add_panels(tile: Memory, figures: Memory, curve: int, walk: Memory, integral
     for lane in range(LANES):
         half, accepted = walk[HALF, lane], walk[ACCEPTED, lane] > 0.0
         share = half * figures[curve, SUM, lane]
-        off = abs(half) * (figures[curve, MISSING, lane] + 2.0 * ROUNDING * figures[curve, MAGNITUDE, lane])
+        # Rounding of values, and of the places of the panel's ends.
+        noise = figures[curve, MAGNITUDE, lane] * (2.0 * ROUNDING * abs(half) + 0.5 * walk[CLOSE, lane])
+        off = abs(half) * figures[curve, MISSING, lane] + noise
         off += abs(tile[curve, 0, lane] - integrals[k, END, lane]) * walk[OPENED, lane]
         integrals[k, VALUE, lane] += share if accepted else 0.0
         integrals[k, ERROR, lane] += off if accepted else 0.0

@@ -1,9 +1,9 @@
 """Lanes: variants computed side by side, and memory laid out for them.
 
-Every quantity of a block of variants is a row of LANES numbers, one lane each, and the innermost loop of everything runs
-over the lanes. A row begins on a cache line: an accumulator a quarter line off makes sums more than twice as slow.
-Loads are also held up by stores a multiple of a page away. The rows of a tile come to lie on every eighth of a page; what
-is added up while a tile is read lies half a row aside from all of them.
+Every quantity of a block of variants is a row of LANES numbers, one lane each, and the innermost loop of everything
+runs over the lanes. A row begins on a cache line: an accumulator a quarter line off makes sums more than twice as slow.
+Loads are also held up by stores a multiple of a page away. The rows of a tile come to lie on every eighth of a page;
+what is added up while a tile is read lies half a row aside from all of them.
 
 In compiled code rows are `Memory`, a pointer with known distances between rows. Of arrays the compiler doesn't know
 them: it would check every pair of rows for overlap before each loop, not vectorise where there are too many, and take
@@ -60,7 +60,7 @@ def _indices(index: types.Type) -> int:
 
 @infer_global(operator.getitem)
 class _Get(AbstractTemplate):
-    def generic(self, args: tuple, kws: dict) -> object:  # noqa: ARG002
+    def generic(self, args: tuple, kws: dict) -> object:
         memory, index = args
         if not isinstance(memory, Memory):
             return None

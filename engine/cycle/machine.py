@@ -4,9 +4,9 @@ Each of the four has the signature `engine.cycle.compiling.CURVES_SIGNATURE`,
 
     curves(P, T, q, cos_q, sin_q, tile)
 
-with P (numbers, LANES) the numbers of each lane's variant, T tables that all lanes share, q, cos_q and sin_q (positions,
-LANES) input positions with cosine and sine, each lane its own, and tile (curves, at least as many positions, LANES),
-which it fills in at the positions of q.
+with P (numbers, LANES) the numbers of each lane's variant, T tables that all lanes share, q, cos_q and sin_q
+(positions, LANES) input positions with cosine and sine, each lane its own, and tile (curves, at least as many
+positions, LANES), which it fills in at the positions of q.
 
 - `events` gives switching functions and their derivatives by q by turns: rows 2i and 2i + 1 are f_i and f_i′.
 - `levels` is called once, at a position that means nothing, when the landmarks of these functions (their least and
@@ -57,7 +57,9 @@ _LEAST_SIDE, _GREATEST_SIDE = range(2)
 
 
 @curves_function
-def absent(P, T, q, cos_q, sin_q, tile):  # noqa: ANN001, ANN201
+def absent(
+    P: np.ndarray, T: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray, tile: np.ndarray
+) -> None:
     """A machine's function of no curves."""
 
 

@@ -1,8 +1,8 @@
 """Numbers with what they may be off by.
 
-The error of a result follows from those of its operands to first order, with their magnitudes added up (they may well have
-a common cause), and from the rounding of the operation itself. Where the first order says nothing, at the zero of a square
-root or of a quotient's divisor, the error is as large as the operands' errors make it.
+The error of a result follows from those of its operands to first order, with their magnitudes added up as they may well
+have a common cause, and from the rounding of the operation itself. Where the first order says nothing, at the zero of a
+square root or of a quotient's divisor, the error is as large as the operands' errors make it.
 """
 
 from __future__ import annotations
@@ -118,11 +118,10 @@ def atan2(y: Measured, x: Measured) -> Measured:
 def _chosen(first: Measured, second: Measured, better: Callable) -> Measured:
     first, second = measured(first), measured(second)
     value = better(first.value, second.value)
-    taken = np.where(value == first.value, first.error, second.error)
-    # The other one may still be beyond it.
-    low = better(first.value - first.error, second.value - second.error)
-    high = better(first.value + first.error, second.value + second.error)
-    return Measured(value, np.maximum(taken, np.maximum(value - low, high - value)))
+    is_first = value == first.value
+    own, other = np.where(is_first, first.error, second.error), np.where(is_first, second.error, first.error)
+    # The other one may still be beyond.
+    return Measured(value, np.maximum(own, other - np.abs(first.value - second.value)))
 
 
 def maximum(first: Measured, second: Measured) -> Measured:

@@ -1,26 +1,32 @@
 """Panels: each lane walks over its own range, from edge to edge, in panels as long as its curves allow.
 
-All lanes take their next panel at the same time. A lane whose series has too much left beyond its last coefficient takes
-a shorter panel from the same place in the next step, while the others go on. What is left falls with the 17th power of a
-panel's length, which tells the length of the next one. The distance to the next edge is shared out equally.
+All lanes take their next panel at the same time. A lane whose series has too much left beyond its last coefficient
+takes a shorter panel from the same place in the next step, while the others go on. What is left falls with the 17th
+power of a panel's length, which tells the length of the next one. The distance to the next edge is shared out equally.
 
 What a lane does depends on nothing but the lane.
 """
 
 import math
 
+from engine.cycle.chebyshev import DEGREE
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.lanes import LANES, Memory, memory
-from engine.cycle.series import MAGNITUDE, NOISE, SUM, TAIL, larger, smaller
+from engine.cycle.series import FLAT as FLAT_FIGURE
+from engine.cycle.series import MAGNITUDE, SUM, TAIL, TINY, larger, smaller
 
 # Rows of a walk. Along it, input positions count in the direction in which the input runs: BEGIN and END of the panel,
-# the EDGE ahead, the LAST position, the length of the RANGE; the length WANTED; how many panels were TAKEN; the panel's MIDDLE and HALF length as
-# the machine's functions see them; DIRECTION 1 or −1; whether the lane is still on its way (ACTIVE), and whether
-# its panel is ACCEPTED; EXCESS of what is left over what is tolerated; edges nearer than CLOSE are one. What
-# the place may be off by of the edge where the panel begins (OPENED) and of the edge AHEAD.
-BEGIN, END, EDGE, LAST, RANGE, WANTED, TAKEN, MIDDLE, HALF, DIRECTION, ACTIVE, ACCEPTED, EXCESS, CLOSE = range(14)
-OPENED, NEXT_OPENED, AHEAD = 14, 15, 16
-WALK = 17
+# the EDGE ahead, the LAST position, the length of the RANGE; edges nearer than CLOSE are one.
+BEGIN, END, EDGE, LAST, RANGE, CLOSE = range(6)
+# The length WANTED of the next panel, how many were TAKEN; DIRECTION 1 or −1; the panel's MIDDLE and HALF length as the
+# machine's functions see them.
+WANTED, TAKEN, DIRECTION, MIDDLE, HALF = range(6, 11)
+# Whether the lane is still on its way; whether its panel is ACCEPTED; EXCESS of what is left over what is tolerated,
+# that of one curve NOW; whether the last coefficients of this are FLAT, and how often it TURNS.
+ACTIVE, ACCEPTED, EXCESS, NOW, FLAT, TURNS = range(11, 17)
+# What the place may be off by of the edges where this panel begins, where the next one does, and of the edge AHEAD.
+OPENED, NEXT_OPENED, AHEAD = range(17, 20)
+WALK = 20
 # Parts of an edge: its place, and what that may be off by.
 PLACE, PLACE_ERROR = range(2)
 EDGES = 2
@@ -32,6 +38,10 @@ SHORTER, LONGER = 0.25, 1.5
 AIM = 0.2
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on from edge to edge.
 FLOOR, MOST = 1e-7, 200
+# Coefficients that are level are taken for rounding in panels no longer than this share of the longest, which a wave
+# would have been resolved by, where what is left is this small a share of the greatest magnitude, or where the curve
+# turns at so many positions, as a narrow peak doesn't.
+SHORT, SMALL, RESTLESS = 0.25, 1e-7, 6.0
 # Edges that are closer than this share of the greatest position are one.
 SAME = 2e-15
 
@@ -95,27 +105,65 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
 
 
 @routine
-def compare_with_tolerance(figures: Memory, curve: int, tolerance: float, scales: Memory, walk: Memory) -> bool:
-    """Widen each lane's excess by that of a curve; scales are the greatest magnitudes so far.
+def forgive_noise(tile: Memory, curve: int, walk: Memory) -> None:
+    """Take no offence at what is left of a curve in panels where it goes up and down from position to position."""
+    for lane in range(LANES):
+        walk[TURNS, lane] = 0.0
+    for j in range(1, DEGREE):
+        for lane in range(LANES):
+            here = tile[curve, j, lane]
+            turns = (here - tile[curve, j - 1, lane]) * (tile[curve, j + 1, lane] - here) < 0.0
+            walk[TURNS, lane] += 1.0 if turns else 0.0
+    for lane in range(LANES):
+        noise = (walk[FLAT, lane] > 0.0) & (walk[TURNS, lane] >= RESTLESS)
+        walk[NOW, lane] = 0.0 if noise else walk[NOW, lane]
+
+
+@routine
+def compare_with_tolerance(
+    tile: Memory, figures: Memory, curve: int, tolerance: float, longest: float, scales: Memory, walk: Memory
+) -> bool:
+    """Widen each lane's excess by that of a curve.
+
+    Parameters
+    ----------
+    tile : panels (curves, POSITIONS, LANES)
+    figures : rows (curves, FIGURES, LANES)
+    curve : int
+    tolerance : float
+        What may be left, as a share of the greatest magnitude.
+    longest : float
+        Longest panel.
+    scales : rows (curves, LANES)
+        Greatest magnitudes so far.
+    walk : rows (WALK, LANES)
 
     Returns
     -------
     bool
         Whether a value in any lane's panel isn't finite.
     """
-    broken = False
+    broken = restless = False
     for lane in range(LANES):
         scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, lane])
         scales[curve, lane] = scale
-        excess = figures[curve, TAIL, lane] / larger(tolerance * scale, 1e-300)
-        excess = 0.0 if figures[curve, NOISE, lane] > 0.0 else excess
-        walk[EXCESS, lane] = larger(excess, walk[EXCESS, lane])
+        excess = figures[curve, TAIL, lane] / larger(tolerance * scale, TINY)
+        short = abs(walk[HALF, lane]) <= 0.5 * SHORT * longest
+        flat = (figures[curve, FLAT_FIGURE, lane] > 0.0) & short & (excess > 1.0)
+        walk[NOW, lane] = 0.0 if flat & (excess * tolerance <= SMALL) else excess
+        walk[FLAT, lane] = 1.0 if flat else 0.0
+        restless |= flat
         broken |= not abs(figures[curve, SUM, lane]) < math.inf
+    if restless:
+        forgive_noise(tile, curve, walk)
+    for lane in range(LANES):
+        walk[EXCESS, lane] = larger(walk[NOW, lane], walk[EXCESS, lane])
     return broken
 
 
 @scalar
 def sixteenth_root(x: float) -> float:
+    """X to the power 1/16."""
     return math.sqrt(math.sqrt(math.sqrt(math.sqrt(x))))
 
 

@@ -1,26 +1,30 @@
 """The Chebyshev series of a curve within a panel: its integral, what is missing beyond degree 16, its values anywhere.
 
-The coefficients of a smooth curve fall by a constant factor in the end. By how much the last four are below the four
-before them tells what the next ones would be. Those also tell how far the integral is off, of which far less is missed:
-the rule for degree 16 is nearly exact for the next few. Where coefficients don't fall, as what is left is rounding or
-something within the panel bends or jumps, no fall faster than SLOWEST is taken for granted.
+The coefficients of a smooth curve fall by a constant factor in the end. By how much the last three are below those
+eight degrees before them tells what the next ones would be. Those also tell how far the integral is off, of which far
+less is missed: the rule for degree 16 is nearly exact for the next few. Where coefficients don't fall, as what is left
+is rounding or something within the panel bends or jumps, they are taken to fall by SLOWEST.
 """
+
+import math
 
 from engine.cycle.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.lanes import LANES, Memory, memory
 
 # Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
-# of that integral lies beyond degree 16; greatest magnitude; whether coefficients don't fall at all (1 or 0).
-SUM, TAIL, MISSING, MAGNITUDE, NOISE = range(5)
+# of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).
+SUM, TAIL, MISSING, MAGNITUDE, FLAT = range(5)
 FIGURES = 5
 of_figures = memory(FIGURES, LANES)
 
-# Share by which four coefficients fall against four before them at the least.
-SLOWEST = 0.65
-# Last coefficients this share of half the range of the values or more are rounding: those of a jump are a third of it.
-NOISY = 0.15
-MARGIN = 4.0
+# Share by which each coefficient is taken to fall at least.
+SLOWEST = 0.85
+# The last coefficients are level where they are no less than this share of those eight degrees before: those of a kink
+# are a fifth of them, those of a jump two fifths.
+LEVEL = 0.5
+# By how much what is left may exceed what the fall makes of it, of random curves, in one case of a thousand.
+MARGIN = 3.0
 TINY = 1e-300
 
 
@@ -36,6 +40,24 @@ def smaller(a: float, b: float) -> float:
     return a if a < b else b
 
 
+@scalar
+def _even(tile: Memory, curve: int, i: int, lane: int) -> float:
+    """Coefficient 2i of a curve's series, i > 0; the value in the middle is taken out as a constant."""
+    total, middle = 0.0, tile[curve, MIDDLE, lane]
+    for j in range(MIDDLE):
+        total += EVEN[i, j] * ((tile[curve, j, lane] - middle) + (tile[curve, DEGREE - j, lane] - middle))
+    return total
+
+
+@scalar
+def _odd(tile: Memory, curve: int, i: int, lane: int) -> float:
+    """Coefficient 2i + 1 of a curve's series."""
+    total = 0.0
+    for j in range(MIDDLE):
+        total += ODD[i, j] * (tile[curve, j, lane] - tile[curve, DEGREE - j, lane])
+    return total
+
+
 @routine
 def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
     """Figures of a curve in each lane's panel.
@@ -48,28 +70,27 @@ def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
         Receives them in the curve's rows.
     """
     for lane in range(LANES):
-        total = WEIGHTS[MIDDLE] * tile[curve, MIDDLE, lane]
-        low = high = tile[curve, MIDDLE, lane]
+        middle = tile[curve, MIDDLE, lane]
+        total, low, high = 0.0, middle, middle
         for j in range(MIDDLE):
-            total += WEIGHTS[j] * (tile[curve, j, lane] + tile[curve, DEGREE - j, lane])
+            total += WEIGHTS[j] * ((tile[curve, j, lane] - middle) + (tile[curve, DEGREE - j, lane] - middle))
             low = smaller(smaller(tile[curve, j, lane], tile[curve, DEGREE - j, lane]), low)
             high = larger(larger(tile[curve, j, lane], tile[curve, DEGREE - j, lane]), high)
-        last = before = 0.0
-        for i in range(5, 9):
-            even = EVEN[i, MIDDLE] * tile[curve, MIDDLE, lane]
-            odd = 0.0
-            for j in range(MIDDLE):
-                even += EVEN[i, j] * (tile[curve, j, lane] + tile[curve, DEGREE - j, lane])
-                odd += ODD[i - 1, j] * (tile[curve, j, lane] - tile[curve, DEGREE - j, lane])
-            pair = larger(abs(even), abs(odd))
-            if i < 7:
-                before = larger(pair, before)
-            else:
-                last = larger(pair, last)
-        fall = last / larger(before, larger(last * (1.0 / SLOWEST), TINY))
-        figures[curve, SUM, lane] = total
-        figures[curve, TAIL, lane] = 4.0 * last * fall * (1.0 + fall * (1.0 + fall * (1.0 + fall * 3.0)))
-        missing = fall * (MISSED[0] + fall * (MISSED[1] + fall * (MISSED[2] + fall * MISSED[3])))
-        figures[curve, MISSING, lane] = MARGIN * last * missing
+        # Of degree 6 to 8 and 13 to 16.
+        six, seven = _even(tile, curve, 3, lane), _odd(tile, curve, 3, lane)
+        eight, fourteen = _even(tile, curve, 4, lane), _even(tile, curve, 7, lane)
+        fifteen, sixteen = _odd(tile, curve, 7, lane), _even(tile, curve, 8, lane)
+        thirteen = _odd(tile, curve, 6, lane)
+        before = larger(larger(abs(six), abs(seven)), abs(eight))
+        last = larger(larger(abs(fourteen), abs(fifteen)), abs(sixteen))
+        square = math.sqrt(math.sqrt(smaller(last / larger(before, TINY), SLOWEST**8)))
+        fall = math.sqrt(square)
+        level = larger(abs(sixteen), fall * larger(abs(fifteen), fall * larger(abs(fourteen), fall * abs(thirteen))))
+        missing = 0.0
+        for i in range(MISSED.shape[0]):
+            missing = square * (MISSED[MISSED.shape[0] - 1 - i] + missing)
+        figures[curve, SUM, lane] = middle + middle + total
+        figures[curve, TAIL, lane] = MARGIN * level * fall / (1.0 - fall)
+        figures[curve, MISSING, lane] = MARGIN * level * missing
         figures[curve, MAGNITUDE, lane] = larger(abs(low), abs(high))
-        figures[curve, NOISE, lane] = 1.0 if last > NOISY * 0.5 * (high - low) else 0.0
+        figures[curve, FLAT, lane] = 1.0 if last >= LEVEL * before else 0.0

@@ -7,43 +7,35 @@ two of half the size.
 
 import numpy as np
 
-from engine.cycle.chebyshev import DEGREE, MIDDLE
+from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES
 from engine.cycle.compiling import routine
 from engine.cycle.lanes import LANES, Memory
 
-_HALF = MIDDLE + 1
 # Tiles used meanwhile.
 FOLDED, PRODUCT, SHIFTED = range(3)
 
 
 @routine
 def _folded(values: Memory, slot: int, folded: Memory) -> None:
-    """Sums of values at a position and its mirror image, the middle one once, then differences."""
+    """Sums of values at a position and its mirror image, less twice the value in the middle; then differences."""
     for j in range(MIDDLE):
         for lane in range(LANES):
-            folded[j, lane] = values[slot, j, lane] + values[slot, DEGREE - j, lane]
-        for lane in range(LANES):
-            folded[_HALF + j, lane] = values[slot, j, lane] - values[slot, DEGREE - j, lane]
-    for lane in range(LANES):
-        folded[MIDDLE, lane] = values[slot, MIDDLE, lane]
+            left, right, middle = values[slot, j, lane], values[slot, DEGREE - j, lane], values[slot, MIDDLE, lane]
+            folded[j, lane] = (left - middle) + (right - middle)
+            folded[MIDDLE + j, lane] = left - right
 
 
 @routine
-def _product(matrix: np.ndarray, given: Memory, result: Memory) -> None:
-    """Both halves of a matrix times the two halves of the given rows."""
-    # Lengths read off the matrix: the compiler would write out loops of known length, all of them.
+def _product(matrix: np.ndarray, folded: Memory, result: Memory) -> None:
+    """The rows for sums times the sums, then the rows for differences times the differences."""
+    # Lengths are read off the matrix: the compiler would write out loops of known length, all of them.
     size = matrix.shape[0]
-    for i in range((size + 1) // 2):
-        for lane in range(LANES):
-            total = matrix[i, MIDDLE] * given[MIDDLE, lane]
-            for j in range(MIDDLE):
-                total += matrix[i, j] * given[j, lane]
-            result[i, lane] = total
-    for i in range((size + 1) // 2, size):
+    for i in range(size):
+        first = 0 if i < (size + 1) // 2 else MIDDLE
         for lane in range(LANES):
             total = 0.0
             for j in range(MIDDLE):
-                total += matrix[i, j] * given[_HALF + j, lane]
+                total += matrix[i, j] * folded[first + j, lane]
             result[i, lane] = total
 
 
@@ -53,7 +45,7 @@ def to_coefficients(matrix: np.ndarray, values: Memory, slot: int, work: Memory,
 
     Parameters
     ----------
-    matrix : ndarray (POSITIONS, MIDDLE + 1)
+    matrix : ndarray (POSITIONS, MIDDLE)
         `chebyshev.TO_COEFFICIENTS`.
     values : panels (slots, POSITIONS, LANES)
     slot : int
@@ -64,13 +56,15 @@ def to_coefficients(matrix: np.ndarray, values: Memory, slot: int, work: Memory,
     """
     product = work[PRODUCT]
     _folded(values, slot, work[FOLDED])
-    _product(matrix, work[FOLDED], work[PRODUCT])
-    for i in range(_HALF):
-        for lane in range(LANES):
-            coefficients[slot, 2 * i, lane] = product[i, lane]
+    _product(matrix, work[FOLDED], product)
     for i in range(MIDDLE):
         for lane in range(LANES):
-            coefficients[slot, 2 * i + 1, lane] = product[_HALF + i, lane]
+            coefficients[slot, 2 * i, lane] = product[i, lane]
+        for lane in range(LANES):
+            coefficients[slot, 2 * i + 1, lane] = product[MIDDLE + 1 + i, lane]
+    for lane in range(LANES):
+        coefficients[slot, 0, lane] += values[slot, MIDDLE, lane]
+        coefficients[slot, DEGREE, lane] = product[MIDDLE, lane]
 
 
 @routine
@@ -79,7 +73,7 @@ def to_integrals(matrix: np.ndarray, work: Memory, integrals: Memory, slot: int)
 
     Parameters
     ----------
-    matrix : ndarray (POSITIONS, MIDDLE + 1)
+    matrix : ndarray (POSITIONS, MIDDLE)
         `chebyshev.TO_INTEGRALS`.
     work : panels (3, POSITIONS, LANES)
     integrals : panels (slots, POSITIONS, LANES)
@@ -87,14 +81,13 @@ def to_integrals(matrix: np.ndarray, work: Memory, integrals: Memory, slot: int)
     """
     product = work[PRODUCT]
     _folded(work, SHIFTED, work[FOLDED])
-    # Of sums the integral from the middle is odd, of differences it is even.
-    _product(matrix, work[FOLDED], work[PRODUCT])
+    _product(matrix, work[FOLDED], product)
+    # The integral from the middle is odd of the sums and of the constant, even of the differences.
     for lane in range(LANES):
-        product[MIDDLE, lane] = product[0, lane] + product[_HALF, lane]
+        first = product[0, lane] + PLACES[0] * work[SHIFTED, MIDDLE, lane] + product[MIDDLE + 1, lane]
+        integrals[slot, MIDDLE, lane] = -first
     for j in range(MIDDLE):
         for lane in range(LANES):
-            even = product[_HALF + j, lane] - product[MIDDLE, lane]
-            integrals[slot, j, lane] = even + product[j, lane]
-            integrals[slot, DEGREE - j, lane] = even - product[j, lane]
-    for lane in range(LANES):
-        integrals[slot, MIDDLE, lane] = -product[MIDDLE, lane]
+            odd = product[j, lane] + PLACES[j] * work[SHIFTED, MIDDLE, lane]
+            even = product[MIDDLE + 1 + j, lane] + integrals[slot, MIDDLE, lane]
+            integrals[slot, j, lane], integrals[slot, DEGREE - j, lane] = even + odd, even - odd

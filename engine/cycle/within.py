@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.cycle.chebyshev import DEGREE, PLACES
 from engine.cycle.compiling import routine
-from engine.cycle.extremes import HIGH, LENGTH, LOW, SLOPE, TOP, Search, X, evaluate, value_of_series
+from engine.cycle.extremes import HERE, HIGH, LENGTH, LOW, SLOPE, TAKEN, Search, X, evaluate
 from engine.cycle.integrals import ROUNDING
 from engine.cycle.lanes import LANES, Memory, memory
 from engine.cycle.record import HALF, MIDDLE, OFFSET, SCALE, TAIL, Record, known_slot
@@ -40,7 +40,7 @@ def value_at(
     result : rows (2, LANES)
         Receives value and error; NaN where the place is outside of the range.
     """
-    search, values, panels = work.search, work.other, record.panels
+    search, panels = work.rows, record.panels
     for lane in range(LANES):
         result[FOUND, lane] = result[ERROR, lane] = math.nan
     for step in range(steps):
@@ -53,11 +53,13 @@ def value_at(
         if not inside:
             continue
         slot = known_slot(record, matrix, curve, step)
-        value_of_series(record.coefficients, slot, search, values)
+        evaluate(record.coefficients[slot], search)
         for lane in range(LANES):
             here = abs(search[X, lane]) <= 1.0
-            noise = ROUNDING * record.whole[curve, SCALE, lane] + record.whole[curve, OFFSET, lane]
-            result[FOUND, lane] = values[lane] if here else result[FOUND, lane]
+            # Rounding of values and of the place.
+            moved = abs(at[lane] * search[SLOPE, lane] / panels[step, HALF, lane])
+            noise = ROUNDING * (record.whole[curve, SCALE, lane] + moved) + record.whole[curve, OFFSET, lane]
+            result[FOUND, lane] = search[HERE, lane] if here else result[FOUND, lane]
             off = 2.0 * record.errors[slot, TAIL, lane] + noise
             result[ERROR, lane] = off if here else result[ERROR, lane]
 
@@ -73,7 +75,7 @@ def close_in(search: Memory) -> bool:
     """
     going = False
     for lane in range(LANES):
-        x, value, slope = search[X, lane], search[TOP, lane], search[SLOPE, lane]
+        x, value, slope = search[X, lane], search[HERE, lane], search[SLOPE, lane]
         low, high = search[LOW, lane], search[HIGH, lane]
         low, high = (x if value < 0.0 else low), (x if value > 0.0 else high)
         ahead = x - value / slope
@@ -108,7 +110,7 @@ def zeros_of(
     result : rows (most, 2, LANES)
         Receives each place and its error, then NaN.
     """
-    search, values, panels = work.search, record.values, record.panels
+    search, values, panels = work.rows, record.values, record.panels
     for lane in range(LANES):
         counts[lane] = 0.0
         for i in range(most):
@@ -122,8 +124,8 @@ def zeros_of(
                 rises, falls = (here < 0.0) & (there >= 0.0), (here >= 0.0) & (there < 0.0)
                 changes = (rises | falls) & (panels[step, HALF, lane] != 0.0)
                 # Marked for after the search, too.
-                work.other[lane] = 1.0 if changes else 0.0
-                search[LENGTH, lane] = work.other[lane]
+                search[TAKEN, lane] = 1.0 if changes else 0.0
+                search[LENGTH, lane] = search[TAKEN, lane]
                 share = here / (here - there) if changes else 0.0
                 search[X, lane] = PLACES[j] + (PLACES[j + 1] - PLACES[j]) * share
                 search[LOW, lane] = PLACES[j] if rises else PLACES[j + 1]
@@ -139,9 +141,9 @@ def zeros_of(
             evaluate(series, search)
             for lane in range(LANES):
                 i = int(counts[lane])
-                if work.other[lane] > 0.0:
+                if search[TAKEN, lane] > 0.0:
                     counts[lane] += 1.0
-                if work.other[lane] > 0.0 and i < most:
+                if search[TAKEN, lane] > 0.0 and i < most:
                     half = panels[step, HALF, lane]
                     place = panels[step, MIDDLE, lane] + half * search[X, lane]
                     off = 2.0 * record.errors[slot, TAIL, lane] + ROUNDING * record.whole[curve, SCALE, lane]

@@ -108,6 +108,11 @@ class ElementsAlone:
         """Every summary one may ask."""
         return {q.name: q for q in element_summaries(self.scene)}
 
+    @property
+    def numbers_kept(self) -> int:
+        """Numbers of each variant that are kept while it is evaluated."""
+        return len(self._limits)
+
     def source(self) -> str:
         """Source of the kernel, to be read."""
         return self._columns.text

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from engine.graph.nodes import Node, Stage, reached
 from engine.mechanism.mechanics import Mechanics
+from engine.scene.pairs import Pair, pairs
 
 
 def all_levels(mechanics: Mechanics) -> dict[str, list[str]]:
@@ -46,6 +47,7 @@ def _levels(mechanics: Mechanics) -> dict[str, dict[str, tuple[Node, ...]]]:
         f"slider {name}": {"position": (s.d,), "velocity": (s.v,), "acceleration": (s.a,)}
         for name, s in k.slides.items()
     }
+    found |= {f"pair {pair.name}": {"reaction": _reaction(mechanics, pair)} for pair in pairs(mechanics.scene)}
     moving = {
         subject: {level: tuple(n for n in nodes if n.stage == Stage.POSITION) for level, nodes in levels.items()}
         for subject, levels in found.items()
@@ -55,6 +57,12 @@ def _levels(mechanics: Mechanics) -> dict[str, dict[str, tuple[Node, ...]]]:
         for subject, levels in moving.items()
         if any(levels.values())
     }
+
+
+def _reaction(mechanics: Mechanics, pair: Pair) -> tuple[Node, ...]:
+    """Components of the reaction in a pair: of a force, or normal force and moment in a guide."""
+    parts = ("reaction_x", "reaction_y") if pair.kind == "revolute" else ("reaction", "reaction_moment")
+    return tuple(mechanics.reactions.variables[f"{pair.name}.{part}"] for part in parts)
 
 
 def _links(mechanics: Mechanics, group: str) -> tuple[str, str]:

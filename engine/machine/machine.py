@@ -15,6 +15,7 @@ from engine.machine.kept_fields import KeptFields, fill_cycle_numbers
 from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.quantities import kept_from
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -109,6 +110,8 @@ class Machine:
         self._rest = [n for n in self.asked_summaries if n not in own and n not in self._summaries]
         self._fields: dict[str, Field] = {n: self.register.fields[n] for n in self.asked_fields if self._is_kept(n)}
         self._rest_fields = [n for n in self.asked_fields if n not in self._fields]
+        for name, message in kept_from(scene, (*self._rest, *self._rest_fields)):
+            raise AskError(f"{name}: {message}")
         if self._rest or self._rest_fields:
             self._rows.check()
 
@@ -302,7 +305,7 @@ class Machine:
         self._kept.fill(functions, table, self._positions_of(table), room)
         for name, values in zip(self._fields, room, strict=True):
             outcome.fields[name][keep] = values
-        return ~np.isfinite(room.sum(axis=(0, 2)))
+        return ~np.isfinite(room).all(axis=(0, 2))
 
     def _positions_of(self, table: np.ndarray) -> np.ndarray:
         """Input positions of the fields, (positions,), or (positions, variants) where the range varies."""
@@ -321,12 +324,12 @@ class Machine:
         broken = answers.outcome.broken_at
         singular = np.zeros(keep.size, bool)
         for group, (least, place) in zip(self.measuring.groups, answers.sines(), strict=True):
-            fails = (least < SINGULAR_SINE) & ~singular
+            fails = (least < SINGULAR_SINE) & ~singular & np.isnan(broken)
             self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
             singular |= fails
         lost = np.flatnonzero(np.isfinite(broken) & ~singular)
         if lost.size:
-            self._blame_assembly(outcome, keep, table, lost, broken)
+            self._blame_assembly(outcome, keep, table, answers, lost)
         for group, (margin, place) in answers.least_margins().items():
             jams = (outcome.status[keep] == Verdict.OK) & (margin <= 0.0)
             # Where it jams first, curves stop being finite.
@@ -341,10 +344,10 @@ class Machine:
         outcome.status_at[who] = at
 
     def _blame_assembly(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, lost: np.ndarray, broken: np.ndarray
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, lost: np.ndarray
     ) -> None:
         """Say which group can't be assembled, and where first, of variants with curves that aren't finite."""
-        functions, groups = self.measuring.functions, self.measuring.groups
+        functions, groups, broken = self.measuring.functions, self.measuring.groups, answers.outcome.broken_at
         sines = KeptFields([self.mechanics.kinematics.sines[g] for g in groups], np.dtype(float), self._title)
         first, last = (table[functions.rows[end], lost] for end in (self.mechanics.first, self.mechanics.last))
         share = np.arange(LOOKED_AT + 1) / LOOKED_AT
@@ -361,7 +364,8 @@ class Machine:
             else:
                 at_break = np.empty((len(groups), 1, 1))
                 sines.fill(functions, table[:, v : v + 1], broken[v : v + 1], at_break)
-                gone = np.isnan(at_break[:, 0, 0])
+                # A hair beside the place where links still reach, positions differ by rounding.
+                gone = np.isnan(at_break[:, 0, 0]) | np.array([np.isnan(least[v]) for least, _ in answers.sines()])
                 if not gone.any():
                     continue
                 group, place = groups[gone.argmax()], broken[v]

@@ -30,6 +30,9 @@ from engine.quantities.expressions import (
 )
 from engine.scene.scene import Numbers
 
+# What may be left of the quality of force transmission: near a dead centre all else depends on how small it is.
+FINELY = 1e-12
+
 
 class Measuring:
     """Functions and plan for the measurements that some expressions need.
@@ -102,6 +105,7 @@ class Measuring:
     def _plan(self, of: dict[type, list], accuracy: float) -> None:
         f = self.functions
         row, curve = f.rows, f.curves
+        sines = set(self._sines)
         self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
         self._extremes = list(
             dict.fromkeys([*(a.curve for a in (*of[Extreme], *of[Place])), *self._sines, *self.margins.values()])
@@ -123,7 +127,7 @@ class Measuring:
             combinations=[(curve[m], curve[i], row[c]) for m, i, c in self._combinations],
             fluctuations=[(curve[m], curve[i], row[w], row[j]) for m, i, w, j in self._fluctuations],
             values=[(curve[c], row[self.mechanics.first]) for c in self._values],
-            tolerance=accuracy,
+            tolerance=[min(accuracy, FINELY) if c in sines else accuracy for c in curve],
         )
         self._machine: cycle.Machine | None = None
 
@@ -215,8 +219,9 @@ class Answers:
             k = self._m._extremes.index(sine)
             extremes = self.outcome.extremes
             low, high = extremes.least[k], extremes.greatest[k]
-            positive = low.value > 0.0
-            least = np.where(positive, low.value - low.error, np.maximum(-high.value - high.error, 0.0))
+            # The quality never changes its sign.
+            positive = high.value >= -low.value
+            least = np.where(positive, low.value - low.error, -high.value - high.error)
             place = np.where(positive, extremes.least_at[k].value, extremes.greatest_at[k].value)
             found.append((least, place))
         return found

@@ -57,8 +57,8 @@ def least_sine(m: Mechanics, group: str) -> Expression:
 
 
 def _least_magnitude(low: Measured, high: Measured) -> Measured:
-    positive = low.value > 0.0
-    value = np.where(positive, low.value, np.maximum(-high.value, 0.0))
+    positive = high.value >= -low.value
+    value = np.maximum(np.where(positive, low.value, -high.value), 0.0)
     known = np.isfinite(low.value) & np.isfinite(high.value)
     return Measured(np.where(known, value, np.nan), np.where(positive, low.error, high.error))
 

@@ -1,147 +1,276 @@
 """How true the error figures are: the share of true errors that they cover, and how far they lie above them.
 
-Written by `trade.py` with everything else that is measured on random machines:
+    python results/accuracy/calibration.py
 
-    python results/accuracy/trade.py
+writes calibration.md and calibration.png beside this file. The truth owes nothing to the engine: closed formulas of
+each mechanism in extended precision (`closed_motion.py`, `closed_forces.py`), made into summaries by Legendre series on
+panels of their own (`closed_cycle.py`, `closed_summaries.py`); `fifty_digits.py` checks them with mpmath.
 """
 
+import argparse
+import platform
+import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from closed_cycle import Cycle
+from closed_summaries import Summaries, Truth
 from matplotlib.figure import Figure
-from measured import Found, Setting
+from near_dead_centres import NearCycle, near_dead_centres
 from quantities import class_of, loads_of
+from random_machines import Kind, Varied, kinds, machines
+
+from engine import Machine
+from engine.compiling.jit import set_threads, threads
 
 HERE = Path(__file__).parent
-POSITIONS = (48, 96, 360, 720)
-PRECISIONS = ("float64", "float32")
+ACCURACIES = (None, 1e-3, 1e-6)
+NEAR = ("slider-crank", "crank-rocker")
+NOTHING = 5e-324
+# A shortfall of a figure, relative to the quantity, that nobody notices.
+SLIGHT = 1e-12
 
 
-class Scatter(NamedTuple):
-    """True errors and error figures, relative, of one group of summaries."""
+class Found(NamedTuple):
+    """Of all machines of a kind under one accuracy: each row a summary of one machine.
 
+    True error and error figure are relative; `doubts` are the reference's own.
+    """
+
+    kind: str
+    near: bool
+    accuracy: float | None
+    names: list[str]
+    variants: np.ndarray
     errors: np.ndarray
     figures: np.ndarray
+    doubts: np.ndarray
+    failed: int
+    tail: float
 
     @property
-    def covered(self) -> float:
-        """Share of true errors that their figures cover, %."""
-        return 100 * float(np.mean(self.errors <= self.figures))
-
-    @property
-    def ratio(self) -> float:
-        """Median of figure over true error."""
-        with np.errstate(divide="ignore"):
-            return float(np.median(self.figures / self.errors))
+    def beyond(self) -> np.ndarray:
+        """How far each true error lies beyond its figure."""
+        return self.errors - self.doubts - self.figures
 
 
-def scattered(found: Found, setting: Setting) -> dict[str, Scatter]:
-    """True errors and figures by group of summaries; where the speed is as asked, there is no true error."""
-    groups: dict[str, list[np.ndarray]] = {}
-    for by_setting in found.values():
-        summaries = by_setting[setting]
-        sized = "flywheel_wittenbauer" in summaries
-        for name, e in summaries.items():
-            if sized and name.startswith("speed_"):
-                continue
-            known = np.isfinite(e.errors) & (e.scales > 0)
-            both = np.stack([np.maximum(e.errors - e.doubts, 0), e.figures]) / np.where(e.scales > 0, e.scales, 1)
-            groups.setdefault(class_of(name), []).append(both[:, known])
-    return {name: Scatter(*np.concatenate(parts, axis=1)) for name, parts in sorted(groups.items())}
+def truths_of(kind: Kind, varied: Varied, near: bool) -> tuple[list[dict[str, Truth]], float]:
+    """True summaries of each machine, and what the worst of the references' series leaves over at its last degrees."""
+    found, tail = [], 0.0
+    for k in range(varied["input.length"].size):
+        numbers = {path: float(values[k]) for path, values in varied.items()}
+        with np.errstate(all="ignore"):
+            cycle = NearCycle(kind.scene, numbers) if near else Cycle(kind.scene, numbers)
+            found.append(Summaries(cycle, set(kind.asked)).truths)
+        tail = max(tail, *(curve.tail for curve in cycle.curves.values()))
+    return found, tail
 
 
-def together(scatters: dict[str, Scatter]) -> Scatter:
-    """All groups as one."""
-    return Scatter(*(np.concatenate(parts) for parts in zip(*scatters.values(), strict=True)))
+def scale_of(truths: dict[str, Truth], name: str, speed: float) -> float:
+    """What an error is relative to: the peak of a field for its statistics, 1 for places and differences."""
+    field = name.rpartition(".")[0]
+    if name.endswith(("_at", "_difference")):
+        return 1.0
+    if f"{field}.max" in truths:
+        return _peak(truths, field)
+    if name in ("required_drive_moment", "required_power"):
+        # The mean of a moment may vanish.
+        return _peak(truths, "reduced_moment") * (speed if name == "required_power" else 1.0)
+    return truths[name].size
 
 
-def _cell(scatter: Scatter | None) -> str:
-    if scatter is None:
-        return "–"
-    return (
-        f"{scatter.covered:.2f} % ({scatter.ratio:.2g})" if scatter.ratio < 1e4 else f"{scatter.covered:.2f} % (> 1e4)"
-    )
+def _peak(truths: dict[str, Truth], field: str) -> float:
+    return max(truths[f"{field}.min"].size, truths[f"{field}.max"].size)
 
 
-def table(found: Found, precision: str, accuracies: tuple[Setting, ...] = ()) -> list[str]:
-    """Lines of the table of one precision."""
-    settings = [*(Setting(n, precision) for n in POSITIONS), *accuracies]
-    columns = [scattered(found, setting) for setting in settings]
-    lines = [f"| {precision} | " + " | ".join(s.label.removesuffix(", float32") for s in settings) + " |"]
-    lines.append("|---" * (len(settings) + 1) + "|")
-    for name in columns[0]:
-        lines.append(f"| {name} | " + " | ".join(_cell(column.get(name)) for column in columns) + " |")
-    lines.append("| **all** | " + " | ".join(_cell(together(column)) for column in columns) + " |")
-    return lines
-
-
-def uncovered(found: Found, setting: Setting, count: int) -> list[str]:
-    """Lines of the worst true errors beyond their figures."""
+def compared(
+    kind: Kind, varied: Varied, truths: list[dict[str, Truth]], accuracy: float | None, near: bool, tail: float
+) -> Found:
+    """True errors and error figures of all that is asked of a kind."""
+    # Where the fluctuation is asked, the speeds are as asked and know no error.
+    sized = "flywheel_wittenbauer" in kind.asked
+    asked = [name for name in kind.asked if not (sized and name.startswith("speed_"))]
+    outcome = Machine(kind.scene, asked, (), list(varied), accuracy=accuracy).evaluate(varied)
     rows = []
-    for kind, by_setting in found.items():
-        for name, e in by_setting[setting].items():
-            if "flywheel_wittenbauer" in by_setting[setting] and name.startswith("speed_"):
+    for k in np.flatnonzero(outcome.status == 0):
+        for name in asked:
+            truth, value = truths[k][name], outcome.summaries[name][k]
+            scale = scale_of(truths[k], name, abs(varied["input.speed"][k]))
+            error = truth.error(value, name.endswith("_at"))
+            if np.isfinite(error) and scale > 0.0:
+                rows.append((name, k, error / scale, outcome.errors[name][k] / scale, truth.doubt / scale))
+    names, *columns = zip(*rows, strict=True)
+    failed = int(np.count_nonzero(outcome.status))
+    return Found(kind.name, near, accuracy, list(names), *(np.array(c) for c in columns), failed, tail)
+
+
+def measured(index: int, count: int, near: bool) -> list[Found]:
+    """One kind of machine under all accuracies."""
+    set_threads(1)
+    kind = kinds()[index]
+    varied = machines(kind, count)
+    if near:
+        varied = near_dead_centres(kind, varied)
+    truths, tail = truths_of(kind, varied, near)
+    return [compared(kind, varied, truths, accuracy, near, tail) for accuracy in ACCURACIES]
+
+
+# The report
+
+
+def _cell(errors: np.ndarray, figures: np.ndarray, doubts: np.ndarray) -> str:
+    if not errors.size:
+        return "–"
+    rest = np.maximum(errors - doubts, 0.0)
+    covered = 100.0 * np.count_nonzero(rest <= figures) / errors.size
+    with np.errstate(over="ignore"):
+        ratio = float(np.median(figures / np.maximum(rest, NOTHING)))
+    return f"{covered:.2f} % ({ratio:.2g})" if ratio < 1e4 else f"{covered:.2f} % (> 1e4)"
+
+
+def _columns(results: list[Found], near: bool) -> list[Found]:
+    """All kinds as one, for each accuracy."""
+    found = []
+    for accuracy in ACCURACIES:
+        some = [r for r in results if r.near == near and r.accuracy == accuracy]
+        names = [name for r in some for name in r.names]
+        rows = [
+            np.concatenate([getattr(r, part) for r in some]) for part in ("variants", "errors", "figures", "doubts")
+        ]
+        failed, tail = sum(r.failed for r in some), max(r.tail for r in some)
+        found.append(Found("all", near, accuracy, names, *rows, failed, tail))
+    return found
+
+
+def table(results: list[Found], near: bool) -> list[str]:
+    """Lines of the table of coverage by class of quantity."""
+    columns = _columns(results, near)
+    labels = ["default" if a is None else f"accuracy {a:g}" for a in ACCURACIES]
+    lines = ["| | summaries | " + " | ".join(labels) + f" | short by > {SLIGHT:g} | shortest by |"]
+    lines.append("|---" * (len(labels) + 4) + "|")
+    classes = [np.array([class_of(name) for name in column.names]) for column in columns]
+    for one in sorted(set(classes[0])):
+        cells = []
+        for column, names in zip(columns, classes, strict=True):
+            pick = names == one
+            cells.append(_cell(column.errors[pick], column.figures[pick], column.doubts[pick]))
+        cells += _shortfalls(columns[0].beyond[classes[0] == one])
+        lines.append(f"| {one} | {np.count_nonzero(classes[0] == one)} | {' | '.join(cells)} |")
+    cells = [_cell(column.errors, column.figures, column.doubts) for column in columns]
+    cells += _shortfalls(columns[0].beyond)
+    return [*lines, f"| **all** | {columns[0].errors.size} | {' | '.join(cells)} |", ""]
+
+
+def _shortfalls(beyond: np.ndarray) -> list[str]:
+    """Share of figures that fall short by more than rounding would explain, and the greatest shortfall."""
+    share = 100.0 * np.count_nonzero(beyond > SLIGHT) / beyond.size
+    return [f"{share:.2f} %", f"{beyond.max():.1e}" if beyond.max() > 0.0 else "–"]
+
+
+def uncovered(results: list[Found], count: int) -> list[str]:
+    """Lines of the worst true errors beyond their figures, under the default, of each kind and summary; no places."""
+    rows = {}
+    for r in results:
+        if r.accuracy is not None:
+            continue
+        for i in np.argsort(-r.beyond):
+            if r.beyond[i] <= 0.0:
+                break
+            if r.names[i].endswith("_at"):
                 continue
-            with np.errstate(all="ignore"):
-                beyond = np.where(e.errors > e.figures + e.doubts, (e.errors - e.doubts) / e.scales, -1)
-            k = int(np.argmax(np.nan_to_num(beyond, nan=-1)))
-            if beyond[k] > 0:
-                rows.append((float(beyond[k]), kind, name, k, e.errors[k], e.figures[k], np.count_nonzero(beyond > 0)))
-    rows.sort(reverse=True)
+            row = rows.setdefault((r.kind, r.near, r.names[i]), [r.errors[i], r.figures[i], int(r.variants[i]), 0])
+            row[3] += 1
+    worst = sorted(rows.items(), key=lambda item: item[1][1] - item[1][0])[:count]
     return [
-        f"| {kind} | {name} | {k} | {error:.3g} | {figure:.3g} | {many} |"
-        for _, kind, name, k, error, figure, many in rows[:count]
+        f"| {kind}{', near a dead centre' if near else ''} | {name} | {k} | {error:.2g} | {figure:.2g} | {many} |"
+        for (kind, near, name), (error, figure, k, many) in worst
     ]
 
 
-def write(found: Found, accuracies: tuple[Setting, ...], machines: int) -> None:
-    """Write calibration.md and calibration.png."""
-    lines = [TEXT.format(machines=machines, kinds=len(found)), *table(found, "float64", accuracies), ""]
-    lines += [*table(found, "float32"), "", WORST, "", "| machine | summary | variant | error | figure | such |"]
-    lines += ["|---|---|---|---|---|---|", *uncovered(found, Setting(720), 12), ""]
-    (HERE / "calibration.md").write_text("\n".join(lines))
-    draw(found).savefig(HERE / "calibration.png", dpi=110)
+def draw(results: list[Found]) -> Figure:
+    """Figures over true errors under the default, for each kind of load."""
+    figure = Figure(figsize=(12, 3.8), layout="constrained")
+    axes = figure.subplots(1, 4, sharex=True, sharey=True)
+    random = np.random.default_rng(0)
+    shown = {loads: [r for r in results if not r.near and loads_of(r.kind) == loads] for loads in LOADS}
+    shown["near dead centres"] = [r for r in results if r.near]
+    for ax, (title, some) in zip(axes, shown.items(), strict=True):
+        some = [r for r in some if r.accuracy is None]
+        errors, figures = (np.concatenate([getattr(r, part) for r in some]) for part in ("errors", "figures"))
+        pick = random.permutation(errors.size)[:4000]
+        ax.scatter(np.maximum(errors[pick], 1e-20), np.maximum(figures[pick], 1e-20), s=3, alpha=0.3, lw=0)
+        ax.plot([1e-20, 10], [1e-20, 10], "k", lw=0.8)
+        ax.set(xscale="log", yscale="log", xlim=(5e-21, 3), ylim=(5e-21, 10), xlabel="true error, relative")
+        ax.set_title(title)
+        ax.grid(alpha=0.3)
+    axes[0].set_ylabel("error figure, relative")
+    return figure
 
 
+LOADS = ("smooth", "kinks", "jumps")
 TEXT = """# Error figures against true errors
 
-{machines} random machines of {kinds} structures (see `trade.md`). Every cell: the share of true errors that are no
-greater than their error figure, and in brackets the median of figure over true error.
+{machines} random machines of {kinds} structures (`random_machines.py`), and {near} slider-cranks and crank-rockers
+that come near a dead centre or a change point (`near_dead_centres.py`). Every cell: the share of true errors that
+are no greater than their error figure, and in brackets the median of figure over true error. `default` is a machine
+that is asked no accuracy; the others are asked that of every summary. The last two columns are of the default: the
+share of figures that fall short by more than {slight:g} of the quantity, and the greatest shortfall.
 
-Where a row is smooth about an extreme, the figure is four times what the next two differences add to the polynomial
-that the extreme is taken from, and no less than an eighth of its change from half the positions; where it bends or
-jumps, the extreme is that of the positions, and what may hide beside it counts whole. Means of what is smooth and
-periodic converge faster than any power of the step: once they have settled, both error and figure are rounding, the
-figure with a margin. So it is with panels, which are far nearer than asked.
+The truth comes from closed formulas in extended precision (80 bits) by another method; what it leaves open itself is
+taken off the errors. The last two coefficients of its series are at most {tail:.0e} of the greatest (near dead centres
+{near_tail:.0e}); the root of a magnitude with a sharp dip it resolves
+less well: the greatest shortfall of a mean is probably its own.
+Errors are relative to the peak of the field, for statistics of fields; to the value, for others.
+{failed}Made by `python results/accuracy/calibration.py`, in {minutes:.0f} minutes of processor time; {system}.
 
 ![figures against errors](calibration.png)
 """
 
-WORST = (
-    "Where a figure at 720 positions fell short most, relative to the size of the quantity, and for how many machines:"
-)
+
+def main() -> None:
+    """Measure, write the tables and the picture."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--machines", type=int, default=100, help="of each kind")
+    count = parser.parse_args().machines
+    names = [kind.name for kind in kinds()]
+    tasks = [(i, count, False) for i in range(len(names))] + [(names.index(name), count, True) for name in NEAR]
+    with ProcessPoolExecutor(threads(), initializer=set_threads, initargs=(1,)) as pool:
+        found = list(pool.map(timed, *zip(*tasks, strict=True)))
+    results = [r for some, _ in found for r in some]
+    failed = [r for r in results if r.failed]
+    words = "; ".join(f"{r.failed} of {r.kind}, accuracy {r.accuracy}" for r in failed)
+    text = TEXT.format(
+        machines=count * len(names),
+        kinds=len(names),
+        slight=SLIGHT,
+        tail=max(r.tail for r in results if not r.near),
+        near_tail=max(r.tail for r in results if r.near),
+        near=count * len(NEAR),
+        failed=f"Left out because the engine gave no result: {words}.\n" if failed else "",
+        minutes=sum(seconds for _, seconds in found) / 60.0,
+        system=f"{platform.machine()}, Python {platform.python_version()}",
+    )
+    lines = [text, "## Random machines", "", *table(results, near=False)]
+    lines += ["## Near dead centres and change points", "", *table(results, near=True)]
+    lines += ["## Where a figure fell short most, by default", ""]
+    rows = uncovered(results, 15)
+    heading = ["Relative to the size of the quantity, without places of extremes; `such`: how many machines.", ""]
+    heading += ["| machine | summary | variant | error | figure | such |", "|---|---|---|---|---|---|"]
+    lines += [*heading, *rows, ""] if rows else ["Nowhere.", ""]
+    (HERE / "calibration.md").write_text("\n".join(lines), encoding="utf8")
+    draw(results).savefig(HERE / "calibration.png", dpi=110)
+    print("\n".join(lines))
 
 
-def draw(found: Found) -> Figure:
-    """Figures over true errors, for each kind of load."""
-    figure = Figure(figsize=(12, 4.6), layout="constrained")
-    axes = figure.subplots(1, 3, sharex=True, sharey=True)
-    random = np.random.default_rng(0)
-    for ax, loads in zip(axes, ("smooth", "kinks", "jumps"), strict=True):
-        some = {kind: by for kind, by in found.items() if loads_of(kind) == loads}
-        for precision, colour in (("float32", "tab:orange"), ("float64", "tab:blue")):
-            for n in (48, 720):
-                all_of = together(scattered(some, Setting(n, precision)))
-                pick = random.permutation(all_of.errors.size)[:3000]
-                label = f"{n} positions, {precision}"
-                dots = {"s": 3, "alpha": 0.35, "lw": 0, "color": colour, "marker": "o" if n == 720 else "^"}
-                ax.scatter(np.maximum(all_of.errors[pick], 1e-18), all_of.figures[pick], label=label, **dots)
-        ax.plot([1e-18, 10], [1e-18, 10], "k", lw=0.8)
-        ax.plot([1e-18, 1], [1e-17, 10], "k:", lw=0.8)
-        ax.set(xscale="log", yscale="log", xlim=(1e-18, 3), ylim=(1e-18, 10), title=f"loads: {loads}")
-        ax.set_xlabel("true error, relative")
-        ax.grid(alpha=0.3)
-    axes[0].set_ylabel("error figure, relative")
-    axes[0].legend(markerscale=3, loc="upper left", fontsize=8)
-    return figure
+def timed(index: int, count: int, near: bool) -> tuple[list[Found], float]:
+    """What `measured` finds, and the processor time it took."""
+    begin = time.process_time()
+    found = measured(index, count, near)
+    print(f"{found[0].kind}{', near' if near else ''}: {time.process_time() - begin:.0f} s", flush=True)
+    return found, time.process_time() - begin
+
+
+if __name__ == "__main__":
+    main()

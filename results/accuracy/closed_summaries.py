@@ -79,15 +79,19 @@ class Summaries:
         field, curve = self.cycle.fields[name], self.cycle.curves[name]
         low, high = curve.extremes()
         mean_square = curve.total / TURN if field.magnitude else self._square(curve)
-        mean, doubt = curve.total / TURN, 0.0
+        mean, doubt, doubts = curve.total / TURN, 0.0, (0.0, 0.0)
         if field.magnitude:
+            # The square is known to within this; its root the less, the smaller it is.
+            left = np.abs(curve.series[-2:]).max() + 16 * np.finfo(np.longdouble).eps * high.value
+            doubts = tuple(float(left / (np.sqrt(max(e.value, np.longdouble(0))) + np.sqrt(left))) for e in (low, high))
             root = Curve.through(curve.panels, np.sqrt(np.maximum(curve.on_nodes(), 0)))
             mean, doubt = root.total / TURN, float((np.abs(root.series[-2:]).sum(axis=0) * curve.panels.length).sum())
             low, high = (e._replace(value=np.sqrt(max(e.value, np.longdouble(0)))) for e in (low, high))
         self.pointwise |= {f"{name}.min": Pointwise(name, low), f"{name}.max": Pointwise(name, high)}
         values = (low.value, high.value, high.value - low.value, max(abs(low.value), abs(high.value)))
+        left_open = {"mean": doubt, "min": doubts[0], "max": doubts[1]}
         for suffix, value in zip(STATISTICS_OF_VALUE, (*values, mean, np.sqrt(mean_square)), strict=True):
-            self.truths[f"{name}.{suffix}"] = one(value, doubt if suffix == "mean" else 0.0)
+            self.truths[f"{name}.{suffix}"] = one(value, left_open.get(suffix, 0.0))
         self.truths[f"{name}.min_at"] = Truth(tuple(low.ties))
         self.truths[f"{name}.max_at"] = Truth(tuple(high.ties))
 

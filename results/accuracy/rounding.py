@@ -43,8 +43,9 @@ MODULES += ("laws.tables", "equal_positions.flywheel", "motion.closed_forms.clos
 MODULES += tuple(
     f"laws.friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling")
 )
-# They give a number that counts, not one that is measured, or measure rounding themselves, or fill rows.
+# They give a number that counts or one of their arguments, or measure rounding themselves, or fill rows.
 LEFT_OUT = (
+    "line_pressure",
     *(f"{group}_closure" for group in _GROUPS),
     "left_over",
     "_cubic",

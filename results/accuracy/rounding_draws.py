@@ -54,6 +54,10 @@ NAMED = {
     "stroke_number": lambda rng: int(rng.integers(4)),
     "intake": lambda rng: size(rng, 1.0) * 1e5,
     "exhaust": lambda rng: size(rng, 1.0) * 1e5,
+    # Expansion, outflow, inflow, compression.
+    "branch": lambda rng: int(rng.integers(4)),
+    "inflow": lambda rng: size(rng, 1.0) * 1e5,
+    "outflow": lambda rng: size(rng, 1.0) * 1e5,
     "peak": lambda rng: size(rng, 1.0) * 1e6,
     "n_compression": between(1.0, 1.7),
     "n_expansion": between(1.0, 1.7),
@@ -202,6 +206,7 @@ DRAWS: dict[str, Draws] = {
     **dict.fromkeys(("oblique_components", "prp_reactions", "rpp_reactions", "rrr_rates", "rrr_reactions"), directions),
     **dict.fromkeys(("polytropic_compressor", "four_stroke_engine", "_gas_length", "_polytropic"), stroke),
     **dict.fromkeys(("_compressor_compression",), lambda rng, near: {**stroke(rng, near), "most": size(rng, 1.0)}),
+    "branch_pressure": stroke,
     "two_stroke_engine": two_stroke,
     "induction_motor": induction,
     "induction_motor_slope": induction,

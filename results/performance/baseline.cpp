@@ -62,8 +62,10 @@ struct Heavy {
     }
 };
 
+// `way` is where the output stands: the slide, or the direction of the rocker.
 struct Reduced {
     double inertia, slope, moment;
+    Vec way{0.0, 0.0};
     INLINE void add(const Body& b, Vec v, Vec a, double w, double e) {
         inertia += b.mass * dot(v, v) + b.inertia * (w * w);
         slope += 2.0 * (b.mass * dot(v, a) + b.inertia * (w * e));
@@ -120,6 +122,7 @@ INLINE Vec acceleration(Vec a, double w, double e, Vec arm) { return a + e * lef
 // Parameters come in the order that benchmark.py lists for each machine.
 
 struct SliderCrank {
+    static constexpr bool ROCKS = false;
     Vec o, guide, u, force;
     double r, l, offset, mode, moment, crank_inertia;
     Body crank, rod, ram;
@@ -149,19 +152,40 @@ struct SliderCrank {
         out.add(rod, velocity(va, w, centre), acceleration(Vec{-arm.x, -arm.y}, w, e, centre), w, e);
         out.add(ram, vb, ab, 0.0, 0.0);
         out.moment += dot(force, vb) + moment;
+        out.way = {u.x * from.x + u.y * from.y + root, slide};
+        return out;
+    }
+};
+
+// A slider-crank whose ram works over the last part of its stroke, on its way to the high end.
+struct Press : SliderCrank {
+    static constexpr double DEPTH = 0.02, FORCE = -4000.0;
+    double begin, work;
+    explicit Press(const double* p) : SliderCrank(p) {
+        const Vec from = o - guide;
+        const double across = u.x * from.y - u.y * from.x - offset, reach = l + r;
+        begin = dot(u, from) + std::sqrt((reach + across) * (reach - across)) - DEPTH;
+        work = FORCE * p[24];
+    }
+
+    INLINE Reduced at(double c, double s) const {
+        Reduced out = SliderCrank::at(c, s);
+        out.moment += out.way.x > begin && out.way.y > 0.0 ? work * out.way.y : 0.0;
         return out;
     }
 };
 
 struct FourBar {
+    static constexpr bool ROCKS = true;
     Vec o, d, force;
-    double r, moment, crank_inertia;
+    double r, moment, crank_inertia, over_rocker;
     RRR dyad;
     Place point;
     Body crank, rod, rocker;
     explicit FourBar(const double* p)
         : o{p[1], p[2]}, d{p[3], p[4]}, force{p[24] * std::cos(p[23]), p[24] * std::sin(p[23])}, r(p[5]),
-          moment(p[25]), crank_inertia(p[9] * (p[10] * p[10] + p[11] * p[11]) + p[12]), dyad(p[6], p[7], p[8]),
+          moment(p[25]), crank_inertia(p[9] * (p[10] * p[10] + p[11] * p[11]) + p[12]), over_rocker(1.0 / p[7]),
+          dyad(p[6], p[7], p[8]),
           point(p[21], p[22], p[6]), crank(p[9], p[10], p[11], p[12], p[0], p[5]),
           rod(p[13], p[14], p[15], p[16], p[0], p[6]), rocker(p[17], p[18], p[19], p[20], p[0], p[7]) {}
 
@@ -181,20 +205,22 @@ struct FourBar {
         centre = rocker.centre.of(g.p2);
         out.add(rocker, velocity(rest, g.w2, centre), acceleration(rest, g.w2, g.e2, centre), g.w2, g.e2);
         out.moment += dot(force, velocity(va, g.w1, point.of(g.p1))) + moment * g.w2;
+        out.way = over_rocker * g.p2;
         return out;
     }
 };
 
 struct SixBar {
+    static constexpr bool ROCKS = true;
     Vec o, d, e, force;
-    double r, moment, crank_inertia;
+    double r, moment, crank_inertia, over_lever;
     RRR first, second;
     Place point;
     Body crank, rod, rocker, bar, lever;
     explicit SixBar(const double* p)
         : o{p[1], p[2]}, d{p[3], p[4]}, e{p[5], p[6]}, force{p[37] * std::cos(p[36]), p[37] * std::sin(p[36])},
           r(p[7]), moment(p[38]), crank_inertia(p[14] * (p[15] * p[15] + p[16] * p[16]) + p[17]),
-          first(p[8], p[9], p[10]), second(p[11], p[12], p[13]), point(p[34], p[35], p[9]),
+          over_lever(1.0 / p[12]), first(p[8], p[9], p[10]), second(p[11], p[12], p[13]), point(p[34], p[35], p[9]),
           crank(p[14], p[15], p[16], p[17], p[0], p[7]), rod(p[18], p[19], p[20], p[21], p[0], p[8]),
           rocker(p[22], p[23], p[24], p[25], p[0], p[9]), bar(p[26], p[27], p[28], p[29], p[0], p[11]),
           lever(p[30], p[31], p[32], p[33], p[0], p[12]) {}
@@ -215,6 +241,7 @@ struct SixBar {
         centre = lever.centre.of(h.p2);
         out.add(lever, velocity(rest, h.w2, centre), acceleration(rest, h.w2, h.e2, centre), h.w2, h.e2);
         out.moment += dot(force, h.w2 * left(h.p2)) + moment * h.w2;
+        out.way = over_lever * h.p2;
         return out;
     }
 };
@@ -357,26 +384,54 @@ double missed_extreme(const double* __restrict inertia, const double* __restrict
     return 0.125 * worst;
 }
 
+// Extent of a row, and how far it may be off: of half the positions, and between two positions.
+struct Extent {
+    double low, high, missed, halved;
+};
+
+INLINE Extent extent(const double* __restrict row, int n) {
+    double low = row[0], high = row[0], half_low = row[0], half_high = row[0];
+#pragma omp simd reduction(max : high) reduction(min : low)
+    for (int k = 0; k < n; ++k) {
+        low = std::min(low, row[k]);
+        high = std::max(high, row[k]);
+    }
+    for (int k = 0; k < n; k += 2) {
+        half_low = std::min(half_low, row[k]);
+        half_high = std::max(half_high, row[k]);
+    }
+    return {low, high, missed_extreme(row, row, n, 0.0), std::max(half_low - low, high - half_high)};
+}
+
+// Required drive moment and power, excess work, three flywheels, fluctuation of speed, stroke or swing, peak of the
+// input moment.
+constexpr int SUMMARIES = 9;
+
 template <class Machine>
 void summaries(const double* parameters, int count, int variants, int n, const double* cosines, const double* sines,
                double h, double omega, double delta, double* values, double* errors) {
     const double rounding = 16.0 * std::numeric_limits<double>::epsilon(), middle = 0.5 * omega * omega;
 #pragma omp parallel
     {
-        std::vector<double> scratch(5 * n);
+        std::vector<double> scratch(7 * n);
         double* __restrict inertia = scratch.data();
         double* __restrict moment = inertia + n;
         double* __restrict work = moment + n;
         double* __restrict half_inertia = work + n;
         double* __restrict half_moment = half_inertia + n;
+        double* __restrict travel = half_moment + n;
+        double* __restrict input = travel + n;
 #pragma omp for schedule(static)
         for (int v = 0; v < variants; ++v) {
             const Machine machine(parameters + static_cast<long>(v) * count);
+            const Vec start = machine.at(cosines[0], sines[0]).way;
 #pragma omp simd
             for (int k = 0; k < n; ++k) {
                 const Reduced r = machine.at(cosines[k], sines[k]);
                 inertia[k] = r.inertia;
                 moment[k] = r.moment;
+                input[k] = middle * r.slope - r.moment;
+                travel[k] = Machine::ROCKS ? cross(start, r.way) : r.way.x;
             }
             for (int k = 0; k < n / 2; ++k) {
                 half_inertia[k] = inertia[2 * k];
@@ -389,13 +444,29 @@ void summaries(const double* parameters, int count, int variants, int n, const d
             const double jump = jump_work(moment, n, h), missed = missed_extreme(inertia, work, n, middle);
             const double energy = full.excess + omega * omega * mean_of(inertia, n);
             const double share = (jump + 2.0 * missed + rounding * energy) / (delta * omega * omega);
-            const double more[5] = {jump / (h * n), jump, share, share, share};
-            const double at_full[5] = {full.drive, full.excess, full.by_excess, full.merzalov, full.wittenbauer};
-            const double at_half[5] = {half.drive, half.excess, half.by_excess, half.merzalov, half.wittenbauer};
-            for (int i = 0; i < 5; ++i) {
-                values[5L * v + i] = at_full[i];
-                errors[5L * v + i] =
-                    std::abs(at_full[i] - at_half[i]) + more[i] + rounding * std::abs(at_full[i]);
+            const Extent way = extent(travel, n), turning = extent(input, n);
+            double low = way.low, high = way.high, steep = 1.0;
+            if (Machine::ROCKS) {
+                const double far = std::max(-low, high);
+                low = std::asin(low);
+                high = std::asin(high);
+                steep = 1.0 / std::sqrt((1.0 - far) * (1.0 + far));
+            }
+            const double peak = std::max(-turning.low, turning.high);
+            const double at_full[SUMMARIES] = {full.drive, full.drive * omega, full.excess, full.by_excess,
+                                               full.merzalov, full.wittenbauer, delta, high - low, peak};
+            const double more[SUMMARIES] = {jump / (h * n) + std::abs(full.drive - half.drive),
+                                            omega * (jump / (h * n) + std::abs(full.drive - half.drive)),
+                                            jump + std::abs(full.excess - half.excess),
+                                            share + std::abs(full.by_excess - half.by_excess),
+                                            share + std::abs(full.merzalov - half.merzalov),
+                                            share + std::abs(full.wittenbauer - half.wittenbauer),
+                                            delta * share / (full.wittenbauer + inertia[0]),
+                                            steep * (2.0 * way.missed + way.halved),
+                                            turning.missed + turning.halved};
+            for (int i = 0; i < SUMMARIES; ++i) {
+                values[static_cast<long>(SUMMARIES) * v + i] = at_full[i];
+                errors[static_cast<long>(SUMMARIES) * v + i] = more[i] + rounding * std::abs(at_full[i]);
             }
         }
     }
@@ -417,7 +488,7 @@ void use_threads(int count) { omp_set_num_threads(count); }
         summaries<Machine>(p, count, variants, n, c, s, h, omega, delta, values, errors);                         \
     }
 
-MACHINE(slider_crank, SliderCrank)
+MACHINE(press, Press)
 MACHINE(four_bar, FourBar)
 MACHINE(six_bar, SixBar)
 

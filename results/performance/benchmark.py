@@ -1,15 +1,16 @@
-"""Speed of the engine against hand-written C++ and against pylinkage, and its memory; writes performance.md.
-
-Every contest runs in this process, on the same inputs and into memory that has been touched, both sides with the
-same number of threads, in turns: engine, rival, engine, rival … Outputs are compared before the clock starts.
+"""Speed and error of the engine against hand-written C++, what compiling and starting cost; writes performance.md.
 
     python results/performance/benchmark.py
+    python results/performance/benchmark.py --before ../version-0.1
 
-needs g++ on the path; pylinkage (pip install pylinkage) is left out where it isn't installed.
+makes all tables; with the path of a checkout of version 0.1 the bundled studies are timed with it too. Needs g++ on the
+path. Both sides of a contest run in this process, on one thread and on the same inputs, in turns: engine, C++, engine,
+C++ … What is measured is processor time, which other users of the machine disturb less than the time of the clock.
 """
 
 import argparse
 import ctypes
+import json
 import math
 import os
 import platform
@@ -21,7 +22,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,69 +30,57 @@ from typing import NamedTuple
 os.environ["OMP_WAIT_POLICY"] = "passive"
 
 import numpy as np
-from machines import BASELINE_PATHS, CASES, Case, all_numbers, sample
+from machines import BASELINE_PATHS, CASES, all_numbers, sample
 
-import engine.equal_positions.shared_shapes
-from engine import Machine, scene_numbers
-from engine.compiling.jit import set_threads, threads
-from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from engine import Machine, Scene
 
 HERE = Path(__file__).parent
-VARIANTS, POSITIONS, ROUNDS = 20_000, 720, 9
+VARIANTS, POSITIONS, ROUNDS = 4096, 720, 9
 COMPILER = ["g++", "-std=c++17", "-O3", "-march=native", "-ffast-math", "-fopenmp", "-shared", "-fPIC"]
 FIELDS = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
-SUMMARIES = ["required_drive_moment", "excess_work"]
-SUMMARIES += ["flywheel_excess_work", "flywheel_merzalov", "flywheel_wittenbauer"]
+STROKES = {"press": "ram.stroke", "four_bar": "rocker.swing", "six_bar": "lever.swing"}
+SUMMARIES = ["required_drive_moment", "required_power", "excess_work"]
+SUMMARIES += ["flywheel_excess_work", "flywheel_merzalov", "flywheel_wittenbauer", "speed_fluctuation"]
 PAIRS = ["input", *(f"{group}.{pair}" for group in "gh" for pair in ("first", "inner", "second"))]
 REACTIONS = [*(f"{pair}.reaction_{axis}" for pair in PAIRS for axis in "xy"), "input_moment_by_equilibrium"]
-MEMORY_VARIANTS, MEMORY_BLOCK = 1_000_000, 16_384
-PYLINKAGE_SHARE = 10
-AGREEMENT = 1e-11
+STUDIES = ("compressor", "four_stroke_engine", "jaw_crusher", "engine_bearings", "four_bar_counterweights")
+STUDY_VARIANTS = 1000
+# Truth, and how far the mean moments of both sides may differ where no load sets in: rounding.
+TRUE_ACCURACY, AGREEMENT = 1e-12, 1e-10
+MEMORY_VARIANTS, MEMORY_BLOCK = 200_000, 16_384
 
 phi = np.arange(POSITIONS) * (2 * math.pi / POSITIONS)
 cosines, sines, h = np.cos(phi), np.sin(phi), phi[1]
 
 
+def asked(name: str) -> list[str]:
+    """Summaries of a flywheel study of a machine, in the order of the C++."""
+    return [*SUMMARIES, STROKES[name], "input_moment.peak"]
+
+
 class Contest(NamedTuple):
-    """Times of two sides in ns per position, one of each per round, and the ratio that is asked for."""
+    """Times of two sides in µs per variant, one of each per round."""
 
     case: str
-    first: np.ndarray
-    second: np.ndarray
-    goal: str
+    engine: np.ndarray
+    rival: np.ndarray
 
     def row(self) -> str:
         """Line of the table."""
-        ratios = self.first / self.second
-        middle = np.median(self.first) / np.median(self.second)
-        times = f"{np.median(self.first):.2f} | {np.median(self.second):.2f}"
-        extent = f"{quotient(ratios.min())} – {quotient(ratios.max())}"
-        return f"| {self.case} | {times} | {quotient(middle)} | {extent} | {self.goal} |"
+        ratios = self.engine / self.rival
+        times = f"{np.median(self.engine):.2f} | {np.median(self.rival):.2f}"
+        return f"| {self.case} | {times} | {np.median(ratios):.2f} | {ratios.min():.2f} – {ratios.max():.2f} |"
 
 
-def quotient(value: float) -> str:
-    """A ratio, small ones as one over a number."""
-    return f"{value:.2f}" if value > 0.1 else f"1/{1 / value:.0f}"
-
-
-def contest(
-    case: str,
-    first: Callable,
-    second: Callable,
-    goal: str,
-    shares: tuple[int, int] = (1, 1),
-    clock: Callable[[], float] = time.perf_counter,
-) -> Contest:
-    """Time two sides in turns; `shares` says that a side evaluates only one in so many of the variants."""
+def contest(case: str, engine: Callable, rival: Callable) -> Contest:
+    """Processor times of two sides in turns."""
     times = np.empty((2, ROUNDS))
     for turn in range(ROUNDS):
-        for side, run in enumerate((first, second)):
-            start = clock()
+        for side, run in enumerate((engine, rival)):
+            start = time.process_time()
             run()
-            times[side, turn] = clock() - start
-    times *= 1e9 / (VARIANTS * POSITIONS) * np.array(shares)[:, None]
-    found = Contest(case, *times, goal)
+            times[side, turn] = time.process_time() - start
+    found = Contest(case, *(times * 1e6 / VARIANTS))
     print(found.row(), flush=True)
     return found
 
@@ -107,11 +96,11 @@ def require_agreement(case: str, found: np.ndarray, expected: np.ndarray, scale:
 
 
 def build_baseline(folder: str) -> ctypes.CDLL:
-    """Compile the baseline; it uses as many threads as the engine."""
+    """Compile the baseline."""
     library = Path(folder) / "baseline.so"
     subprocess.run([*COMPILER, "-o", library, HERE / "baseline.cpp"], check=True)
     baseline = ctypes.CDLL(str(library))
-    baseline.use_threads(threads())
+    baseline.use_threads(1)
     return baseline
 
 
@@ -140,10 +129,49 @@ def geometry_and_loads(name: str) -> dict[str, np.ndarray]:
     return sample(case, {**case.geometry, **case.loads}, VARIANTS)
 
 
-# The cases
+# The contests
 
 
-def race_fields(name: str, baseline: ctypes.CDLL, clock: Callable[[], float] = time.perf_counter) -> Contest:
+class Errors(NamedTuple):
+    """True errors of one side, relative, of all summaries (variants, summaries), and which its figures cover."""
+
+    errors: np.ndarray
+    covered: np.ndarray
+
+    def cells(self) -> str:
+        """Cells of the table: of the worst summary, the median and the greatest error; the share that is covered."""
+        medians = np.median(self.errors, axis=0)
+        return f"{medians.max():.1e} | {self.errors.max():.1e} | {100 * self.covered.mean():.2f} %"
+
+
+def race_summaries(name: str, baseline: ctypes.CDLL) -> tuple[Contest, Errors, Errors]:
+    """Summaries of a flywheel study, and how true both sides are."""
+    varied, scene, names = geometry_and_loads(name), CASES[name].scene, asked(name)
+    machine = Machine(scene, names, varied=varied)
+    values, figures = np.zeros((2, VARIANTS, len(names)))
+    constants = (float(h), scene.input.speed, scene.flywheel.speed_fluctuation)
+    rival = call(getattr(baseline, f"{name}_summaries"), *baseline_inputs(name, varied), *constants, values, figures)
+    outcome = machine.evaluate(varied)
+    rival()
+    truth = Machine(scene, names, varied=varied, accuracy=TRUE_ACCURACY).evaluate(varied)
+    own, own_figures, true, doubt = (
+        np.stack([side[s] for s in names], axis=1)
+        for side in (outcome.summaries, outcome.errors, truth.summaries, truth.errors)
+    )
+    # The mean moment may vanish: it is measured by the excess work.
+    scale = np.maximum(np.abs(true), true[:, 2:3] * np.array([s in SUMMARIES[:2] for s in names]))
+    if name != "press":
+        require_agreement(f"{name}, mean moment", own[:, 0], values[:, 0], scale[:, 0])
+    found = contest(title(name), lambda: machine.evaluate(varied), rival)
+    sides = []
+    for side, side_figures in ((own, own_figures), (values, figures)):
+        wrong = np.abs(side - true)
+        sides.append(Errors(wrong / scale, wrong <= side_figures + doubt))
+    return found, *sides
+
+
+def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
+    """I, dI/dφ and M kept at 720 positions."""
     varied = geometry_and_loads(name)
     machine = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)
     buffer, rows = machine.new_buffer(VARIANTS), np.zeros((3, VARIANTS, POSITIONS))
@@ -152,28 +180,11 @@ def race_fields(name: str, baseline: ctypes.CDLL, clock: Callable[[], float] = t
     machine.evaluate(varied, buffer=buffer)
     rival()
     require_agreement(name, buffer, rows, np.abs(rows).max(axis=2, keepdims=True))
-    run = partial(machine.evaluate, varied, buffer=buffer)
-    return contest(f"I, dI/dφ, M: {title(name)}", run, rival, "≤ 1.1", clock=clock)
+    return contest(f"I, dI/dφ, M: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
 
 
-def race_summaries(name: str, baseline: ctypes.CDLL) -> Contest:
-    varied = geometry_and_loads(name)
-    scene = CASES[name].scene
-    machine = Machine(scene, summaries=SUMMARIES, varied=varied, positions=POSITIONS)
-    values, errors = np.zeros((2, VARIANTS, len(SUMMARIES)))
-    constants = (float(h), scene.input.speed, scene.flywheel.speed_fluctuation)
-    rival = call(getattr(baseline, f"{name}_summaries"), *baseline_inputs(name, varied), *constants, values, errors)
-    outcome = machine.evaluate(varied)
-    rival()
-    found, figures = (np.stack([side[s] for s in SUMMARIES], axis=1) for side in (outcome.summaries, outcome.errors))
-    # The mean moment may vanish: it is measured by the excess work.
-    scale = np.maximum(np.abs(values), values[:, 1:2])
-    require_agreement(name, found, values, scale)
-    require_agreement(f"{name}, error figures", figures, errors, scale)
-    return contest(f"flywheel sizes: {title(name)}", lambda: machine.evaluate(varied), rival, "≤ 1.3")
-
-
-def race_reactions(baseline: ctypes.CDLL, clock: Callable[[], float] = time.perf_counter) -> Contest:
+def race_reactions(baseline: ctypes.CDLL) -> Contest:
+    """Reactions in all pairs of the six-bar, kept at 720 positions."""
     name, varied = "six_bar", geometry_and_loads("six_bar")
     scene = CASES[name].scene
     machine = Machine(scene, fields=REACTIONS, varied=varied, positions=POSITIONS)
@@ -184,101 +195,106 @@ def race_reactions(baseline: ctypes.CDLL, clock: Callable[[], float] = time.perf
     rival()
     # Reactions of one pair may be small beside those of another.
     require_agreement("reactions", buffer, rows, np.abs(rows).max(axis=(0, 2), keepdims=True))
-    run = partial(machine.evaluate, varied, buffer=buffer)
-    return contest(f"reactions of all pairs: {title(name)}", run, rival, "≤ 1.2", clock=clock)
+    return contest(f"reactions of all pairs: {title(name)}", partial(machine.evaluate, varied, buffer=buffer), rival)
 
 
-def positions_machine() -> tuple[Machine, dict[str, np.ndarray]]:
+# What runs in a child of its own: `--child WORD …` prints what it measured
+
+
+def rubbing(scene: Scene) -> Scene:
+    """The machine with friction in the inner pair and in that of its output."""
+    pairs = {"g.inner": {"diameter": 0.02}, "g.first": {"diameter": 0.02}}
+    friction = {f"f{i}": {"pair": pair, "coefficient": 0.08, **size} for i, (pair, size) in enumerate(pairs.items())}
+    return Scene.model_validate({**scene.model_dump(exclude_unset=True), "friction": friction})
+
+
+def compiled(name: str, *more: str) -> Machine:
+    """A machine of the benchmark for a flywheel study, with reactions too, with friction too."""
+    scene = rubbing(CASES[name].scene) if "friction" in more else CASES[name].scene
+    names = asked(name)
+    if "reactions" in more:
+        names += [f"{pair}.reaction.max" for pair in ("input", "g.first", "g.inner", "g.second")]
+    if "friction" in more:
+        names += ["friction_loss", "mechanical_efficiency", "jamming_margin"]
+    return Machine(scene, names)
+
+
+def child_compile(*words: str) -> float:
+    """Processor seconds until a machine has evaluated its first variant."""
+    begin = time.process_time()
+    compiled(*words).evaluate({})
+    return time.process_time() - begin
+
+
+def child_study(name: str) -> dict[str, float]:
+    """A bundled study: processor time of a variant [µs], and until the first [s]; in version 0.1 too."""
+    import sweeps
+    from sweeps import read_study
+
+    study = read_study(Path(sweeps.__file__).parent / "studies" / f"{name}.toml")
+    machine = study.machine()
+    values, dropped = study.values(0, min(STUDY_VARIANTS, study.design.size))
+    varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
+    begin = time.process_time()
+    outcome = machine.evaluate(varied)
+    first = time.process_time() - begin
+    times = []
+    for _ in range(ROUNDS):
+        begin = time.process_time()
+        machine.evaluate(varied)
+        times.append(time.process_time() - begin)
+    good = outcome.status == 0
+    figures = []
+    for summary, column in outcome.summaries.items():
+        if not summary.endswith("_at"):
+            with np.errstate(all="ignore"):
+                figures.append(np.nanmedian((outcome.errors[summary] / np.abs(column))[good]))
+    figure = float(np.nanmax(figures))
+    used = outcome.status.size
+    return {"time": float(np.median(times)) / used * 1e6, "first": first, "variants": used, "figure": figure}
+
+
+def child_memory() -> list[float]:
+    """Many variants in blocks, summaries only: seconds, peak memory before and after [MB]."""
     case = CASES["four_bar"]
-    varied = sample(case, case.geometry, VARIANTS)
-    return Machine(case.scene, fields=["B.x", "B.y"], varied=varied, positions=POSITIONS), varied
-
-
-def race_positions(baseline: ctypes.CDLL) -> Contest:
-    machine, varied = positions_machine()
-    buffer, rows = machine.new_buffer(VARIANTS), np.zeros((2, VARIANTS, POSITIONS))
-    buffer.fill(0)
-    rival = call(baseline.four_bar_positions, *baseline_inputs("four_bar", varied), *rows)
-    machine.evaluate(varied, buffer=buffer)
-    rival()
-    require_agreement("positions", buffer, rows, np.abs(rows).max(axis=2, keepdims=True))
-    return contest("x, y of one point: four-bar", lambda: machine.evaluate(varied, buffer=buffer), rival, "–")
-
-
-def race_pylinkage() -> Contest:
-    """One in PYLINKAGE_SHARE of the variants: it keeps the paths of all joints, and is slow."""
-    from pylinkage.actuators import Crank
-    from pylinkage.components import Ground
-    from pylinkage.dyads import RRRDyad
-    from pylinkage.population import Ensemble
-    from pylinkage.simulation import Linkage
-
-    machine, varied = positions_machine()
-    buffer = machine.new_buffer(VARIANTS)
-    machine.evaluate(varied, buffer=buffer)
-    o, d = Ground(0.0, 0.0), Ground(0.22, 0.01)
-    crank = Crank(anchor=o, radius=0.05, angular_velocity=2 * math.pi / POSITIONS)
-    rocker = RRRDyad(anchor1=crank.output, anchor2=d, distance1=0.2, distance2=0.15)
-    lengths = np.stack([values[::PYLINKAGE_SHARE] for values in varied.values()], axis=1)
-    start = np.array([[0.0, 0.0], [0.22, 0.01], [0.05, 0.0], [0.15, 0.15]])
-    ensemble = Ensemble(Linkage([o, d, crank, rocker]), lengths, np.tile(start, (len(lengths), 1, 1)))
-    # Its first position is one step after the start; its crank is turned on by rounded steps.
-    path = ensemble.simulate(POSITIONS, 1.0, store=False)[:, :, 3]
-    ours = np.roll(np.stack([buffer[0], buffer[1]], axis=2)[::PYLINKAGE_SHARE], -1, axis=1)
-    require_agreement("pylinkage", ours, path, np.abs(path).max())
-    return contest(
-        "x, y of one point: four-bar",
-        lambda: machine.evaluate(varied, buffer=buffer),
-        lambda: ensemble.simulate(POSITIONS, 1.0, store=False),
-        "≤ 1/250",
-        (1, PYLINKAGE_SHARE),
-    )
-
-
-def bundled_case(name: str) -> Case:
-    """A bundled machine, its masses and the scales of its forces varied."""
-    scene = read_study(bundled_studies()[name]).scene
-    loads = [path for path in scene_numbers(scene) if path.endswith((".mass", ".scale", "moments.friction.moment"))]
-    return Case(scene, {}, dict.fromkeys(loads, 0.2))
-
-
-def race_factorised(name: str, case: Case, asked: dict[str, list[str]], what: str) -> Contest:
-    """Only masses and loads vary: as the engine chooses, against every variant evaluated whole."""
-    varied = sample(case, case.loads, VARIANTS)
-    chosen, whole = (Machine(case.scene, varied=varied, positions=POSITIONS, **asked) for _ in range(2))
-    buffer, rows = chosen.new_buffer(VARIANTS), whole.new_buffer(VARIANTS)
-    usual = engine.equal_positions.shared_shapes.WORTH_SHARING
-
-    def run_whole() -> object:
-        engine.equal_positions.shared_shapes.WORTH_SHARING = VARIANTS
-        outcome = whole.evaluate(varied, buffer=rows)
-        engine.equal_positions.shared_shapes.WORTH_SHARING = usual
-        return outcome
-
-    first, second = chosen.evaluate(varied, buffer=buffer), run_whole()
-    if (chosen.forms_used, whole.forms_used) != ({"factorised"}, {"whole"}):
-        raise SystemExit(f"{name}: the forms used are {chosen.forms_used} and {whole.forms_used}")
-    if len(buffer):
-        require_agreement(name, buffer, rows, np.abs(rows).max(axis=2, keepdims=True))
-    for key, values in second.summaries.items():
-        scale = np.maximum(np.abs(values), np.abs(second.summaries["excess_work"]))
-        require_agreement(f"{name}, {key}", first.summaries[key], values, scale)
-    return contest(f"{what}: {title(name)}", lambda: chosen.evaluate(varied, buffer=buffer), run_whole, "≤ 1/5")
-
-
-def measure_memory() -> None:
-    """Run in a child: many variants in blocks, summaries only; prints seconds and peak memory before and after."""
-    case = CASES["four_bar"]
-    machine = Machine(case.scene, summaries=SUMMARIES, varied={**case.geometry, **case.loads}, positions=POSITIONS)
+    machine = Machine(case.scene, asked("four_bar"), varied={**case.geometry, **case.loads})
     machine.evaluate(sample(case, {**case.geometry, **case.loads}, 100))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    start, left = time.perf_counter(), MEMORY_VARIANTS
+    start, left = time.process_time(), MEMORY_VARIANTS
     while left:
         count = min(left, MEMORY_BLOCK)
         machine.evaluate(sample(case, {**case.geometry, **case.loads}, count))
         left -= count
-    seconds = time.perf_counter() - start
-    print(seconds, before / 1024, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+    seconds = time.process_time() - start
+    return [seconds, before / 1024, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024]
+
+
+CHILDREN = {"compile": child_compile, "study": child_study, "memory": child_memory}
+
+
+def in_child(*words: str, cache: str | None = None, sources: Path | None = None) -> object:
+    """What a child measures, with a kernel cache or sources of its own."""
+    environment = dict(os.environ)
+    if cache:
+        environment["XDG_CACHE_HOME"] = cache
+    root = (sources or HERE.parents[1]).resolve()
+    environment["PYTHONPATH"] = str(root)
+    command = [sys.executable, str(HERE / "benchmark.py"), "--child", *words]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=root, check=False)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(words)}: {done.stderr}")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def processor_time(command: list[str]) -> float:
+    """Processor seconds of a command, the median of several."""
+    times = []
+    for _ in range(5):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(command, capture_output=True, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return float(np.median(times))
 
 
 # The report
@@ -286,6 +302,60 @@ def measure_memory() -> None:
 
 def title(name: str) -> str:
     return name.replace("_", "-")
+
+
+def compile_lines() -> list[str]:
+    """What is compiled once for an installation, and for a new structure."""
+    lines = ["| first variant of | processor time [s] |", "|---|---|"]
+
+    def measure(label: str, folder: str, *words: str) -> None:
+        lines.append(f"| {label} | {in_child('compile', *words, cache=folder):.1f} |")
+        print(lines[-1], flush=True)
+
+    with tempfile.TemporaryDirectory() as folder:
+        measure("the first machine of an installation: press, flywheel study", folder, "press")
+        measure("the same again, in a new process", folder, "press")
+        measure("a new structure, flywheel study: four-bar", folder, "four_bar")
+        measure("a new structure, flywheel study: six-bar", folder, "six_bar")
+        measure("four-bar with reactions, for the first time", folder, "four_bar", "reactions")
+        measure("six-bar with reactions", folder, "six_bar", "reactions")
+        measure("four-bar with reactions and friction, for the first time", folder, "four_bar", "reactions", "friction")
+        measure("six-bar with reactions and friction", folder, "six_bar", "reactions", "friction")
+    return [*lines, ""]
+
+
+def start_lines() -> list[str]:
+    """What starting costs."""
+    python = [sys.executable, "-c"]
+    sweeps = [sys.executable, "-m", "sweeps"]
+    commands = {
+        "`python -c pass`": [*python, "pass"],
+        "`import engine`": [*python, "import engine"],
+        "`from engine import Machine`": [*python, "from engine import Machine"],
+        "`sweeps --help`": [*sweeps, "--help"],
+        "`sweeps list`": [*sweeps, "list"],
+    }
+    lines = ["| | processor time [s] |", "|---|---|"]
+    return [*lines, *(f"| {label} | {processor_time(command):.2f} |" for label, command in commands.items()), ""]
+
+
+def before_lines(before: Path | None) -> list[str]:
+    """The bundled studies with this version and with version 0.1, in turns."""
+    label = f"| study | variants | now [µs] |{' version 0.1 [µs] | ratio |' if before else ''} figure now |"
+    lines = [label + (" figure 0.1 |" if before else ""), "|---" * (7 if before else 4) + "|"]
+    for name in STUDIES:
+        here = [in_child("study", name) for _ in range(2)]
+        now = min(run["time"] for run in here)
+        cells = [name.replace("_", " "), f"{here[0]['variants']}", f"{now:.1f}"]
+        if before:
+            there = [in_child("study", name, sources=before) for _ in range(2)]
+            then = min(run["time"] for run in there)
+            cells += [f"{then:.1f}", f"{now / then:.2f}", f"{here[0]['figure']:.0e}", f"{there[0]['figure']:.0e}"]
+        else:
+            cells.append(f"{here[0]['figure']:.0e}")
+        lines.append(f"| {' | '.join(cells)} |")
+        print(lines[-1], flush=True)
+    return [*lines, ""]
 
 
 def processor() -> str:
@@ -298,91 +368,95 @@ def processor() -> str:
 
 def versions() -> str:
     found = [f"Python {platform.python_version()}"]
-    for package in ("numpy", "numba", "llvmlite", "pylinkage"):
-        try:
-            found.append(f"{package} {version(package)}")
-        except PackageNotFoundError:
-            found.append(f"{package} not installed")
+    found += [f"{package} {version(package)}" for package in ("numpy", "numba", "llvmlite")]
     compiler = subprocess.run(["g++", "-dumpfullversion"], capture_output=True, text=True, check=True).stdout.strip()
     return ", ".join([*found, f"g++ {compiler}"])
 
 
-def table(first: str, second: str, contests: list[Contest]) -> list[str]:
-    head = f"| case | {first} [ns] | {second} [ns] | ratio | least – greatest | goal |"
-    return [head, "|---|---|---|---|---|---|", *(c.row() for c in contests), ""]
+TEXT = """# Performance
+
+Processor time on one thread, medians of {rounds} alternating runs in one process; ratios are medians of the runs'
+pairs, with the least and the greatest. {variants} variants, lengths, masses and loads varied: each has a motion
+of its own. The machine is shared with others (load {load:.1f} on {cores} cores when this was begun).
+
+{processor}; {system}; {versions}.
+C++: `{compiler}`. Made by `python results/performance/benchmark.py{option}`.
+
+## Summaries of a flywheel study
+
+{names}: each with its error figure. The engine measures them on panels of each variant's own, the C++ at {positions}
+equally spaced positions. Errors are against the engine at accuracy {accuracy:g}, the same method driven further
+(`results/accuracy/calibration.md` has an independent truth), relative to the summary, of mean moment and power to the
+excess work: of the summary that is worst the median over the variants and the greatest, and the share of all errors
+that the error figures cover.
+"""
 
 
-def report(groups: list[tuple[str, str, str, list[Contest]]], memory: str) -> str:
-    lines = [
-        "# Performance",
-        "",
-        f"{VARIANTS} variants × {POSITIONS} positions, float64, {threads()} threads on both sides. Times are wall",
-        f"times per position, medians of {ROUNDS} alternating runs; the ratio is that of the medians, with the least",
-        "and greatest of the runs' pairs. Outputs agree to 1e-11 of their scale.",
-        "",
-        f"{processor()}, {threads()} cores; {platform.system()}; {versions()}.",
-        f"C++: `{' '.join(COMPILER[:6])}`. Remade by `python results/performance/benchmark.py`.",
-        "",
-    ]
-    for heading, first, second, contests in groups:
-        lines += [f"## {heading}", "", *table(first, second, contests)]
-    return "\n".join([*lines, "## Memory", "", memory, ""])
-
-
-def memory_line() -> str:
-    child = [sys.executable, str(Path(__file__)), "--memory"]
-    text = subprocess.run(child, capture_output=True, text=True, check=True).stdout
-    seconds, before, peak = (float(word) for word in text.split())
-    return (
-        f"{MEMORY_VARIANTS} variants × {POSITIONS} positions of the four-bar, flywheel sizes with their error figures, "
-        f"in blocks of {MEMORY_BLOCK}: {seconds:.1f} s, peak {peak:.0f} MB resident, of which {before:.0f} MB "
-        "before the first block (Python, NumPy, Numba)."
+def report(before: Path | None) -> str:
+    """All tables."""
+    load = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as folder:
+        baseline = build_baseline(folder)
+        summaries = [race_summaries(name, baseline) for name in CASES]
+        fields = [*(race_fields(name, baseline) for name in CASES), race_reactions(baseline)]
+    words = TEXT.format(
+        rounds=ROUNDS,
+        variants=VARIANTS,
+        load=load,
+        cores=os.cpu_count(),
+        processor=processor(),
+        system=platform.system(),
+        versions=versions(),
+        compiler=" ".join(COMPILER[:6]),
+        option=" --before CHECKOUT" if before else "",
+        names=", ".join(f"`{name}`" for name in [*SUMMARIES, "input_moment.peak"]) + " and a stroke or swing",
+        positions=POSITIONS,
+        accuracy=TRUE_ACCURACY,
     )
+    head = "engine [µs] | C++ [µs] | ratio | least – greatest |"
+    lines = [words, f"| machine | {head}", "|---|---|---|---|---|", *(race.row() for race, _, _ in summaries), ""]
+    lines += ["| machine | side | median error | greatest error | covered |", "|---|---|---|---|---|"]
+    for race, ours, theirs in summaries:
+        lines += [f"| {race.case} | engine | {ours.cells()} |", f"| | C++ | {theirs.cells()} |"]
+    lines += ["", "## Kept fields", "", f"At {POSITIONS} positions; both sides agree to {AGREEMENT:g} of their scale."]
+    lines += ["", f"| fields | {head}", "|---|---|---|---|---|", *(race.row() for race in fields), ""]
+    lines += [
+        "## Compiling",
+        "",
+        "Each in a process of its own, one after another, with a kernel cache that was empty at first.",
+    ]
+    lines += ["", *compile_lines(), "## Starting", "", "Medians of five.", "", *start_lines()]
+    lines += ["## Bundled studies", "", STUDY_TEXT, "", *before_lines(before), "## Memory", ""]
+    seconds, first, peak = in_child("memory")
+    text = (
+        f"{MEMORY_VARIANTS} variants of the four-bar's flywheel study in blocks of {MEMORY_BLOCK}: {seconds:.1f} s of"
+    )
+    lines += [f"{text} processor time, peak {peak:.0f} MB resident,"]
+    return "\n".join([*lines, f"of which {first:.0f} MB before the first block (Python, NumPy, Numba).", ""])
+
+
+STUDY_TEXT = (
+    f"Up to the first {STUDY_VARIANTS} variants of each bundled study, all of its summaries; µs of processor time per\n"
+    "variant, the lower of two processes' medians. `figure`: relative error figure of the summary that is worst,\n"
+    "median over the variants."
+)
 
 
 def main() -> None:
-    # The peak of a child begins with what its parent holds, so this comes before anything large.
-    memory = memory_line()
-    with tempfile.TemporaryDirectory() as folder:
-        baseline = build_baseline(folder)
-        fields = [race_fields(name, baseline) for name in CASES]
-        summaries = [race_summaries(name, baseline) for name in CASES]
-        reactions = [race_reactions(baseline)]
-        positions = [race_positions(baseline)]
-        set_threads(1)
-        baseline.use_threads(1)
-        alone = [race_fields(name, baseline, time.process_time) for name in CASES]
-        alone.append(race_reactions(baseline, time.process_time))
-        set_threads(0)
-    factorised = [race_factorised(name, case, {"fields": FIELDS}, "I, dI/dφ, M") for name, case in CASES.items()]
-    cases = CASES | {name: bundled_case(name) for name in ("crank_press", "four_stroke_engine", "compressor")}
-    factorised += [race_factorised(n, c, {"summaries": SUMMARIES}, "flywheel sizes") for n, c in cases.items()]
-    groups = [
-        ("Engine and hand-written C++", "engine", "C++", fields + summaries + reactions + positions),
-        (
-            "The same fields on one thread, CPU time, which other users of the machine disturb less",
-            "engine",
-            "C++",
-            alone,
-        ),
-        ("Only masses and loads vary", "factorised", "whole", factorised),
-    ]
-    try:
-        version("pylinkage")
-    except PackageNotFoundError:
-        print("pylinkage isn't installed; its comparison is left out")
-    else:
-        groups.insert(2, ("Engine and pylinkage", "engine", "pylinkage", [race_pylinkage()]))
-    (HERE / "performance.md").write_text(report(groups, memory), encoding="utf8")
-    print(HERE / "performance.md")
-
-
-if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--memory", action="store_true", help="measure memory only (the benchmark calls itself so)")
-    if parser.parse_args().memory:
-        measure_memory()
+    parser.add_argument("--before", type=Path, metavar="CHECKOUT", help="checkout of version 0.1 to compare with")
+    parser.add_argument("--child", nargs="+", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    # One processor is one thread, for this version and any other.
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    if options.child:
+        print(json.dumps(CHILDREN[options.child[0]](*options.child[1:])))
     elif shutil.which("g++") is None:
         raise SystemExit("g++ isn't on the path: the baseline can't be compiled")
     else:
-        main()
+        (HERE / "performance.md").write_text(report(options.before), encoding="utf8")
+        print(HERE / "performance.md")
+
+
+if __name__ == "__main__":
+    main()

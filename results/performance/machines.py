@@ -1,14 +1,14 @@
 """The machines of the benchmark, and the sample of variants each is evaluated for.
 
-Every body has its centre of mass away from the link's axis; one constant force and one constant moment act.
+Every body has its centre of mass away from the link's axis; one constant force and one constant moment act. The press
+works over a part of its stroke besides, which begins at a crank angle of each variant's own.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from engine import Scene
-from engine.scene.scene import scene_numbers
+from engine import Scene, scene_numbers
 
 
 class Case(NamedTuple):
@@ -53,6 +53,25 @@ SLIDER_CRANK = {
     "forces": {"push": {"on": "B", "type": "constant", "angle": 0.3, "force": -400.0}},
     "moments": {"twist": {"on": "crank", "type": "constant", "moment": -3.0}},
     "flywheel": FLYWHEEL,
+}
+
+PRESS = {
+    **SLIDER_CRANK,
+    "forces": {
+        **SLIDER_CRANK["forces"],
+        "work": {
+            "type": "table",
+            "on": "B",
+            "angle": 0.1,
+            "slider": "ram",
+            "measured_from": "high end",
+            "over_stroke": [0.0, 0.02],
+            "force": [-4000.0, -4000.0],
+            "interpolation": "linear",
+            "outside": "zero",
+            "acts": "along",
+        },
+    },
 }
 
 FOUR_BAR = {
@@ -104,10 +123,10 @@ SIX_BAR = {
 }
 
 CASES = {
-    "slider_crank": Case(
-        Scene.model_validate(SLIDER_CRANK),
+    "press": Case(
+        Scene.model_validate(PRESS),
         {"input.length": 0.1, "groups.g.first.length": 0.1},
-        {"bodies.rod.mass": 0.5, "bodies.ram.mass": 0.5, "bodies.rod.inertia": 0.5, "forces.push.force": 0.5},
+        {"bodies.rod.mass": 0.5, "bodies.ram.mass": 0.5, "bodies.rod.inertia": 0.5, "forces.work.scale": 0.5},
     ),
     "four_bar": Case(
         Scene.model_validate(FOUR_BAR),
@@ -139,10 +158,10 @@ ACTIONS = ["forces.push.angle", "forces.push.force", "moments.twist.moment"]
 
 # The numbers of a variant in the order in which the C++ baseline reads them.
 BASELINE_PATHS = {
-    "slider_crank": [
+    "press": [
         *("gravity", *_places("O"), "guides.way.x", "guides.way.y", "guides.way.angle", "input.length"),
         *("groups.g.first.length", "groups.g.second.offset", "groups.g.mode"),
-        *(*_body("crank"), *_body("rod"), *_body("ram", inertia=False), *ACTIONS),
+        *(*_body("crank"), *_body("rod"), *_body("ram", inertia=False), *ACTIONS, "forces.work.scale"),
     ],
     "four_bar": [
         *("gravity", *_places("OD"), "input.length", *_dyad("g")),

@@ -25,7 +25,7 @@ LARGEST_BLOCK = 65_536
 # Motion takes a thousand times as long as a cycle at uniform speed.
 LARGEST_BLOCK_IN_MOTION = 4096
 # Operations of a variant for each of its numbers, as many panels as it usually takes.
-WORK_OF_A_NUMBER = 500
+WORK_OF_A_NUMBER = 1500
 
 
 def block_size(study: Study, machine: Machine) -> int:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from engine import ElementsAlone, Scene, SceneError, Verdict
+from engine import ElementsAlone, Scene, SceneError, Verdict, scene_numbers
 from engine.balancing.rotors.rotor_columns import rotor_columns, rotor_law, rotor_numbers
 from sweeps.pictures.elements.unbalance_plan import plan_of, unbalance_plan
 from sweeps.pictures.picture_error import PictureError
@@ -224,7 +224,7 @@ def test_rotor_law__takes_every_number_of_the_element_once():
     columns, _ = rotor_columns(rotor, numbers)
     assert np.array_equal(rows[:, 0], [columns[r.name][0] for r in law.results], equal_nan=True)
     assert rows.shape == sizes.shape
-    slots = {slot for slot in ElementsAlone(scene).source("whole").slots if slot.startswith("elements.")}
+    slots = {path for path in scene_numbers(scene) if path.startswith("elements.")}
     assert slots == {f"elements.fan.{key}" for key in numbers}
     assert len(taken) == len(slots)
 

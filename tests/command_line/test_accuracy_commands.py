@@ -68,7 +68,6 @@ def test_run__keeps_how_many_positions_each_variant_took(study):
         ("0", "", ["study.toml", "line 3", "accuracy", "greater than 0"]),
         ('"0.1 mm"', "", ["study.toml", "line 3", "accuracy", "mm"]),
         ('"fine"', "", ["study.toml", "line 3", "accuracy", "fine"]),
-        ("0.001", 'precision = "float32"', ["study.toml", "line 3", "accuracy", "leave precision"]),
     ],
 )
 def test_nonsense__is_explained(study, accuracy, more, words):

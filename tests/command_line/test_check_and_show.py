@@ -26,7 +26,7 @@ def test_check__tells_what_is_computed_and_what_it_costs_and_writes_nothing(pres
         "W = 3n − 2p₁ = 3·3 − 2·4 = 1",
         "assembles over the whole cycle",
         "8 = input.length [4] × bodies.ram.mass [2]",
-        "Computed at each of 48 positions",
+        "Computed at as many positions as its curves need",
         "Left out, as nothing asked needs it",
         "acceleration",
         "MB beside the program's own",
@@ -61,7 +61,7 @@ def test_check_source__is_python_to_read(press_folder):
     answer = said("check", "study.toml", "--source")
     assert answer.exit_code == 0
     module = ast.parse(answer.stdout)
-    assert "kernel" in [node.name for node in module.body if isinstance(node, ast.FunctionDef)]
+    assert "curves" in [node.name for node in module.body if isinstance(node, ast.FunctionDef)]
     assert "rrp_position(" in answer.stdout
 
 

@@ -1,4 +1,4 @@
-"""Machines written by hand as the four functions that `engine.cycle` takes, and the same mechanics in plain NumPy."""
+"""Machines written by hand as the four functions that `engine.cycle` takes."""
 
 import math
 
@@ -8,96 +8,121 @@ from engine.cycle.compiling import curves_function
 from engine.cycle.lanes import LANES, in_lanes
 from engine.cycle.machine import Machine, Plan
 
-# Numbers of the press: a slider-crank with an offset, a load on the slider between two levels of its stroke on the way in
-# and between two crank angles.
-FIRST, LAST, R, L, E, M, J, F, G, FROM, TO, LOW, HIGH, LOW_AT, HIGH_AT = range(15)
-LEVEL_A, LEVEL_B, ON_STROKE, ON_ANGLE, ZERO, OMEGA, WHEEL, LOAD = range(15, 23)
-NUMBERS = 23
+# Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
+# inertia of the crank; a force on the slider between two levels of its stroke as it approaches the crank's axis,
+# another between two positions of the input.
+FIRST, LAST, CRANK, ROD, OFFSET, MASS, INERTIA, FORCE, OTHER_FORCE, FROM, TO = range(11)
+# Levels as shares of the stroke, from its near end; mean speed and flywheel.
+NEAR_SHARE, FAR_SHARE, SPEED, WHEEL = range(11, 15)
+# What the cycle fills in.
+LOW, HIGH, LOW_AT, HIGH_AT, NEAR, FAR, LOAD = range(15, 22)
+NUMBERS = 22
 
 
 @curves_function
 def press_events(P, T, q, cos_q, sin_q, tile):
     count, room = q.shape[0], tile.shape[1]
-    P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
     for i in range(count):
-        for k in range(LANES):
-            r, length, y = P[R, k], P[L, k], P[R, k] * sin_q[i, k] - P[E, k]
+        for lane in range(LANES):
+            r, length, c, s = P[CRANK, lane], P[ROD, lane], cos_q[i, lane], sin_q[i, lane]
+            y = r * s - P[OFFSET, lane]
             root = math.sqrt(length * length - y * y)
-            tile[i, k] = r * cos_q[i, k] + root
-            tile[room + i, k] = -r * sin_q[i, k] - y * r * cos_q[i, k] / root
+            tile[i, lane], tile[room + i, lane] = r * c + root, -r * s - y * r * c / root
 
 
 @curves_function
 def press_levels(P, T, q, cos_q, sin_q, tile):
-    room = tile.shape[1]
     P, tile = in_lanes(P), in_lanes(tile)
-    for k in range(LANES):
-        stroke = P[HIGH, k] - P[LOW, k]
-        tile[0, k], tile[room, k] = P[LOW, k] + 0.1 * stroke, P[LOW, k] + 0.4 * stroke
+    for lane in range(LANES):
+        stroke = P[HIGH, lane] - P[LOW, lane]
+        tile[0, lane] = P[LOW, lane] + P[NEAR_SHARE, lane] * stroke
+        tile[1, lane] = P[LOW, lane] + P[FAR_SHARE, lane] * stroke
 
 
 @curves_function
 def press_states(P, T, q, cos_q, sin_q, tile):
-    count, room = q.shape[0], tile.shape[1]
     P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for k in range(LANES):
-            r, length, y = P[R, k], P[L, k], P[R, k] * sin_q[i, k] - P[E, k]
-            root = math.sqrt(length * length - y * y)
-            x, v = r * cos_q[i, k] + root, -r * sin_q[i, k] - y * r * cos_q[i, k] / root
-            on_stroke = (x > P[LEVEL_A, k]) & (x < P[LEVEL_B, k]) & (v < 0.0)
-            on_angle = (q[i, k] > P[FROM, k]) & (q[i, k] < P[TO, k])
-            tile[i, k] = (P[F, k] if on_stroke else 0.0) + (P[G, k] if on_angle else 0.0)
+    for lane in range(LANES):
+        r, length, c, s = P[CRANK, lane], P[ROD, lane], cos_q[0, lane], sin_q[0, lane]
+        y = r * s - P[OFFSET, lane]
+        root = math.sqrt(length * length - y * y)
+        place, rate = r * c + root, -r * s - y * r * c / root
+        on_stroke = (place > P[NEAR, lane]) & (place < P[FAR, lane]) & (rate < 0.0)
+        on_input = (q[0, lane] > P[FROM, lane]) & (q[0, lane] < P[TO, lane])
+        tile[0, lane] = (P[FORCE, lane] if on_stroke else 0.0) + (P[OTHER_FORCE, lane] if on_input else 0.0)
 
 
 @curves_function
 def press_curves(P, T, q, cos_q, sin_q, tile):
     count, room = q.shape[0], tile.shape[1]
-    P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
     for i in range(count):
-        for k in range(LANES):
-            r, length, y = P[R, k], P[L, k], P[R, k] * sin_q[i, k] - P[E, k]
-            root = math.sqrt(length * length - y * y)
-            v = -r * sin_q[i, k] - y * r * cos_q[i, k] / root
-            tile[i, k] = P[J, k] + P[M, k] * v * v
-            tile[room + i, k] = P[LOAD, k] * v
+        for lane in range(LANES):
+            r, length, c, s = P[CRANK, lane], P[ROD, lane], cos_q[i, lane], sin_q[i, lane]
+            y = r * s - P[OFFSET, lane]
+            rate = -r * s - y * r * c / math.sqrt(length * length - y * y)
+            tile[i, lane] = P[INERTIA, lane] + P[MASS, lane] * rate * rate
+            tile[room + i, lane] = P[LOAD, lane] * rate
 
 
-def press_numbers(variants, rng):
-    """Random presses; loads are opposed to the motion where they act on the way in."""
-    P = np.zeros((NUMBERS, variants))
-    P[LAST] = 2.0 * np.pi
-    P[R], P[L], P[E] = (
-        rng.uniform(0.05, 0.15, variants),
-        rng.uniform(0.35, 0.6, variants),
-        rng.uniform(-0.03, 0.03, variants),
-    )
-    P[M], P[J], P[F] = (
-        rng.uniform(1.0, 10.0, variants),
-        rng.uniform(0.1, 1.0, variants),
-        rng.uniform(100.0, 1000.0, variants),
-    )
-    P[FROM] = P[TO] = np.nan
-    P[OMEGA], P[WHEEL] = rng.uniform(5.0, 30.0, variants), rng.uniform(5.0, 50.0, variants)
-    return P
+def press_numbers(variants, **given):
+    """P of presses; what isn't given is the same for all."""
+    numbers = np.full((NUMBERS, variants), np.nan)
+    usual = {"first": 0.0, "last": 2.0 * np.pi, "crank": 0.1, "rod": 0.4, "offset": 0.02, "mass": 5.0, "inertia": 0.5}
+    usual |= {"force": 0.0, "other_force": 0.0, "from_": np.nan, "to": np.nan, "near_share": 0.1, "far_share": 0.4}
+    usual |= {"speed": 20.0, "wheel": 10.0}
+    for row, name in enumerate(usual):
+        numbers[row] = given.get(name, usual[name])
+    return numbers
 
 
 def press(**asked):
-    """The press, cut where its load sets in and ends; curves are its inertia (0) and the moment of the load (1)."""
+    """The press, cut where its loads set in and end; curves are its inertia (0) and the moment of the loads (1)."""
     plan = Plan(
         ends=(FIRST, LAST),
         curves=2,
         landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)],
-        levels=[LEVEL_A, LEVEL_B],
+        levels=[NEAR, FAR],
         states=[LOAD],
-        crossings=[(0, LEVEL_A), (0, LEVEL_B)],
+        crossings=[(0, NEAR), (0, FAR)],
         cuts=[FROM, TO],
         **asked,
     )
     return Machine(plan, press_curves, press_events, press_levels, press_states)
 
 
-def slide(P, q):
-    """Place of the slider, in NumPy or mpmath."""
-    y = P[R] * np.sin(q) - P[E]
-    return P[R] * np.cos(q) + np.sqrt(P[L] ** 2 - y**2)
+def slide(numbers, q):
+    """Place of the slider of presses."""
+    y = numbers[CRANK] * np.sin(q) - numbers[OFFSET]
+    return numbers[CRANK] * np.cos(q) + np.sqrt(numbers[ROD] ** 2 - y**2)
+
+
+# Numbers of a few smooth curves: range; eccentricity e; cosine and sine of a phase.
+CURVE_FIRST, CURVE_LAST, ECCENTRICITY, COS_PHASE, SIN_PHASE = range(5)
+
+
+@curves_function
+def smooth_curves(P, T, q, cos_q, sin_q, tile):
+    count, room = q.shape[0], tile.shape[1]
+    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
+        for lane in range(LANES):
+            c = cos_q[i, lane] * P[COS_PHASE, lane] + sin_q[i, lane] * P[SIN_PHASE, lane]
+            s = sin_q[i, lane] * P[COS_PHASE, lane] - cos_q[i, lane] * P[SIN_PHASE, lane]
+            e = P[ECCENTRICITY, lane]
+            tile[i, lane] = 1.0 / (1.0 + e * c)
+            tile[room + i, lane] = math.sqrt(1.0 - e * e * s * s)
+            tile[2 * room + i, lane] = c
+            tile[3 * room + i, lane] = 2.5
+
+
+def smooth_numbers(e, phase, first=0.0, last=2.0 * np.pi):
+    """P of the smooth curves 1/(1 + e cos x), √(1 − e² sin² x), cos x and 2.5, where x = q − phase."""
+    e, phase, first, last = np.broadcast_arrays(e, phase, first, last)
+    return np.array([first, last, e, np.cos(phase), np.sin(phase)], dtype=float)
+
+
+def smooth(**asked):
+    """The smooth curves, with nothing that switches."""
+    return Machine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves)

@@ -6,7 +6,6 @@ and the power of real forces on real velocities. Tolerances: see `machines.compa
 
 import math
 
-import numba
 import numpy as np
 import pytest
 from machines import compare, crank, evaluated, frame, rrp, variants_of
@@ -15,6 +14,8 @@ from oracle_dynamics import moments, reduced_inertia, reduced_inertia_phi
 from press import actions, bodies, forces, press
 
 from engine import Machine, Scene, Verdict
+from engine.compiling.jit import set_threads
+from engine.equal_positions.rows_machine import RowsMachine
 
 I_FIELDS = ("reduced_inertia", "reduced_inertia_phi")
 
@@ -162,8 +163,8 @@ ROWS = ("input_moment", "work")
 
 
 @pytest.fixture(scope="module")
-def loads() -> tuple[Machine, dict]:
-    """A machine with two shapes, each with thirty sets of masses and forces."""
+def varied() -> dict[str, np.ndarray]:
+    """Two shapes, each with thirty sets of masses and forces."""
     rng = np.random.default_rng(2)
     varied = {
         "input.length": np.repeat([0.3, 0.25], 30),
@@ -175,13 +176,24 @@ def loads() -> tuple[Machine, dict]:
         "gravity": rng.uniform(0, 10, 60),
     }
     order = rng.permutation(60)
-    machine = Machine(
-        Scene.model_validate(press(**LOADED)), summaries=SUMMARIES, fields=ROWS, varied=varied, positions=48
-    )
-    return machine, {path: values[order] for path, values in varied.items()}
+    return {path: values[order] for path, values in varied.items()}
 
 
-def results(machine: Machine, varied: dict) -> dict[str, np.ndarray]:
+def loaded(kind: type, varied: dict) -> Machine | RowsMachine:
+    return kind(Scene.model_validate(press(**LOADED)), summaries=SUMMARIES, fields=ROWS, varied=varied, positions=48)
+
+
+@pytest.fixture(scope="module")
+def machine(varied) -> Machine:
+    return loaded(Machine, varied)
+
+
+@pytest.fixture(scope="module")
+def rows_machine(varied) -> RowsMachine:
+    return loaded(RowsMachine, varied)
+
+
+def results(machine: Machine | RowsMachine, varied: dict) -> dict[str, np.ndarray]:
     outcome = machine.evaluate(varied)
     assert (outcome.status == Verdict.OK).all()
     errors = {f"error of {name}": row for name, row in outcome.errors.items()}
@@ -192,13 +204,12 @@ def part_of(varied: dict, cut: slice) -> dict:
     return {path: values[cut] for path, values in varied.items()}
 
 
-def test_factorised_evaluation__same_as_variant_by_variant(loads):
-    machine, varied = loads
-    machine.forms_used.clear()
-    together = results(machine, varied)
-    assert machine.forms_used == {"factorised"}
-    alone = [results(machine, part_of(varied, slice(i, i + 1))) for i in range(60)]
-    assert machine.forms_used == {"factorised", "whole"}
+def test_factorised_evaluation__same_as_variant_by_variant(rows_machine, varied):
+    rows_machine.forms_used.clear()
+    together = results(rows_machine, varied)
+    assert rows_machine.forms_used == {"factorised"}
+    alone = [results(rows_machine, part_of(varied, slice(i, i + 1))) for i in range(60)]
+    assert rows_machine.forms_used == {"factorised", "whole"}
     for name in (*SUMMARIES, *ROWS):
         one_by_one = np.concatenate([a[name] for a in alone])
         # Sums of some 30 terms in another order; terms may be larger than their sum, so the scale is the whole
@@ -207,43 +218,38 @@ def test_factorised_evaluation__same_as_variant_by_variant(loads):
         np.testing.assert_allclose(together[name], one_by_one, rtol=0, atol=tolerance, err_msg=name)
 
 
-def test_factorised_evaluation_split_into_calls__same_bits(loads):
-    machine, varied = loads
-    together = results(machine, varied)
-    machine.forms_used.clear()
+def test_factorised_evaluation_split_into_calls__same_bits(rows_machine, varied):
+    together = results(rows_machine, varied)
+    rows_machine.forms_used.clear()
     for cut in (slice(0, 13), slice(13, 60), slice(30, 60)):
-        for name, row in results(machine, part_of(varied, cut)).items():
+        for name, row in results(rows_machine, part_of(varied, cut)).items():
             np.testing.assert_array_equal(row, together[name][cut], err_msg=name)
-    assert machine.forms_used == {"factorised"}
+    assert rows_machine.forms_used == {"factorised"}
 
 
-def test_order_of_variants__same_bits(loads):
-    machine, varied = loads
+def test_order_of_variants__same_bits(machine, varied):
     together = results(machine, varied)
     backwards = results(machine, part_of(varied, slice(None, None, -1)))
     for name, row in backwards.items():
         np.testing.assert_array_equal(row[::-1], together[name], err_msg=name)
 
 
-@pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="one core")
-def test_number_of_threads__same_bits(loads):
-    machine, varied = loads
+def test_number_of_threads__same_bits(machine, varied):
     shapes = varied | {"input.length": np.linspace(0.2, 0.3, 60)}
-    before = numba.get_num_threads()
+    found = []
     try:
-        found = []
-        for threads in (1, numba.config.NUMBA_NUM_THREADS):
-            numba.set_num_threads(threads)
+        for count in (1, 2, 3):
+            set_threads(count)
             found.append((results(machine, varied), results(machine, shapes)))
     finally:
-        numba.set_num_threads(before)
-    for one, many in zip(*found, strict=True):
-        for name, row in one.items():
-            np.testing.assert_array_equal(row, many[name], err_msg=name)
+        set_threads(0)
+    for one, *others in zip(*found, strict=True):
+        for other in others:
+            for name, row in one.items():
+                np.testing.assert_array_equal(row, other[name], err_msg=name)
 
 
-def test_whole_evaluation_split_into_calls__same_bits(loads):
-    machine, varied = loads
+def test_evaluation_split_into_calls__same_bits(machine, varied):
     shapes = varied | {"input.length": np.linspace(0.2, 0.3, 60)}
     together = results(machine, shapes)
     for cut in (slice(0, 1), slice(1, 24), slice(24, 60)):

@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, slider_crank, sliding_input
 from exact import assert_within, exactly
+from graph_values import GraphValues
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import chain
 
 from engine import Machine, Scene, Verdict
-from engine.equal_positions import equilibrium
-from engine.laws.kinematics import closure, links, rpr, rrp, rrr, vectors
+from engine.graph.nodes import Application, name_of
 from engine.laws.kinematics.closure import direction_gap, guide_gap, link_gap, unit_gap
 from engine.laws.kinematics.vectors import distance
-from engine.machine.model import Model
+from engine.mechanism.mechanics import Mechanics
+from engine.scene.scene import Numbers, scene_numbers
 
 EPS = np.finfo(float).eps
 POSITIONS = 720
@@ -40,7 +41,7 @@ STEP = 1e-3
 def displaced() -> dict[str, np.ndarray]:
     """Derivative of every field by every number (numbers, positions), by differences of the fourth order."""
     machine = Machine(CHAIN, (), [*FIELDS, "T1.x", "T1.y"], NUMBERS, POSITIONS)
-    nominal = machine.model.numbers({})
+    nominal = Numbers(scene_numbers(CHAIN), {})
     moved = {path: np.full(4 * len(NUMBERS), nominal[path]) for path in NUMBERS}
     for i, path in enumerate(NUMBERS):
         moved[path][4 * i : 4 * i + 4] += STEP * np.array([1, -1, 2, -2])
@@ -146,28 +147,28 @@ def test_crank_alone__has_no_loop():
     assert not {"loop_closure_residual", "error_magnification"} & available.keys()
 
 
+class Spoilt(GraphValues):
+    """Values of a graph's nodes with the results of one law changed."""
+
+    def __init__(self, mechanics: Mechanics, law: str, change: Callable | None) -> None:
+        super().__init__(mechanics.scene, mechanics.graph)
+        self.law, self.change = law, change
+
+    def _applied(self, node: Application, operands: list) -> np.ndarray | tuple:
+        found = super()._applied(node, operands)
+        return self.change(found) if name_of(node.law) == self.law else found
+
+
 def added(place: int, by: float) -> Callable:
     return lambda found: (*found[:place], found[place] + by, *found[place + 1 :])
 
 
-def turned(by: float) -> Callable:
-    return lambda vector: links.arm(math.cos(by), math.sin(by), *vector)
-
-
 def closures(spoilt: str = "", change: Callable | None = None) -> dict[str, float]:
-    """What the loops of the chain miss at one position, with the results of one function changed."""
-    model = Model(CHAIN)
-    names = {"math": math, "one": 1.0, "zero": 0.0}
-    for module in (closure, equilibrium, links, rpr, rrp, rrr, vectors):
-        names |= vars(module)
-    if spoilt:
-        whole = names[spoilt]
-        names[spoilt] = lambda *numbers: change(whole(*numbers))
-    q = 0.7
-    names |= {"q": q, "cos_q": math.cos(q), "sin_q": math.sin(q)}
-    names |= {slot.variable: float(slot.compute(model.numbers({}))) for slot in model.program.slots.values()}
-    exec("\n".join(step.line for step in model.program.needed(model.closures.values())), names)
-    return {group: names[variable] for group, variable in model.closures.items()}
+    """What the loops of the chain miss at one position, with the results of one law changed."""
+    mechanics = Mechanics(CHAIN)
+    nodes = mechanics.kinematics.closures
+    values = Spoilt(mechanics, spoilt, change)(list(nodes.values()), np.array([0.7]))
+    return {group: float(value[0]) for group, value in zip(nodes, values, strict=True)}
 
 
 @pytest.mark.parametrize(
@@ -176,7 +177,8 @@ def closures(spoilt: str = "", change: Callable | None = None) -> dict[str, floa
         ("rrr_position", range(6), ["g0"]),
         ("rrp_position", range(5), ["g1"]),
         ("rpr_position", range(3), ["g2"]),
-        ("oblique_components", range(2), ["g3", "g4", "y3"]),
+        ("prp_position", range(4), ["g3"]),
+        ("rpp_position", range(6), ["g4", "y3"]),
     ],
 )
 def test_wrong_position__is_what_the_loop_misses(function, places, groups):
@@ -188,8 +190,11 @@ def test_wrong_position__is_what_the_loop_misses(function, places, groups):
 
 
 def test_slot_at_a_wrong_angle__is_what_the_loop_misses():
-    # All points of links are turned with it, so that nothing else is missed.
-    found = closures("arm", turned(1e-6))
+    def turn(found: tuple) -> tuple:
+        slot = (found[2] + 1j * found[3]) * np.exp(1e-6j)
+        return (*found[:2], slot.real, slot.imag, *found[4:])
+
+    found = closures("rpp_position", turn)
     assert found["g4"] == pytest.approx(1e-6, rel=1e-6)
     assert found["y3"] == pytest.approx(1e-6, rel=1e-6)
     assert max(found["g0"], found["g1"], found["g2"]) < 100 * EPS

@@ -23,45 +23,36 @@ from hypothesis import strategies as st
 from loaded_machines import asked, loaded
 from machines import chain, crank, frame, rrp, rrr
 from oracle import EPS, Jet, Pose
+from reaction_graphs import ReactionValues
 from scipy.linalg import lstsq
 
 from engine import Machine, Scene
-from engine.laws import inertia_forces, loads
-from engine.laws.kinematics import links, prp, rpp, rpr, vectors
-from engine.laws.kinematics import rrp as rrp_laws
-from engine.laws.kinematics import rrr as rrr_laws
-from engine.machine.input_motion import InputMotion
-from engine.machine.model import Model
-from engine.machine.reactions import Reactions
+from engine.mechanism.input_motion import InputMotion
 from engine.scene.pairs import pairs
 from engine.scene.parts import FRAME, CrankInput, Hinged, Sliding, Yoke
 
 ROUNDINGS = 200
 
 
-# The engine, step by step in Python
+# The engine, its graph evaluated by NumPy
 
 
-def stepped(scene, q, omega, epsilon):
+def moved(scene, q, omega, epsilon):
     """Places of all links (x, y, theta), and the reactions, at one position of an accelerated input."""
-    model = Model(scene)
-    p = model.program
-    motion = InputMotion(repr(omega**2), repr(epsilon) if epsilon else "zero")
-    rows = Reactions(scene, model.structure, model.mechanism, model.moments, p, motion).variables
-    turning = {name: link for name, link in model.mechanism.links.items() if name != FRAME}
-    kinematic = {v for link in turning.values() for v in (link.origin.x, link.origin.y, link.c, link.s)}
-    names = {"math": math, "one": 1.0, "zero": 0.0}
-    for module in (prp, rpp, rpr, rrp_laws, rrr_laws, inertia_forces, links, loads, vectors):
-        names |= vars(module)
-    names |= {"q": q, "cos_q": math.cos(q), "sin_q": math.sin(q)}
-    names |= {slot.variable: float(slot.compute(model.numbers({}))) for slot in p.slots.values()}
-    exec("\n".join(step.line for step in p.needed({*rows.values(), *kinematic})), names)
+
+    def motion(graph):
+        return InputMotion(graph.constant(omega**2), graph.constant(epsilon), graph.constant(abs(omega)))
+
+    of, at = ReactionValues(scene, motion), np.array([q])
+    turning = {name: link for name, link in of.kinematics.links.items() if name != FRAME}
+    nodes = [node for link in turning.values() for node in (*link.origin.r, *link.u)]
+    rows = np.reshape(of.values(nodes, at), (-1, 4))
     places = {}
-    for name, link in turning.items():
-        x, y, c, s = (float(names[v]) for v in (link.origin.x, link.origin.y, link.c, link.s))
+    for name, (x, y, c, s) in zip(turning, rows.tolist(), strict=True):
         loose = name in scene.shafts and scene.shafts[name].pivot is None
         places[name] = (x, y, scene.shafts[name].ratio * q if loose else math.atan2(s, c))
-    return places, {field: float(names[variable]) for field, variable in rows.items()}
+    names = [name for name in asked(scene) if not name.startswith("frame")]
+    return places, {name: float(value[0]) for name, value in of(names, at).items()}
 
 
 # Constraints
@@ -242,19 +233,16 @@ class Lagrange:
         return ROUNDINGS * EPS * np.linalg.cond(self.jacobian) * np.abs(self.terms).max()
 
 
-def check(scene, q, omega, epsilon=0.0):
+def check(scene, q, omega, epsilon):
     scene = Scene.model_validate(scene)
-    places, found = stepped(scene, q, omega, epsilon)
-    drive = scene.input
-    at = q if isinstance(drive, CrankInput) else drive.start + (drive.stop - drive.start) * q
-    lagrange = Lagrange(scene, places, at, omega, epsilon)
+    places, found = moved(scene, q, omega, epsilon)
+    lagrange = Lagrange(scene, places, q, omega, epsilon)
     # Of lengths and angles of order one.
     assert lagrange.gap < ROUNDINGS * EPS * np.linalg.cond(lagrange.jacobian)
     expected = lagrange.reactions()
-    names = [name for name in asked(scene) if not name.startswith("frame")]
-    assert set(expected) == set(names)
-    for name in names:
-        assert found[name] == pytest.approx(expected[name], rel=0, abs=lagrange.tolerance()), name
+    assert set(expected) == set(found)
+    for name, value in found.items():
+        assert value == pytest.approx(expected[name], rel=0, abs=lagrange.tolerance()), name
 
 
 def sprung(scene, between):
@@ -312,7 +300,7 @@ def test_long_chain_of_all_dyads__has_the_multipliers_of_all_its_pairs():
 @pytest.mark.parametrize("machine", [geared_five_bar(), sliding_input(), quick_return(0.01), scotch_yoke()])
 def test_machines_of_all_kinds__have_the_multipliers_of_pairs_gears_and_drive(machine):
     scene, drive = loaded(machine.model_dump(exclude_none=True), 7), machine.input
-    low, high = (0.0, 2 * math.pi) if isinstance(drive, CrankInput) else (0.0, 1.0)
+    low, high = (0.0, 2 * math.pi) if isinstance(drive, CrankInput) else (drive.start, drive.stop)
     rng = np.random.default_rng(7)
     for _ in range(5):
         q = rng.uniform(low, high)
@@ -325,6 +313,6 @@ def test_compiled_machine__has_the_multipliers_of_its_pairs():
     machine = Machine(scene, fields=fields, positions=8)
     rows = machine.evaluate({}).fields
     for k, q in enumerate(machine.nodes):
-        lagrange = Lagrange(scene, stepped(scene, q, scene.input.speed, 0.0)[0], q, scene.input.speed, 0.0)
+        lagrange = Lagrange(scene, moved(scene, q, scene.input.speed, 0.0)[0], q, scene.input.speed, 0.0)
         for name, expected in lagrange.reactions().items():
             assert rows[name][0, k] == pytest.approx(expected, rel=0, abs=lagrange.tolerance()), name

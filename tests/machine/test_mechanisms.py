@@ -209,7 +209,8 @@ def test_position_out_of_reach__nan_there_and_verdict():
     assert 0 < missing.sum() < 24
     assert list(outcome.status) == [Verdict.OK, Verdict.CANNOT_ASSEMBLE]
     assert machine.groups[outcome.status_group[1]] == "bars"
-    assert missing[np.flatnonzero(machine.nodes == outcome.status_at[1])[0]]
+    there = Motion(reference.scene, outcome.status_at[1:]).field("B.x").astype(float)
+    assert np.isnan(there).all()
     for row in outcome.fields.values():
         np.testing.assert_array_equal(np.isnan(row), [np.zeros(24, bool), missing])
 
@@ -220,7 +221,7 @@ def test_parallelogram_at_its_change_point__singular_with_finite_position():
     machine = Machine(Scene.model_validate(scene), fields=["B.x", "B.x_phi"], positions=16)
     outcome = machine.evaluate({})
     assert outcome.status[0] == Verdict.SINGULAR
-    assert outcome.status_at[0] in (machine.nodes[0], machine.nodes[8])
+    assert min(abs(outcome.status_at[0] - place) for place in (0.0, math.pi, 2 * math.pi)) < 1e-6
     assert np.isfinite(outcome.fields["B.x"]).all()
     assert not np.isfinite(outcome.fields["B.x_phi"][0, 0])
 

@@ -15,7 +15,6 @@ from oracle import EPS, Motion
 from press import actions, bodies, press
 
 from engine import Machine, Scene
-from engine.equal_positions.text.demand import describe
 from engine.laws import inertia_forces
 from engine.laws.kinematics import links, prp, rpp, rpr, rrr, vectors
 from engine.laws.kinematics import rrp as rrp_laws
@@ -23,6 +22,7 @@ from engine.machine.input_motion import InputMotion
 from engine.machine.model import Model
 from engine.machine.reactions import Reactions
 from engine.scene.pairs import pairs
+from engine.scene.scene import Numbers, scene_numbers
 
 CHECKS = ("input_moment_disagreement", "equilibrium_residual")
 
@@ -129,7 +129,7 @@ def test_every_link__is_in_equilibrium():
         sums[pair.link] += force
         sums[pair.other] -= force
     size = max(np.abs(row).max() for row in outcome.fields.values())
-    for link in machine.model.structure.links:
+    for link in machine.mechanics.structure.links:
         # Accelerations lose a factor of 1/sine² of their digits, here some hundred.
         assert np.abs(sums[link]).max() < 1e4 * EPS * size, link
 
@@ -187,7 +187,8 @@ def test_slider_crank_with_gas_force__closed_form():
 def test_gravity_alone__frame_bears_the_weight():
     scene = press(bodies=bodies(), input=crank(speed=1e-9))
     machine, outcome = evaluated(scene, ["frame.reaction_x", "frame.reaction_y"], {}, positions=16)
-    weight = 9.81 * sum(part.mass(machine.model.numbers({})) for part in machine.model.mechanism.masses.values())
+    numbers = Numbers(scene_numbers(machine.scene), {})
+    weight = 9.81 * sum(part.mass(numbers) for part in machine.mechanics.kinematics.masses.values())
     np.testing.assert_allclose(outcome.fields["frame.reaction_y"], -weight, rtol=100 * EPS)
     assert np.abs(outcome.fields["frame.reaction_x"]).max() <= 100 * EPS * weight * 10
 
@@ -197,15 +198,16 @@ def test_gravity_alone__frame_bears_the_weight():
 
 def test_reactions_not_asked__not_in_the_kernel():
     scene = Scene.model_validate(press(bodies=bodies(), **actions()))
-    found = describe(Machine(scene, ["reduced_inertia.max"], ["input_moment", "ram.slide"]).source("whole").steps)
-    assert not any("force" in levels for levels in found.values())
+    machine = Machine(scene, ["reduced_inertia.max"], ["input_moment", "ram.slide"])
+    assert not any(subject.startswith("pair ") for subject in machine.computed)
+    assert machine.left_out["pair drive.second"] == ["reaction"]
 
 
 def test_one_pair_of_the_last_group__leaves_out_earlier_groups():
     scene = Scene.model_validate(press(bodies=bodies()))
-    found = describe(Machine(scene, fields=["drive.second.reaction"]).source("whole").steps)
-    assert found["reactions in group drive (RRP)"] == ["force"]
-    assert not any(subject.startswith(("reactions in group bars", "reactions of input")) for subject in found)
+    machine = Machine(scene, fields=["drive.second.reaction"])
+    assert machine.computed["pair drive.second"] == ["reaction"]
+    assert not {f"pair {name}" for name in ("input", "bars.first", "bars.second", "bars.inner")} & set(machine.computed)
 
 
 def test_loads_that_vary__every_variant_by_itself():
@@ -215,7 +217,6 @@ def test_loads_that_vary__every_variant_by_itself():
     fields = ["drive.first.reaction", "input.reaction_x", "input_moment"]
     machine = Machine(Scene.model_validate(scene), fields=fields, varied=varied, positions=48)
     together = {field: row.copy() for field, row in machine.evaluate(varied).fields.items()}
-    assert machine.forms_used == {"whole"}
     alone = machine.evaluate({path: values[7:8] for path, values in varied.items()})
     for field in fields:
         np.testing.assert_array_equal(together[field][7], alone.fields[field][0])

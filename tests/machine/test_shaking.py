@@ -110,16 +110,14 @@ def test_shaking__is_what_the_frame_bears_without_loads(name):
     np.testing.assert_allclose(moment + x * fy - y * fx, about_origin, rtol=0, atol=256 * EPS * size)
 
 
-def test_shaking_force__has_the_magnitude_of_its_components_in_both_forms_of_the_kernel():
+def test_shaking_force__has_the_magnitude_of_its_components():
     fields = ["shaking_force", "shaking_force_x", "shaking_force_y"]
     varied = {"bodies.b.mass": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]}
-    machine, outcome = evaluated(six_bar(), fields, varied, 32)
-    assert machine.forms_used == {"factorised"}
+    _, outcome = evaluated(six_bar(), fields, varied, 32)
     size, x, y = (outcome.fields[field] for field in fields)
     np.testing.assert_allclose(size, np.hypot(x, y), rtol=4 * EPS)
     for i, mass in enumerate(varied["bodies.b.mass"]):
-        whole, alone = evaluated(changed(six_bar(), {"bodies.b.mass": mass}), fields, {}, 32)
-        assert whole.forms_used == {"whole"}
+        _, alone = evaluated(changed(six_bar(), {"bodies.b.mass": mass}), fields, {}, 32)
         np.testing.assert_allclose(size[i], alone.fields["shaking_force"][0], rtol=0, atol=64 * EPS * size[i].max())
 
 
@@ -232,17 +230,17 @@ def test_slider_crank__has_the_orders_of_its_piston(revolutions):
     assert max(errors) < 1e-12 * exact[0]
 
 
-def test_few_positions__mistake_higher_orders_by_no_more_than_the_error_figure():
-    exact = 2.0 * 0.3 * SPEED**2 * np.array(piston_orders(mp.mpf(0.3) / mp.mpf(1.2), (1, 2, 4)))
-    found, errors = orders_of(slider_crank(), positions=8)
+def test_rod_hardly_longer_than_the_crank__its_orders_are_off_by_no_more_than_the_error_figure():
+    scene = slider_crank(groups={"g": rrp("B", ("rod", "A", 0.301), "piston", "way")})
+    exact = 2.0 * 0.3 * SPEED**2 * np.array(piston_orders(mp.mpf(0.3) / mp.mpf(0.301), (1, 2, 4)))
+    found, errors = orders_of(scene, accuracy=0.5)
     assert (np.abs(found - exact) <= errors).all()
-    assert np.abs(found - exact).max() > 1e-6 * exact[0]
+    # The figure isn't large because nothing is known.
+    assert max(errors) < 0.5 * exact[0]
 
 
-def test_orders_in_single_precision__agree_within_their_error_figures():
-    found, errors = orders_of(slider_crank(), dtype=np.float32)
-    exact, _ = orders_of(slider_crank())
-    assert (np.abs(np.subtract(found, exact)) <= errors).all()
+def test_orders_of_a_machine_in_single_precision__are_in_double():
+    assert orders_of(slider_crank(), dtype=np.float32) == orders_of(slider_crank())
 
 
 def test_two_pistons_in_antiphase__lose_the_first_order_and_double_the_second():

@@ -32,11 +32,9 @@ def moment_of(loads: Loads, name: str) -> Node:
 
 
 def pressed(speed: float) -> Scene:
-    """A press with every action; over time only forwards, since the oracle's time begins at q = 0."""
+    """A press with every action."""
     scene = press(**actions(), bodies=bodies())
     scene["input"]["speed"] = speed
-    if speed < 0:
-        del scene["forces"]["by_time"]
     return Scene.model_validate(scene)
 
 

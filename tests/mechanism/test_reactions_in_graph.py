@@ -50,9 +50,6 @@ def test_machines_of_all_kinds__newton_euler(machine):
 def test_press_with_every_action__newton_euler(speed):
     scene = press(bodies=bodies(), **actions())
     scene["input"]["speed"] = speed
-    if speed < 0:
-        # The oracle's time begins at q = 0.
-        del scene["forces"]["by_time"]
     check(scene)
 
 

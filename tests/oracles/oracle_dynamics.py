@@ -90,6 +90,13 @@ def _characteristic(action: object, motion: Motion, speed: float, v: np.ndarray)
     return np.where(v > 0 if action.acts == "along" else v < 0, value, 0)
 
 
+def _begin(drive: object, speed: float) -> float:
+    """Position of the input at which time begins: the end of its range from which it moves."""
+    full = drive.type == "crank" and drive.start is None
+    ends = (0.0, 2 * math.pi * drive.revolutions) if full else (drive.start, drive.stop)
+    return min(ends) if speed > 0 else max(ends)
+
+
 def _tabled(action: object, motion: Motion, speed: float) -> np.ndarray:
     y = np.array(getattr(action, "force", None) or action.moment)
     if action.over_angle is not None:
@@ -98,7 +105,7 @@ def _tabled(action: object, motion: Motion, speed: float) -> np.ndarray:
         x, y = [*x, x[0] + period], [*y, y[0]]
         place = x[0] + (place - x[0]) % period
     elif action.over_time is not None:
-        x, place = action.over_time, motion.q / speed
+        x, place = action.over_time, (motion.q - _begin(motion.scene.input, speed)) / speed
     else:
         x, slide = action.over_stroke, motion.slides[action.slider].v
         low, high = stroke(motion.scene, action.slider) if action.measured_from != "guide" else (0, 0)

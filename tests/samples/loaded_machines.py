@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from engine import Machine, Scene
+from engine import Scene
 from engine.scene.pairs import pairs
+from engine.scene.structure import order
 
 
 def loaded(scene: dict, seed: int) -> dict:
     """A scene with a body and a force on every link, and moments on some."""
     rng = np.random.default_rng(seed)
-    links = Machine(Scene.model_validate(scene)).model.structure.links
+    links = order(Scene.model_validate(scene)).links
     numbers = {"mass": (0.1, 3.0), "x": (-0.3, 0.3), "y": (-0.3, 0.3), "inertia": (0.01, 0.3)}
     scene = {**scene, "points": {**scene["points"]}, "gravity": 9.81, "bodies": {}, "forces": {}}
     for link in links:

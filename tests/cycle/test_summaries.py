@@ -1,0 +1,158 @@
+import math
+
+import numpy as np
+import pytest
+import scipy.special as sp
+from cycle_machines import smooth, smooth_numbers
+
+from engine.cycle.lanes import LANES
+
+TURN = 2.0 * math.pi
+
+
+@pytest.fixture(scope="module")
+def curves():
+    """Smooth curves of many eccentricities and phases."""
+    rng = np.random.default_rng(1)
+    return rng.uniform(0.01, 0.9, 3000), rng.uniform(0.0, TURN, 3000)
+
+
+def evaluated(curves, tolerance):
+    machine = smooth(integrals=(0, 1, 2, 3), extremes=(0, 1, 2, 3), tolerance=tolerance)
+    return machine.evaluate(smooth_numbers(*curves))
+
+
+def covered(found, error, exact):
+    return np.abs(found - exact) <= error
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10, 1e-13])
+def test_integrals_and_their_errors_against_closed_forms(curves, tolerance):
+    e, _ = curves
+    found = evaluated(curves, tolerance).integrals
+    # ∫ 1/(1 + e cos x) = 2π/√(1 − e²); ∫ √(1 − e² sin² x) = 4 E(e); ∫ cos = 0.
+    exact = np.array([TURN / np.sqrt(1.0 - e**2), 4.0 * sp.ellipe(e**2), np.zeros(e.size), np.full(e.size, 2.5 * TURN)])
+    scale = np.array([[1.0 / (1.0 - e.max())], [1.0], [1.0], [2.5]])
+    # What is left beyond a series is less than the tolerance, and what an integral misses less than a tenth of that.
+    assert np.all(np.abs(found.value - exact) <= TURN * scale * (0.1 * tolerance + 4e-16))
+    assert np.mean(covered(found.value, found.error, exact)) > 0.999
+    true = np.abs(found.value[0] - exact[0])
+    told = true > 1e-13
+    if told.any():
+        assert np.median(found.error[0][told] / true[told]) < 10.0
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
+def test_extremes_and_their_errors_against_closed_forms(curves, tolerance):
+    e, phase = curves
+    found = evaluated(curves, tolerance).extremes
+    least = np.array([1.0 / (1.0 + e), np.sqrt(1.0 - e**2), -np.ones(e.size)])
+    greatest = np.array([1.0 / (1.0 - e), np.ones(e.size), np.ones(e.size)])
+    assert np.mean(covered(found.least.value[:3], found.least.error[:3], least)) > 0.999
+    assert np.mean(covered(found.greatest.value[:3], found.greatest.error[:3], greatest)) > 0.999
+    for side, at in ((found.greatest_at, phase), (found.least_at, phase + math.pi)):
+        apart = np.abs(np.remainder(side.value[2] - at + math.pi, TURN) - math.pi)
+        assert np.mean(apart <= side.error[2] + 1e-14) > 0.999
+    off = np.abs(found.greatest.value[0] - greatest[0])
+    told = off > 1e-13
+    assert np.median(found.greatest.error[0][told] / off[told]) < 10.0
+
+
+def test_a_constant_curve_is_found_constant_exactly(curves):
+    found = evaluated(curves, 1e-10)
+    assert np.all(found.extremes.least.value[3] == 2.5)
+    assert np.all(found.extremes.greatest.value[3] == 2.5)
+    assert np.all(found.extremes.range.value[3] == 0.0)
+
+
+def test_a_finer_tolerance_takes_more_panels(curves):
+    coarse, fine = evaluated(curves, 1e-4).panels, evaluated(curves, 1e-13).panels
+    assert np.all(fine >= coarse)
+    assert fine.mean() > 1.3 * coarse.mean()
+
+
+def test_results_are_the_same_in_whatever_lane(curves):
+    e, phase = curves
+    machine = smooth(integrals=(0, 1), extremes=(0, 1, 2), works=(0,), tolerance=1e-12)
+    together = machine.evaluate(smooth_numbers(e, phase))
+    rng = np.random.default_rng(2)
+    order = rng.permutation(e.size)[: 5 * LANES + 7]
+    apart = machine.evaluate(smooth_numbers(e[order], phase[order]))
+    for a, b in (
+        (together.integrals, apart.integrals),
+        *((getattr(together.extremes, n), getattr(apart.extremes, n)) for n in ("least", "least_at", "greatest")),
+        (together.works.greatest, apart.works.greatest),
+    ):
+        assert np.array_equal(a.value[..., order], b.value)
+        assert np.array_equal(a.error[..., order], b.error)
+    one = machine.evaluate(smooth_numbers(e[:1], phase[:1]))
+    assert np.array_equal(one.integrals.value[:, 0], together.integrals.value[:, 0])
+
+
+def test_ranges_that_differ_and_run_backwards():
+    rng = np.random.default_rng(3)
+    first, last = rng.uniform(-4.0, 4.0, 500), rng.uniform(-4.0, 4.0, 500)
+    phase = rng.uniform(0.0, TURN, 500)
+    found = smooth(integrals=(2,), extremes=(2,), values=((2, 0), (2, 1))).evaluate(
+        smooth_numbers(0.3, phase, first, last)
+    )
+    exact = np.sin(last - phase) - np.sin(first - phase)
+    assert np.all(np.abs(found.integrals.value[0] - exact) <= found.integrals.error[0])
+    assert np.all(found.integrals.error[0] < 1e-13)
+    assert np.all(np.abs(found.means.value[0] - exact / (last - first)) <= found.means.error[0])
+    ends = np.cos(np.array([first - phase, last - phase]))
+    assert np.all(np.abs(found.values.value - ends) <= found.values.error)
+    dense = np.cos(np.linspace(first, last, 20001) - phase)
+    assert np.all(found.extremes.greatest.value[0] >= dense.max(0) - 1e-14)
+    assert np.all(found.extremes.greatest.value[0] <= dense.max(0) + 1e-6)
+
+
+def test_values_and_zeros_against_closed_forms(curves):
+    _, phase = curves
+    numbers = np.vstack([smooth_numbers(0.4, phase), np.linspace(0.0, TURN, phase.size)])
+    found = smooth(values=((0, 5), (1, 5)), zeros=(2,), tolerance=1e-12).evaluate(numbers)
+    x = numbers[5] - phase
+    assert np.mean(np.abs(found.values.value[0] - 1.0 / (1.0 + 0.4 * np.cos(x))) <= found.values.error[0]) > 0.999
+    assert (
+        np.mean(np.abs(found.values.value[1] - np.sqrt(1.0 - 0.16 * np.sin(x) ** 2)) <= found.values.error[1]) > 0.999
+    )
+    assert np.all(found.zero_counts == 2)
+    exact = np.sort(np.remainder(np.array([phase + 0.5 * math.pi, phase - 0.5 * math.pi]), TURN), axis=0)
+    assert np.mean(np.abs(found.zeros.value[0, :2] - exact) <= found.zeros.error[0, :2] + 4e-16) > 0.999
+    assert np.all(np.isnan(found.zeros.value[0, 2:]))
+
+
+def test_values_outside_of_the_range_are_unknown():
+    found = smooth(values=((2, 5),)).evaluate(np.vstack([smooth_numbers(0.3, np.zeros(3)), [-1.0, 1.0, 7.0]]))
+    assert np.array_equal(np.isnan(found.values.value[0]), [True, False, True])
+
+
+def test_what_is_not_finite_is_told_with_its_first_position_and_spoils_no_other_variant():
+    # The root is real as long as e sin x is at most 1.
+    e, phase = np.array([0.5, 1.25, 0.5, np.nan]), np.zeros(4)
+    found = smooth(integrals=(1, 2), extremes=(1, 2)).evaluate(smooth_numbers(e, phase))
+    assert np.array_equal(np.isnan(found.integrals.value[0]), [False, True, False, True])
+    assert np.array_equal(np.isnan(found.extremes.least.value[0]), [False, True, False, True])
+    assert np.array_equal(np.isnan(found.extremes.greatest_at.error[0]), [False, True, False, True])
+    assert np.allclose(found.integrals.value[0, ::2], 4.0 * sp.ellipe(0.25), rtol=1e-14)
+    assert np.isnan(found.broken_at[[0, 2]]).all()
+    # Positions lie no more than a tenth of a panel apart.
+    assert 0.0 <= found.broken_at[1] - math.asin(0.8) < 0.13
+    assert found.broken_at[3] == 0.0
+
+
+def test_a_range_that_is_unknown_gives_nothing():
+    found = smooth(integrals=(2,), extremes=(2,)).evaluate(smooth_numbers(0.3, 0.0, np.array([0.0, np.nan]), TURN))
+    assert np.array_equal(np.isnan(found.means.value[0]), [False, True])
+    assert np.array_equal(np.isnan(found.extremes.greatest.value[0]), [False, True])
+    assert np.array_equal(found.panels > 0, [True, False])
+
+
+def test_a_record_longer_than_foreseen():
+    # e so near 1 that dozens of panels are needed.
+    e = np.array([0.2, 0.999999])
+    found = smooth(integrals=(0,), extremes=(0,), tolerance=1e-12).evaluate(smooth_numbers(e, 1.0))
+    assert found.panels[1] > 24
+    exact = TURN / np.sqrt((1.0 - e) * (1.0 + e))
+    assert np.allclose(found.integrals.value[0], exact, rtol=1e-10)
+    assert np.allclose(found.extremes.greatest.value[0], 1.0 / (1.0 - e), rtol=1e-8)
