@@ -11,10 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from engine.compiling.jit import load_compiled, run_pieces
+from engine.compiling.jit import load_compiled
 from engine.compiling.tiles import TileFunction
-from engine.cycle.compiling import CURVES, driver, prepare, scalar
-from engine.cycle.lanes import LANES
+from engine.cycle.compiling import CURVES, driver, prepare, spread
+from engine.cycle.driver import gather, hand_out
+from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given
 from engine.laws.elementary import direction_of
@@ -144,34 +146,21 @@ class Tabulation:
         given = given or {}
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
         every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, *q.shape)
-        fill = self._function(function)
-        arguments = (fill, parameters, self.functions.memory, np.ascontiguousarray(q), every, given_rows)
+        asked = rows, sums.target, sums.turned, sums.direction
+        given = self._function(function), parameters, self.functions.memory, np.ascontiguousarray(q), every, given_rows
+        count = len(parameters) + rows + sums.count + _ALSO
+
+        def arguments() -> tuple:
+            return (*given, *asked, lane_rows(count), out)
+
         if not fill_places.overloads:
             prepare(fill_places, _TYPES)
-        run_pieces(
-            fill_places, -(-variants // LANES), (*arguments, rows, sums.target, sums.turned, sums.direction, out)
-        )
+        spread(fill_places, -(-variants // LANES), arguments)
         return out
 
 
-_LINE = 64 // 8
-
-
-@scalar
-def lanes(rows: int) -> np.ndarray:
-    """Memory for rows of a block of lanes, (rows, LANES), from the begin of a line of the cache on."""
-    memory = np.empty(rows * LANES + _LINE)
-    begin = -(memory.ctypes.data // 8) % _LINE
-    return memory[begin : begin + rows * LANES].reshape(rows, LANES)
-
-
-@scalar
-def gather(rows: np.ndarray, first: int, block: np.ndarray) -> None:
-    """Columns of some rows from `first` on into a block; lanes that are left over repeat the last."""
-    last = rows.shape[1] - 1
-    for i in range(rows.shape[0]):
-        for lane in range(LANES):
-            block[i, lane] = rows[i, min(first + lane, last)]
+# Rows of a block besides numbers, curves and sums: position with cosine and sine, and both ways of turning.
+_ALSO = 5
 
 
 @driver
@@ -188,45 +177,46 @@ def fill_places(
     target: np.ndarray,
     turned: np.ndarray,
     direction: np.ndarray,
+    room: np.ndarray,
     out: np.ndarray,
 ) -> None:
     """Fill `out` (sums, places, variants) for the blocks begin … end − 1 of variants, place by place.
 
     `fill` fills so many `rows` for one position of each lane; `given` (numbers, places, variants) goes to `given_rows`
-    of the parameters before.
+    of the parameters before; `room` is memory for a block.
     """
     places, variants = q.shape
-    block, position, sums = lanes(parameters.shape[0]), lanes(3), lanes(out.shape[0])
-    ways = lanes(2)
-    tile = lanes(rows).reshape(rows, 1, LANES)
+    count = parameters.shape[0]
+    block, place, rest = room[:count], room[count : count + 3], room[count + 3 :]
+    tile = rest[2 : rows + 2].reshape(rows, 1, LANES)
+    numbers, position, ways = in_lanes(block), in_lanes(place), in_lanes(rest)
+    filled, sums = in_lanes(rest[2:]), in_lanes(rest[rows + 2 :])
     for b in range(begin, end):
         first = b * LANES
-        gather(parameters, first, block)
+        gather(parameters, first, numbers)
         for lane in range(LANES):
             ways[0, lane], ways[1, lane] = 1.0, direction[min(first + lane, variants - 1)]
         for j in range(places):
-            for lane in range(LANES):
-                position[0, lane] = q[j, min(first + lane, variants - 1)]
+            gather(q[j : j + 1], first, position)
             for lane in range(LANES):
                 position[1, lane], position[2, lane] = direction_of(position[0, lane])
             for i in range(given_rows.shape[0]):
                 for lane in range(LANES):
-                    block[given_rows[i], lane] = given[i, j, min(first + lane, variants - 1)]
-            fill(block, memory, position[0:1], position[1:2], position[2:3], tile)
-            sums[:] = 0.0
+                    numbers[given_rows[i], lane] = given[i, j, min(first + lane, variants - 1)]
+            fill(block, memory, place[0:1], place[1:2], place[2:3], tile)
+            for i in range(out.shape[0]):
+                for lane in range(LANES):
+                    sums[i, lane] = 0.0
             for row in range(rows):
-                into = target[row]
-                if into >= 0:
-                    way = 1 if turned[row] else 0
-                    for lane in range(LANES):
-                        sums[into, lane] += tile[row, 0, lane] * ways[way, lane]
-            for i in range(sums.shape[0]):
-                for lane in range(min(LANES, variants - first)):
-                    out[i, j, first + lane] = sums[i, lane]
+                into, way = target[row], 1 if turned[row] else 0
+                for lane in range(LANES if into >= 0 else 0):
+                    sums[into, lane] += filled[row, lane] * ways[way, lane]
+            for i in range(out.shape[0]):
+                hand_out(sums[i], first, out[i, j])
 
 
 _ROWS, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]
 _TYPES = (
     *(types.intp, types.intp, CURVES, _ROWS, types.float64[::1], _ROWS, _CUBE, types.int64[::1]),
-    *(types.intp, types.int64[::1], types.boolean[::1], types.float64[::1], _CUBE),
+    *(types.intp, types.int64[::1], types.boolean[::1], types.float64[::1], _ROWS, _CUBE),
 )
