@@ -29,9 +29,11 @@ def given(random: np.random.Generator) -> tuple:
 
 def by_hand(drive: Drive, channel_of: np.ndarray, loads: np.ndarray, powers: np.ndarray, w: np.ndarray) -> np.ndarray:
     """Moments of the motors and of the channels."""
-    motors = drive.line[0] + drive.line[1] * w
-    for most, slip, rotor, synchronous, ratio in drive.kloss:
-        motors = motors + ratio * np.vectorize(induction_motor)(most, slip, rotor, synchronous, ratio * w)
+    motors, law = drive.line[0] + drive.line[1] * w, np.vectorize(induction_motor)
+    for *constants, ratio in drive.kloss:
+        # The law works out what it has nowhere, too.
+        with np.errstate(all="ignore"):
+            motors = motors + ratio * law(*constants, ratio * w)
     of_channels = loads[:, 0] + loads[:, 1] * w + loads[:, 2] * w * w
     for law, channel in enumerate(channel_of):
         of_channels[channel] += powers[law] * np.abs(w) ** drive.exponents[law]
