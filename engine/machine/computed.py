@@ -33,11 +33,11 @@ def _levels(mechanics: Mechanics) -> dict[str, dict[str, tuple[Node, ...]]]:
     k = mechanics.kinematics
     found = {
         f"group {name} ({mechanics.scene.groups[name].type})": {
-            "position": (sine, *sine.operands),
+            "position": k.solution(name),
             "velocity": tuple(k.links[link].w for link in _links(mechanics, name)),
             "acceleration": tuple(k.links[link].e for link in _links(mechanics, name)),
         }
-        for name, sine in k.sines.items()
+        for name in k.sines
     }
     found |= {
         f"point {name}": {"position": tuple(p.r), "velocity": tuple(p.v), "acceleration": tuple(p.a)}

@@ -32,6 +32,8 @@ from engine.scene.scene import Numbers
 
 # What may be left of the quality of force transmission: near a dead centre all else depends on how small it is.
 FINELY = 1e-12
+# Tolerance of curves that panels needn't be made shorter for.
+ANY = 1e30
 
 
 class Measuring:
@@ -90,9 +92,8 @@ class Measuring:
     def _taking_part(self, nodes: Iterable[Node]) -> tuple[str, ...]:
         """Groups on whose position some nodes depend."""
         behind = set(reached(nodes))
-        sines = self.mechanics.kinematics.sines
-        # The law that gives the quality of transmission gives the group's position too.
-        return tuple(g for g, sine in sines.items() if sine in behind or behind.intersection(sine.operands))
+        kinematics = self.mechanics.kinematics
+        return tuple(g for g in kinematics.sines if behind.intersection(kinematics.solution(g)))
 
     def _margins(self, nodes: Iterable[Node]) -> dict[str, Node]:
         """Margins against jamming of the groups on whose friction some nodes depend."""
@@ -112,6 +113,10 @@ class Measuring:
         )
         self._values = list(dict.fromkeys(a.curve for a in of[AtFirst]))
         self._works = list(dict.fromkeys([*(a.rate for a in of[RunningExtreme]), *(s.of.moment for s in self._steady)]))
+        needed = [c for kind in (Integral, Place, AtFirst) for c in (a.curve for a in of[kind])]
+        needed += [a.curve for a in of[Extreme] if a.resolved] + self._works + [s.of.inertia for s in self._steady]
+        needed += [*self._sines, *self.margins.values()]
+        residuals = {a.curve for a in of[Extreme] if not a.resolved}.difference(needed)
         self._combinations = [c for steady in self._steady for c in steady.combinations]
         self._fluctuations = [s.fluctuation for s in self._steady if s.fluctuation is not None]
         self.plan = cycle.Plan(
@@ -127,7 +132,7 @@ class Measuring:
             combinations=[(curve[m], curve[i], row[c]) for m, i, c in self._combinations],
             fluctuations=[(curve[m], curve[i], row[w], row[j]) for m, i, w, j in self._fluctuations],
             values=[(curve[c], row[self.mechanics.first]) for c in self._values],
-            tolerance=[min(accuracy, FINELY) if c in sines else accuracy for c in curve],
+            tolerance=[ANY if c in residuals else min(accuracy, FINELY) if c in sines else accuracy for c in curve],
         )
         self._machine: cycle.Machine | None = None
 

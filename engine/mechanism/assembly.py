@@ -131,3 +131,11 @@ class Assembly:
     def transmits(self, group: str, sine: Node, closure: Node) -> None:
         """Say how well a group transmits forces, and what its loop misses of being closed."""
         self.sines[group], self.closures[group] = named(sine, f"{group}_sine"), named(closure, f"{group}_closure")
+
+    def solution(self, group: str) -> tuple[Node, ...]:
+        """Nodes that are needed wherever a group's position is: the quality of transmission and the law behind it.
+
+        Where the angle between two guides never changes, the quality follows from numbers alone, the position doesn't.
+        """
+        sine, slide = self.sines[group], self.slides.get(self.scene.groups[group].second.link)
+        return (sine, *sine.operands, *(slide.d.operands if slide else ()))

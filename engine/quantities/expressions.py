@@ -86,10 +86,19 @@ class Integral(Measurement):
 
 @dataclass(frozen=True)
 class Extreme(Measurement):
-    """Least or greatest value of a curve over the range of the input."""
+    """Least or greatest value of a curve over the range of the input.
+
+    Attributes
+    ----------
+    curve : Node
+    sense : {"least", "greatest"}
+    resolved : bool
+        Whether panels are made as short as the curve needs. A curve that is rounding alone never becomes smooth.
+    """
 
     curve: Node
     sense: Literal["least", "greatest"]
+    resolved: bool = True
 
 
 @dataclass(frozen=True)
@@ -171,6 +180,11 @@ def greatest(curve: Node) -> Expression:
 def peak(curve: Node) -> Expression:
     """Greatest magnitude of a curve."""
     return maximum(abs(least(curve)), abs(greatest(curve)))
+
+
+def unresolved_peak(curve: Node) -> Expression:
+    """Greatest magnitude of a curve that is rounding alone where all is well, or of what that is compared with."""
+    return maximum(*(abs(Extreme(curve, sense, resolved=False)) for sense in ("least", "greatest")))
 
 
 def sqrt(x: Expression) -> Expression:

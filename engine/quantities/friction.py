@@ -4,7 +4,16 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Exactly, Expression, Formula, Integral, greatest, least, maximum, minimum
+from engine.quantities.expressions import (
+    Exactly,
+    Expression,
+    Formula,
+    Integral,
+    least,
+    maximum,
+    minimum,
+    unresolved_peak,
+)
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import pairs
 
@@ -48,7 +57,7 @@ def declare(mechanics: Mechanics) -> Declared:
         "friction_residual",
         "greatest relative change of a pressing force in the last pass",
         "1",
-        lambda: maximum(Exactly(0.0), *(greatest(s.residual) for s in m.reactions.settlings.values())),
+        lambda: maximum(Exactly(0.0), *(unresolved_peak(s.residual) for s in m.reactions.settlings.values())),
     )
     yield Summary(
         "jamming_margin",

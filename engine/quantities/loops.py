@@ -14,7 +14,7 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Formula, greatest, least, maximum
+from engine.quantities.expressions import Expression, Formula, greatest, least, maximum, unresolved_peak
 from engine.quantities.register import Declared, Summary
 
 MAGNIFICATION, RESIDUAL = "error_magnification", "loop_closure_residual"
@@ -46,7 +46,7 @@ def declare(mechanics: Mechanics) -> Declared:
             RESIDUAL,
             "lengths, guides and directions that positions miss by, as a share of the links' lengths, at worst",
             "1",
-            lambda: maximum(*(greatest(m.kinematics.closures[g]) for g in groups)),
+            lambda: maximum(*(unresolved_peak(m.kinematics.closures[g]) for g in groups)),
         )
 
 

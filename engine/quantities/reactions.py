@@ -1,12 +1,13 @@
 """Reactions in the pairs, what the machine does to its frame, the forces that load its links, and checks of them."""
 
 import math
+from itertools import combinations
 
 import numpy as np
 
 from engine.cycle.measured import Measured, atan2
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Formula, greatest, hypot, maximum, peak
+from engine.quantities.expressions import Expression, Formula, hypot, maximum, peak, unresolved_peak
 from engine.quantities.register import Angle, Declared, Field, InputUnits, Summary, mean
 from engine.scene.actions import Brake, DCMotor, InductionMotor
 from engine.scene.pairs import Pair, pairs
@@ -102,14 +103,14 @@ def _disagreement(m: Mechanics) -> Expression:
     found = m.reactions.variables
     energy = m.input_moment - found["friction_moment"] if m.scene.friction else m.input_moment
     ways = (energy, found["input_moment_by_equilibrium"], found["input_moment_by_power"])
-    apart = maximum(peak(ways[1] - ways[0]), peak(ways[2] - ways[0]), peak(ways[2] - ways[1]))
+    apart = maximum(*(unresolved_peak(one - other) for one, other in combinations(ways, 2)))
     return Formula(_share, (apart, maximum(*(peak(way) for way in ways))))
 
 
 def _residual(m: Mechanics) -> Expression:
     checks = m.reactions.checks
-    force = Formula(_share, (greatest(checks["force"]), greatest(checks["forces"])))
-    moment = Formula(_share, (peak(checks["moment"]), greatest(checks["moments"])))
+    force = Formula(_share, (unresolved_peak(checks["force"]), unresolved_peak(checks["forces"])))
+    moment = Formula(_share, (unresolved_peak(checks["moment"]), unresolved_peak(checks["moments"])))
     return maximum(force, moment)
 
 

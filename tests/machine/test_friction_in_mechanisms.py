@@ -88,7 +88,9 @@ def test_friction__costs_at_every_position_what_the_input_supplies_more():
     np.testing.assert_allclose(-rows["friction_moment"] * machine.scene.input.speed, lost, rtol=ROUNDINGS * EPS)
     # Work over a turn: the mean of the power times the time of the turn.
     turn = 2 * math.pi / abs(machine.scene.input.speed)
-    assert outcome.summaries["friction_loss"][0] == pytest.approx(lost.mean() * turn, rel=ROUNDINGS * EPS)
+    # The power has kinks between these positions, each of which costs the mean h²/8 of its change of slope.
+    step = turn * abs(machine.scene.input.speed) / machine.positions
+    assert outcome.summaries["friction_loss"][0] == pytest.approx(lost.mean() * turn, rel=step**2)
     # Errors fall with their squares.
     assert 2 <= outcome.summaries["friction_passes"][0] <= 7
 
@@ -275,10 +277,18 @@ def test_yoke__is_pushed_as_an_overhung_slider():
 
 def test_yoke__jams_where_its_overhang_reaches_half_its_length_over_f():
     length, f = 0.12, 0.9
-    machine, outcome = outcome_of(yoke(length, f), ["g.first.reaction"], positions=360)
-    first = next(q for q in machine.nodes if R * math.sin(q) >= length / 2 / f)
+    _, outcome = outcome_of(yoke(length, f), ["g.first.reaction"], positions=360)
     assert outcome.status[0] == Verdict.JAMS
-    assert outcome.status_at[0] == first
+    # Panels are shortened towards the place until they are 1e-7 of the turn.
+    assert outcome.status_at[0] == pytest.approx(math.asin(length / 2 / f / R), abs=1e-7 * 2 * math.pi)
+
+
+def test_yoke_with_its_slot_along_its_guide__is_singular():
+    scene = yoke(0.12, 0.1)
+    scene["groups"]["g"]["second"]["slot_angle"] = 0.0
+    _, outcome = outcome_of(scene, ["yoke.slide"], positions=8)
+    assert outcome.status[0] == Verdict.SINGULAR
+    assert outcome.status_group[0] == 0
 
 
 # What friction there is in a pair
