@@ -52,10 +52,10 @@ IMPLICIT_WEIGHTS, IMPLICIT_PLACES = LOBATTO_IIIC.weights, (2.0 * LOBATTO_IIIC.no
 MOST_STAGES = max(STAGES, IMPLICIT_STAGES)
 
 # Rows of a block's state: what has gathered, whether a lane is on its way and takes the step, limits …
-E, T, W, MOTOR, SQUARES, SLOW, FAST, PEAK, MOVING, GOES, STEPS, UNTIL, OVER, UNDER = range(14)
+E, T, MOTOR, SQUARES, SLOW, FAST, PEAK, MOVING, GOES, STEPS, UNTIL, OVER, UNDER = range(13)
 # … and of the step under way.
-E_AFTER, T_STEP, W_AFTER, MOTOR_STEP, SQUARES_STEP, STIFFNESS, H = range(14, 21)
-STATE = 21
+E_AFTER, T_STEP, W_AFTER, MOTOR_STEP, SQUARES_STEP, STIFFNESS, H = range(13, 20)
+STATE = 20
 # Rows of its stages: speed, motors' moment, moment of everything; slope and energy where the step is implicit.
 SPEED, FROM_MOTORS, MOMENT, SLOPE, ENERGY = (i * MOST_STAGES for i in range(5))
 STAGE_ROWS = 5 * MOST_STAGES
@@ -121,7 +121,7 @@ def set_off(energy: np.ndarray, limits: Limits, first: int, width: int, places: 
     for lane in range(LANES):
         v = min(first + lane, last)
         speed = math.sqrt(energy[v] * places[INVERSE, lane])
-        state[E, lane], state[W, lane], state[SLOW, lane], state[FAST, lane] = energy[v], speed, speed, speed
+        state[E, lane], state[SLOW, lane], state[FAST, lane] = energy[v], speed, speed
         state[MOVING, lane] = 1.0 if lane < width else 0.0
         state[STEPS, lane], state[UNTIL, lane] = float(limits.steps[v]), limits.time[v]
         state[OVER, lane], state[UNDER, lane] = limits.above[v], limits.below[v]
@@ -371,7 +371,6 @@ def take(wide: int, last: int, done: int, state: Memory, stages: Memory) -> floa
         state[T, lane] += state[T_STEP, lane] if goes else 0.0
         state[SQUARES, lane] += state[SQUARES_STEP, lane] if goes else 0.0
         state[MOTOR, lane] += state[MOTOR_STEP, lane] if goes else 0.0
-        state[W, lane] = w if goes else state[W, lane]
         state[SLOW, lane] = smaller(state[SLOW, lane], w) if goes else state[SLOW, lane]
         state[FAST, lane] = larger(state[FAST, lane], w) if goes else state[FAST, lane]
         state[PEAK, lane] = larger(state[PEAK, lane], peak) if goes else state[PEAK, lane]
