@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from machines import crank, frame, rrr
 
-from engine import Machine, Scene, Verdict
+from engine import Scene, Verdict
 from engine.compiling import jit
+from engine.equal_positions.rows_machine import RowsMachine as Machine
 from engine.equal_positions.text.apart import is_long, said_apart
 
 SCENE = Scene.model_validate(

@@ -24,9 +24,10 @@ from extreme_slider_crank import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine import Machine, Scene, Verdict
+from engine import Scene, Verdict
 from engine.compiling.jit import set_threads, threads
 from engine.equal_positions.flywheel import fluctuation_with_flywheel, flywheel_sizes
+from engine.equal_positions.rows_machine import RowsMachine as Machine
 from engine.machine.checks import MOST_POSITIONS
 from engine.machine.results import AskError
 

@@ -10,7 +10,7 @@ from machines import slider_crank
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from engine import Machine, Scene
+from engine import Scene
 from engine.equal_positions.flywheel import (
     cumulative_work,
     fluctuation_with_flywheel,
@@ -18,6 +18,7 @@ from engine.equal_positions.flywheel import (
     speed_row,
     work_doubt,
 )
+from engine.equal_positions.rows_machine import RowsMachine as Machine
 
 EPS = 2.3e-16
 

@@ -10,7 +10,7 @@ from machines import slider_crank
 from numba import njit
 
 import engine.equal_positions.shared_shapes
-from engine import Machine, Scene
+from engine import Scene
 from engine.compiling.jit import KERNEL_OPTIONS
 from engine.equal_positions.flywheel import flywheel_sizes, missed_extreme
 from engine.equal_positions.lanes import (
@@ -25,6 +25,7 @@ from engine.equal_positions.lanes import (
     two_positions,
     whole_vectors,
 )
+from engine.equal_positions.rows_machine import RowsMachine as Machine
 
 EPS = 2.3e-16
 OMEGA, DELTA, FIRST_KIND = 12.0, 0.05, 0.3

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from engine import Machine, Scene
+from engine import Scene
+from engine.equal_positions.rows_machine import RowsMachine as Machine
 from engine.equal_positions.strokes import (
     extreme_between,
     four_stroke_number,

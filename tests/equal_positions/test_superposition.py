@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import engine.equal_positions.shared_shapes
-from engine import Machine, Verdict
+from engine import Verdict
+from engine.equal_positions.rows_machine import RowsMachine as Machine
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import read_study
 
