@@ -40,14 +40,21 @@ class _Apart(Compiler):
 
 def scalar(function: Callable) -> Callable:
     """Compile a small function; it becomes part of whatever calls it."""
-    return njit(error_model="numpy", fastmath=RULES, forceinline=True, no_cfunc_wrapper=True)(function)
+    return njit(error_model="numpy", fastmath=RULES, forceinline=True, no_cfunc_wrapper=True, no_cpython_wrapper=True)(
+        function
+    )
 
 
 def routine(function: Callable) -> Callable:
     """Compile a function that is called, not inlined; arrays that it writes to overlap with no other argument."""
-    return njit(error_model="numpy", fastmath=RULES, forceinline=False, no_cfunc_wrapper=True, pipeline_class=_Apart)(
-        function
-    )
+    return njit(
+        error_model="numpy",
+        fastmath=RULES,
+        forceinline=False,
+        no_cfunc_wrapper=True,
+        no_cpython_wrapper=True,
+        pipeline_class=_Apart,
+    )(function)
 
 
 def curves_function(function: Callable) -> Callable:

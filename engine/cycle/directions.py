@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.lanes import LANES, Memory
@@ -23,11 +25,11 @@ def near_zero(r: float) -> tuple[float, float]:
 @scalar
 def direction_of(angle: float) -> tuple[float, float]:
     """Cosine and sine of any angle [rad], to about 2e-16 for a few turns."""
-    quarter = math.floor(angle * (2.0 / math.pi) + 0.5)
+    quarter = np.floor(angle * (2.0 / math.pi) + 0.5)
     # π/2 in two parts: the first has few enough digits for its multiples to be exact.
     cosine, sine = near_zero((angle - quarter * 1.57079632673412561417) - quarter * 6.07710050650619224932e-11)
     # Turned by 0 to 3 right angles.
-    turns = quarter - 4.0 * math.floor(0.25 * quarter)
+    turns = quarter - 4.0 * np.floor(0.25 * quarter)
     odd = (turns == 1.0) | (turns == 3.0)
     c, s = (sine if odd else cosine), (cosine if odd else sine)
     return (-c if (turns == 1.0) | (turns == 2.0) else c), (-s if turns >= 2.0 else s)

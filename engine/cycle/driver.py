@@ -24,18 +24,22 @@ from engine.cycle.events import (
     scan_positions,
 )
 from engine.cycle.extremes import CANDIDATE, EXTREME, SEARCH, Search, find_extreme, of_candidates
-from engine.cycle.fluctuation import FLUCTUATION, RESULTS, find_fluctuation
+from engine.cycle.fluctuation import FLUCTUATION, find_fluctuation
 from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
-from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, in_panels, lane_of, rows, tiles
+from engine.cycle.lanes import ASIDE, LANES, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels import (
     ACCEPTED,
     EDGES,
+    LEARNT,
+    SCALES,
     TAKEN,
     WALK,
     compare_with_tolerance,
     judge,
+    learn_rounding,
     next_panels,
     of_edges,
+    of_scales,
     set_out,
 )
 from engine.cycle.panels import HALF as PANEL_HALF
@@ -114,25 +118,25 @@ class Answers(NamedTuple):
 
     Attributes
     ----------
-    integrals : ndarray (integrals, 2, variants)
+    integrals : ndarray (integrals × 2, variants)
         Value and error.
-    extremes : ndarray (extremes, 2, 4, variants)
+    extremes : ndarray (extremes × 2 × 4, variants)
         Of the least and the greatest value: value, its error, place, its error.
-    fluctuations : ndarray (fluctuations, RESULTS, variants)
+    fluctuations : ndarray (fluctuations × RESULTS, variants)
         As of `engine.cycle.fluctuation`.
-    values : ndarray (values, 2, variants)
+    values : ndarray (values × 2, variants)
         Value and error.
-    zeros : ndarray (curves, most, 2, variants)
+    zeros : ndarray (curves × most × 2, variants)
         Places and errors, then NaN.
     zero_counts : ndarray (curves, variants)
         How many zeros there are.
-    landmarks : ndarray (functions, LANDMARKS, variants)
+    landmarks : ndarray (functions × LANDMARKS, variants)
         As of `engine.cycle.events`.
     firsts : ndarray (kept, variants)
         First values of the kept curves.
-    panels : ndarray (variants,)
+    panels : ndarray (1, variants)
         How many panels were taken.
-    broken_at : ndarray (variants,)
+    broken_at : ndarray (1, variants)
         First position where a curve isn't finite; NaN where there is none.
     short_of_room : ndarray (blocks,) of bool
         Whether a block would have needed a longer record.
@@ -154,17 +158,20 @@ class Answers(NamedTuple):
 @routine
 def gather(numbers: np.ndarray, begin: int, block: Memory) -> None:
     """Numbers of a block of variants; lanes beyond the last variant repeat it."""
-    last = numbers.shape[1] - 1
+    whole = min(LANES, numbers.shape[1] - begin)
     for i in range(numbers.shape[0]):
-        for lane in range(LANES):
-            block[i, lane] = numbers[i, min(begin + lane, last)]
+        for lane in range(whole):
+            block[i, lane] = numbers[i, begin + lane]
+        for lane in range(whole, LANES):
+            block[i, lane] = block[i, whole - 1]
 
 
 @routine
-def hand_out(block: Memory, begin: int, answers: np.ndarray) -> None:
-    """Write a row of a block to its variants."""
-    for lane in range(min(LANES, answers.shape[0] - begin)):
-        answers[begin + lane] = block[lane]
+def hand_out(count: int, block: Memory, begin: int, row: int, answers: np.ndarray) -> None:
+    """Write rows of a block to their variants, to rows of the answers from `row` on."""
+    for i in range(count):
+        for lane in range(min(LANES, answers.shape[1] - begin)):
+            answers[row + i, begin + lane] = block[i, lane]
 
 
 @routine
@@ -201,7 +208,7 @@ class Workspace(NamedTuple):
         Input positions of each lane's panel with cosine and sine.
     tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
     figures : ndarray (curves, FIGURES, LANES)
-    scales : ndarray (curves, LANES)
+    scales : ndarray (curves, SCALES, LANES)
     integrals : ndarray (integrals, INTEGRAL, LANES)
     scan, turn, crossing : SampleRoom
         Switching functions at the positions scanned, where they turn, and where they take levels.
@@ -265,7 +272,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(task.sizes[1], 1),
         rows(task.sizes[2], 1),
         rows(count, FIGURES, aside=ASIDE),
-        rows(count, aside=ASIDE),
+        rows(count, SCALES, aside=ASIDE),
         rows(task.integrals.size, INTEGRAL, aside=ASIDE),
         new_samples(functions, task.scan),
         new_samples(functions, turns),
@@ -378,9 +385,12 @@ def follow(
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures)
-            broken |= compare_with_tolerance(tile, figures, c, task.tolerances[c], task.longest[0], scales, walk)
+            broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
         if not judge(task.longest[0], walk):
             continue
+        if any_positive(walk[LEARNT]):
+            for c in range(count):
+                learn_rounding(figures, c, task.tolerances[c], scales, walk)
         if broken:
             mark_broken(count, tile, q, walk, broken_at)
         for k in range(task.integrals.shape[0]):
@@ -436,20 +446,24 @@ def evaluate_blocks(
         in_lanes(work.block),
         in_lanes(work.walk),
         of_figures(work.figures),
-        in_lanes(work.scales),
+        of_scales(work.scales),
     )
     integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
     marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
-    zeros, landmarks, record = of_zeros(work.zeros), of_landmarks(work.landmarks), record_in(work.room)
+    zeros, all_zeros, landmarks = of_zeros(work.zeros), in_lanes(work.zeros), of_landmarks(work.landmarks)
+    record = record_in(work.room)
     series = in_panels(work.series)
     search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
     high, low, none, broken_at, counts = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
+    # Read off arrays, as a function is compiled once more for every number that is known.
+    one, two, most = answers.panels.shape[0], work.zeros.shape[1], work.zeros.shape[0]
+    of_landmark, of_fluctuation = work.landmarks.shape[1], work.result.shape[0] - 3
     for i in range(begin, end):
         b = blocks[i]
         first = b * LANES
         gather(numbers, first, block)
         begin_record(record)
-        fill(count, scales, 0.0)
+        fill(count * SCALES, in_lanes(work.scales), 0.0)
         fill(integrated * INTEGRAL, in_lanes(work.integrals), 0.0)
         fill(1, in_lanes(work.marks[1:]), math.nan)
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
@@ -463,36 +477,29 @@ def evaluate_blocks(
         for k in range(task.works.shape[0]):
             add_work(record, to_integrals, steps, task.works[k], kept + k, sums)
         for f in range(task.landmark_rows.shape[0]):
-            for part in range(LANDMARKS):
-                hand_out(landmarks[f, part], first, answers.landmarks[f, part])
+            hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
         for k in range(integrated):
-            for part in range(2):
-                hand_out(integrals[k, part], first, answers.integrals[k, part])
+            hand_out(two, integrals[k], first, two * k, answers.integrals)
         for k in range(task.extremes.shape[0]):
             x, y, row = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2]
             for side in range(2):
                 factor = block[row] if row >= 0 else none
                 find_extreme(record, to_coefficients, steps, x, y, factor, 2.0 * side - 1.0, search, found)
-                for part in range(4):
-                    hand_out(found[part], first, answers.extremes[k, side, part])
+                hand_out(two * two, found, first, two * two * (two * k + side), answers.extremes)
         for k in range(task.fluctuations.shape[0]):
             x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]
             speed, wheel = block[task.fluctuations[k, 2]], block[task.fluctuations[k, 3]]
             find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, high, low, result)
-            for part in range(RESULTS):
-                hand_out(result[part], first, answers.fluctuations[k, part])
+            hand_out(of_fluctuation, result, first, of_fluctuation * k, answers.fluctuations)
         for k in range(task.values.shape[0]):
             x, row = task.values[k, 0], task.values[k, 1]
             value_at(record, to_coefficients, steps, x, block[row], search, result)
-            for part in range(2):
-                hand_out(result[part], first, answers.values[k, part])
+            hand_out(two, result, first, two * k, answers.values)
         for k in range(task.zeros.shape[0]):
-            zeros_of(record, to_coefficients, steps, task.zeros[k], search, counts, MOST_ZEROS, zeros)
-            for z in range(MOST_ZEROS):
-                for part in range(2):
-                    hand_out(zeros[z, part], first, answers.zeros[k, z, part])
-            hand_out(counts, first, answers.zero_counts[k])
+            zeros_of(record, to_coefficients, steps, task.zeros[k], search, counts, most, zeros)
+            hand_out(two * most, all_zeros, first, two * most * k, answers.zeros)
+            hand_out(one, in_lanes(work.marks[2:]), first, k, answers.zero_counts)
         for k in range(kept):
-            hand_out(record.whole[k, FIRST], first, answers.firsts[k])
-        hand_out(walk[TAKEN], first, answers.panels)
-        hand_out(broken_at, first, answers.broken_at)
+            hand_out(one, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
+        hand_out(one, in_lanes(work.walk[TAKEN:]), first, one - one, answers.panels)
+        hand_out(one, in_lanes(work.marks[1:]), first, one - one, answers.broken_at)

@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory, memory
+from engine.cycle.lanes import LANES, Memory, any_positive, memory
 from engine.cycle.panels import DIRECTION, PLACE, PLACE_ERROR, RANGE
 from engine.cycle.roots import (
     AT_HIGH,
@@ -96,13 +96,11 @@ def find_turns(
     for lane in range(LANES):
         counts[lane] = 0.0
     for k in range(samples.room - 1):
-        turning = False
         for lane in range(LANES):
             here, there = values[slope_row + k, lane], values[slope_row + k + 1, lane]
             turns = ((here >= 0.0) != (there >= 0.0)) & (abs(here) + abs(there) < math.inf)
             marks[lane] = 1.0 if turns else 0.0
-            turning |= turns
-        if not turning:
+        if not any_positive(marks):
             continue
         for lane in range(LANES):
             row = before + int(counts[lane])
@@ -157,11 +155,11 @@ def find_landmarks(
     for k in range(last + 1):
         for lane in range(LANES):
             f, place, scale = samples.values[f_row + k, lane], samples.q[k, lane], landmarks[function, SCALE, lane]
-            lower, higher = f < landmarks[function, LEAST, lane], f > landmarks[function, GREATEST, lane]
-            landmarks[function, LEAST, lane] = f if lower else landmarks[function, LEAST, lane]
-            landmarks[function, LEAST_AT, lane] = place if lower else landmarks[function, LEAST_AT, lane]
-            landmarks[function, GREATEST, lane] = f if higher else landmarks[function, GREATEST, lane]
-            landmarks[function, GREATEST_AT, lane] = place if higher else landmarks[function, GREATEST_AT, lane]
+            low, high = landmarks[function, LEAST, lane], landmarks[function, GREATEST, lane]
+            low_at, high_at = landmarks[function, LEAST_AT, lane], landmarks[function, GREATEST_AT, lane]
+            landmarks[function, LEAST, lane], landmarks[function, GREATEST, lane] = smaller(f, low), larger(f, high)
+            landmarks[function, LEAST_AT, lane] = place if f < low else low_at
+            landmarks[function, GREATEST_AT, lane] = place if f > high else high_at
             # Not finite once, not finite for good.
             magnitude = abs(f) if abs(f) < math.inf else math.nan
             landmarks[function, SCALE, lane] = scale if (scale >= magnitude) | (scale != scale) else magnitude
@@ -293,14 +291,12 @@ def find_crossings(
     for lane in range(LANES):
         counts[lane] = 0.0
     for k in range(samples.room - 1):
-        marked = False
         for lane in range(LANES):
             mark = crosses(values[f_row + k, lane], values[f_row + k + 1, lane], level[lane], ROUNDING * scale[lane])
             # Where it turns within, it isn't monotone.
             turns_here = (values[slope_row + k, lane] >= 0.0) != (values[slope_row + k + 1, lane] >= 0.0)
             marks[lane] = 0.0 if turns_here & (mark == 1.0) else mark
-            marked |= marks[lane] > 0.0
-        if marked:
+        if any_positive(marks):
             low, high, at_low, at_high = q[k], q[k + 1], values[f_row + k], values[f_row + k + 1]
             used = enter_crossings(
                 low, high, at_low, at_high, function, level_row, level, before, used, sought, roots, marks, counts

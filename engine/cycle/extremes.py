@@ -17,7 +17,7 @@ import numpy as np
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory, memory
+from engine.cycle.lanes import LANES, Memory, any_positive, memory
 from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
 from engine.cycle.record import MIDDLE as PANEL_MIDDLE
 from engine.cycle.series import TINY, larger, smaller
@@ -29,20 +29,33 @@ EXTREME = 5
 REACH, POSITION, NEXT_REACH = range(3)
 CANDIDATE = 3
 of_candidates = memory(CANDIDATE, LANES)
-# Rows of a search: greatest value at any position, NaN if one isn't finite; the candidate taken, with its STEP, its
-# position, HALF and MIDDLE of its panel, what lies beyond the series there.
+# Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of
+# its panel, what lies beyond the series there.
 BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
 # The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
-# top; value, slope and bend at X.
-LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND = range(7, 17)
-SEARCH = 17
+# top; value, slope and bend at X; a MARK.
+LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND, MARK = range(7, 18)
+SEARCH = 18
 # Of no candidate.
 NONE = -1.0
 
-# How far a curve may go beyond three neighbours, by what they differ. Positions lie up to three times farther apart on
-# one side than on the other: a parabola's top may then be 0.55 of the differences above the highest of the three. At
-# an end of a panel, which has one neighbour, the next difference on takes the place of the missing one.
-BEYOND = 1.0
+
+def _beyond() -> tuple[np.ndarray, np.ndarray]:
+    """How far a curve may go beyond a position, as shares of how far it falls to its neighbours on either side.
+
+    Twice what a parabola through the three may: with distances g and h to the neighbours, at equal heights of the
+    position and the neighbour at h, it rises by h²/(4 g (g + h)) of the fall to that at g. At an end of a panel, where
+    the fall from the neighbour to the next but one takes the place of that on the outside, by g²/(4 h (g + h)) of it.
+    """
+    gap = np.diff(PLACES)
+    g, h = gap[:-1], gap[1:]
+    left, right = np.zeros(POSITIONS), np.zeros(POSITIONS)
+    left[1:-1], right[1:-1] = h**2 / (g * (g + h)), g**2 / (h * (g + h))
+    left[0] = right[-1] = gap[0] ** 2 / (gap[1] * (gap[0] + gap[1]))
+    return 0.5 * left, 0.5 * right
+
+
+LEFT, RIGHT = _beyond()
 # The last of Newton's steps, as a share of half the panel: it leaves the square of this.
 FOUND = 1e-5
 MOST_TOPS, MOST_STEPS = 8, 40
@@ -68,9 +81,9 @@ class Search(NamedTuple):
 
 
 @scalar
-def combined(values: Memory, a: int, b: int, factor: Memory, base: Memory, sign: float, j: int, lane: int) -> float:
-    """Value of s (a − c (b − b₀)) at a position, from the slots of a and b."""
-    return sign * (values[a, j, lane] - factor[lane] * (values[b, j, lane] - base[lane]))
+def combined(values: Memory, a: int, b: int, factor: float, sign: float, j: int, lane: int) -> float:
+    """Value of s (a − c b) at a position, from the slots of a and b."""
+    return sign * values[a, j, lane] - (sign * factor) * values[b, j, lane]
 
 
 @routine
@@ -88,42 +101,36 @@ def scan(
 ) -> None:
     """Candidates in the panels of a step; widen the greatest value by those there."""
     for lane in range(LANES):
-        best, reach, next_reach, position, total = -math.inf, -math.inf, -math.inf, NONE, 0.0
-        before = here = combined(values, a, b, factor, base, sign, 0, lane)
-        at_first = abs(
-            combined(values, a, b, factor, base, sign, 1, lane) - combined(values, a, b, factor, base, sign, 2, lane)
+        here, after = (
+            combined(values, a, b, factor[lane], sign, 0, lane),
+            combined(values, a, b, factor[lane], sign, 1, lane),
         )
-        at_last = abs(
-            combined(values, a, b, factor, base, sign, DEGREE - 1, lane)
-            - combined(values, a, b, factor, base, sign, DEGREE - 2, lane)
-        )
+        fall = larger(after - combined(values, a, b, factor[lane], sign, 2, lane), 0.0)
+        best, reach, next_reach, position = here, -math.inf, -math.inf, NONE
         # In two, each short enough to be unrolled.
         for j in range(MIDDLE):
-            after = combined(values, a, b, factor, base, sign, j + 1, lane)
-            fall, rise = here - before, here - after
-            differences = fall + rise + (at_first if j == 0 else 0.0)
-            mine = here + BEYOND * differences if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            after = combined(values, a, b, factor[lane], sign, j + 1, lane)
+            rise = here - after
+            mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
-            best, reach, total = larger(here, best), larger(mine, reach), total + here
-            before, here = here, after
-        for j in range(MIDDLE, POSITIONS):
-            after = combined(values, a, b, factor, base, sign, min(j + 1, DEGREE), lane)
-            fall, rise = here - before, here - after
-            differences = fall + rise + (at_last if j == DEGREE else 0.0)
-            mine = here + BEYOND * differences if (fall >= 0.0) & (rise >= 0.0) else -math.inf
+            best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
+        for j in range(MIDDLE, DEGREE):
+            after = combined(values, a, b, factor[lane], sign, j + 1, lane)
+            rise = here - after
+            mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
-            best, reach, total = larger(here, best), larger(mine, reach), total + here
-            before, here = here, after
-        taken = panels[step, HALF, lane] != 0.0
-        candidates[step, REACH, lane] = reach if taken else -math.inf
-        candidates[step, NEXT_REACH, lane] = next_reach if taken else -math.inf
+            best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
+        rise = larger(here - fall - combined(values, a, b, factor[lane], sign, DEGREE - 2, lane), 0.0)
+        mine = here + RIGHT[DEGREE] * rise if fall >= 0.0 else -math.inf
+        next_reach = larger(smaller(mine, reach), next_reach)
+        position, reach = float(DEGREE) if mine > reach else position, larger(mine, reach)
+        taken, shift = panels[step, HALF, lane] != 0.0, sign * factor[lane] * base[lane]
+        candidates[step, REACH, lane] = reach + shift if taken else -math.inf
+        candidates[step, NEXT_REACH, lane] = next_reach + shift if taken else -math.inf
         candidates[step, POSITION, lane] = position
-        # NaN is there to stay.
-        broken = taken & (not abs(total) < math.inf)
-        best = larger(best, search[BEST, lane]) if taken else search[BEST, lane]
-        search[BEST, lane] = math.nan if broken | (search[BEST, lane] != search[BEST, lane]) else best
+        search[BEST, lane] = larger(best + shift, search[BEST, lane]) if taken else search[BEST, lane]
 
 
 @routine
@@ -136,12 +143,11 @@ def take(steps: int, candidates: Memory, search: Memory, found: Memory) -> bool:
             farther = candidates[step, REACH, lane] > search[TAKEN, lane]
             search[TAKEN, lane] = candidates[step, REACH, lane] if farther else search[TAKEN, lane]
             search[STEP, lane] = float(step) if farther else search[STEP, lane]
-    taken = False
     for lane in range(LANES):
-        enough = search[TAKEN, lane] >= larger(search[BEST, lane], found[VALUE, lane])
+        enough = (search[TAKEN, lane] >= search[BEST, lane]) & (search[TAKEN, lane] > found[VALUE, lane])
         search[STEP, lane] = search[STEP, lane] if enough else NONE
-        taken |= enough
-    return taken
+        search[MARK, lane] = 1.0 if enough else 0.0
+    return any_positive(search[MARK])
 
 
 @routine
@@ -150,26 +156,35 @@ def leave_next(
     a: int,
     b: int,
     factor: Memory,
-    base: Memory,
     sign: float,
     step: int,
-    lane: int,
     candidates: Memory,
+    search: Memory,
 ) -> None:
-    """After a panel's best candidate the next best is its best; there is none after that."""
-    reach, position, done = -math.inf, NONE, int(candidates[step, POSITION, lane])
-    for j in range(POSITIONS):
-        here = combined(values, a, b, factor, base, sign, j, lane)
-        fall = here - combined(values, a, b, factor, base, sign, max(j - 1, 0), lane)
-        rise = here - combined(values, a, b, factor, base, sign, min(j + 1, DEGREE), lane)
-        end = 1 if j == 0 else DEGREE - 1
-        on = combined(values, a, b, factor, base, sign, end, lane)
-        on -= combined(values, a, b, factor, base, sign, 2 if j == 0 else DEGREE - 2, lane)
-        mine = here + BEYOND * (fall + rise + (abs(on) if j in (0, DEGREE) else 0.0))
-        if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
-            reach, position = mine, float(j)
-    candidates[step, REACH, lane], candidates[step, NEXT_REACH, lane] = candidates[step, NEXT_REACH, lane], -math.inf
-    candidates[step, POSITION, lane] = position
+    """Where a panel's best candidate was taken, the next best becomes its best if it may reach far enough.
+
+    There is none after that.
+    """
+    for lane in range(LANES):
+        if search[STEP, lane] != float(step) or candidates[step, NEXT_REACH, lane] <= search[BEST, lane]:
+            continue
+        reach, position, done = -math.inf, NONE, int(search[AT_POSITION, lane])
+        for j in range(POSITIONS):
+            # Of an end of the panel, the fall from the neighbour to the next but one.
+            inner = 1 if j == 0 else j
+            fall = combined(values, a, b, factor[lane], sign, inner, lane)
+            fall -= combined(values, a, b, factor[lane], sign, 2 if j == 0 else j - 1, lane)
+            inner = DEGREE - 1 if j == DEGREE else j
+            rise = combined(values, a, b, factor[lane], sign, inner, lane)
+            rise -= combined(values, a, b, factor[lane], sign, DEGREE - 2 if j == DEGREE else j + 1, lane)
+            fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
+            here = combined(values, a, b, factor[lane], sign, j, lane)
+            mine = here + (LEFT[j] * fall + RIGHT[j] * rise)
+            if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
+                reach, position = mine, float(j)
+        candidates[step, REACH, lane] = candidates[step, NEXT_REACH, lane]
+        candidates[step, NEXT_REACH, lane] = -math.inf
+        candidates[step, POSITION, lane] = position
 
 
 @routine
@@ -182,24 +197,41 @@ def fetch(
     base: Memory,
     sign: float,
     work: Search,
-) -> None:
-    """Copy what is known of a step's panels for the lanes whose candidate is there."""
+) -> bool:
+    """Copy what is known of a step's panels for the lanes whose candidate is there, and cross this off.
+
+    Returns
+    -------
+    bool
+        Whether there are other candidates in any of these panels.
+    """
     search, series, other, coefficients = work.rows, work.series, work.other_series, record.coefficients
+    candidates = work.candidates
     for k in range(POSITIONS):
         for lane in range(LANES):
-            mine = search[STEP, lane] == float(step)
-            value = sign * (coefficients[slot_a, k, lane] - factor[lane] * coefficients[slot_b, k, lane])
-            series[k, lane] = value if mine else series[k, lane]
-            other[k, lane] = coefficients[slot_b, k, lane] if mine else other[k, lane]
+            mine, of_a, of_b = (
+                search[STEP, lane] == float(step),
+                coefficients[slot_a, k, lane],
+                coefficients[slot_b, k, lane],
+            )
+            series_before, other_before = series[k, lane], other[k, lane]
+            series[k, lane] = sign * (of_a - factor[lane] * of_b) if mine else series_before
+            other[k, lane] = of_b if mine else other_before
     for lane in range(LANES):
         mine = search[STEP, lane] == float(step)
         series[0, lane] += sign * factor[lane] * base[lane] if mine else 0.0
         tail = record.errors[slot_a, TAIL, lane] + abs(factor[lane]) * record.errors[slot_b, TAIL, lane]
-        search[BEYOND_SERIES, lane] = tail if mine else search[BEYOND_SERIES, lane]
-        search[PANEL_HALF, lane] = record.panels[step, HALF, lane] if mine else search[PANEL_HALF, lane]
-        search[PANEL_CENTRE, lane] = record.panels[step, PANEL_MIDDLE, lane] if mine else search[PANEL_CENTRE, lane]
-        position = work.candidates[step, POSITION, lane]
-        search[AT_POSITION, lane] = position if mine else search[AT_POSITION, lane]
+        half, middle = record.panels[step, HALF, lane], record.panels[step, PANEL_MIDDLE, lane]
+        position, reach = candidates[step, POSITION, lane], candidates[step, REACH, lane]
+        tail_before, half_before = search[BEYOND_SERIES, lane], search[PANEL_HALF, lane]
+        middle_before, position_before = search[PANEL_CENTRE, lane], search[AT_POSITION, lane]
+        search[BEYOND_SERIES, lane] = tail if mine else tail_before
+        search[PANEL_HALF, lane] = half if mine else half_before
+        search[PANEL_CENTRE, lane] = middle if mine else middle_before
+        search[AT_POSITION, lane] = position if mine else position_before
+        candidates[step, REACH, lane] = -math.inf if mine else reach
+        search[MARK, lane] = 1.0 if mine & (candidates[step, NEXT_REACH, lane] > search[BEST, lane]) else 0.0
+    return any_positive(search[MARK])
 
 
 @routine
@@ -238,21 +270,21 @@ def improve(search: Memory) -> bool:
     bool
         Whether any lane isn't there yet. A lane that is there stays.
     """
-    going = False
     for lane in range(LANES):
         x, slope, bend = search[X, lane], search[SLOPE, lane], search[BEND, lane]
         low = x if slope > 0.0 else search[LOW, lane]
         high = search[HIGH, lane] if slope > 0.0 else x
         ahead = x - slope / bend
         ahead = ahead if (bend < 0.0) & (ahead >= low) & (ahead <= high) else 0.5 * (low + high)
-        there, step = not search[LENGTH, lane] > FOUND, ahead - x
-        search[TOP, lane] = search[TOP, lane] if there else search[HERE, lane] + step * (slope + 0.5 * bend * step)
-        search[TOP_BEND, lane] = search[TOP_BEND, lane] if there else bend
-        search[LENGTH, lane] = search[LENGTH, lane] if there else abs(step)
+        there, step, length = not search[LENGTH, lane] > FOUND, ahead - x, search[LENGTH, lane]
+        top, top_ahead = search[TOP, lane], search[HERE, lane] + step * (slope + 0.5 * bend * step)
+        bend_before = search[TOP_BEND, lane]
+        search[TOP, lane], search[TOP_BEND, lane] = top if there else top_ahead, bend_before if there else bend
+        search[LENGTH, lane] = length if there else abs(step)
         search[X, lane] = x if there else ahead
         search[LOW, lane], search[HIGH, lane] = low, high
-        going |= search[LENGTH, lane] > FOUND
-    return going
+        search[MARK, lane] = 1.0 if search[LENGTH, lane] > FOUND else 0.0
+    return any_positive(search[MARK])
 
 
 @routine
@@ -350,17 +382,12 @@ def find_extreme(
         if not take(steps, candidates, search, found):
             break
         for step in range(steps):
-            mine = False
             for lane in range(LANES):
-                mine |= search[STEP, lane] == float(step)
-            if mine:
+                search[MARK, lane] = 1.0 if search[STEP, lane] == float(step) else 0.0
+            if any_positive(search[MARK]):
                 slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
-                fetch(record, step, slot_a, slot_b, factor, base, sign, work)
-                for lane in range(LANES):
-                    if search[STEP, lane] == float(step):
-                        candidates[step, REACH, lane] = -math.inf
-                        if candidates[step, NEXT_REACH, lane] >= search[BEST, lane]:
-                            leave_next(record.values, slot_a, slot_b, factor, base, sign, step, lane, candidates)
+                if fetch(record, step, slot_a, slot_b, factor, base, sign, work):
+                    leave_next(record.values, slot_a, slot_b, factor, sign, step, candidates, search)
         climb(work.series, search)
         value_of_series(work.other_series, search, search[HERE])
         compare(record, a, b, factor, search[HERE], search, found)
@@ -368,7 +395,8 @@ def find_extreme(
     for lane in range(LANES):
         beyond = search[TAKEN, lane] - found[VALUE, lane] if left & (search[STEP, lane] >= 0.0) else 0.0
         found[VALUE_ERROR, lane] = larger(found[VALUE_ERROR, lane], beyond)
-        unknown = not abs(found[VALUE, lane] + search[BEST, lane]) < math.inf
+        # Where a value isn't finite, the greatest magnitude isn't.
+        unknown = not abs(found[VALUE, lane]) + record.whole[a, SCALE, lane] + record.whole[b, SCALE, lane] < math.inf
         found[VALUE, lane] = math.nan if unknown else sign * found[VALUE, lane]
         for part in range(VALUE_ERROR, EXTREME):
             found[part, lane] = math.nan if unknown else found[part, lane]

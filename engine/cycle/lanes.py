@@ -21,6 +21,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, models, register_model
 
 from engine.cycle.chebyshev import POSITIONS
+from engine.cycle.compiling import routine
 
 LANES = 64
 _PAGE = 4096
@@ -119,6 +120,15 @@ def memory(*inner: int) -> Callable:
 lane_of = memory()
 in_lanes = memory(LANES)
 in_panels = memory(POSITIONS, LANES)
+
+
+@routine
+def any_positive(row: Memory) -> bool:
+    """Whether a row is positive in any lane."""
+    found = False
+    for lane in range(LANES):
+        found |= row[lane] > 0.0
+    return found
 
 
 def rows(*shape: int, aside: int = 0) -> np.ndarray:

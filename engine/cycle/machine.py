@@ -17,6 +17,7 @@ positions, LANES), which it fills in at the positions of q.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -303,25 +304,26 @@ class Machine:
         tables = np.zeros(1) if tables is None else np.ascontiguousarray(tables, dtype=float)
         variants = numbers.shape[1]
         blocks = -(-variants // LANES)
-        answers = Answers(
-            np.empty((len(plan.integrals), 2, variants)),
-            np.empty((len(task.extremes), 2, 4, variants)),
-            np.empty((len(plan.fluctuations), RESULTS, variants)),
-            np.empty((len(plan.values), 2, variants)),
-            np.empty((len(plan.zeros), MOST_ZEROS, 2, variants)),
-            np.empty((len(plan.zeros), variants)),
-            np.empty((len(plan.landmarks), LANDMARKS, variants)),
-            np.empty((len(self._kept), variants)),
-            np.empty(variants),
-            np.empty(variants),
-            np.zeros(blocks, np.bool_),
+        shapes = (
+            (len(plan.integrals), 2),
+            (len(task.extremes), 2, 4),
+            (len(plan.fluctuations), RESULTS),
+            (len(plan.values), 2),
+            (len(plan.zeros), MOST_ZEROS, 2),
+            (len(plan.zeros),),
+            (len(plan.landmarks), LANDMARKS),
+            (len(self._kept),),
+            (1,),
+            (1,),
         )
+        answers = Answers(*(np.empty((math.prod(s), variants)) for s in shapes), np.zeros(blocks, np.bool_))
         self._run(numbers, tables, answers, range(blocks), _STEPS)
         steps = _STEPS
         while answers.short_of_room.any():
             steps *= 2
             self._run(numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)
-        return self._outcome(numbers, answers)
+        parts = (part.reshape(*shape, variants) for part, shape in zip(answers, shapes, strict=False))
+        return self._outcome(numbers, Answers(*parts, answers.short_of_room))
 
     def _run(
         self, numbers: np.ndarray, tables: np.ndarray, answers: Answers, blocks: Sequence[int], steps: int
@@ -366,6 +368,6 @@ class Machine:
             Measured(answers.zeros[:, :, 0], answers.zeros[:, :, 1]),
             answers.zero_counts.astype(np.int64),
             dict(zip(self._kept, answers.firsts, strict=True)),
-            answers.panels.astype(np.int64),
-            answers.broken_at,
+            answers.panels[0].astype(np.int64),
+            answers.broken_at[0],
         )

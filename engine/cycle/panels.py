@@ -9,11 +9,11 @@ What a lane does depends on nothing but the lane.
 
 import math
 
-from engine.cycle.chebyshev import DEGREE
+import numpy as np
+
 from engine.cycle.compiling import routine, scalar
-from engine.cycle.lanes import LANES, Memory, memory
-from engine.cycle.series import FLAT as FLAT_FIGURE
-from engine.cycle.series import MAGNITUDE, SUM, TAIL, TINY, larger, smaller
+from engine.cycle.lanes import LANES, Memory, any_positive, memory
+from engine.cycle.series import FLAT, MAGNITUDE, SUM, TAIL, TINY, larger, smaller
 
 # Rows of a walk. Along it, input positions count in the direction in which the input runs: BEGIN and END of the panel,
 # the EDGE ahead, the LAST position, the length of the RANGE; edges nearer than CLOSE are one.
@@ -21,12 +21,17 @@ BEGIN, END, EDGE, LAST, RANGE, CLOSE = range(6)
 # The length WANTED of the next panel, how many were TAKEN; DIRECTION 1 or −1; the panel's MIDDLE and HALF length as the
 # machine's functions see them.
 WANTED, TAKEN, DIRECTION, MIDDLE, HALF = range(6, 11)
-# Whether the lane is still on its way; whether its panel is ACCEPTED; EXCESS of what is left over what is tolerated,
-# that of one curve NOW; whether the last coefficients of this are FLAT, and how often it TURNS.
-ACTIVE, ACCEPTED, EXCESS, NOW, FLAT, TURNS = range(11, 17)
+# Whether the lane is still on its way; whether its panel is ACCEPTED; what is left over what is tolerated, at most, of
+# curves whose coefficients fall (EXCESS) and of those whose last ones are LEVEL; how many panels were REFUSED for
+# these, and whether this one was accepted though, so that something is LEARNT of rounding.
+ACTIVE, ACCEPTED, EXCESS, LEVEL, REFUSED, LEARNT = range(11, 17)
 # What the place may be off by of the edges where this panel begins, where the next one does, and of the edge AHEAD.
 OPENED, NEXT_OPENED, AHEAD = range(17, 20)
 WALK = 20
+# Of a curve: the greatest magnitude so far, and what has turned out to be left of it by rounding.
+GREATEST, ROUNDING = range(2)
+SCALES = 2
+of_scales = memory(SCALES, LANES)
 # Parts of an edge: its place, and what that may be off by.
 PLACE, PLACE_ERROR = range(2)
 EDGES = 2
@@ -34,19 +39,15 @@ of_edges = memory(EDGES, LANES)
 
 # A panel is made this much shorter, of its length, or longer than the one before, at most.
 SHORTER, LONGER = 0.25, 1.5
-# Coefficients that don't fall are taken for rounding in panels no longer than this share of the range, or where what is
-# left is no more than this share of the greatest magnitude.
-RESOLVING, FAINT = 0.06, 1e-12
-# Length of the panels of a lane that has taken as many as it may, as a share of the range.
-LAST_ONES = 0.1
 # Share of the tolerance that a panel's length is chosen for.
 AIM = 0.2
+# Length of the panels of a lane that has taken as many as it may, as a share of the range.
+LAST_ONES = 0.1
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on in long ones.
 FLOOR, MOST = 1e-7, 200
-# Coefficients that are level are taken for rounding in panels no longer than this share of the longest, which a wave
-# would have been resolved by, where what is left is this small a share of the greatest magnitude, or where the curve
-# turns at so many positions, as a narrow peak doesn't.
-SHORT, SMALL, RESTLESS = 0.25, 1e-7, 6.0
+# Coefficients are level for what is narrower than the panel, or for rounding. For the former, so many panels of a lane
+# are refused before it is taken for the latter; then MARGIN times what was left is tolerated.
+PATIENCE, MARGIN = 8.0, 4.0
 # Edges that are closer than this share of the greatest position are one.
 SAME = 2e-15
 
@@ -62,6 +63,7 @@ def set_out(first: Memory, last: Memory, longest: float, walk: Memory) -> None:
         walk[RANGE, lane] = end - begin
         walk[CLOSE, lane] = SAME * larger(abs(begin), abs(end))
         walk[MIDDLE, lane], walk[HALF, lane] = first[lane], 0.0
+        walk[REFUSED, lane] = 0.0
         walk[ACCEPTED, lane] = walk[OPENED, lane] = walk[NEXT_OPENED, lane] = 0.0
         walk[ACTIVE, lane] = 1.0 if end - begin < math.inf and end > begin else 0.0
 
@@ -89,60 +91,37 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
         walk[OPENED, lane] = walk[NEXT_OPENED, lane]
     for e in range(count):
         for lane in range(LANES):
-            edge, close = edges[e, PLACE, lane], walk[CLOSE, lane]
-            ahead = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close)
-            nearest = ahead & (edge < walk[EDGE, lane])
-            walk[EDGE, lane] = edge if nearest else walk[EDGE, lane]
-            walk[AHEAD, lane] = edges[e, PLACE_ERROR, lane] if nearest else walk[AHEAD, lane]
-    going = False
+            edge, off, close = edges[e, PLACE, lane], edges[e, PLACE_ERROR, lane], walk[CLOSE, lane]
+            ahead, off_ahead = walk[EDGE, lane], walk[AHEAD, lane]
+            nearer = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close) & (edge < ahead)
+            walk[EDGE, lane], walk[AHEAD, lane] = edge if nearer else ahead, off if nearer else off_ahead
     for lane in range(LANES):
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
         # A lane that has taken as many as it may goes on in a few long ones.
         wanted = walk[WANTED, lane] if walk[TAKEN, lane] < MOST else LAST_ONES * walk[RANGE, lane]
-        pieces = math.ceil((edge - begin) / wanted * (1.0 - 1e-9))
+        pieces = np.ceil((edge - begin) / wanted * (1.0 - 1e-9))
         at_once = pieces <= 1.0
         end = edge if at_once else begin + (edge - begin) / pieces
-        direction = walk[DIRECTION, lane]
-        walk[END, lane] = end if active else walk[END, lane]
-        walk[MIDDLE, lane] = direction * (0.5 * (begin + end)) if active else walk[MIDDLE, lane]
-        walk[HALF, lane] = direction * (0.5 * (end - begin)) if active else walk[HALF, lane]
-        walk[EXCESS, lane] = 0.0
-        going |= active
-    return going
+        direction, end_before = walk[DIRECTION, lane], walk[END, lane]
+        middle_before, half_before = walk[MIDDLE, lane], walk[HALF, lane]
+        walk[END, lane] = end if active else end_before
+        walk[MIDDLE, lane] = direction * (0.5 * (begin + end)) if active else middle_before
+        walk[HALF, lane] = direction * (0.5 * (end - begin)) if active else half_before
+        walk[EXCESS, lane] = walk[LEVEL, lane] = 0.0
+    return any_positive(walk[ACTIVE])
 
 
 @routine
-def forgive_noise(tile: Memory, curve: int, walk: Memory) -> None:
-    """Take no offence at what is left of a curve in panels where it goes up and down from position to position."""
-    for lane in range(LANES):
-        walk[TURNS, lane] = 0.0
-    for j in range(1, DEGREE):
-        for lane in range(LANES):
-            here = tile[curve, j, lane]
-            turns = (here - tile[curve, j - 1, lane]) * (tile[curve, j + 1, lane] - here) < 0.0
-            walk[TURNS, lane] += 1.0 if turns else 0.0
-    for lane in range(LANES):
-        noise = (walk[FLAT, lane] > 0.0) & (walk[TURNS, lane] >= RESTLESS)
-        walk[NOW, lane] = 0.0 if noise else walk[NOW, lane]
-
-
-@routine
-def compare_with_tolerance(
-    tile: Memory, figures: Memory, curve: int, tolerance: float, longest: float, scales: Memory, walk: Memory
-) -> bool:
-    """Widen each lane's excess by that of a curve.
+def compare_with_tolerance(figures: Memory, curve: int, tolerance: float, scales: Memory, walk: Memory) -> bool:
+    """Widen each lane's excess, or that which is level, by that of a curve.
 
     Parameters
     ----------
-    tile : panels (curves, POSITIONS, LANES)
     figures : rows (curves, FIGURES, LANES)
     curve : int
     tolerance : float
         What may be left, as a share of the greatest magnitude.
-    longest : float
-        Longest panel.
-    scales : rows (curves, LANES)
-        Greatest magnitudes so far.
+    scales : rows (curves, SCALES, LANES)
     walk : rows (WALK, LANES)
 
     Returns
@@ -150,22 +129,26 @@ def compare_with_tolerance(
     bool
         Whether a value in any lane's panel isn't finite.
     """
-    broken = restless = False
+    broken = False
     for lane in range(LANES):
-        scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, lane])
-        scales[curve, lane] = scale
-        excess = figures[curve, TAIL, lane] / larger(tolerance * scale, TINY)
-        short = abs(walk[HALF, lane]) <= 0.5 * SHORT * longest
-        flat = (figures[curve, FLAT_FIGURE, lane] > 0.0) & short & (excess > 1.0)
-        walk[NOW, lane] = 0.0 if flat & (excess * tolerance <= SMALL) else excess
-        walk[FLAT, lane] = 1.0 if flat else 0.0
-        restless |= flat
+        scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, GREATEST, lane])
+        scales[curve, GREATEST, lane] = scale
+        excess = figures[curve, TAIL, lane] / larger(larger(tolerance * scale, scales[curve, ROUNDING, lane]), TINY)
+        level = figures[curve, FLAT, lane] > 0.0
+        walk[EXCESS, lane] = larger(0.0 if level else excess, walk[EXCESS, lane])
+        walk[LEVEL, lane] = larger(excess if level else 0.0, walk[LEVEL, lane])
         broken |= not abs(figures[curve, SUM, lane]) < math.inf
-    if restless:
-        forgive_noise(tile, curve, walk)
-    for lane in range(LANES):
-        walk[EXCESS, lane] = larger(walk[NOW, lane], walk[EXCESS, lane])
     return broken
+
+
+@routine
+def learn_rounding(figures: Memory, curve: int, tolerance: float, scales: Memory, walk: Memory) -> None:
+    """Take what is left of a curve for its rounding where it is level and its panel was accepted nevertheless."""
+    for lane in range(LANES):
+        tail, known = figures[curve, TAIL, lane], scales[curve, ROUNDING, lane]
+        too_much = tail > larger(tolerance * scales[curve, GREATEST, lane], known)
+        learnt = (walk[ACCEPTED, lane] > 0.0) & (figures[curve, FLAT, lane] > 0.0) & too_much
+        scales[curve, ROUNDING, lane] = MARGIN * tail if learnt else known
 
 
 @scalar
@@ -183,24 +166,27 @@ def judge(longest: float, walk: Memory) -> bool:
     bool
         Whether any lane's panel was accepted.
     """
-    any_accepted = False
     for lane in range(LANES):
-        begin, end, excess = walk[BEGIN, lane], walk[END, lane], walk[EXCESS, lane]
-        length, active = end - begin, walk[ACTIVE, lane] > 0.0
-        least = FLOOR * walk[RANGE, lane]
-        enough = (excess <= 1.0) | (length <= least) | (walk[TAKEN, lane] >= MOST)
-        factor = sixteenth_root(AIM / larger(excess, 1e-9))
-        factor = larger(smaller(factor, LONGER), SHORTER)
+        begin, end, falling, level = walk[BEGIN, lane], walk[END, lane], walk[EXCESS, lane], walk[LEVEL, lane]
+        length, active, patient = end - begin, walk[ACTIVE, lane] > 0.0, walk[REFUSED, lane] < PATIENCE
+        least, excess = FLOOR * walk[RANGE, lane], larger(falling, level)
+        good = (falling <= 1.0) & ((level <= 1.0) | (not patient))
+        enough = good | (length <= least) | (walk[TAKEN, lane] >= MOST)
+        factor = larger(smaller(sixteenth_root(AIM / larger(excess, 1e-9)), LONGER), SHORTER)
         wanted = larger(length * factor, least)
-        # A short panel before an edge says little of how long the next may be.
+        # A short panel before an edge says little of how long the next may be, rounding nothing at all.
         wanted = larger(wanted, walk[WANTED, lane]) if excess <= AIM else wanted
-        accepted = active & enough
-        walk[WANTED, lane] = smaller(wanted, longest) if active else walk[WANTED, lane]
+        wanted = longest if enough & (falling <= 1.0) & (level > 1.0) else smaller(wanted, longest)
+        accepted, wanted_before, opened_before = active & enough, walk[WANTED, lane], walk[OPENED, lane]
+        walk[WANTED, lane] = wanted if active else wanted_before
         walk[ACCEPTED, lane] = 1.0 if accepted else 0.0
         walk[TAKEN, lane] += 1.0 if accepted else 0.0
+        refused = walk[REFUSED, lane] + (1.0 if (not enough) & (falling <= 1.0) else 0.0)
+        # What is learnt of rounding says nothing of what exceeds it in turn.
+        walk[REFUSED, lane] = 0.0 if accepted & (level > 1.0) else refused
+        walk[LEARNT, lane] = 1.0 if accepted & (level > 1.0) else 0.0
         walk[BEGIN, lane] = end if accepted else begin
         opened = walk[AHEAD, lane] if end == walk[EDGE, lane] else 0.0
-        walk[NEXT_OPENED, lane] = opened if accepted else walk[OPENED, lane]
+        walk[NEXT_OPENED, lane] = opened if accepted else opened_before
         walk[ACTIVE, lane] = 1.0 if active & ((not enough) | (end < walk[LAST, lane])) else 0.0
-        any_accepted |= accepted
-    return any_accepted
+    return any_positive(walk[ACCEPTED])

@@ -3,6 +3,7 @@
 A record grows by a step at a time. In each, some lanes took a panel; others didn't, and the half length of theirs is 0.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from engine.cycle.lanes import ASIDE, LANES, Memory, in_panels, memory, rows, ti
 from engine.cycle.panels import ACCEPTED, TAKEN
 from engine.cycle.panels import HALF as PANEL_HALF
 from engine.cycle.panels import MIDDLE as PANEL_MIDDLE
-from engine.cycle.series import MAGNITUDE, larger
+from engine.cycle.series import MAGNITUDE, SUM, larger
 from engine.cycle.series import MISSING as FIGURE_MISSING
 from engine.cycle.series import TAIL as FIGURE_TAIL
 from engine.cycle.transforms import to_coefficients
@@ -22,7 +23,8 @@ from engine.cycle.transforms import to_coefficients
 TAIL, MISSING = range(2)
 # Rows of a step.
 MIDDLE, HALF = range(2)
-# Rows of a curve: greatest magnitude, value at the first position, what values may be off by more than by rounding.
+# Rows of a curve: greatest magnitude, infinite where a value isn't finite; value at the first position; what values may
+# be off by, more than by rounding.
 SCALE, FIRST, OFFSET = range(3)
 
 
@@ -135,7 +137,8 @@ def keep_curve(tile: Memory, curve: int, figures: Memory, walk: Memory, record: 
         errors[slot, TAIL, lane] = figures[curve, FIGURE_TAIL, lane]
         errors[slot, MISSING, lane] = figures[curve, FIGURE_MISSING, lane]
         accepted, first = walk[ACCEPTED, lane] > 0.0, walk[TAKEN, lane] == 1.0
-        scale = larger(figures[curve, MAGNITUDE, lane], whole[kept, SCALE, lane])
+        finite = abs(figures[curve, SUM, lane]) < math.inf
+        scale = larger(figures[curve, MAGNITUDE, lane] if finite else math.inf, whole[kept, SCALE, lane])
         whole[kept, SCALE, lane] = scale if accepted else whole[kept, SCALE, lane]
         whole[kept, FIRST, lane] = tile[curve, 0, lane] if accepted & first else whole[kept, FIRST, lane]
 

@@ -13,14 +13,14 @@ import numpy as np
 
 from engine.cycle.compiling import routine
 from engine.cycle.directions import directions
-from engine.cycle.lanes import LANES, Memory, in_lanes, memory, rows
+from engine.cycle.lanes import LANES, Memory, any_positive, in_lanes, memory, rows
 
 # Parts of a root: its interval, and f less the level, or f′, at the interval's ends; its place X; the place BEFORE and
-# what was to vanish there; LENGTH of the last step, and that which is short enough.
-LOW, HIGH, AT_LOW, AT_HIGH, X, BEFORE, AT_BEFORE, LENGTH, ENOUGH = range(9)
+# what was to vanish there; LENGTH of the last step, and that which is short enough; a MARK.
+LOW, HIGH, AT_LOW, AT_HIGH, X, BEFORE, AT_BEFORE, LENGTH, ENOUGH, MARK = range(10)
 # Of a turn, the interval to begin with and f at its ends.
-FIRST_LOW, FIRST_HIGH, F_LOW, F_HIGH = range(9, 13)
-PARTS = 13
+FIRST_LOW, FIRST_HIGH, F_LOW, F_HIGH = range(10, 14)
+PARTS = 14
 of_roots = memory(PARTS, LANES)
 # What a row looks for: the number of f, and the row of P with the level or TURN.
 FUNCTION, LEVEL = range(2)
@@ -137,11 +137,11 @@ def improve_roots(count: int, sought: np.ndarray, block: Memory, room: int, valu
             ahead = ahead if abs(value) < math.inf else math.nan
             found = not roots[r, LENGTH, lane] > roots[r, ENOUGH, lane]
             roots[r, LENGTH, lane] = 0.0 if found else abs(ahead - x)
+            roots[r, MARK, lane] = 1.0 if (not found) & (abs(ahead - x) > roots[r, ENOUGH, lane]) else 0.0
             roots[r, BEFORE, lane], roots[r, AT_BEFORE, lane] = x, value
             roots[r, X, lane] = x if found else ahead
             roots[r, LOW, lane], roots[r, HIGH, lane] = low, high
-        for lane in range(LANES):
-            going |= roots[r, LENGTH, lane] > roots[r, ENOUGH, lane]
+        going |= any_positive(roots[r, MARK])
     return going
 
 

@@ -40,24 +40,6 @@ def smaller(a: float, b: float) -> float:
     return a if a < b else b
 
 
-@scalar
-def _even(tile: Memory, curve: int, i: int, lane: int) -> float:
-    """Coefficient 2i of a curve's series, i > 0; the value in the middle is taken out as a constant."""
-    total, middle = 0.0, tile[curve, MIDDLE, lane]
-    for j in range(MIDDLE):
-        total += EVEN[i, j] * ((tile[curve, j, lane] - middle) + (tile[curve, DEGREE - j, lane] - middle))
-    return total
-
-
-@scalar
-def _odd(tile: Memory, curve: int, i: int, lane: int) -> float:
-    """Coefficient 2i + 1 of a curve's series."""
-    total = 0.0
-    for j in range(MIDDLE):
-        total += ODD[i, j] * (tile[curve, j, lane] - tile[curve, DEGREE - j, lane])
-    return total
-
-
 @routine
 def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
     """Figures of a curve in each lane's panel.
@@ -71,16 +53,16 @@ def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
     """
     for lane in range(LANES):
         middle = tile[curve, MIDDLE, lane]
-        total, low, high = 0.0, middle, middle
+        low = high = middle
+        total = six = seven = eight = thirteen = fourteen = fifteen = sixteen = 0.0
         for j in range(MIDDLE):
-            total += WEIGHTS[j] * ((tile[curve, j, lane] - middle) + (tile[curve, DEGREE - j, lane] - middle))
-            low = smaller(smaller(tile[curve, j, lane], tile[curve, DEGREE - j, lane]), low)
-            high = larger(larger(tile[curve, j, lane], tile[curve, DEGREE - j, lane]), high)
-        # Of degree 6 to 8 and 13 to 16.
-        six, seven = _even(tile, curve, 3, lane), _odd(tile, curve, 3, lane)
-        eight, fourteen = _even(tile, curve, 4, lane), _even(tile, curve, 7, lane)
-        fifteen, sixteen = _odd(tile, curve, 7, lane), _even(tile, curve, 8, lane)
-        thirteen = _odd(tile, curve, 6, lane)
+            left, right = tile[curve, j, lane], tile[curve, DEGREE - j, lane]
+            both, apart = (left - middle) + (right - middle), left - right
+            total += WEIGHTS[j] * both
+            six, seven, eight = six + EVEN[3, j] * both, seven + ODD[3, j] * apart, eight + EVEN[4, j] * both
+            thirteen, fourteen = thirteen + ODD[6, j] * apart, fourteen + EVEN[7, j] * both
+            fifteen, sixteen = fifteen + ODD[7, j] * apart, sixteen + EVEN[8, j] * both
+            low, high = smaller(smaller(left, right), low), larger(larger(left, right), high)
         before = larger(larger(abs(six), abs(seven)), abs(eight))
         last = larger(larger(abs(fourteen), abs(fifteen)), abs(sixteen))
         square = math.sqrt(math.sqrt(smaller(last / larger(before, TINY), SLOWEST**8)))

@@ -126,3 +126,43 @@ def smooth_numbers(e, phase, first=0.0, last=2.0 * np.pi):
 def smooth(**asked):
     """The smooth curves, with nothing that switches."""
     return Machine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves)
+
+
+# Harmonics of a wave: cosine and sine parts of order k in rows 2 k and 2 k + 1, the range in the first two.
+ORDERS = 7
+
+
+@curves_function
+def wave_curve(P, T, q, cos_q, sin_q, tile):
+    count = q.shape[0]
+    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
+        for lane in range(LANES):
+            c, s = cos_q[i, lane], sin_q[i, lane]
+            cos_k, sin_k, total = c, s, 0.0
+            for k in range(1, ORDERS):
+                total += P[2 * k, lane] * cos_k + P[2 * k + 1, lane] * sin_k
+                cos_k, sin_k = cos_k * c - sin_k * s, sin_k * c + cos_k * s
+            tile[i, lane] = total
+
+
+@curves_function
+def rounding_curves(P, T, q, cos_q, sin_q, tile):
+    count, room = q.shape[0], tile.shape[1]
+    cos_q, sin_q, tile = in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
+        for lane in range(LANES):
+            c, s = cos_q[i, lane], sin_q[i, lane]
+            # Nothing but rounding, and a wave with rounding far above what is tolerated.
+            tile[i, lane] = 1e3 * ((c * c + s * s) - 1.0)
+            tile[room + i, lane] = (1e6 + c) - 1e6
+
+
+@curves_function
+def peak_curve(P, T, q, cos_q, sin_q, tile):
+    count = q.shape[0]
+    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
+        for lane in range(LANES):
+            along = cos_q[i, lane] * P[3, lane] + sin_q[i, lane] * P[4, lane]
+            tile[i, lane] = 1.0 / (P[2, lane] + (1.0 - along))

@@ -2,11 +2,9 @@ import math
 
 import numpy as np
 import pytest
-from cycle_machines import CRANK, LAST, NUMBERS, OFFSET, ROD, TO, press, press_numbers, slide
+from cycle_machines import CRANK, OFFSET, ROD, TO, press, press_numbers, slide
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from engine.cycle.machine import Machine, Plan
 
 TURN = 2.0 * math.pi
 PRESS = press(integrals=(1,), extremes=(1,))
@@ -162,11 +160,3 @@ def test_results_are_the_same_in_whatever_lane_with_cuts(presses):
     assert np.array_equal(together.integrals.error[:, order], apart.integrals.error)
     assert np.array_equal(together.extremes.least_at.value[:, order], apart.extremes.least_at.value)
     assert np.array_equal(together.landmarks.least_at.value[:, order], apart.landmarks.least_at.value)
-
-
-def test_all_machines_share_one_driver(presses):
-    from engine.cycle.driver import evaluate_blocks
-
-    PRESS.evaluate(presses[:, :1])
-    Machine(Plan(ends=(0, LAST), curves=2, integrals=(0,)), PRESS.curves).evaluate(presses[:NUMBERS, :1])
-    assert len(evaluate_blocks.signatures) == 1

@@ -3,9 +3,10 @@ import math
 import numpy as np
 import pytest
 import scipy.special as sp
-from cycle_machines import smooth, smooth_numbers
+from cycle_machines import ORDERS, peak_curve, rounding_curves, smooth, smooth_numbers, wave_curve
 
 from engine.cycle.lanes import LANES
+from engine.cycle.machine import Machine, Plan
 
 TURN = 2.0 * math.pi
 
@@ -156,3 +157,41 @@ def test_a_record_longer_than_foreseen():
     exact = TURN / np.sqrt((1.0 - e) * (1.0 + e))
     assert np.allclose(found.integrals.value[0], exact, rtol=1e-10)
     assert np.allclose(found.extremes.greatest.value[0], 1.0 / (1.0 - e), rtol=1e-8)
+
+
+def test_extremes_of_waves_with_many_tops():
+    rng = np.random.default_rng(7)
+    parts = rng.normal(size=(2 * (ORDERS - 1), 1500))
+    numbers = np.vstack([np.zeros(1500), np.full(1500, TURN), parts])
+    found = Machine(Plan(ends=(0, 1), curves=1, extremes=(0,), tolerance=1e-12), wave_curve).evaluate(numbers).extremes
+    q = np.linspace(0.0, TURN, 2881)
+    k = np.arange(1, ORDERS)[:, None] * q
+    waves = np.einsum("kv,kq->vq", parts[0::2], np.cos(k)) + np.einsum("kv,kq->vq", parts[1::2], np.sin(k))
+    for sign, side, at in ((1.0, found.greatest, found.greatest_at), (-1.0, found.least, found.least_at)):
+        value, place = sign * side.value[0], at.value[0]
+        # A parabola through three of the positions, 0.002 rad apart, is off by some 1e-7.
+        here = np.argmax(sign * waves[:, 1:-1], axis=1) + 1
+        a, b, c = (np.take_along_axis(sign * waves, here[:, None] + i, axis=1)[:, 0] for i in (-1, 0, 1))
+        top = b + 0.125 * (c - a) ** 2 / (2.0 * b - a - c)
+        assert np.all(np.abs(value - top) < 1e-6)
+        at_place = np.arange(1, ORDERS)[:, None] * place
+        there = (parts[0::2] * np.cos(at_place) + parts[1::2] * np.sin(at_place)).sum(axis=0)
+        assert np.mean(np.abs(value - sign * there) <= side.error[0] + 2e-15 * np.abs(parts).sum(axis=0)) > 0.999
+
+
+def test_rounding_takes_few_panels_and_narrow_peaks_as_many_as_they_need():
+    rounding = Machine(Plan(ends=(0, 1), curves=2, integrals=(0, 1), tolerance=1e-11), rounding_curves)
+    found = rounding.evaluate(np.array([np.zeros(2), np.full(2, TURN)]))
+    assert np.all(found.panels <= 60)
+    # Half a unit in the last place of what was added up before it was taken away again.
+    assert np.all(np.abs(found.integrals.value[:, 0]) <= TURN * np.array([1e3 * 2.3e-16, 0.6e-10]))
+    assert np.all(found.integrals.error[:, 0] < TURN * np.array([1e3 * 2.3e-16, 1e-10]))
+    peaks = Machine(Plan(ends=(0, 1), curves=1, integrals=(0,), extremes=(0,), tolerance=1e-11), peak_curve)
+    rng = np.random.default_rng(8)
+    phase, width = rng.uniform(0.0, TURN, 200), 10.0 ** rng.uniform(-6.0, -1.0, 200)
+    numbers = np.array([np.zeros(200), np.full(200, TURN), width, np.cos(phase), np.sin(phase)])
+    found = peaks.evaluate(numbers)
+    # ∫ 1/(1 + w − cos x) = 2π/√(w (2 + w)); 1 − cos is rounded to 1e-16 of what may be as small as w.
+    exact = TURN / np.sqrt(width * (2.0 + width))
+    assert np.all(np.abs(found.integrals.value[0] / exact - 1.0) < 1e-15 / width + 1e-11)
+    assert np.all(np.abs(found.extremes.greatest.value[0] * width - 1.0) < 1e-15 / width + 1e-10)

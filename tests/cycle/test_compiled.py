@@ -1,0 +1,45 @@
+import platform
+
+import numpy as np
+import pytest
+from cycle_machines import press, press_numbers, smooth, smooth_numbers
+
+from engine.compiling.jit import set_threads
+from engine.cycle.driver import evaluate_blocks
+from engine.cycle.lanes import ASIDE, LANES, rows, tiles
+
+
+def test_all_machines_share_one_driver():
+    press(integrals=(1,)).evaluate(press_numbers(1))
+    smooth(extremes=(0,)).evaluate(smooth_numbers(0.1, 0.0)[:, None])
+    assert len(evaluate_blocks.signatures) == 1
+
+
+def test_memory_of_lanes_begins_on_a_line_and_what_is_added_up_half_a_row_aside():
+    for _ in range(20):
+        assert tiles(3).ctypes.data % 4096 == 0
+        assert rows(5, 2, aside=ASIDE).ctypes.data % 4096 == 8 * ASIDE
+        assert rows(7, aside=ASIDE).flags.c_contiguous
+    assert tiles(3).shape == (3, 17, LANES)
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="counts this processor's instructions")
+def test_machines_functions_run_over_lanes_side_by_side():
+    text = next(iter(press(integrals=(1,)).curves.inspect_asm().values()))
+    assert text.count("vsqrtpd") > 0
+    # One root and one quotient a position: whatever is left over one lane at a time is no more than a remainder.
+    assert text.count("vsqrtpd") >= text.count("vsqrtsd")
+
+
+def test_results_do_not_depend_on_the_number_of_threads():
+    rng = np.random.default_rng(1)
+    machine, numbers = smooth(integrals=(0,), extremes=(0,)), smooth_numbers(rng.uniform(0.0, 0.9, 700), 1.0)
+    try:
+        set_threads(1)
+        one = machine.evaluate(numbers)
+        set_threads(3)
+        three = machine.evaluate(numbers)
+    finally:
+        set_threads(0)
+    assert np.array_equal(one.integrals.value, three.integrals.value)
+    assert np.array_equal(one.extremes.greatest_at.value, three.extremes.greatest_at.value)
