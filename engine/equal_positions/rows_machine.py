@@ -18,6 +18,7 @@ from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.model import Model
 from engine.machine.quantities.quantities import STATISTICS, Quantity, has_cycle
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import cycle_statistics, kept_from, motion_fields, motion_summaries
 from engine.motion.regimes_in_order import Schedule
 from engine.scene.parts import CrankInput
@@ -79,7 +80,8 @@ class RowsMachine:
         self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
         self.varied = tuple(varied)
         self._motion_quantities = {q.name: q for q in motion_summaries(scene)}
-        self._motion_fields = {q.name: q for q in motion_fields(scene)}
+        self.mechanics = Mechanics(scene, frozenset(self.varied))
+        self._motion_fields = {q.name: q for q in motion_fields(self.mechanics)}
         # Fields of the kernel first, so that they lie together in memory.
         self.asked_summaries = list(summaries)
         self.asked_fields = sorted(fields, key=lambda name: name in self._motion_fields)
@@ -89,7 +91,7 @@ class RowsMachine:
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
         self.model = Model(scene, frozenset(self.varied))
-        for name, message in kept_from(scene, (*self.asked_summaries, *self.asked_fields)):
+        for name, message in kept_from(self.mechanics, (*self.asked_summaries, *self.asked_fields)):
             raise AskError(f"{name}: {message}")
         check_names(self.asked_fields, self.available_fields, "field")
         self.analyses = Analyses(self.model)
@@ -126,7 +128,7 @@ class RowsMachine:
         """The regimes, where anything of them is asked."""
         asked = {n for n in (*self.asked_summaries, *self.asked_fields) if n in self._motion_quantities}
         asked |= set(self.asked_fields) & set(self._motion_fields)
-        return Schedule(self.model, asked, self.positions) if asked else None
+        return Schedule(self.mechanics, asked, self.positions) if asked else None
 
     @property
     def _motion_needs(self) -> list[str]:

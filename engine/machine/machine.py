@@ -110,7 +110,7 @@ class Machine:
         self._rest = [n for n in self.asked_summaries if n not in own and n not in self._summaries]
         self._fields: dict[str, Field] = {n: self.register.fields[n] for n in self.asked_fields if self._is_kept(n)}
         self._rest_fields = [n for n in self.asked_fields if n not in self._fields]
-        for name, message in kept_from(scene, (*self._rest, *self._rest_fields)):
+        for name, message in kept_from(self.mechanics, (*self._rest, *self._rest_fields)):
             raise AskError(f"{name}: {message}")
         if self._rest or self._rest_fields:
             self._rows.check()

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.jit import on_all_threads, threads
-from engine.machine.model import Model
-from engine.machine.motors import motor_ratio
+from engine.mechanism.actions.motors import motor_ratio
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
 from engine.motion.cycle import CycleAnswers, answers_of, cycle_of
@@ -92,11 +92,11 @@ class Gone(NamedTuple):
 
 
 class Schedule:
-    """The regimes of a model's scene.
+    """The regimes of a scene.
 
     Parameters
     ----------
-    model : Model
+    mechanics : Mechanics
     asked : set of str
         Summaries and fields, "REGIME.quantity".
     steps : int
@@ -108,19 +108,19 @@ class Schedule:
         Loads on the pairs, where any are asked.
     """
 
-    def __init__(self, model: Model, asked: set[str], steps: int) -> None:
-        self.model, self.asked, self.steps = model, asked, steps
-        scene = model.scene
+    def __init__(self, mechanics: Mechanics, asked: set[str], steps: int) -> None:
+        self.scene, self.asked, self.steps = mechanics.scene, asked, steps
+        scene = mechanics.scene
         self.regimes = dict(scene.regimes)
         self.needed = self._needed()
-        known, fields = {q.name for q in motion_fields(scene)}, [Asked.of(name) for name in sorted(asked)]
+        known, fields = {q.name for q in motion_fields(mechanics)}, [Asked.of(name) for name in sorted(asked)]
         fields = [one for one in fields if f"{one.regime}.{one.field}" in known]
         self.cycles = {name: [one for one in fields if one.regime == name] for name in self.regimes}
         loads = {one.field for one in fields} - FIELDS.keys()
-        self.loads = PairLoads(model, loads) if loads else None
+        self.loads = PairLoads(mechanics, loads) if loads else None
         works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
-        self.reduction = Reduction(model)
+        self.reduction = Reduction(mechanics)
         self.dynamics = {off: Dynamics(self.reduction, off, works) for off in sets}
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
@@ -289,7 +289,7 @@ class Schedule:
         return found, cycle, Standing(zero, steady.omega[0], zero, verdict.astype(np.uint8))
 
     def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
-        scene, n, slips = self.model.scene, variants.numbers, {}
+        scene, n, slips = self.scene, variants.numbers, {}
         for motor, action in scene.moments.items():
             if action.type == "induction_motor" and motor not in self.regimes[name].off:
                 speed = mean_speed * np.abs(motor_ratio(scene, action, n))

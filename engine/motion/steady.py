@@ -141,7 +141,7 @@ def balanced_speed(dynamics: Dynamics, variants: Variants, tables: Tables) -> tu
     top, driven = no_load_speed(variants)
 
     def moment(omega: np.ndarray) -> np.ndarray:
-        return dynamics.moments(variants, spread(means, omega.shape[0]), omega).total
+        return dynamics.moments(variants, means, omega).total
 
     top = rising(moment, top, driven)
     share = np.concatenate((np.linspace(0.001, 1.0, SPEEDS), 1.0 - np.geomspace(1e-6, 0.05, SPEEDS // 2)))
@@ -194,15 +194,6 @@ def mean_rows(tables: Tables) -> Tables:
         return (h / 6.0 * parts).sum(axis=-2, keepdims=True) / length
 
     return Tables(h, mean(tables.inertia), mean(tables.loads), mean(tables.powers))
-
-
-def spread(tables: Tables, places: int) -> Tables:
-    """The same values at a number of places."""
-
-    def repeated(rows: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(rows, (*rows.shape[:-2], places, rows.shape[-1]))
-
-    return Tables(tables.steps, repeated(tables.inertia), repeated(tables.loads), repeated(tables.powers))
 
 
 def refined_extremes(omega: np.ndarray, slope: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ flywheels.
 """
 
 from engine.graph.nodes import Node
-from engine.machine.motors import motor_moment
+from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Given, SteadyCycle
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean

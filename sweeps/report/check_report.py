@@ -93,7 +93,7 @@ def regimes_text(scene: Scene, positions: int) -> str:
     outcome = machine.evaluate({})
     asked = by_regime(scene, machine.asked_summaries)
     lines = []
-    for name, case, method in regime_text(model):
+    for name, case, method in regime_text(machine.mechanics):
         lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}"]
         if outcome.status[0] == Verdict.OK:
             lines += table(_asked_rows(machine, outcome, asked[name]), "  ").splitlines()

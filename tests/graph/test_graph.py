@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from engine.compiling.jit import load_kernel, run_kernel, scalar
 from engine.compiling.tiles import LANES, PANEL_POSITIONS
-from engine.graph.functions import field_function, functions_of
+from engine.graph.functions import field_function, functions_at, functions_of
 from engine.graph.nodes import (
     Constant,
     Graph,
@@ -199,6 +199,30 @@ def test_crossings__are_those_of_curves_that_what_is_asked_depends_on():
     within = g.held(g.apply(step_of, g.q - a))
     assert prepared(g, [within * g.sin_q])[0].crossings == ((0, prepared(g, [within * g.sin_q])[0].rows[a]),)
     assert prepared(g, [g.sin_q])[0].crossings == ()
+
+
+def test_position_by_position__given_numbers_are_read_and_what_is_held_is_computed_there():
+    g = Graph()
+    first, last, speed = g.derived("first", lambda n: 0.0), g.derived("last", lambda n: 6.0), g.given("speed")
+    g.switches(g.cos_q, -g.sin_q)
+    curve = g.held(g.apply(step_of, g.cos_q)) * (speed * speed)
+    assert curve.stage == Stage.POSITION
+    functions = functions_at(g, "test", first, last, [curve], [], [g.number("a")])
+    numbers = np.zeros((len(functions.rows), LANES))
+    numbers[functions.rows[speed]] = np.arange(LANES)
+    q = np.linspace(0.0, 6.0, LANES)[None]
+    tile = np.zeros((1, 1, LANES))
+    load_kernel(functions.text).curves_at(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
+    assert functions.crossings == ((0, functions.rows[g.zero]),)
+    assert functions.held_rows == ()
+
+
+def test_crossing__has_the_lowest_kink_that_was_named():
+    g = Graph()
+    for kink in (2, 1, 2):
+        g.switches(g.cos_q, -g.sin_q, 0.5, kink)
+    assert [(crossing.level.value, crossing.kink) for crossing in g.crossings] == [(0.5, 1)]
 
 
 @settings(max_examples=10, deadline=None)

@@ -9,11 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.moments.breaks import Breaks
+from engine.motion.moments.breaks import JUMP, Breaks
 from engine.motion.steppers.energy_form import Tables
 
-# Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.
-JUMP = 1e-10
 # A step that is no longer lies within a jump.
 GAP = 4.0 * JUMP
 

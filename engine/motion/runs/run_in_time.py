@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from engine.motion.moments.breaks import regula_falsi
 from engine.motion.moments.grid import JUMP
+from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
 from engine.motion.steppers.time_form import State, TimeForm
 from engine.verdicts import Verdict
