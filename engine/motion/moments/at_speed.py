@@ -208,5 +208,4 @@ def moments_of_blocks(
                 gather(powers[law, at : at + 1], first, place)
                 add_power(LANES, place[0], exponents[law], speed, moments[2 + channel_of[law]])
                 add_power_slope(LANES, place[0], exponents[law], speed, slope)
-            for row in range(found.shape[0]):
-                hand_out(moments[row], first, found[row, j])
+            hand_out(found.shape[0], moments, first, 0, found[:, j])

@@ -12,7 +12,7 @@ from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_work
 from engine.cycle.events import MOST_ROOTS
 from engine.cycle.lanes import LANES, in_lanes
 from engine.cycle.panels import of_edges, set_out
-from engine.cycle.roots import FUNCTION, LEVEL, X, of_roots
+from engine.cycle.roots import FUNCTION, LEVEL, X
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
@@ -148,12 +148,7 @@ def find_places(
     `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `numbers` the landmarks and
     what follows from them.
     """
-    block, walk, edges, roots = (
-        in_lanes(work.block),
-        in_lanes(work.walk),
-        of_edges(work.edges),
-        of_roots(work.crossings),
-    )
+    block, walk, edges = in_lanes(work.block), in_lanes(work.walk), of_edges(work.edges)
     for b in range(begin, end):
         first = b * LANES
         gather(numbers, first, block)
@@ -164,7 +159,6 @@ def find_places(
             for r in range(count):
                 same = work.crossing_sought[r, FUNCTION] == task.crossings[k, 0]
                 if same and work.crossing_sought[r, LEVEL] == task.crossings[k, 1]:
-                    hand_out(roots[r, X], first, found[k, slot])
+                    hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[k])
                     slot += 1
-        for row in range(numbers.shape[0]):
-            hand_out(block[row], first, numbers[row])
+        hand_out(numbers.shape[0], block, first, 0, numbers)
