@@ -68,7 +68,7 @@ def _carry(
 ) -> None:
     """Fill record and course; explicitly or implicitly."""
     drive, laws, steps = variants.drive, tables.powers.shape[0], tables.steps.shape[0]
-    channels = len(dynamics.channels)
+    channels, tables = len(dynamics.channels), Tables(*(np.ascontiguousarray(rows) for rows in tables))
     width = LOADS + POLYNOMIAL + laws + (POLYNOMIAL * channels if channels > 1 else 0)
     form = Form(len(drive.kloss), laws, channels, width)
     given = (implicit, form, tables, drive.rows, drive.exponents, dynamics.channel_of_laws, energy, limits)
