@@ -190,7 +190,8 @@ class Schedule:
             else:
                 found, cycle, standing = self._steady(name, dynamics, variants, standing, steps)
                 made, energy = float(steps), found["energy"]
-                found, scale = found | cycle.values, cycle.scales
+                # δ is a difference of speeds, and rounds as they do.
+                found, scale = found | cycle.values, cycle.scales | {"speed_fluctuation": np.ones(count)}
                 gone.fields.update({f"{name}.{key}": row for key, row in cycle.fields.items()})
                 gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
             asked = {key: v for key, v in found.items() if f"{name}.{key}" in self.asked}
