@@ -5,8 +5,6 @@ What follows from these, and whether the step passes an end of the stretch, is t
 """
 
 import math
-from collections.abc import Callable
-from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -42,10 +40,10 @@ from engine.motion.steppers.energy_form import (
     Limits,
     Tables,
 )
-from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC, Tableau
+from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC
 
 # Stages of the two methods lie at nodes of the tables and in the middle between them.
-B, STAGES = tuple(CLASSICAL.weights), CLASSICAL.stages
+A, STAGES = CLASSICAL.matrix, CLASSICAL.stages
 WEIGHTS, PLACES = CLASSICAL.weights, (2.0 * CLASSICAL.nodes).astype(np.int64)
 IMPLICIT_A, IMPLICIT_STAGES = LOBATTO_IIIC.matrix, LOBATTO_IIIC.stages
 IMPLICIT_WEIGHTS, IMPLICIT_PLACES = LOBATTO_IIIC.weights, (2.0 * LOBATTO_IIIC.nodes).astype(np.int64)
@@ -127,104 +125,70 @@ def set_off(energy: np.ndarray, limits: Limits, first: int, width: int, places: 
         state[OVER, lane], state[UNDER, lane] = limits.above[v], limits.below[v]
 
 
-@scalar
-def add_curved(
-    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, s: int, stages: Memory
+@routine
+def add_share(wide: int, share: float, step: Memory, rates: Memory, energy: Memory) -> None:
+    """Add to an energy what a moment does over a share of the step; all are rows, (LANES,)."""
+    for lane in range(wide):
+        energy[lane] += share * step[lane] * rates[lane]
+
+
+@routine
+def moments_at_place(
+    wide: int,
+    form: Form,
+    drive: Memory,
+    exponents: Memory,
+    places: Memory,
+    at: int,
+    energy: Memory,
+    speed: Memory,
+    motors: Memory,
+    moment: Memory,
 ) -> None:
-    """Add to the moments of a stage those of induction motors and power laws; its place begins at row `at`."""
-    speed, motors, moment = stages[SPEED + s], stages[FROM_MOTORS + s], stages[MOMENT + s]
-    if form.motors > 0:
-        for lane in range(wide):
-            moment[lane] -= motors[lane]
-        add_induction_motors(wide, drive, form.motors, speed, motors)
-        for lane in range(wide):
-            moment[lane] += motors[lane]
+    """Speed, moment of the motors and moment of everything by the energy, at the place that begins at row `at`.
+
+    They go into rows, (LANES,).
+    """
+    for lane in range(wide):
+        speed[lane] = math.sqrt(energy[lane] * places[at + INVERSE, lane])
+        motors[lane] = straight_motors(drive, lane, speed[lane])
+    add_induction_motors(wide, drive, form.motors, speed, motors)
+    for lane in range(wide):
+        moment[lane] = motors[lane] + polynomial(places, at + LOADS, lane, speed[lane])
     for law in range(form.laws):
         add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
 
 
-def stage_of(method: Tableau, s: int) -> Callable:
-    """Stage s of an explicit method, as a function of its own: the compiler then knows its coefficients."""
-    row, node = tuple(method.matrix[s]), int(2.0 * method.nodes[s])
+@routine
+def slopes_at_place(
+    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, speed: Memory, slope: Memory
+) -> None:
+    """∂M/∂E = ∂M/∂ω/(Iω) at a place; as `moments_at_place`."""
+    for lane in range(wide):
+        slope[lane] = drive[FALL, lane] + polynomial_slope(places, at + LOADS, lane, speed[lane])
+    add_induction_slopes(wide, drive, form.motors, speed, slope)
+    for law in range(form.laws):
+        add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
+    for lane in range(wide):
+        slope[lane] *= 0.5 * places[at + INVERSE, lane] / speed[lane]
 
-    @scalar
-    def stage(
-        wide: int,
-        form: Form,
-        drive: Memory,
-        exponents: Memory,
-        places: Memory,
-        first: int,
-        state: Memory,
-        stages: Memory,
-    ) -> None:
-        at = first + form.width * node
+
+@routine
+def finish(wide: int, weights: np.ndarray, inverse: Memory, stages: Memory, state: Memory) -> None:
+    """What follows from the stages of a step: its time, work and squares of the motors, and the speed at its end.
+
+    `inverse` is 2/I there, (LANES,).
+    """
+    for lane in range(wide):
+        state[T_STEP, lane], state[MOTOR_STEP, lane], state[SQUARES_STEP, lane] = 0.0, 0.0, 0.0
+        state[W_AFTER, lane] = math.sqrt(state[E_AFTER, lane] * inverse[lane])
+    for s in range(weights.shape[0]):
         for lane in range(wide):
-            moment = 0.0
-            for k in range(s):
-                moment += row[k] * stages[MOMENT + k, lane] if row[k] != 0.0 else 0.0
-            speed = math.sqrt((state[E, lane] + state[H, lane] * moment) * places[at + INVERSE, lane])
-            motors = straight_motors(drive, lane, speed)
-            stages[SPEED + s, lane], stages[FROM_MOTORS + s, lane] = speed, motors
-            stages[MOMENT + s, lane] = motors + polynomial(places, at + LOADS, lane, speed)
-        add_curved(wide, form, drive, exponents, places, at, s, stages)
-
-    return stage
-
-
-def one_after_another(first: Callable, second: Callable) -> Callable:
-    """Two stages, one after the other."""
-
-    @scalar
-    def both(
-        wide: int,
-        form: Form,
-        drive: Memory,
-        exponents: Memory,
-        places: Memory,
-        begin: int,
-        state: Memory,
-        stages: Memory,
-    ) -> None:
-        first(wide, form, drive, exponents, places, begin, state, stages)
-        second(wide, form, drive, exponents, places, begin, state, stages)
-
-    return both
-
-
-all_stages = reduce(one_after_another, (stage_of(CLASSICAL, s) for s in range(STAGES)))
-
-
-def finish_of(method: Tableau) -> Callable:
-    """What follows from the stages of a step: its time, work and squares of the motors, and the speed at its end."""
-    weights, count = tuple(method.weights), method.stages
-
-    @scalar
-    def finish(wide: int, after: Memory, state: Memory, stages: Memory) -> None:
-        for lane in range(wide):
-            time = work = squares = 0.0
-            # Of two speeds the reciprocals for one division.
-            for s in range(0, count - 1, 2):
-                near, far = stages[SPEED + s, lane], stages[SPEED + s + 1, lane]
-                one, other = stages[FROM_MOTORS + s, lane], stages[FROM_MOTORS + s + 1, lane]
-                both = 1.0 / (near * far)
-                pace, other_pace = weights[s] * far * both, weights[s + 1] * near * both
-                time += pace + other_pace
-                work += weights[s] * one + weights[s + 1] * other
-                squares += one * one * pace + other * other * other_pace
-            if count % 2 == 1:
-                motor, pace = stages[FROM_MOTORS + count - 1, lane], weights[-1] / stages[SPEED + count - 1, lane]
-                time += pace
-                work += weights[-1] * motor
-                squares += motor * motor * pace
-            h = state[H, lane]
-            state[T_STEP, lane], state[MOTOR_STEP, lane], state[SQUARES_STEP, lane] = h * time, h * work, h * squares
-            state[W_AFTER, lane] = math.sqrt(state[E_AFTER, lane] * after[lane])
-
-    return finish
-
-
-finish_explicit, finish_implicit = finish_of(CLASSICAL), finish_of(LOBATTO_IIIC)
+            motor, share = stages[FROM_MOTORS + s, lane], weights[s] * state[H, lane]
+            time = share / stages[SPEED + s, lane]
+            state[T_STEP, lane] += time
+            state[MOTOR_STEP, lane] += share * motor
+            state[SQUARES_STEP, lane] += motor * motor * time
 
 
 @routine
@@ -232,12 +196,19 @@ def explicit_step(
     wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
 ) -> None:
     """A step of the classical method of all lanes, from the place that begins at row `first`."""
-    all_stages(wide, form, drive, exponents, places, first, state, stages)
+    for s in range(STAGES + 1):
+        energy = stages[ENERGY + s] if s < STAGES else state[E_AFTER]
+        for lane in range(wide):
+            energy[lane] = state[E, lane]
+        for k in range(s):
+            share = A[s, k] if s < STAGES else WEIGHTS[k]
+            if share != 0.0:
+                add_share(wide, share, state[H], stages[MOMENT + k], energy)
+        if s < STAGES:
+            at, speed, motors = first + form.width * PLACES[s], stages[SPEED + s], stages[FROM_MOTORS + s]
+            moments_at_place(wide, form, drive, exponents, places, at, energy, speed, motors, stages[MOMENT + s])
     for lane in range(wide):
-        e, h, near, gained = state[E, lane], state[H, lane], stages[MOMENT, lane], 0.0
-        for s in range(STAGES):
-            gained += B[s] * stages[MOMENT + s, lane]
-        state[E_AFTER, lane] = e + h * gained
+        e, h, near = state[E, lane], state[H, lane], stages[MOMENT, lane]
         # M differs between the second and the third stage by its dependence on E alone, and E there as the
         # first two stages do: the ratio says how near an explicit method is to being unstable.
         change, before = stages[MOMENT + 2, lane] - stages[MOMENT + 1, lane], stages[MOMENT + 1, lane] - near
@@ -246,7 +217,7 @@ def explicit_step(
         slowing = careful & ((-near > TIMES_PER_RADIAN * e) | (-near * h > SHARE_PER_STEP * e))
         state[STIFFNESS, lane] = 1.0 if stiff else 0.0
         state[GOES, lane] = 0.0 if (stiff | slowing) else 1.0
-    finish_explicit(wide, places[first + 2 * form.width + INVERSE], state, stages)
+    finish(wide, WEIGHTS, places[first + 2 * form.width + INVERSE], stages, state)
 
 
 @scalar
@@ -280,8 +251,8 @@ def implicit_step(
     """A step of Lobatto IIIC of all lanes; parameters as of `explicit_step`.
 
     dE/dφ = M(φ, √(2E/I)) is collocated at the first node, the middle and the last node, and the three energies are
-    found by Newton's method; ∂M/∂E = ∂M/∂ω/(Iω). Steps of any length are stable: a motor that holds its speed within a
-    fraction of a step is simply followed.
+    found by Newton's method. Steps of any length are stable: a motor that holds its speed within a fraction of a step
+    is simply followed.
     """
     for s in range(IMPLICIT_STAGES):
         for lane in range(wide):
@@ -291,20 +262,10 @@ def implicit_step(
     pending = 1.0
     for _ in range(MOST_ROUNDS):
         for s in range(IMPLICIT_STAGES):
-            at, slope = first + form.width * IMPLICIT_PLACES[s], stages[SLOPE + s]
-            for lane in range(wide):
-                speed = math.sqrt(stages[ENERGY + s, lane] * places[at + INVERSE, lane])
-                motors = straight_motors(drive, lane, speed)
-                stages[SPEED + s, lane], stages[FROM_MOTORS + s, lane] = speed, motors
-                stages[MOMENT + s, lane] = motors + polynomial(places, at + LOADS, lane, speed)
-                slope[lane] = drive[FALL, lane] + polynomial_slope(places, at + LOADS, lane, speed)
-            add_curved(wide, form, drive, exponents, places, at, s, stages)
-            add_induction_slopes(wide, drive, form.motors, stages[SPEED + s], slope)
-            for law in range(form.laws):
-                add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], stages[SPEED + s], slope)
-            for lane in range(wide):
-                by_energy = 0.5 * places[at + INVERSE, lane] / stages[SPEED + s, lane]
-                stages[SLOPE + s, lane] *= by_energy
+            at, energy, speed = first + form.width * IMPLICIT_PLACES[s], stages[ENERGY + s], stages[SPEED + s]
+            motors, moment, slope = stages[FROM_MOTORS + s], stages[MOMENT + s], stages[SLOPE + s]
+            moments_at_place(wide, form, drive, exponents, places, at, energy, speed, motors, moment)
+            slopes_at_place(wide, form, drive, exponents, places, at, speed, slope)
         # Once more after all are found, so that nothing depends on which of them was the last.
         if pending == 0.0:
             break
@@ -312,7 +273,7 @@ def implicit_step(
     for lane in range(wide):
         end = stages[ENERGY + IMPLICIT_STAGES - 1, lane]
         state[E_AFTER, lane] = end if (state[GOES, lane] > 0.0) & (end > 0.0) else math.nan
-    finish_implicit(wide, places[first + 2 * form.width + INVERSE], state, stages)
+    finish(wide, IMPLICIT_WEIGHTS, places[first + 2 * form.width + INVERSE], stages, state)
 
 
 @routine
@@ -519,7 +480,8 @@ def carry(
         pack(tables, first, form.width, places)
         set_off(energy, limits, first, width, places, state)
         fill(form.channels, works, 0.0)
-        moving, done = float(width), 0
+        # Of a type that the loop doesn't change: what is called here is then compiled once.
+        moving, done = float(width), 0 * width
         while moving > 0.0:
             if done < record.shape[1]:
                 for lane in range(width):
