@@ -17,8 +17,8 @@ import numpy as np
 from engine.equal_positions.stroke_work import work_call
 from engine.equal_positions.text.program import Program
 from engine.laws.tables import Table, integrated, make_table
-from engine.machine.brakes import braking_moment
 from engine.machine.mechanism import Mechanism, Moving
+from engine.mechanism.actions.brakes import braking_moment
 from engine.scene import actions
 from engine.scene.pairs import bearer_of, holder_of
 from engine.scene.parts import FRAME, CrankInput
