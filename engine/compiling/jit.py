@@ -204,6 +204,23 @@ def compiled(text: str, function: str, *arguments: object) -> Callable:
         return getattr(load_kernel(text), function)
 
 
+def load_compiled(text: str) -> ModuleType:
+    """Module of a generated source whose functions state their signatures: they are compiled with it, or loaded.
+
+    Parameters
+    ----------
+    text : str
+        Source of the module.
+    """
+    with COMPILING:
+        try:
+            return load_kernel(text)
+        except (EOFError, pickle.UnpicklingError):
+            shutil.rmtree(_kernel_folder(text), ignore_errors=True)
+            shutil.rmtree(_functions_folder(), ignore_errors=True)
+            return load_kernel(text)
+
+
 @cache
 def _pool(workers: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(workers, thread_name_prefix="kernel")
@@ -248,6 +265,14 @@ def over_variants(function: Callable) -> Callable:
     return run
 
 
+def pieces_of(count: int) -> int:
+    """Into how many pieces to cut so many items of work; one on a thread that has such a piece itself."""
+    workers = threads()
+    if workers == 1 or getattr(_here, "alone", False):
+        return min(count, 1)
+    return min(count, workers * PIECES_PER_THREAD)
+
+
 def on_all_threads(function: Callable, pieces: Sequence) -> list:
     """Call a function for every piece of some work, on all threads; kernels within stay on the thread they are on.
 
@@ -287,12 +312,11 @@ def run_pieces(kernel: Callable, count: int, arguments: tuple) -> None:
     arguments : tuple
         Passed on after the range.
     """
-    workers = threads()
-    pieces = min(count, workers * PIECES_PER_THREAD)
-    if workers == 1 or pieces <= 1 or getattr(_here, "alone", False):
+    pieces = pieces_of(count)
+    if pieces <= 1:
         kernel(0, count, *arguments)
         return
     cuts = [i * count // pieces for i in range(pieces + 1)]
-    pool = _pool(workers)
+    pool = _pool(threads())
     for done in [pool.submit(kernel, a, b, *arguments) for a, b in pairwise(cuts)]:
         done.result()

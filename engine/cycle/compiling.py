@@ -13,10 +13,9 @@ from numba.core.compiler import Compiler
 from engine.compiling.jit import (
     COMPILING,
     FLOATING_POINT_RULES,
-    PIECES_PER_THREAD,
     keep_compiled,
     on_all_threads,
-    threads,
+    pieces_of,
 )
 
 RULES = set(FLOATING_POINT_RULES) - {"reassoc"}
@@ -90,6 +89,6 @@ def spread(compiled: Callable, count: int, arguments: Callable) -> None:
     arguments : callable
         Returns what follows the range, for one piece.
     """
-    pieces = min(count, threads() * PIECES_PER_THREAD)
+    pieces = pieces_of(count)
     ends = [i * count // pieces for i in range(pieces + 1)]
     on_all_threads(lambda piece: compiled(*piece, *arguments()), list(pairwise(ends)))

@@ -9,7 +9,6 @@ import re
 from typing import NamedTuple
 
 from engine.machine.model import Model
-from engine.machine.motors import motor_moment
 from engine.machine.quantities.inertia import replacement_slots, replacement_summaries
 from engine.machine.quantities.loops import RESIDUAL, loop_summaries, magnifications
 from engine.machine.quantities.quantities import (
@@ -22,6 +21,7 @@ from engine.machine.quantities.quantities import (
 )
 from engine.machine.quantities.reactions import direction_summaries, friction_summaries, reaction_summaries
 from engine.machine.quantities.shaking import ORDERS, shaking_summaries
+from engine.mechanism.actions.motors import motor_moment
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*\$?")
 

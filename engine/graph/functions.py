@@ -17,7 +17,20 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.tiles import PANEL_POSITIONS
-from engine.graph.nodes import Constant, Crossing, Found, Graph, Held, Memory, Node, Number, Result, Stage, reached
+from engine.graph.nodes import (
+    Constant,
+    Crossing,
+    Found,
+    Given,
+    Graph,
+    Held,
+    Memory,
+    Node,
+    Number,
+    Result,
+    Stage,
+    reached,
+)
 from engine.graph.printer import in_lanes, over_positions
 
 _HEAD = '''"""{title}"""
@@ -104,44 +117,135 @@ def functions_of(
     fields : sequence of Node
         Kept fields, whose numbers are to have rows too; `field_function` prints them.
     """
+    plan = _planned(graph, first, last, curves, curves, ends, fields)
+    held = [node.operands[0] for node in plan.held]
+    return _printed(
+        graph,
+        title,
+        plan,
+        _events(plan),
+        _levels(plan),
+        _Part("states", "What a panel holds.", held),
+        _Part("curves", "All that is asked at a position.", plan.curves, positions=PANEL_POSITIONS, inline_held=False),
+    )
+
+
+def functions_at(
+    graph: Graph,
+    title: str,
+    first: Number,
+    last: Number,
+    curves: Sequence[Node],
+    watched: Sequence[Node] = (),
+    numbers: Sequence[Node] = (),
+) -> Functions:
+    """Print the functions that compute some curves at positions one by one, what is held at the position itself.
+
+    The text has `events`, `levels` and `curves_at`.
+
+    Parameters
+    ----------
+    graph : Graph
+    title : str
+        What the module's docstring says.
+    first, last : Number
+        Range of the input.
+    curves : sequence of Node
+        What is asked at a position; it may depend on given numbers.
+    watched : sequence of Node
+        Curves whose ends of strokes and crossings are known too.
+    numbers : sequence of Node
+        Numbers that are to have rows too.
+    """
+    plan = _planned(graph, first, last, curves, [*curves, *watched], fields=numbers)
+    return _printed(
+        graph,
+        title,
+        plan._replace(held=[]),
+        _events(plan),
+        _levels(plan),
+        _Part("curves_at", "All that is asked at a position.", plan.curves),
+    )
+
+
+class _Plan(NamedTuple):
+    """What functions are printed from; lists of nodes, and the row of P of each number."""
+
+    curves: list[Node]
+    held: list[Held]
+    crossings: list[Crossing]
+    found: list[Found]
+    events: list[tuple[Node, Node]]
+    cycle: list[Node]
+    rows: dict[Node, int]
+
+    @property
+    def event_nodes(self) -> list[Node]:
+        """Curves that switch something, each with its derivative after it."""
+        return [node for event in self.events for node in event]
+
+
+class _Part(NamedTuple):
+    """One of the functions: its name, what its docstring says, what it fills; see `in_lanes`."""
+
+    name: str
+    doc: str
+    outputs: list[Node]
+    stage: Stage = Stage.POSITION
+    positions: int | None = 1
+    inline_held: bool = True
+
+
+def _events(plan: _Plan) -> _Part:
+    return _Part("events", "Curves that switch something, and their derivatives.", plan.event_nodes, positions=None)
+
+
+def _levels(plan: _Plan) -> _Part:
+    return _Part("levels", "Numbers of the cycle, from the ends of strokes.", plan.cycle, Stage.CYCLE)
+
+
+def _planned(
+    graph: Graph,
+    first: Number,
+    last: Number,
+    curves: Sequence[Node],
+    watched: Sequence[Node],
+    ends: Iterable[Found] = (),
+    fields: Sequence[Node] = (),
+) -> _Plan:
     curves = list(dict.fromkeys(curves))
-    held = _of_kind(curves, Held)
+    held = _of_kind(watched, Held)
     crossings = _switching(graph, held)
     levels = [c.level for c in crossings]
-    found = list(dict.fromkeys([*ends, *_of_kind([*curves, *fields, *levels], Found)]))
+    found = list(dict.fromkeys([*ends, *_of_kind([*watched, *fields, *levels], Found)]))
     events = list(dict.fromkeys([(f.curve, f.rate) for f in found] + [(c.curve, c.rate) for c in crossings]))
-    event_nodes = [node for event in events for node in event]
-    everything = [*curves, *fields, *event_nodes, *levels]
+    everything = [*curves, *fields, *(node for event in events for node in event), *levels]
     cycle = _read_numbers(everything)
     rows = _rows([first, last], everything, levels, found, cycle, held)
-    places = {node: i for i, (node, _) in enumerate(events)}
-    parts, laws, missing = [], [], []
-    for name, doc, outputs, stage, positions, inline in (
-        ("events", "Curves that switch something, and their derivatives.", event_nodes, Stage.POSITION, None, True),
-        ("levels", "Numbers of the cycle, from the ends of strokes.", cycle, Stage.CYCLE, 1, True),
-        ("states", "What a panel holds.", [h.operands[0] for h in held], Stage.POSITION, 1, True),
-        ("curves", "All that is asked at a position.", curves, Stage.POSITION, PANEL_POSITIONS, False),
-    ):
-        if not outputs:
-            missing.append(f"from engine.compiling.nothing import nothing as {name}")
+    return _Plan(curves, held, crossings, found, events, cycle, rows)
+
+
+def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
+    rows, texts, laws, missing = plan.rows, [], [], []
+    for part in parts:
+        if not part.outputs:
+            missing.append(f"from engine.compiling.nothing import nothing as {part.name}")
             continue
-        text, called = in_lanes(name, doc, outputs, rows, stage, positions, inline)
-        parts.append(f"@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}")
+        text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
+        texts.append(f"@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}")
         laws += called
     imports = [*missing, "from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]
-    text = "\n\n".join([_HEAD.format(title=title, imports="\n".join(imports), dtype="float64"), *parts])
+    places = {curve: i for i, (curve, _) in enumerate(plan.events)}
     return Functions(
-        text,
+        "\n\n".join([_HEAD.format(title=title, imports="\n".join(imports), dtype="float64"), *texts]),
         rows,
         tuple(n for n in rows if isinstance(n, (Number, Constant))),
-        tuple(events),
-        tuple(
-            _landmark(place, curve, found, rows) for (curve, _), place in zip(events, range(len(events)), strict=True)
-        ),
-        tuple(rows[n] for n in cycle),
-        tuple(rows[n] for n in held),
-        tuple((places[c.curve], rows[c.level]) for c in crossings),
-        {node: i for i, node in enumerate(curves)},
+        tuple(plan.events),
+        tuple(_landmark(place, curve, plan.found, rows) for place, (curve, _) in enumerate(plan.events)),
+        tuple(rows[n] for n in plan.cycle),
+        tuple(rows[n] for n in plan.held),
+        tuple((places[c.curve], rows[c.level]) for c in plan.crossings),
+        {node: i for i, node in enumerate(plan.curves)},
         np.concatenate([np.zeros(0), *graph.tables]) if graph.tables else np.zeros(1),
     )
 
@@ -185,8 +289,9 @@ def _rows(
     span: list[Number], everything: list[Node], levels: list[Node], found: list[Found], cycle: list[Node], held: list
 ) -> dict[Node, int]:
     numbers = [n for n in reached(everything) if isinstance(n, Number)]
+    given = [n for n in reached(everything) if isinstance(n, Given)]
     constants = [n for n in levels if isinstance(n, Constant)]
-    order = dict.fromkeys([*span, *numbers, *constants, *found, *cycle, *held])
+    order = dict.fromkeys([*span, *numbers, *constants, *given, *found, *cycle, *held])
     return {node: row for row, node in enumerate(n for n in order if not isinstance(n, Memory))}
 
 

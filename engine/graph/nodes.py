@@ -138,6 +138,15 @@ class Position(Node):
         self.which = which
 
 
+class Given(Node):
+    """A number that whoever evaluates the graph gives at each position, such as the speed that a motion has there.
+
+    Functions read it like a number of the variant, so it is the same at all positions that they fill at once.
+    """
+
+    __slots__ = ()
+
+
 class Memory(Node):
     """The flat memory of all tables, which laws that look something up take as their first argument."""
 
@@ -237,12 +246,14 @@ class Crossing:
         The curve and its derivative by the input.
     level : Node
         Belongs to the variant or to its cycle.
+    kink : int
+        Lowest derivative that changes there: 0 of what jumps, 1 of what bends, 2 of what only changes its curvature.
     """
 
-    __slots__ = ("curve", "level", "rate")
+    __slots__ = ("curve", "kink", "level", "rate")
 
-    def __init__(self, curve: Node, rate: Node, level: Node) -> None:
-        self.curve, self.rate, self.level = curve, rate, level
+    def __init__(self, curve: Node, rate: Node, level: Node, kink: int) -> None:
+        self.curve, self.rate, self.level, self.kink = curve, rate, level, kink
 
 
 _ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
@@ -270,8 +281,6 @@ class Graph:
         Of all tables.
     tables : list of ndarray
         Contents of the memory, in order.
-    crossings : list of Crossing
-        Where what the held nodes hold may switch.
     """
 
     def __init__(self) -> None:
@@ -280,7 +289,7 @@ class Graph:
         self.q, self.cos_q, self.sin_q = (Position(self, which) for which in ("q", "cos_q", "sin_q"))
         self.memory = Memory(self, Stage.VARIANT, label="memory")
         self.tables: list[np.ndarray] = []
-        self.crossings: list[Crossing] = []
+        self._crossings: dict[tuple[Node, Node], Crossing] = {}
 
     def _once(self, key: tuple, make: Callable[[], Node]) -> Node:
         node = self._made.get(key)
@@ -305,6 +314,10 @@ class Graph:
         if curve.stage < Stage.POSITION and not which.endswith("_at"):
             return curve
         return self._once(("found", curve, which), lambda: Found(self, curve, rate, which))
+
+    def given(self, label: str) -> Given:
+        """A number that is given at each position; the same label means the same number."""
+        return self._once(("given", label), lambda: Given(self, Stage.POSITION, label=label))
 
     def operation(self, symbol: str, a: Node | float, b: Node | float) -> Node:
         """Arithmetic on two nodes, simplified as on paper."""
@@ -394,15 +407,17 @@ class Graph:
             return sum((c * b for c, b in kept), self.zero)
         return self._once(("sum", kept), lambda: Sum(self, kept))
 
-    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0) -> None:
-        """Say that something switches where a curve crosses a level."""
+    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0) -> None:
+        """Say that something switches where a curve crosses a level; `kink` as of `Crossing`."""
         if curve.stage == Stage.POSITION:
             level = level if isinstance(level, Node) else self.constant(level)
-            self._once(("crossing", curve, level), lambda: self._crosses(curve, rate, level))
+            known = self._crossings.setdefault((curve, level), Crossing(curve, rate, level, kink))
+            known.kink = min(known.kink, kink)
 
-    def _crosses(self, curve: Node, rate: Node, level: Node) -> Node:
-        self.crossings.append(Crossing(curve, rate, level))
-        return curve
+    @property
+    def crossings(self) -> list[Crossing]:
+        """Where what the held nodes hold may switch, each place once."""
+        return list(self._crossings.values())
 
     def store(self, table: np.ndarray) -> Constant:
         """Put a table into the memory; where it begins there."""

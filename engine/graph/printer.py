@@ -14,6 +14,7 @@ from engine.graph.nodes import (
     Application,
     Constant,
     Found,
+    Given,
     Held,
     Memory,
     Node,
@@ -87,7 +88,7 @@ class Body:
             return True
         if isinstance(node, Held):
             return not self._inline_held
-        if isinstance(node, (Number, Found)):
+        if isinstance(node, (Number, Found, Given)):
             return True
         # What follows from held nodes alone has no row of its own: it is computed where it is used.
         return node.stage < self._stage and node.stage != Stage.PANEL

@@ -197,6 +197,55 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
 
 
 @scalar
+def periods_before(start: float, period: float, x: float) -> float:
+    """Length of the whole periods between the start of a periodic table and x."""
+    return period * math.floor((x - start) / period)
+
+
+@scalar
+def first_piece(memory: np.ndarray, offset: float, pieces: float, x: float) -> tuple[float, float, float, float, float]:
+    """The first piece of a table at `offset` in the memory; results as of `table_segment`, parameters as there."""
+    at = int(offset) + 3
+    left, at = memory[at], at + int(pieces) + 1
+    return left, memory[at], memory[at + 1], memory[at + 2], memory[at + 3]
+
+
+@scalar
+def next_piece(
+    memory: np.ndarray,
+    offset: float,
+    pieces: float,
+    piece: float,
+    x: float,
+    left: float,
+    c3: float,
+    c2: float,
+    c1: float,
+    c0: float,
+) -> tuple[float, float, float, float, float]:
+    """A piece of a table where x has reached it, otherwise the one before, `left` … `c0`.
+
+    Parameters
+    ----------
+    memory : array of float
+    offset, pieces, piece : float
+        Where in the memory the table begins, how many pieces it has, and the number of this one.
+    x, left, c3, c2, c1, c0 : float
+        Abscissa, without whole periods; results for the piece before, as of `table_segment`.
+    """
+    begin, count, i = int(offset) + 3, int(pieces), int(piece)
+    here, at = memory[begin + i], begin + count + 1 + 4 * i
+    # Read whether wanted or not, so that there is nothing to branch for.
+    d3, d2, d1, d0 = memory[at], memory[at + 1], memory[at + 2], memory[at + 3]
+    reached = here <= x
+    left = here if reached else left
+    c3 = d3 if reached else c3
+    c2 = d2 if reached else c2
+    c1 = d1 if reached else c1
+    return left, c3, c2, c1, d0 if reached else c0
+
+
+@scalar
 def segment_value(left: float, c3: float, c2: float, c1: float, c0: float, x: float) -> float:
     """Value at x of a cubic from `table_segment`; NaN for NaN."""
     t = x - left

@@ -13,6 +13,7 @@ from engine.mechanism.actions.characteristics import characteristic
 from engine.mechanism.actions.cylinders import cylinder_load
 from engine.mechanism.actions.paths import about_link, along
 from engine.mechanism.actions.springs import spring_loads, torsion_spring
+from engine.mechanism.actions.tables import uniform_time
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
 from engine.scene import actions
@@ -28,6 +29,8 @@ class Loads:
     ----------
     scene : Scene
     kinematics : Kinematics
+    time : Node, optional
+        Time on which loads over time depend, where the input doesn't move uniformly [s].
 
     Attributes
     ----------
@@ -37,8 +40,9 @@ class Loads:
         Moments of the scene that are motors: they follow from the speed alone.
     """
 
-    def __init__(self, scene: Scene, kinematics: Kinematics) -> None:
+    def __init__(self, scene: Scene, kinematics: Kinematics, time: Node | None = None) -> None:
         self.scene, self.kinematics = scene, kinematics
+        self._time = uniform_time(kinematics) if time is None else time
         motors = (actions.DCMotor, actions.InductionMotor)
         self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, motors))
         self.terms: list[Load] = [
@@ -75,7 +79,7 @@ class Loads:
         force, kinematics = self.scene.forces[name], self.kinematics
         motion = along(kinematics, name, force)
         grip = Grip(holder_of(self.scene, force.on), kinematics.points[force.on], motion.direction)
-        size = characteristic(kinematics, force, f"forces.{name}", motion)
+        size = characteristic(kinematics, force, f"forces.{name}", motion, self._time)
         return load(name, size, grip, motion.velocity, force.role)
 
     def _moment(self, name: str) -> Load:
@@ -85,5 +89,5 @@ class Loads:
         grip = Grip(moment.on, None, None, (FRAME, kinematics.links[FRAME].origin) if on_frame else None)
         if isinstance(moment, actions.TorsionSpring):
             return load(name, torsion_spring(kinematics, name), grip, motion.velocity, None)
-        size = characteristic(kinematics, moment, f"moments.{name}", motion)
+        size = characteristic(kinematics, moment, f"moments.{name}", motion, self._time)
         return load(name, size, grip, motion.velocity, moment.role)

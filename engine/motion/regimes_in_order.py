@@ -12,7 +12,7 @@ import numpy as np
 
 from engine.compiling.jit import on_all_threads, threads
 from engine.machine.model import Model
-from engine.machine.motors import motor_ratio
+from engine.mechanism.actions.motors import motor_ratio
 from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
 from engine.motion.cycle import CycleAnswers, answers_of, cycle_of

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from engine.compiling.jit import load_kernel, run_kernel, scalar
 from engine.compiling.tiles import LANES, PANEL_POSITIONS
-from engine.graph.functions import field_function, functions_of
+from engine.graph.functions import field_function, functions_at, functions_of
 from engine.graph.nodes import (
     Constant,
     Graph,
@@ -201,6 +201,30 @@ def test_crossings__are_those_of_curves_that_what_is_asked_depends_on():
     assert prepared(g, [g.sin_q])[0].crossings == ()
 
 
+def test_position_by_position__given_numbers_are_read_and_what_is_held_is_computed_there():
+    g = Graph()
+    first, last, speed = g.derived("first", lambda n: 0.0), g.derived("last", lambda n: 6.0), g.given("speed")
+    g.switches(g.cos_q, -g.sin_q)
+    curve = g.held(g.apply(step_of, g.cos_q)) * (speed * speed)
+    assert curve.stage == Stage.POSITION
+    functions = functions_at(g, "test", first, last, [curve], [], [g.number("a")])
+    numbers = np.zeros((len(functions.rows), LANES))
+    numbers[functions.rows[speed]] = np.arange(LANES)
+    q = np.linspace(0.0, 6.0, LANES)[None]
+    tile = np.zeros((1, 1, LANES))
+    load_kernel(functions.text).curves_at(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
+    assert functions.crossings == ((0, functions.rows[g.zero]),)
+    assert functions.held_rows == ()
+
+
+def test_crossing__has_the_lowest_kink_that_was_named():
+    g = Graph()
+    for kink in (2, 1, 2):
+        g.switches(g.cos_q, -g.sin_q, 0.5, kink)
+    assert [(crossing.level.value, crossing.kink) for crossing in g.crossings] == [(0.5, 1)]
+
+
 @settings(max_examples=10, deadline=None)
 @given(st.lists(st.sampled_from("+-*/"), min_size=1, max_size=12), st.randoms(use_true_random=False))
 def test_any_expression__is_printed_as_it_is_meant(symbols, random):
@@ -210,7 +234,7 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
         a, b = random.choice(nodes), random.choice(nodes)
         divisor = g.function("sqrt", b * b + 1.0)
         nodes.append(g.operation(symbol, a, divisor if symbol == "/" else b))
-    asked = nodes[-3:]
+    asked = list(dict.fromkeys(nodes[-3:]))
     functions, numbers = prepared(g, asked)
     scope: dict = {}
     # The text alone, uncompiled: what is printed must mean the same to Python.

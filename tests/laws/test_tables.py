@@ -10,9 +10,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from engine.laws.tables import (
+    Table,
     TableError,
+    first_piece,
     in_memory,
     make_table,
+    next_piece,
+    periods_before,
     segment_slope,
     segment_value,
     table_segment,
@@ -254,6 +258,30 @@ def test_segment__has_the_value_of_the_table(row, seed, interpolation, periodic)
     found = [segment_value(*table_segment(memory, offset, float(v)), float(v)) for v in u]
     # The distance in the piece is found from x and the piece's break some periods on: a rounding of each.
     assert_allclose(found, values(table, u), rtol=0, atol=rounding(table, np.abs(u).max()))
+
+
+def looked_through(table: Table, memory: np.ndarray, offset: float, x: float) -> tuple[float, ...]:
+    """The piece in which x lies, by looking at one piece after another."""
+    pieces = float(table.coefficients.shape[0])
+    away = periods_before(table.start, table.period, x) if table.period else 0.0
+    found = first_piece(memory, offset, pieces, x - away)
+    for piece in range(1, table.coefficients.shape[0]):
+        found = next_piece(memory, offset, pieces, float(piece), x - away, *found)
+    return found[0] + away, *found[1:]
+
+
+@settings(deadline=None, max_examples=40)
+@given(rows(least=3), st.integers(0, 2**32 - 1), st.sampled_from(["linear", "pchip", "spline"]), st.booleans())
+def test_pieces_looked_through__are_those_that_are_searched(row, seed, interpolation, periodic):
+    x, y = row
+    period = 1.25 * (x[-1] - x[0]) if periodic else 0.0
+    table = make_table(x, y, interpolation, period)
+    memory = np.concatenate((np.zeros(3), in_memory(table)))
+    random = np.random.default_rng(seed)
+    u = np.concatenate((random.uniform(x[0] - 2 * np.ptp(x), x[-1] + 2 * np.ptp(x), 20), [] if periodic else x))
+    for v in u:
+        found = looked_through(table, memory, 3.0, float(v))
+        np.testing.assert_array_equal(found, table_segment(memory, 3.0, float(v)))
 
 
 def test_segment__is_held_beyond_its_ends():

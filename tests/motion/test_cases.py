@@ -12,7 +12,7 @@ from mpmath import mpf
 from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table, table_value
 from engine.machine.model import Model
-from engine.machine.motors import kloss_constants
+from engine.mechanism.actions.motors import kloss_constants
 from engine.motion.cases import Law, regime_text
 
 INERTIA = 0.4

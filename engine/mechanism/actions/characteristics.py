@@ -22,7 +22,7 @@ _SENSES = {"along": 1.0, "against": -1.0}
 _Action = actions.ForceAction | actions.MomentAction
 
 
-def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Along) -> Characteristic:
+def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Along, time: Node) -> Characteristic:
     """How large a force or moment is.
 
     Parameters
@@ -34,6 +34,8 @@ def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Alon
         Its path in the scene.
     along : Along
         Motion of what it acts on.
+    time : Node
+        [s].
     """
     graph, v = kinematics.graph, along.velocity
     acts = _acts(kinematics, action, along)
@@ -42,7 +44,7 @@ def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Alon
         case "constant":
             return Characteristic(graph.number(value, "load"), graph.held(acts))
         case "table":
-            return Characteristic(graph.number(f"{at}.scale", "load"), tabled(kinematics, action, acts))
+            return Characteristic(graph.number(f"{at}.scale", "load"), tabled(kinematics, action, acts, time))
         case "against_motion":
             force = graph.derived(f"{at} at speed", lambda n: n[value] * _sense(n), "load")
             return Characteristic(force, _against(along, acts))

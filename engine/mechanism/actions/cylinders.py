@@ -79,7 +79,8 @@ class _Diagram:
         def opening(which: int) -> Callable[[Mapping], np.ndarray]:
             return lambda n: compressor_opening_travels(*self._values(n, *_COMPRESSOR, "n_expansion"))[which]
 
-        shares = [self._opens_at(f"{valve} opens", opening(i)) for i, valve in enumerate(("discharge", "suction"))]
+        # The pressure is that of the line when a valve opens: it bends.
+        shares = [self._opens_at(f"{valve} opens", opening(i), 1) for i, valve in enumerate(("discharge", "suction"))]
         branch = self.graph.apply(compressor_branch, self.travel, self.stroke, self.rate, *shares)
         peak = self.graph.derived(f"{self.at}.peak", lambda n: compressor_peak(*self._values(n, *_COMPRESSOR)))
         return self._along(branch, *self._numbers("suction", "discharge"), peak, self.graph.one)
@@ -105,12 +106,12 @@ class _Diagram:
         exponents = self._numbers("n_compression", "n_expansion")
         return self.graph.apply(branch_pressure, self.graph.held(branch), *gas, *pressures_and_port, *exponents)
 
-    def _opens_at(self, key: str, share: Callable[[Mapping], float | np.ndarray]) -> Node:
+    def _opens_at(self, key: str, share: Callable[[Mapping], float | np.ndarray], kink: int = 0) -> Node:
         """A travel at which a valve or port opens, as a share of the stroke; something switches there."""
         number = self.graph.derived(f"{self.at}.{key}", share)
         opening = number * self.stroke
         level = self.head - opening if self.at_high else self.head + opening
-        self.graph.switches(self.slide.d, self.slide.v, level)
+        self.graph.switches(self.slide.d, self.slide.v, level, kink)
         return number
 
     def _numbers(self, *keys: str) -> list[Node]:

@@ -8,26 +8,39 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Node
-from engine.laws.tables import in_memory, make_table, segment_value, table_segment
+from engine.graph.nodes import Graph, Node
+from engine.laws.tables import (
+    Table,
+    first_piece,
+    in_memory,
+    make_table,
+    next_piece,
+    periods_before,
+    segment_value,
+    table_segment,
+)
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.actions import Tabled
 from engine.scene.parts import CrankInput
+
+# A table with more pieces is searched.
+MOST_LOOKED_THROUGH = 16
 
 
 class _Place(NamedTuple):
     """Where in a table the machine is: the abscissa; a curve that passes levels where it passes rows; its derivative.
 
-    `levels` are those of the rows; of a periodic table of all that lie in the cycle.
+    `levels` are those of the rows, of a periodic table of all that lie in the cycle; each with the lowest derivative
+    that changes there.
     """
 
     abscissa: Node
     curve: Node
     rate: Node
-    levels: list[Node | float]
+    levels: list[tuple[Node | float, int]]
 
 
-def tabled(kinematics: Kinematics, action: Tabled, factor: Node) -> Node:
+def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> Node:
     """Value of an action's table.
 
     Parameters
@@ -36,16 +49,32 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node) -> Node:
     action : Tabled
     factor : Node
         What the value is multiplied by; held throughout a panel like the piece of the table.
+    time : Node
+        What a table over time is read at [s].
     """
     graph = kinematics.graph
     period = _period(kinematics, action)
     table = make_table(action.abscissae, action.ordinates, action.interpolation, period, action.outside)
-    place = _place(kinematics, action, period)
-    for level in place.levels:
-        graph.switches(place.curve, place.rate, level)
-    begin, *cubic = graph.apply(table_segment, graph.memory, graph.store(in_memory(table)), place.abscissa)
+    place = _place(kinematics, action, period, time)
+    for level, kink in place.levels:
+        graph.switches(place.curve, place.rate, level, kink)
+    begin, *cubic = _piece(graph, table, place.abscissa)
     held = [graph.held(begin), *(graph.held(c * factor) for c in cubic)]
     return graph.apply(segment_value, *held, place.abscissa)
+
+
+def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
+    """Where the piece of a table begins that x lies in, and its cubic."""
+    offset, pieces = graph.store(in_memory(table)), table.coefficients.shape[0]
+    if pieces > MOST_LOOKED_THROUGH:
+        return graph.apply(table_segment, graph.memory, offset, x)
+    away = graph.apply(periods_before, table.start, table.period, x) if table.period else graph.zero
+    u = x - away
+    found = graph.apply(first_piece, graph.memory, offset, float(pieces), u)
+    for piece in range(1, pieces):
+        found = graph.apply(next_piece, graph.memory, offset, float(pieces), float(piece), u, *found)
+    left, *cubic = found
+    return left + away, *cubic
 
 
 def _period(kinematics: Kinematics, action: Tabled) -> float:
@@ -55,35 +84,51 @@ def _period(kinematics: Kinematics, action: Tabled) -> float:
     return 2.0 * math.pi * drive.revolutions if full and action.over_angle is not None else 0.0
 
 
-def _place(kinematics: Kinematics, action: Tabled, period: float) -> _Place:
-    graph, rows = kinematics.graph, [float(x) for x in np.unique(action.abscissae)]
+def kinks_of(action: Tabled, periodic: bool = False) -> dict[float, int]:
+    """Rows of a table in order, each with the lowest derivative of the value that changes there."""
+    x, y = np.array(action.abscissae), np.array(action.ordinates)
+    smooth = 1 if action.interpolation == "linear" else 2
+    kinks = dict.fromkeys((float(row) for row in x), smooth)
+    if not periodic:
+        kinks[float(x[0])] = kinks[float(x[-1])] = 1
+    jumps = [float(row) for row in x[1:][np.diff(x) == 0.0]]
+    if not periodic and action.outside == "zero":
+        jumps += [float(x[i]) for i in (0, -1) if y[i] != 0.0]
+    return kinks | dict.fromkeys(jumps, 0)
+
+
+def _place(kinematics: Kinematics, action: Tabled, period: float, time: Node) -> _Place:
+    graph, rows = kinematics.graph, list(kinks_of(action, period > 0.0).items())
     if action.over_angle is not None:
         return _Place(graph.q, graph.q, graph.one, _within_cycle(rows, period))
     if action.over_time is not None:
-        clock = time_of(kinematics)
-        return _Place(clock, clock, time_per_input(kinematics), rows)
+        return _Place(time, time, time_per_input(kinematics), rows)
     slide = kinematics.slides[action.slider]
     d = slide.d
     if action.measured_from == "guide":
         return _Place(d, d, slide.v, rows)
     # The slider never gets beyond the end that its distance is measured from.
-    inside = [x for x in rows if x > 0.0]
+    inside = [(x, kink) for x, kink in rows if x > 0.0]
     if action.measured_from == "low end":
         low = graph.found(d, slide.v, "low")
-        return _Place(d - low, d, slide.v, [low + x for x in inside])
+        return _Place(d - low, d, slide.v, [(low + x, kink) for x, kink in inside])
     high = graph.found(d, slide.v, "high")
-    return _Place(high - d, d, slide.v, [high - x for x in inside])
+    return _Place(high - d, d, slide.v, [(high - x, kink) for x, kink in inside])
 
 
-def _within_cycle(rows: list[float], period: float) -> list[float]:
-    """Rows of a periodic table as angles of the cycle, its ends left out; of any other table its rows."""
+def _within_cycle(rows: list[tuple[float, int]], period: float) -> list[tuple[float, int]]:
+    """Rows of a periodic table as angles of the cycle from 0 on; of any other table its rows."""
     if period == 0.0:
         return rows
-    return sorted({x % period for x in rows} - {0.0, period})
+    kinks: dict[float, int] = {}
+    for x, kink in rows:
+        place = x % period
+        kinks[place] = min(kink, kinks.get(place, kink))
+    return sorted(kinks.items())
 
 
-def time_of(kinematics: Kinematics) -> Node:
-    """Time since the begin of the cycle [s], in the direction in which the input moves."""
+def uniform_time(kinematics: Kinematics) -> Node:
+    """Time since the begin of the cycle [s], in the direction in which the input moves, at uniform speed."""
     drive = kinematics.scene.input
     full = isinstance(drive, CrankInput) and drive.start is None
 

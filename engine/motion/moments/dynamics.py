@@ -8,7 +8,7 @@ import numpy as np
 from engine.compiling.jit import over_variants
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 from engine.machine.model import LinearRow, Model
-from engine.machine.motors import kloss_constants, motor_ratio, stall_moment
+from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
 from engine.motion.moments.breaks import Breaks, Landmarks, instants_of
 from engine.motion.moments.grid import Grid, make_grid, nested_grid
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
