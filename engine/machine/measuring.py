@@ -19,13 +19,13 @@ from engine.quantities.expressions import (
     Evaluation,
     Expression,
     Extreme,
-    Given,
     Integral,
     Measurement,
     Place,
     RunningExtreme,
     SteadyCycle,
     StrokeEnd,
+    VariantNumber,
     measurements,
 )
 from engine.scene.scene import Numbers
@@ -77,7 +77,7 @@ class Measuring:
         self.curves = list(dict.fromkeys([*curves, *fields]))
         self._steady = [_Steady(a, mechanics) for a in dict.fromkeys(_shared(a) for a in of[SteadyCycle])]
         numbers = [number for steady in self._steady for number in steady.numbers]
-        numbers += [a.number for a in of[Given]]
+        numbers += [a.number for a in of[VariantNumber]]
         self.functions: Functions = functions_of(
             mechanics.graph,
             f"The functions of one machine: {mechanics.scene.title or 'untitled'}.",
@@ -164,7 +164,7 @@ class Measuring:
         return Answers(self, table, self.machine.evaluate(table, self.functions.memory))
 
 
-_KINDS = (Integral, Extreme, Place, AtFirst, RunningExtreme, SteadyCycle, StrokeEnd, Given)
+_KINDS = (Integral, Extreme, Place, AtFirst, RunningExtreme, SteadyCycle, StrokeEnd, VariantNumber)
 
 
 def _shared(steady: SteadyCycle) -> SteadyCycle:
@@ -240,7 +240,7 @@ class Answers:
     def _measured(self, asked: Measurement) -> Measured:
         m, outcome = self._m, self.outcome
         match asked:
-            case Given(number):
+            case VariantNumber(number):
                 return self.number(number)
             case Integral(curve):
                 return outcome.integrals[m._integrals.index(curve)]

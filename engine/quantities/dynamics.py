@@ -7,7 +7,7 @@ flywheels.
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Given, SteadyCycle
+from engine.quantities.expressions import Expression, SteadyCycle, VariantNumber
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 
 _USEFUL = frozenset({"useful"})
@@ -41,7 +41,7 @@ def declare(mechanics: Mechanics) -> Declared:
         "first_kind_inertia",
         "constant part of the reduced moment of inertia",
         u.inertia,
-        lambda: Given(m.reduced.first_kind),
+        lambda: VariantNumber(m.reduced.first_kind),
         symbol="I_0",
     )
     if m.loads.motors:
@@ -50,7 +50,7 @@ def declare(mechanics: Mechanics) -> Declared:
             "motor_moment",
             "moment of the motors at the input's speed, reduced to the input",
             "N m",
-            lambda: Given(number),
+            lambda: VariantNumber(number),
         )
     if m.has_cycle:
         yield from _drive(m)
@@ -76,7 +76,7 @@ def _drive(m: Mechanics) -> Declared:
         "required_power",
         "mean power of the required driving moment",
         "W",
-        lambda: resisting() * Given(m.speed),
+        lambda: resisting() * VariantNumber(m.speed),
         symbol="P",
     )
 

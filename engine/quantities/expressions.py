@@ -71,7 +71,7 @@ class Exactly(Measurement):
 
 
 @dataclass(frozen=True)
-class Given(Measurement):
+class VariantNumber(Measurement):
     """A number of the variant, known before its cycle."""
 
     number: Node
@@ -164,7 +164,7 @@ def _expression(value: Expression | float) -> Expression:
 
 def length_of_range(first: Node, last: Node) -> Expression:
     """Length of the input's range."""
-    return Given(last - first)
+    return VariantNumber(last - first)
 
 
 def least(curve: Node) -> Expression:

@@ -3,7 +3,7 @@
 from engine.laws.replacement_masses import inertia_error
 from engine.mechanism.inertia import moment_centre
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Given, Integral, hypot
+from engine.quantities.expressions import Expression, Integral, VariantNumber, hypot
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.inertia import body_inertia
 from engine.scene.masses import CENTRE, count_points, point_name, replacement
@@ -57,7 +57,7 @@ def _replacement(m: Mechanics, name: str) -> Declared:
             ("y", f"y coordinate on the link of {whose}", "m", part.across),
         ):
             number = graph.derived(f"replacement {key} {i + 1} of {name}", compute, "load")
-            yield Summary(f"{name}.replacement_{key}_{i + 1}", words, unit, lambda number=number: Given(number))
+            yield Summary(f"{name}.replacement_{key}_{i + 1}", words, unit, lambda number=number: VariantNumber(number))
     if count:
         error = graph.derived(
             f"replacement error of {name}",
@@ -65,7 +65,7 @@ def _replacement(m: Mechanics, name: str) -> Declared:
             "load",
         )
         words = f"moment of inertia of the point masses that stand for body {name}, less its own"
-        yield Summary(f"{name}.replacement_error", words, "kg m2", lambda: Given(error))
+        yield Summary(f"{name}.replacement_error", words, "kg m2", lambda: VariantNumber(error))
 
 
 def _shaking(m: Mechanics) -> Declared:
@@ -94,7 +94,7 @@ def order_of_force(m: Mechanics, n: int) -> Expression:
     cosine, sine = _multiple_angle(m, n)
     x, y = m.shaking.force
     xc, xs, yc, ys = (Integral(part * turn) for part in (x, y) for turn in (cosine, sine))
-    length = Given(m.last - m.first)
+    length = VariantNumber(m.last - m.first)
     forward = hypot(xc + ys, yc - xs)
     backward = hypot(xc - ys, yc + xs)
     return (forward + backward) / length

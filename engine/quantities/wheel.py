@@ -8,7 +8,7 @@ from engine.cycle.measured import Measured
 from engine.flywheels.wheel import Wheel, make_wheel
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.dynamics import steady_cycle
-from engine.quantities.expressions import Expression, Formula, Given
+from engine.quantities.expressions import Expression, Formula, VariantNumber
 from engine.quantities.register import Declared, Summary
 from engine.scene.scene import scene_numbers
 
@@ -37,7 +37,7 @@ def declare(mechanics: Mechanics) -> Declared:
 def _size(m: Mechanics, key: str) -> Expression:
     """A size of the wheel that gives the inertia asked for at the greatest speed."""
     paths = [path for path in scene_numbers(m.scene) if path.startswith("flywheel.wheel.")]
-    given = [Given(m.graph.number(path, "load")) for path in paths]
+    given = [VariantNumber(m.graph.number(path, "load")) for path in paths]
     operands = (steady_cycle(m, "flywheel_used"), steady_cycle(m, "speed_max"), *given)
     return Formula(_made(m.scene.flywheel.wheel, paths, key), operands)
 

@@ -234,7 +234,7 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
         a, b = random.choice(nodes), random.choice(nodes)
         divisor = g.function("sqrt", b * b + 1.0)
         nodes.append(g.operation(symbol, a, divisor if symbol == "/" else b))
-    asked = nodes[-3:]
+    asked = list(dict.fromkeys(nodes[-3:]))
     functions, numbers = prepared(g, asked)
     scope: dict = {}
     # The text alone, uncompiled: what is printed must mean the same to Python.
