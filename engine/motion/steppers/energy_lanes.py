@@ -110,7 +110,7 @@ def pack(tables: Tables, first: int, width: int, places: Memory) -> None:
 
 
 @routine
-def set_off(energy: np.ndarray, limits: Limits, first: int, width: int, places: Memory, state: Memory) -> None:
+def begin_block(energy: np.ndarray, limits: Limits, first: int, width: int, places: Memory, state: Memory) -> None:
     """Set a block to its first node; lanes from `width` on are left over and don't move."""
     last = energy.shape[0] - 1
     for row in range(STATE):
@@ -403,7 +403,7 @@ def settle(first: int, width: int, done: int, channels: int, state: Memory, work
                 course.works[channel + 1, v] = works[channel, lane]
 
 
-class Room(NamedTuple):
+class BlockMemory(NamedTuple):
     """Memory for a block, each (…, LANES).
 
     Attributes
@@ -425,9 +425,9 @@ class Room(NamedTuple):
     works: np.ndarray
 
 
-def new_room(form: Form, steps: int) -> Room:
+def new_block_memory(form: Form, steps: int) -> BlockMemory:
     """Memory for tables of so many steps."""
-    return Room(
+    return BlockMemory(
         rows(KLOSS + PER_MOTOR * form.motors),
         rows(form.laws),
         rows(steps),
@@ -453,7 +453,7 @@ def carry(
     limits: Limits,
     record: np.ndarray,
     course: Course,
-    room: Room,
+    block: BlockMemory,
 ) -> None:
     """Carry the blocks begin … end − 1 of variants to the end of their stretch; see `advance`.
 
@@ -462,13 +462,13 @@ def carry(
     """
     cycle, variants = tables.steps.shape[0], energy.shape[0]
     drive, exponents, steps, places = (
-        in_lanes(room.drive),
-        in_lanes(room.exponents),
-        in_lanes(room.steps),
-        in_lanes(room.places),
+        in_lanes(block.drive),
+        in_lanes(block.exponents),
+        in_lanes(block.steps),
+        in_lanes(block.places),
     )
-    state, stages = in_lanes(room.state), in_lanes(room.stages)
-    moment, works = lane_of(room.moment), in_lanes(room.works)
+    state, stages = in_lanes(block.state), in_lanes(block.stages)
+    moment, works = lane_of(block.moment), in_lanes(block.works)
     weights, nodes = (IMPLICIT_WEIGHTS, IMPLICIT_PLACES) if implicit else (WEIGHTS, PLACES)
     for b in range(begin, end):
         first = b * LANES
@@ -478,7 +478,7 @@ def carry(
         gather(every_exponent, first, exponents)
         gather(tables.steps, first, steps)
         pack(tables, first, form.width, places)
-        set_off(energy, limits, first, width, places, state)
+        begin_block(energy, limits, first, width, places, state)
         fill(form.channels, works, 0.0)
         # Of a type that the loop doesn't change: what is called here is then compiled once.
         moving, done = float(width), 0 * width

@@ -9,7 +9,7 @@ from engine.cycle.lanes import LANES
 from engine.motion.moments.at_speed import POLYNOMIAL
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.steppers.energy_form import NEAR_REST, STIFF, Course, Limits, Tables, new_course
-from engine.motion.steppers.energy_lanes import LOADS, Form, carry, new_room
+from engine.motion.steppers.energy_lanes import LOADS, Form, carry, new_block_memory
 
 # Where a step times the decay rate of the energy exceeds this, slowing down is the method's doing, not the machine's.
 STEEP = 1.0
@@ -74,7 +74,7 @@ def _carry(
     given = (implicit, form, tables, drive.rows, drive.exponents, dynamics.channel_of_laws, energy, limits)
 
     def arguments() -> tuple:
-        return (*given, record, course, new_room(form, steps))
+        return (*given, record, course, new_block_memory(form, steps))
 
     if not carry.overloads:
         prepare(carry, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
