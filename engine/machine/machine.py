@@ -16,6 +16,8 @@ from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
+from engine.motion.regimes import Regimes
+from engine.motion.regimes_in_order import Schedule
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -107,9 +109,11 @@ class Machine:
         own = {*self._elements.names, *OF_ACCURACY}
         measured = [n for n in self.asked_summaries if n not in own and self._is_measured(n)]
         self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
-        self._rest = [n for n in self.asked_summaries if n not in own and n not in self._summaries]
+        self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions)
+        own |= {*self._summaries, *self.regimes.asked}
+        self._rest = [n for n in self.asked_summaries if n not in own]
         self._fields: dict[str, Field] = {n: self.register.fields[n] for n in self.asked_fields if self._is_kept(n)}
-        self._rest_fields = [n for n in self.asked_fields if n not in self._fields]
+        self._rest_fields = [n for n in self.asked_fields if n not in self._fields and n not in own]
         for name, message in kept_from(self.mechanics, (*self._rest, *self._rest_fields)):
             raise AskError(f"{name}: {message}")
         if self._rest or self._rest_fields:
@@ -138,7 +142,7 @@ class Machine:
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
         own = {name: Quantity(*field[:3]) for name, field in self.register.fields.items()}
-        return own | {n: q for n, q in self._rows.available_fields.items() if n not in own}
+        return own | {n: q for n, q in self._rows.available_fields.items() if n not in own} | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
@@ -147,7 +151,9 @@ class Machine:
         own |= {name: Quantity(*summary[:3]) for name, summary in self._summaries.items()}
         others = {n: q for n, q in self._rows.available_summaries.items() if n not in own}
         elements = {q.name: q for q in element_summaries(self.scene)}
-        return own | others | elements | {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
+        return (
+            own | others | self.regimes.summaries | elements | {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
+        )
 
     # Positions of the kept fields
 
@@ -185,10 +191,10 @@ class Machine:
 
     @cached_property
     def measuring(self) -> Measuring:
-        """Functions and plan for all that is measured."""
+        """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
         tolerance = CLOSELY if self.accuracy is None else min(1e-2 * self.accuracy, 1e-4)
-        return Measuring(self.mechanics, expressions, self._kept.nodes, tolerance)
+        return Measuring(self.mechanics, expressions, self._kept.nodes, tolerance, self.regimes.nodes)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -208,7 +214,7 @@ class Machine:
     @property
     def computed(self) -> dict[str, list[str]]:
         """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
-        return computed_levels(self.mechanics, self.measuring.curves)
+        return computed_levels(self.mechanics, [*self.measuring.curves, *self.regimes.nodes])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
@@ -234,9 +240,9 @@ class Machine:
             )
 
     @property
-    def schedule(self) -> object | None:
+    def schedule(self) -> Schedule | None:
         """The regimes, where anything of them is asked."""
-        return self._rows.machine.schedule if self._rest or self._rest_fields else None
+        return self.regimes.schedule
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for the asked fields of a number of variants; worth reusing from block to block."""
@@ -298,7 +304,21 @@ class Machine:
         for name in self._summaries:
             outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        if self.schedule is not None:
+            self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
+
+    def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+        """Compute the regimes of those of the variants `keep` that are well so far."""
+        ready = np.flatnonzero(outcome.status[keep] == Verdict.OK)
+        if not ready.size:
+            return
+        moved, answers = keep[ready], self.regimes.answers(numbers.of_variants(ready), ready.size)
+        outcome.status[moved] = answers.verdict
+        for name, value in answers.values.items():
+            outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
+        for name, rows in answers.fields.items():
+            outcome.fields[name][moved] = rows
 
     def _keep(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
         """Fill the kept fields; which variants have one that isn't finite."""
@@ -439,8 +459,8 @@ class _RowsPart:
         """Refuse what doesn't exist, with the names of all that does."""
         w = self._whole
         plain = RowsMachine(w.scene, (), (), w.varied, w.positions)
-        fields = {**plain.available_fields, **w.register.fields}
-        known = {**plain.available_summaries, **w.register.summaries}
+        fields = {**plain.available_fields, **w.register.fields, **w.regimes.fields}
+        known = {**plain.available_summaries, **w.register.summaries, **w.regimes.summaries}
         check_names(w._rest_fields, fields, "field")
         statistics = [n for n in w._rest if n.rpartition(".")[2] in STATISTICS and n.rpartition(".")[0] in fields]
         check_names([n for n in w._rest if n not in statistics], known, "summary")

@@ -47,6 +47,8 @@ class Measuring:
         Kept fields, whose numbers are to be laid out too.
     accuracy : float
         What of each curve may be left beyond its series, as a share of its greatest magnitude.
+    elsewhere : sequence of Node
+        What is computed of the machine elsewhere: the groups that it depends on take part.
 
     Attributes
     ----------
@@ -60,7 +62,12 @@ class Measuring:
     """
 
     def __init__(
-        self, mechanics: Mechanics, expressions: Sequence[Expression], fields: Sequence[Node], accuracy: float
+        self,
+        mechanics: Mechanics,
+        expressions: Sequence[Expression],
+        fields: Sequence[Node],
+        accuracy: float,
+        elsewhere: Sequence[Node] = (),
     ) -> None:
         self.mechanics, self.expressions = mechanics, tuple(expressions)
         self._asked = measurements(expressions)
@@ -70,7 +77,7 @@ class Measuring:
         curves += [node for a in of[SteadyCycle] for node in (a.moment, a.inertia)]
         ends = [a for a in of[StrokeEnd] if a.coordinate.stage == Stage.POSITION]
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
-        self.groups = self._taking_part([*curves, *fields, *(a.coordinate for a in of[StrokeEnd])])
+        self.groups = self._taking_part([*curves, *fields, *elsewhere, *(a.coordinate for a in of[StrokeEnd])])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
         self.margins = self._margins([*curves, *fields])
         curves = list(dict.fromkeys([*curves, *self._sines, *self.margins.values()]))

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.graph.functions import functions_at
-from engine.graph.nodes import Given, Node, reached
+from engine.graph.nodes import Given, Node
 from engine.mechanism.inertia import shaking
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
@@ -37,8 +37,8 @@ class PairLoads:
     ----------
     names : tuple of str
         The fields.
-    groups : tuple of str
-        Structural groups that they depend on.
+    nodes : list of Node
+        The fields, in the graph of the mechanics.
     """
 
     def __init__(self, mechanics: Mechanics, asked: Iterable[str]) -> None:
@@ -54,14 +54,17 @@ class PairLoads:
             self._sizes[size] = load.action, load.coefficient
             loads.append(load._replace(coefficient=size))
         known = Reactions(kinematics, mechanics.structure, loads, motion).variables | _shaking(mechanics, motion)
-        curves = [known[name] for name in self.names]
+        self.nodes = [known[name] for name in self.names]
         functions = functions_at(
-            graph, "Loads of a machine in motion.", mechanics.first, mechanics.last, curves, numbers=self._coefficients
+            graph,
+            "Loads of a machine in motion.",
+            mechanics.first,
+            mechanics.last,
+            self.nodes,
+            numbers=self._coefficients,
         )
         self._tabulation = Tabulation(functions)
-        self._curves = {name: functions.curves[known[name]] for name in self.names}
-        behind = set(reached(curves))
-        self.groups = tuple(group for group, sine in kinematics.sines.items() if sine in behind)
+        self._rows = {name: functions.curves[known[name]] for name in self.names}
         self._moving = {speed: 0, square: 1, epsilon: 2}
 
     @property
@@ -107,7 +110,7 @@ class PairLoads:
                 # In a motion that repeats itself nothing that depends on time acts.
                 parameters[rows[node]] = 0.0
         found = tabulation(parameters, places, given)
-        fields = {name: found[row] for name, row in self._curves.items()}
+        fields = {name: found[row] for name, row in self._rows.items()}
         made = self.scene.flywheel
         # The wheel's shaft turns so many times as fast, with an inertia smaller by the square of it.
         ratio = variants.numbers["flywheel.wheel.ratio"] if made is not None and made.wheel is not None else 1.0

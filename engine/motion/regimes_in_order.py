@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.jit import on_all_threads, threads
+from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import case_of
@@ -125,6 +126,11 @@ class Schedule:
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
+
+    @property
+    def nodes(self) -> list[Node]:
+        """All that the motion and the loads asked of it are computed from at a position."""
+        return [*self.reduction.nodes, *(self.loads.nodes if self.loads else ())]
 
     def _needed(self) -> list[str]:
         """Regimes that are asked, and those that they begin from."""

@@ -90,8 +90,10 @@ class Reduction:
     loads : Loads
     keys : list of (str, int or str)
         Action and order of each row of a moment.
+    nodes : list of Node
+        I, dI/dφ and a moment for each key.
     tabulation : Tabulation
-        The curves `inertia`, `slope` and one for each key.
+        Of these.
     landmarks : Landmarks
     """
 
@@ -104,10 +106,10 @@ class Reduction:
             own = [(t.coefficient, t.basis) for t in self.loads.terms if (t.action, t.order) == key]
             moments[key] = graph.combination(own)
         self.keys = [key for key, moment in moments.items() if moment is not graph.zero]
-        curves = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
+        self.nodes = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
         watched = [load.characteristic for load in self.loads.terms]
         title = "A machine in motion."
-        functions = functions_at(graph, title, mechanics.first, mechanics.last, curves, watched)
+        functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
         self.tabulation = Tabulation(functions)
         judged = [(action, row) for row, (action, _) in enumerate(self.keys, 2)]
         turns = mechanics.scene.input.revolutions
