@@ -73,8 +73,10 @@ def _edges(
     start: np.ndarray, length: float | np.ndarray, direction: np.ndarray, cycle: float, breaks: Breaks
 ) -> np.ndarray:
     """Angles turned at the breaks, on both sides of a jump; for a variant without a break, the whole length."""
-    turned = np.mod(direction * (breaks.angles - start), cycle)
+    turned = direction * (breaks.angles - start)
     turned = np.concatenate((turned - JUMP * breaks.jumps[:, None], turned[breaks.jumps] + JUMP))
+    # Where the cycle begins with a jump, one side of it is at the very end.
+    turned = np.mod(turned, cycle)
     return np.where((turned > 0.0) & (turned < length), turned, length)
 
 
