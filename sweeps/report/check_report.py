@@ -99,7 +99,7 @@ def regimes_text(scene: Scene, positions: int) -> str:
             lines += table(_asked_rows(machine, outcome, asked[name]), "  ").splitlines()
     verdict = Verdict(outcome.status[0])
     if verdict in MOTION_VERDICTS:
-        lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene)}")
+        lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene, verdict)}")
     return "\n".join(lines)
 
 

@@ -50,17 +50,22 @@ def _end(regime: RunRegime) -> str:
 # Where a motion fails
 
 
-def failure_text(scene: Scene, seen: History | None = None) -> str:
+def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) -> str:
     """Which regime of a machine fails, where and how, and what to change.
 
     Parameters
     ----------
     scene : Scene
         Of the machine, its numbers in place.
+    verdict : Verdict
+        On the machine.
     seen : History, optional
         Its history, if it is known already.
     """
     seen = history(scene, STEPS) if seen is None else seen
+    if seen.verdict == Verdict.OK:
+        # Near a limit the number of steps decides, and a flywheel may have been sized that the scene doesn't have.
+        return f"{SENTENCES[verdict]} (over {STEPS} positions, with the flywheel of the scene, it runs)"
     name = str(seen.regime[-1])
     if seen.verdict == Verdict.NO_END:
         return f"regime {name}: {_no_end(scene, name, seen)}"
