@@ -16,6 +16,7 @@ class Verdict(IntEnum):
     RUNS_AWAY = 7
     NO_END = 8
     JAMS = 9
+    ANY_SPEED = 10
     NOT_COMPUTED = 255
 
 
@@ -43,6 +44,10 @@ SENTENCES = {
     Verdict.JAMS: (
         "friction jams: no force or moment, however great, moves an element; less friction, a smaller angle or a "
         "longer guide helps"
+    ),
+    Verdict.ANY_SPEED: (
+        "nothing decides the speed: whatever it is, the moments do no work over a cycle, and it stays; add what drives "
+        "the machine and what resists it"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

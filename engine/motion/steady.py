@@ -19,6 +19,8 @@ from engine.verdicts import Verdict
 MOST_ROUNDS = 30
 CLOSED = 1e-12
 SPEEDS = 200
+# Moments whose mean over a cycle is a smaller share of their mean magnitude are taken to do no work: it is rounding.
+NO_WORK = 1e-9
 
 
 class Steady(NamedTuple):
@@ -135,7 +137,7 @@ def balanced_speed(dynamics: Dynamics, variants: Variants, tables: Tables) -> tu
     top : ndarray (variants,)
         A speed at which the loads win.
     verdict : ndarray (variants,) of uint8
-        STALLS where the loads win at every speed, RUNS_AWAY where the drive does.
+        STALLS where the loads win at every speed, RUNS_AWAY where the drive does, ANY_SPEED where neither does at any.
     """
     means = mean_rows(tables)
     top, driven = no_load_speed(variants)
@@ -160,6 +162,9 @@ def balanced_speed(dynamics: Dynamics, variants: Variants, tables: Tables) -> tu
     exists = falls.any(axis=0)
     runs_away = ~exists & (values[-1] > 0.0)
     verdict = np.where(exists, Verdict.OK, np.where(runs_away, Verdict.RUNS_AWAY, Verdict.STALLS)).astype(np.uint8)
+    to_and_fro = mean_rows(tables._replace(loads=np.abs(tables.loads))).loads[:, 0, 0].sum(axis=0)
+    idle = (np.abs(values) <= NO_WORK * to_and_fro).all(axis=0)
+    exists, verdict[idle] = exists & ~idle, Verdict.ANY_SPEED
     return np.where(exists, 0.5 * (low + high), np.nan), top, verdict
 
 

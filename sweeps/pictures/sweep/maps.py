@@ -29,6 +29,7 @@ REASONS = {
     Verdict.RUNS_AWAY: "runs away",
     Verdict.NO_END: "doesn't come to its end",
     Verdict.JAMS: "friction jams",
+    Verdict.ANY_SPEED: "nothing decides the speed",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 
