@@ -17,6 +17,7 @@ class Verdict(IntEnum):
     NO_END = 8
     JAMS = 9
     ANY_SPEED = 10
+    LOCKS = 11
     NOT_COMPUTED = 255
 
 
@@ -48,6 +49,10 @@ SENTENCES = {
     Verdict.ANY_SPEED: (
         "nothing decides the speed: whatever it is, the moments do no work over a cycle, and it stays; add what drives "
         "the machine and what resists it"
+    ),
+    Verdict.LOCKS: (
+        "a band brake locks by itself: friction alone presses it on, and its moment has no bound; change the arms of "
+        "its lever, or less friction or wrap"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -74,6 +74,10 @@ def history(scene: Scene, steps: int = 360) -> History:
     for name in schedule.needed:
         dynamics = schedule.dynamics[frozenset(scene.regimes[name].off)]
         variants = dynamics.driven(every)
+        if dynamics.locked(variants).any():
+            parts.append((name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
+            standing = standing._replace(verdict=np.full(1, Verdict.LOCKS, np.uint8))
+            break
         if isinstance(scene.regimes[name], RunRegime):
             angle = scene.regimes[name].from_angle
             start = standing.angle[0] if angle is None else angle

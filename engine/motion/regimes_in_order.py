@@ -188,6 +188,8 @@ class Schedule:
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
+            locked = (standing.verdict == Verdict.OK) & dynamics.locked(variants)
+            standing = standing._replace(verdict=np.where(locked, np.uint8(Verdict.LOCKS), standing.verdict))
             if isinstance(self.regimes[name], RunRegime):
                 outcome, standing = self.run(name, dynamics, variants, standing, half)
                 made = outcome.state.turned / dynamics.cycle * steps

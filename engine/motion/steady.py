@@ -137,7 +137,8 @@ def balanced_speed(dynamics: Dynamics, variants: Variants, tables: Tables) -> tu
     top : ndarray (variants,)
         A speed at which the loads win.
     verdict : ndarray (variants,) of uint8
-        STALLS where the loads win at every speed, RUNS_AWAY where the drive does, ANY_SPEED where neither does at any.
+        STALLS where the loads win at every speed, RUNS_AWAY where the drive does, ANY_SPEED where neither does at any,
+        NOT_FINITE where the moments aren't finite.
     """
     means = mean_rows(tables)
     top, driven = no_load_speed(variants)
@@ -165,6 +166,7 @@ def balanced_speed(dynamics: Dynamics, variants: Variants, tables: Tables) -> tu
     to_and_fro = mean_rows(tables._replace(loads=np.abs(tables.loads))).loads[:, 0, 0].sum(axis=0)
     idle = (np.abs(values) <= NO_WORK * to_and_fro).all(axis=0)
     exists, verdict[idle] = exists & ~idle, Verdict.ANY_SPEED
+    verdict[~np.isfinite(values).any(axis=0)] = Verdict.NOT_FINITE
     return np.where(exists, 0.5 * (low + high), np.nan), top, verdict
 
 

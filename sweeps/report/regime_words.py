@@ -9,7 +9,7 @@ from engine import SENTENCES, History, RunRegime, Scene, Verdict, history
 from sweeps.text.engineer_units import quantity_text
 
 # Verdicts that only a motion gets.
-MOTION_VERDICTS = (Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED)
+MOTION_VERDICTS = (Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED, Verdict.LOCKS)
 # Positions in a cycle of a history that is made to see where a motion fails.
 STEPS = 240
 # A run given up after so many cycles at least was going; the history of a longer one may be cut.
@@ -71,6 +71,10 @@ def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) ->
         return f"regime {name}: {_no_end(scene, name, seen)}"
     if seen.verdict == Verdict.STALLS and isinstance(scene.regimes[name], RunRegime):
         return f"regime {name}: {_stands(scene, seen)}"
+    if seen.verdict == Verdict.LOCKS:
+        off = scene.regimes[name].off
+        brakes = [n for n, m in scene.moments.items() if n not in off and m.type == "band_brake"]
+        return f"regime {name}, {' or '.join(brakes)}: {SENTENCES[seen.verdict]}"
     return f"regime {name}: {SENTENCES[seen.verdict]}"
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Node, reached
+from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
@@ -15,7 +16,7 @@ from engine.motion.moments.grid import Grid, make_grid, nested_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.steppers.energy_form import Tables
-from engine.scene.actions import DCMotor
+from engine.scene.actions import Brake, DCMotor
 from engine.scene.scene import Numbers
 
 # Sorts of work that are told apart where works are asked.
@@ -168,6 +169,7 @@ class Dynamics:
         self.active = frozenset(load.action for load in loads.terms if load.action not in off)
         self.timed = any(reduction.depends_on_time(key) for _, key in acting)
         self.instants = instants_of(scene, self.active)
+        self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
         roles = {load.action: load.role for load in loads.terms}
         self.polynomial, self.laws = [], []
         for i, (action, order) in acting:
@@ -193,6 +195,13 @@ class Dynamics:
         """The variants with the motors that are at work here."""
         drive = self._drive(variants.numbers, variants.count)
         return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, kept={})
+
+    def locked(self, variants: Variants) -> np.ndarray:
+        """Which variants have a brake at work that locks by itself, (variants,) of bool."""
+        scene, found = self.reduction.mechanics.scene, np.zeros(variants.count, bool)
+        for name in self.brakes:
+            found |= np.isinf(braking_moment(scene.moments[name], f"moments.{name}", variants.numbers))
+        return found
 
     def _drive(self, numbers: Numbers, count: int) -> Drive:
         scene, line, kloss = self.reduction.mechanics.scene, np.zeros((2, count)), []

@@ -27,6 +27,12 @@ def run_to_end(runs: Progress) -> Outcome:
     runs : Progress
         At their begin; carried on in place.
     """
+    # What isn't finite ends as a verdict, not as a warning.
+    with np.errstate(all="ignore"):
+        return _run(runs)
+
+
+def _run(runs: Progress) -> Outcome:
     started = runs.energy()
     runs.note_now()
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))

@@ -30,6 +30,7 @@ REASONS = {
     Verdict.NO_END: "doesn't come to its end",
     Verdict.JAMS: "friction jams",
     Verdict.ANY_SPEED: "nothing decides the speed",
+    Verdict.LOCKS: "a brake locks by itself",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 
