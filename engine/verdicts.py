@@ -18,6 +18,7 @@ class Verdict(IntEnum):
     JAMS = 9
     ANY_SPEED = 10
     LOCKS = 11
+    NO_INERTIA = 12
     NOT_COMPUTED = 255
 
 
@@ -53,6 +54,10 @@ SENTENCES = {
     Verdict.LOCKS: (
         "a band brake locks by itself: friction alone presses it on, and its moment has no bound; change the arms of "
         "its lever, or less friction or wrap"
+    ),
+    Verdict.NO_INERTIA: (
+        "at a dead centre nothing moves that has mass: the reduced inertia is zero there, and no moment decides the "
+        "speed; give the crank, a shaft or a flywheel its inertia"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -74,9 +74,10 @@ def history(scene: Scene, steps: int = 360) -> History:
     for name in schedule.needed:
         dynamics = schedule.dynamics[frozenset(scene.regimes[name].off)]
         variants = dynamics.driven(every)
-        if dynamics.locked(variants).any():
+        hindered = schedule.hindered(name, dynamics, variants)
+        if hindered.any():
             parts.append((name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
-            standing = standing._replace(verdict=np.full(1, Verdict.LOCKS, np.uint8))
+            standing = standing._replace(verdict=hindered)
             break
         if isinstance(scene.regimes[name], RunRegime):
             angle = scene.regimes[name].from_angle
@@ -114,7 +115,8 @@ def _gathered(parts: list[tuple[str, np.ndarray, Dynamics, Variants]], verdict: 
         rows = dynamics.rows(variants, angle[:, None], time[:, None])
         moments = dynamics.moments(variants, rows, omega[:, None])
         slope = rows.inertia_phi[:, 0]
-        epsilon = (moments.total[:, 0] - 0.5 * omega**2 * slope) / rows.inertia[:, 0]
+        with np.errstate(all="ignore"):
+            epsilon = (moments.total[:, 0] - 0.5 * omega**2 * slope) / rows.inertia[:, 0]
         add("regime", np.full(time.size, name))
         add("time", time)
         add("angle", angle)

@@ -161,7 +161,9 @@ class Schedule:
     def _of_chunk(self, numbers: Numbers, count: int) -> Answers:
         variants = self.variants(numbers, count)
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
-        fine, coarse = self._go(driven), self._go(driven, half=True)
+        # What isn't finite ends as a verdict, not as a warning.
+        with np.errstate(all="ignore"):
+            fine, coarse = self._go(driven), self._go(driven, half=True)
         # A verdict that half the steps don't share is one of the method, not of the machine.
         values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
@@ -188,8 +190,8 @@ class Schedule:
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
-            locked = (standing.verdict == Verdict.OK) & dynamics.locked(variants)
-            standing = standing._replace(verdict=np.where(locked, np.uint8(Verdict.LOCKS), standing.verdict))
+            hindered = self.hindered(name, dynamics, variants)
+            standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
             if isinstance(self.regimes[name], RunRegime):
                 outcome, standing = self.run(name, dynamics, variants, standing, half)
                 made = outcome.state.turned / dynamics.cycle * steps
@@ -210,6 +212,14 @@ class Schedule:
             gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
             gone.scales[f"{name}.energy_change"] = growth * energy
         return gone._replace(verdict=standing.verdict)
+
+    def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
+        """Verdict on what keeps a regime from being computed at all: a brake that locks, an inertia of zero."""
+        verdict = np.where(dynamics.locked(variants), Verdict.LOCKS, Verdict.OK)
+        # With the flywheel that is asked for there is an inertia everywhere.
+        if f"{name}.flywheel" not in self.asked:
+            verdict = np.where(self.reduction.without_inertia(variants), Verdict.NO_INERTIA, verdict)
+        return verdict.astype(np.uint8)
 
     # Runs
 

@@ -9,7 +9,9 @@ from engine import SENTENCES, History, RunRegime, Scene, Verdict, history
 from sweeps.text.engineer_units import quantity_text
 
 # Verdicts that only a motion gets.
-MOTION_VERDICTS = (Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED, Verdict.LOCKS)
+MOTION_VERDICTS = (
+    *(Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED, Verdict.LOCKS, Verdict.NO_INERTIA),
+)
 # Positions in a cycle of a history that is made to see where a motion fails.
 STEPS = 240
 # A run given up after so many cycles at least was going; the history of a longer one may be cut.

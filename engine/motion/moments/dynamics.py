@@ -15,10 +15,15 @@ from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid, nested_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
+from engine.motion.regula_falsi import regula_falsi
 from engine.motion.steppers.energy_form import Tables
 from engine.scene.actions import Brake, DCMotor
 from engine.scene.scene import Numbers
 
+# Crank angles at which the inertia of a machine without a constant part is looked at.
+LOOKED_AT = 720
+# Share of its greatest value below which the least one is rounding: of the square of a speed that vanishes.
+NO_INERTIA = 1e-18
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 
@@ -140,6 +145,28 @@ class Reduction:
         ends, breaks = self.landmarks(numbers, direction)
         parameters = self.tabulation.parameters(numbers, direction, ends)
         return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
+
+    def without_inertia(self, variants: "Variants") -> np.ndarray:
+        """Which variants have no reduced inertia at some crank angle, (variants,) of bool."""
+        constant = self.mechanics.reduced.first_kind.compute(variants.numbers) + variants.flywheel
+        found = np.zeros(variants.count, bool)
+        bare = np.flatnonzero(np.broadcast_to(constant, (variants.count,)) <= 0.0)
+        if bare.size:
+            found[bare] = self._vanishes(variants.some(bare))
+        return found
+
+    def _vanishes(self, variants: "Variants") -> np.ndarray:
+        """Whether the least inertia over the cycle is zero but for rounding."""
+        target = np.full(len(self.keys) + 2, -1)
+        target[:2] = 0, 1
+        sums = Sums(target, 2, np.zeros(target.size, bool), variants.direction)
+        step = self.cycle / LOOKED_AT
+        places = np.broadcast_to(step * np.arange(LOOKED_AT)[:, None], (LOOKED_AT, variants.count))
+        inertia, _ = self.curves(variants, places, None, sums)
+        around = step * inertia.argmin(axis=0)
+        bottom = regula_falsi(lambda q: self.curves(variants, q[None], None, sums)[1, 0], around - step, around + step)
+        least = np.fmin(self.curves(variants, bottom[None], None, sums)[0, 0], inertia.min(axis=0))
+        return least <= NO_INERTIA * inertia.max(axis=0)
 
     def curves(self, variants: "Variants", places: np.ndarray, clock: np.ndarray | None, sums: Sums) -> np.ndarray:
         """Sums of the rows at given crank angles and times, (sums, places, variants)."""

@@ -147,7 +147,8 @@ class Tabulation:
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
         every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, *q.shape)
         asked = rows, sums.target, sums.turned, sums.direction
-        given = self._function(function), parameters, self.functions.memory, np.ascontiguousarray(q), every, given_rows
+        machine = self._function(function), parameters, self.functions.memory
+        given = *machine, np.require(q, requirements="CW"), every, given_rows
         count = len(parameters) + rows + sums.count + _ALSO
 
         def arguments() -> tuple:

@@ -31,6 +31,7 @@ REASONS = {
     Verdict.JAMS: "friction jams",
     Verdict.ANY_SPEED: "nothing decides the speed",
     Verdict.LOCKS: "a brake locks by itself",
+    Verdict.NO_INERTIA: "no inertia at a dead centre",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 

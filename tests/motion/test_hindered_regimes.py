@@ -1,4 +1,4 @@
-"""Brakes that lock by themselves, in regimes."""
+"""What keeps a regime from being computed at all: brakes that lock by themselves, and inertia that vanishes."""
 
 import math
 
@@ -41,3 +41,28 @@ def test_band_brake__locks_by_itself_from_the_arm_at_which_its_moment_has_no_bou
 def test_locking_brake__is_told_by_name():
     scene = Scene.model_validate(braked(run("brake dc", from_speed=20.0, rest=True), 1.5 * LOCKING))
     assert failure_text(scene, Verdict.LOCKS).startswith("regime stop, brake: a band brake locks by itself")
+
+
+@pytest.mark.parametrize(
+    "regime",
+    [run("dc", from_speed=20.0, cycles=3.0), run("dc", from_angle=1.0, cycles=3.0), steady("dc oil")],
+    ids=["run", "from rest", "steady"],
+)
+@pytest.mark.parametrize("offset", [0.0, 0.03])
+def test_inertia_that_vanishes_at_a_dead_centre__is_told_at_once(regime, offset):
+    scene = slider_crank({"go": regime})
+    scene["guides"]["way"]["y"] = offset
+    scene["bodies"]["eccentric"] |= {"mass": 0.0, "inertia": 0.0}
+    scene["bodies"]["rod_body"] = {"link": "rod", "mass": 0.0, "x": 0.1}
+    # The pin goes on where the ram stands still, and the rod's centre with it.
+    bodies, wheels = [0.0, 1.0, 0.0], [0.0, 0.0, 0.02]
+    found = ask(scene, "go.speed_max", varied={"bodies.rod_body.mass": bodies, "flywheel.inertia": wheels})
+    assert found.status == [Verdict.NO_INERTIA, Verdict.OK, Verdict.OK]
+
+
+def test_machine_without_any_mass__has_no_inertia():
+    scene = slider_crank({"go": run("dc", cycles=3.0)})
+    scene["bodies"]["eccentric"] |= {"mass": 0.0, "inertia": 0.0}
+    scene["bodies"]["ram_body"]["mass"] = 0.0
+    assert ask(scene, "go.time").status == [Verdict.NO_INERTIA]
+    assert failure_text(Scene.model_validate(scene), Verdict.NO_INERTIA).startswith("regime go: at a dead centre")
