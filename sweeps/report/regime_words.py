@@ -100,6 +100,14 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     last = speed[angle >= angle[-1] - turn]
     least, most = (quantity_text(float(v), "rad s-1") for v in (last.min(), last.max()))
     goes = f"it goes at {least if least == most else f'{least} … {most}'}"
+    along = math.copysign(1.0, scene.input.speed) * seen.speed[chosen]
+    if along.min() < 0.0:
+        span = " … ".join(quantity_text(float(a), "rad") for a in (seen.angle[chosen].min(), seen.angle[chosen].max()))
+        swings = (along[(along < 0.0).argmax() :] > 0.0).any()
+        doing = f"swings to and fro between φ = {span}" if swings else "turns backwards, ever faster"
+        return f"the machine {doing}: what drives it doesn't carry its loads; a stronger motor or a lower load helps"
+    if regime.rest and angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES):
+        return "it doesn't come to rest: all that slows it vanishes with the speed; brake it"
     if angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES):
         after = quantity_text(float(np.ptp(seen.time[chosen])), "s")
         return f"it neither ends nor gets going: after {after} {goes}; change its end, or what drives and loads it"

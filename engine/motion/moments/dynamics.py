@@ -202,6 +202,8 @@ class Dynamics:
         for i, (action, order) in acting:
             place = (i, self._channel(roles[action]), order)
             (self.laws if isinstance(order, str) else self.polynomial).append(place)
+        # Whether all that acts vanishes with the speed: then nothing stops the machine, nor sets it going.
+        self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
         # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
         self.target = np.full(len(reduction.keys) + 2, -1)
         self.target[:2] = 0, 1

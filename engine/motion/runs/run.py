@@ -37,6 +37,9 @@ def _run(runs: Progress) -> Outcome:
     runs.note_now()
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
     runs.feel_motors(np.arange(runs.variants.count))
+    if runs.ends.rest and runs.dynamics.fades:
+        # What vanishes with the speed stops no machine in finite time.
+        runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
     brisk = _brisk(runs, np.arange(runs.variants.count))
     time_steps = np.zeros(runs.variants.count, np.int64)
     while not runs.done.all():
