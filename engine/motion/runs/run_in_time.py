@@ -156,8 +156,8 @@ def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
 
 
 # Phase curves of a machine on which nothing depends on time never cross. So a swing that doesn't reach beyond the last
-# one lies within it, as do all after it; and a machine that has turned a cycle backwards from where it stood comes there
-# faster cycle by cycle.
+# one lies within it, as do all after it; and a machine that has turned a cycle backwards from where it stood is never
+# slower there again.
 
 
 def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
