@@ -7,7 +7,7 @@ from engine.cycle.lanes import LANES
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node
-from engine.quantities.register import Angle
+from engine.quantities.expressions import Angle
 
 
 class KeptFields:

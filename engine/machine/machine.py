@@ -18,6 +18,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
+from engine.quantities.expressions import Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -25,8 +26,6 @@ from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
-# What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
-CLOSELY = 1e-9
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
 # Equally spaced positions at which variants that fail are looked at, to say where.
@@ -120,12 +119,7 @@ class Machine:
             self._rows.check()
 
     def _is_measured(self, name: str) -> bool:
-        """Whether a summary is measured on the cycle; statistics of angles aren't yet."""
-        field, _, statistic = name.rpartition(".")
-        if statistic in STATISTICS and field in self.register.fields:
-            return isinstance(self.register.fields[field].curve(), Node)
-        if ".swing" in name and not self.mechanics.has_cycle:
-            return False
+        """Whether a summary is measured on the cycle; those of regimes aren't."""
         return self.register.summary(name) is not None
 
     def _is_kept(self, name: str) -> bool:
@@ -151,9 +145,8 @@ class Machine:
         own |= {name: Quantity(*summary[:3]) for name, summary in self._summaries.items()}
         others = {n: q for n, q in self._rows.available_summaries.items() if n not in own}
         elements = {q.name: q for q in element_summaries(self.scene)}
-        return (
-            own | others | self.regimes.summaries | elements | {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
-        )
+        of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
+        return own | others | self.regimes.summaries | elements | of_accuracy
 
     # Positions of the kept fields
 
@@ -182,8 +175,20 @@ class Machine:
     # What is computed
 
     @cached_property
+    def _curves(self) -> dict[str, Node | Followed]:
+        """What the kept fields are."""
+        return {name: field.curve() for name, field in self._fields.items()}
+
+    @cached_property
+    def _followed(self) -> dict[str, Work | Speed]:
+        """Kept fields that are taken off the cycle as it was measured."""
+        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Work | Speed)}
+
+    @cached_property
     def _kept(self) -> KeptFields:
-        return KeptFields([field.curve() for field in self._fields.values()], self.dtype, self._title)
+        """Kept fields that are computed position by position."""
+        curves = [curve for name, curve in self._curves.items() if name not in self._followed]
+        return KeptFields(curves, self.dtype, self._title)
 
     @property
     def _title(self) -> str:
@@ -193,8 +198,8 @@ class Machine:
     def measuring(self) -> Measuring:
         """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
-        tolerance = CLOSELY if self.accuracy is None else min(1e-2 * self.accuracy, 1e-4)
-        return Measuring(self.mechanics, expressions, self._kept.nodes, tolerance, self.regimes.nodes)
+        kept, grid = (self._kept.nodes, self._followed.values()), (self.positions, self.nodes.size)
+        return Measuring(self.mechanics, expressions, *kept, grid, self.accuracy, self.regimes.nodes)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -324,11 +329,17 @@ class Machine:
         """Fill the kept fields; which variants have one that isn't finite."""
         functions = self.measuring.functions
         fill_cycle_numbers(functions, table, answers.outcome.landmarks, self.measuring.machine.levels)
-        room = np.empty((len(self._fields), keep.size, self.nodes.size), self.dtype)
-        self._kept.fill(functions, table, self._positions_of(table), room)
-        for name, values in zip(self._fields, room, strict=True):
+        names = [name for name in self._fields if name not in self._followed]
+        room = np.empty((len(names), keep.size, self.nodes.size), self.dtype)
+        if names:
+            self._kept.fill(functions, table, self._positions_of(table), room)
+        for name, values in zip(names, room, strict=True):
             outcome.fields[name][keep] = values
-        return ~np.isfinite(room).all(axis=(0, 2))
+        undefined = ~np.isfinite(room).all(axis=(0, 2))
+        for name, curve in self._followed.items():
+            outcome.fields[name][keep] = values = answers.spaced(curve)
+            undefined |= ~np.isfinite(values).all(axis=1)
+        return undefined
 
     def _positions_of(self, table: np.ndarray) -> np.ndarray:
         """Input positions of the fields, (positions,), or (positions, variants) where the range varies."""
