@@ -7,7 +7,6 @@ from engine.cycle.lanes import LANES
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node
-from engine.quantities.expressions import Angle
 
 
 class KeptFields:
@@ -15,17 +14,14 @@ class KeptFields:
 
     Parameters
     ----------
-    curves : list of Node or Angle
+    nodes : list of Node
     dtype : float64 or float32
     title : str
         Of the machine.
     """
 
-    def __init__(self, curves: list[Node | Angle], dtype: np.dtype, title: str) -> None:
-        self.curves, self.dtype, self.title = curves, np.dtype(dtype), title
-        self.nodes: list[Node] = []
-        for curve in curves:
-            self.nodes += list(curve.direction) if isinstance(curve, Angle) else [curve]
+    def __init__(self, nodes: list[Node], dtype: np.dtype, title: str) -> None:
+        self.nodes, self.dtype, self.title = nodes, np.dtype(dtype), title
 
     def text(self, functions: Functions) -> str:
         """Source of the function that fills them."""
@@ -43,26 +39,12 @@ class KeptFields:
             Input positions, the same for all variants or each variant's own.
         fields : ndarray (fields, variants, positions)
         """
-        direct = len(self.nodes) == len(self.curves)
-        room = fields if direct else np.empty((len(self.nodes), *fields.shape[1:]), self.dtype)
         numbers = table.astype(self.dtype)
         if q.ndim == 1:
-            self._run(functions, numbers, q, room)
-        else:
-            for v in range(table.shape[1]):
-                self._run(functions, numbers[:, v : v + 1], q[:, v], room[:, v : v + 1])
-        if direct:
+            self._run(functions, numbers, q, fields)
             return
-        k = 0
-        for field, curve in zip(fields, self.curves, strict=True):
-            if isinstance(curve, Angle):
-                # In double precision: single precision would show the unwrapping's own rounding.
-                angle = np.arctan2(room[k + 1].astype(float), room[k].astype(float))
-                field[:] = np.unwrap(angle, axis=-1)
-                k += 2
-            else:
-                field[:] = room[k]
-                k += 1
+        for v in range(table.shape[1]):
+            self._run(functions, numbers[:, v : v + 1], q[:, v], fields[:, v : v + 1])
 
     def _run(self, functions: Functions, numbers: np.ndarray, q: np.ndarray, room: np.ndarray) -> None:
         places = (f.astype(self.dtype) for f in (q, np.cos(q), np.sin(q)))

@@ -16,7 +16,7 @@ from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
-from engine.quantities.expressions import Followed, Speed, Work
+from engine.quantities.expressions import Followed
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -175,9 +175,9 @@ class Machine:
         return {name: field.curve() for name, field in self._fields.items()}
 
     @cached_property
-    def _followed(self) -> dict[str, Work | Speed]:
+    def _followed(self) -> dict[str, Followed]:
         """Kept fields that are taken off the cycle as it was measured."""
-        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Work | Speed)}
+        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Followed)}
 
     @cached_property
     def _kept(self) -> KeptFields:
