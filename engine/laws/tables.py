@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from engine.compiling.jit import scalar
+from engine.laws.elementary import chosen
 
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")
@@ -235,14 +236,15 @@ def next_piece(
     """
     begin, count, i = int(offset) + 3, int(pieces), int(piece)
     here, at = memory[begin + i], begin + count + 1 + 4 * i
-    # Read whether wanted or not, so that there is nothing to branch for.
     d3, d2, d1, d0 = memory[at], memory[at + 1], memory[at + 2], memory[at + 3]
     reached = here <= x
-    left = here if reached else left
-    c3 = d3 if reached else c3
-    c2 = d2 if reached else c2
-    c1 = d1 if reached else c1
-    return left, c3, c2, c1, d0 if reached else c0
+    return (
+        chosen(reached, here, left),
+        chosen(reached, d3, c3),
+        chosen(reached, d2, c2),
+        chosen(reached, d1, c1),
+        chosen(reached, d0, c0),
+    )
 
 
 @scalar
