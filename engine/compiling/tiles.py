@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+import numba
+import numpy as np
 from numba import types
 from numba.core.typing import Signature
 
@@ -17,17 +19,19 @@ _ROWS = types.float64[:, ::1]
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
 
 
-class TileFunction(types.WrapperAddressProtocol):
-    """A compiled function of this signature as a value: handed over as it is, it would be looked up at every call.
+class TypedFunction(types.WrapperAddressProtocol):
+    """A compiled function of one signature as a value: handed over as it is, it would be looked up at every call.
 
     Parameters
     ----------
     function : callable
+        Compiled for this signature.
+    of : Signature
     """
 
-    def __init__(self, function: Callable) -> None:
-        self._function = function
-        compiled = function.overloads[TILE_SIGNATURE.args]
+    def __init__(self, function: Callable, of: Signature) -> None:
+        self._function, self._signature = function, of
+        compiled = function.overloads[of.args]
         self._address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
 
     def __wrapper_address__(self) -> int:
@@ -36,7 +40,35 @@ class TileFunction(types.WrapperAddressProtocol):
 
     def signature(self) -> Signature:
         """The signature."""
-        return TILE_SIGNATURE
+        return self._signature
+
+
+class TileFunction(TypedFunction):
+    """A function that fills tiles as a value.
+
+    Parameters
+    ----------
+    function : callable
+        Compiled for `TILE_SIGNATURE`.
+    """
+
+    def __init__(self, function: Callable) -> None:
+        super().__init__(function, TILE_SIGNATURE)
+
+
+def field_signature(dtype: np.dtype) -> Signature:
+    """Signature of functions that fill rows over the positions of one variant.
+
+    Their arguments are (p, T, q, cos_q, sin_q, v, rows): the variant's numbers, all tables, positions with cosines and
+    sines, the variant's place, and rows (curves, variants, positions); all of one type but the tables.
+
+    Parameters
+    ----------
+    dtype : float64 or float32
+    """
+    number = numba.from_dtype(np.dtype(dtype))
+    line = number[::1]
+    return types.void(line, types.float64[::1], line, line, line, types.intp, number[:, :, ::1])
 
 
 # Sums run within a lane, so their order is nobody's to change.

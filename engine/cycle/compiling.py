@@ -74,7 +74,8 @@ def prepare(compiled: Callable, signature: Sequence[types.Type]) -> None:
     Types are stated because a function is otherwise a type of its own: the driver would be compiled for every machine.
     """
     with COMPILING:
-        if not compiled.signatures:
+        if tuple(signature) not in compiled.overloads:
+            compiled.disable_compile(False)
             compiled.compile(types.void(*signature))
             compiled.disable_compile()
 

@@ -11,14 +11,14 @@ from engine.equal_positions.rows_machine import RowsMachine
 from engine.graph.nodes import Node, Number
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.kept_fields import KeptFields, fill_cycle_numbers
+from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
-from engine.quantities.register import Field, Summary
+from engine.quantities.register import Angle, Field, Summary
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
@@ -176,8 +176,20 @@ class Machine:
     # What is computed
 
     @cached_property
+    def _kept_curves(self) -> list[Node | Angle]:
+        return [field.curve() for field in self._fields.values()]
+
+    @cached_property
     def _kept(self) -> KeptFields:
-        return KeptFields([field.curve() for field in self._fields.values()], self.dtype, self._title)
+        return self._filling(self._kept_curves, self.dtype)
+
+    @cached_property
+    def _sines(self) -> KeptFields:
+        sines = self.mechanics.kinematics.sines
+        return self._filling([sines[group] for group in self.measuring.groups], np.dtype(float))
+
+    def _filling(self, curves: list[Node | Angle], dtype: np.dtype) -> KeptFields:
+        return KeptFields(curves, self.measuring.functions, self.measuring.machine.levels, dtype, self._title)
 
     @property
     def _title(self) -> str:
@@ -188,7 +200,7 @@ class Machine:
         """Functions and plan for all that is measured."""
         expressions = [summary.expression() for summary in self._summaries.values()]
         tolerance = CLOSELY if self.accuracy is None else min(1e-2 * self.accuracy, 1e-4)
-        return Measuring(self.mechanics, expressions, self._kept.nodes, tolerance)
+        return Measuring(self.mechanics, expressions, [field_node(c) for c in self._kept_curves], tolerance)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -198,7 +210,7 @@ class Machine:
     def source(self) -> str:
         """The printed functions, to be read."""
         text = self.measuring.functions.text
-        return f"{text}\n\n{self._kept.text(self.measuring.functions)}" if self._fields else text
+        return f"{text}\n\n{self._kept.text}" if self._fields else text
 
     @property
     def numbers_kept(self) -> int:
@@ -270,16 +282,17 @@ class Machine:
         variants = status.size
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
-        room[:] = np.nan
+        # The rest is filled in of variants alone that are well so far.
+        room[:, slice(None) if self._rest_fields else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
             numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
-            self._fill(outcome, keep, numbers or Numbers(self._limits, arrays))
+            self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
             if self._rest or self._rest_fields:
                 self._rows.fill(outcome, keep, arrays)
         return outcome
 
-    def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+    def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
@@ -292,7 +305,7 @@ class Machine:
             value[nothing] = error[nothing] = np.nan
             outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
         if self._fields:
-            undefined |= self._keep(outcome, keep, table, answers)
+            undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
         failed = keep[outcome.status[keep] != Verdict.OK]
         for name in self._summaries:
@@ -300,23 +313,32 @@ class Machine:
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
 
-    def _keep(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
-        """Fill the kept fields; which variants have one that isn't finite."""
-        functions = self.measuring.functions
-        fill_cycle_numbers(functions, table, answers.outcome.landmarks, self.measuring.machine.levels)
-        room = np.empty((len(self._fields), keep.size, self.nodes.size), self.dtype)
-        self._kept.fill(functions, table, self._positions_of(table), room)
-        for name, values in zip(self._fields, room, strict=True):
-            outcome.fields[name][keep] = values
-        return ~np.isfinite(room).all(axis=(0, 2))
+    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
+        """Fill the kept fields; of which variants all values are finite."""
+        fill_found(self.measuring.functions, table, answers.outcome.landmarks)
+        places = {name: row for row, name in enumerate(self.asked_fields)}
+        rows = [places[name] for name in self._fields]
+        own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
+        finite = self._kept.fill(table, self._positions_kept, own, keep, self._ends if self._ranges_vary else NONE)
+        if own is not room:
+            room[rows] = own
+        return finite
 
-    def _positions_of(self, table: np.ndarray) -> np.ndarray:
-        """Input positions of the fields, (positions,), or (positions, variants) where the range varies."""
-        if isinstance(self.scene.input, CrankInput) or not {"input.start", "input.stop"} & set(self.varied):
-            return self.input_values
+    @property
+    def _ranges_vary(self) -> bool:
+        """Whether each variant has a range of the input of its own."""
+        return not isinstance(self.scene.input, CrankInput) and bool({"input.start", "input.stop"} & set(self.varied))
+
+    @property
+    def _positions_kept(self) -> np.ndarray:
+        """Input positions of the fields, or shares of each variant's own range."""
+        return self.nodes if self._ranges_vary else self.input_values
+
+    @property
+    def _ends(self) -> tuple[int, int]:
+        """Rows of the numbers with the ends of the input's range."""
         rows = self.measuring.functions.rows
-        first, last = table[rows[self.mechanics.first]], table[rows[self.mechanics.last]]
-        return first + (last - first) * self.nodes[:, None]
+        return rows[self.mechanics.first], rows[self.mechanics.last]
 
     # Verdicts
 
@@ -350,14 +372,11 @@ class Machine:
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, lost: np.ndarray
     ) -> None:
         """Say which group can't be assembled, and where first, of variants with curves that aren't finite."""
-        functions, groups, broken = self.measuring.functions, self.measuring.groups, answers.outcome.broken_at
-        sines = KeptFields([self.mechanics.kinematics.sines[g] for g in groups], np.dtype(float), self._title)
-        first, last = (table[functions.rows[end], lost] for end in (self.mechanics.first, self.mechanics.last))
-        share = np.arange(LOOKED_AT + 1) / LOOKED_AT
-        q = first + (last - first) * share[:, None]
-        same = (q == q[:, :1]).all()
+        groups, broken = self.measuring.groups, answers.outcome.broken_at
+        share, (first, last) = np.arange(LOOKED_AT + 1) / LOOKED_AT, self._ends
         values = np.empty((len(groups), lost.size, share.size))
-        sines.fill(functions, table[:, lost], q[:, 0] if same else q, values)
+        self._sines.fill(table[:, lost], share, values, np.arange(lost.size), self._ends)
+        q = table[first, lost] + (table[last, lost] - table[first, lost]) * share[:, None]
         missing = np.isnan(values)
         for i, v in enumerate(lost):
             here = missing[:, i]
@@ -366,7 +385,7 @@ class Machine:
                 group, place = groups[here[:, at].argmax()], q[at, i]
             else:
                 at_break = np.empty((len(groups), 1, 1))
-                sines.fill(functions, table[:, v : v + 1], broken[v : v + 1], at_break)
+                self._sines.fill(table[:, v : v + 1], broken[v : v + 1], at_break, np.zeros(1, np.intp))
                 # A hair beside the place where links still reach, positions differ by rounding.
                 gone = np.isnan(at_break[:, 0, 0]) | np.array([np.isnan(least[v]) for least, _ in answers.sines()])
                 if not gone.any():
