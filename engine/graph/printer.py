@@ -32,8 +32,9 @@ from engine.graph.nodes import (
 DEEPEST = 5
 # As many rows at any distance are told apart by the compiler; more are filled at a fixed distance first.
 FEW_ROWS = 4
-# Positions that are filled at a fixed distance before they are copied.
-CHUNK = 256
+# Positions that are filled at a fixed distance before they are copied: few, so that the next ones are computed while the
+# memory takes these in.
+CHUNK = 16
 
 _FLOAT64 = np.dtype(np.float64)
 # Names of what is around the statements: loops, arguments, modules.
@@ -253,25 +254,28 @@ def over_positions(
     variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as of `in_lanes`.
     """
     body = Body(outputs, Stage.POSITION, True, dtype)
+    used = dict.fromkeys(body.positions)
     lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
-    lines += [f"    {which}_at = {which}" for which in dict.fromkeys(body.positions)]
+    lines += [f"    {which}_at = {which}" for which in used]
     lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items()]
-    inner = [*(f"{which} = {which}_at[k]" for which in dict.fromkeys(body.positions)), *body.statements]
     if len(outputs) <= FEW_ROWS:
-        lines += [f"    row{c} = rows[{c}, v]" for c in range(len(outputs))]
+        inner = [*(f"{which} = {which}_at[k]" for which in used), *body.statements]
         inner += [f"row{c}[k] = {value}" for c, value in enumerate(body.values)]
+        lines += [f"    row{c} = rows[{c}, v]" for c in range(len(outputs))]
         lines += ["    for k in range(rows.shape[2]):", *(f"        {line}" for line in inner)]
         return "\n".join(lines) + "\n", body.laws
-    inner += [f"t[{c * CHUNK} + k - first] = {value}" for c, value in enumerate(body.values)]
+    inner = [*(f"{which} = {which}_row[k]" for which in used), *body.statements]
+    inner += [f"t[{c * CHUNK} + k] = {value}" for c, value in enumerate(body.values)]
     lines += [
-        f"    n, t = rows.shape[2], np.empty({len(outputs) * CHUNK}, dtype)",
-        f"    for first in range(0, n, {CHUNK}):",
-        f"        last = min(first + {CHUNK}, n)",
-        "        for k in range(first, last):",
+        f"    t = np.empty({len(outputs) * CHUNK}, dtype)",
+        f"    for first in range(0, rows.shape[2], {CHUNK}):",
+        f"        n = min({CHUNK}, rows.shape[2] - first)",
+        *(f"        {which}_row = {which}_at[first : first + n]" for which in used),
+        "        for k in range(n):",
         *(f"            {line}" for line in inner),
         f"        for c in range({len(outputs)}):",
-        "            row = rows[c, v]",
-        "            for k in range(first, last):",
-        f"                row[k] = t[c * {CHUNK} + k - first]",
+        "            row = rows[c, v, first : first + n]",
+        "            for k in range(n):",
+        f"                row[k] = t[c * {CHUNK} + k]",
     ]
     return "\n".join(lines) + "\n", body.laws
