@@ -32,8 +32,8 @@ from engine.graph.nodes import (
 DEEPEST = 5
 # As many rows at any distance are told apart by the compiler; more are filled at a fixed distance first.
 FEW_ROWS = 4
-# Positions that are filled at a fixed distance before they are copied: few, so that the next ones are computed while the
-# memory takes these in.
+# Positions that are filled at a fixed distance before they are copied: few, so that the next ones are computed while
+# the memory takes these in.
 CHUNK = 16
 
 _FLOAT64 = np.dtype(np.float64)
