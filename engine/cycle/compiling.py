@@ -91,5 +91,5 @@ def spread(compiled: Callable, count: int, arguments: Callable) -> None:
         Returns what follows the range, for one piece.
     """
     pieces = pieces_of(count)
-    ends = [i * count // pieces for i in range(pieces + 1)]
+    ends = [i * count // pieces for i in range(pieces + 1)] if pieces else []
     on_all_threads(lambda piece: compiled(*piece, *arguments()), list(pairwise(ends)))

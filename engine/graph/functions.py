@@ -258,6 +258,14 @@ def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dt
     return f"{head}\n\n@njit(field_signature(dtype), **TILE_OPTIONS)\n{text}"
 
 
+def number_function(title: str, results: Sequence[Node], rows: dict[Node, int]) -> str:
+    """Text of a module with `numbers`, which fills a tile of one position with what numbers of the variant decide."""
+    text, laws = in_lanes("numbers", "What follows from numbers alone.", results, rows, Stage.CYCLE, 1)
+    imports = ["from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]
+    head = _HEAD.format(title=title, imports="\n".join(imports), dtype="float64")
+    return f"{head}\n\n@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}"
+
+
 def _of_kind(nodes: Iterable[Node], kind: type) -> list:
     return [node for node in reached(nodes) if isinstance(node, kind)]
 
