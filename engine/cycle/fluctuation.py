@@ -15,9 +15,10 @@ import math
 
 import numpy as np
 
-from engine.cycle.compiling import routine
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import Memory
 from engine.cycle.record import FIRST, Record
 from engine.cycle.series import larger, smaller
 

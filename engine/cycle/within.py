@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE, PLACES
-from engine.cycle.compiling import routine
 from engine.cycle.extremes import HERE, HIGH, LENGTH, LOW, SLOPE, TAKEN, Search, X, evaluate
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory, memory
+from engine.cycle.lanes import Memory, memory
 from engine.cycle.record import HALF, MIDDLE, OFFSET, SCALE, TAIL, Record, known_slot
 from engine.cycle.series import larger, smaller
 

@@ -11,10 +11,11 @@ from engine.balancing.engines.engine_columns import engine_law
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_columns import rotor_law
 from engine.balancing.rotors.rotor_element import RotorElement
-from engine.compiling.jit import load_compiled, on_all_threads
-from engine.compiling.tiles import TileFunction
-from engine.cycle.compiling import CURVES, driver, prepare, spread
-from engine.cycle.lanes import LANES
+from engine.compiling.decorators import driver
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.threads import on_all_threads
+from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.elements.element_laws import LAWS, Law, LawOfArrays, Result
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
@@ -81,7 +82,7 @@ class ElementColumns:
 
     @cached_property
     def _function(self) -> TileFunction:
-        return TileFunction(load_compiled(self.text).numbers)
+        return TileFunction(load_printed(self.text).numbers)
 
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
         """Write what is asked of the variants `keep`, and the verdict on those of them that are well so far.
@@ -172,7 +173,7 @@ def evaluate_numbers(function: TileFunction, table: np.ndarray, count: int) -> n
     ndarray (count, variants)
     """
     found = np.empty((count, table.shape[1]))
-    prepare(_fill, [types.intp, types.intp, CURVES, numba.typeof(table), numba.typeof(found)])
+    prepare(_fill, [types.intp, types.intp, FILLS_TILE, numba.typeof(table), numba.typeof(found)])
     spread(_fill, -(-table.shape[1] // LANES), lambda: (function, table, found))
     return found
 

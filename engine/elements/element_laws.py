@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.friction.belts import (
     belt_moment,
     centrifugal_tension,

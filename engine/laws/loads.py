@@ -10,7 +10,7 @@ here (the middle of what it may be).
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.elementary import power
 
 

@@ -8,10 +8,10 @@ import numba
 import numpy as np
 from numba import types
 
-from engine.compiling.jit import load_compiled
-from engine.compiling.tiles import TypedFunction, field_signature
-from engine.cycle.compiling import CURVES, driver, prepare, routine, spread
-from engine.cycle.lanes import LANES
+from engine.compiling.decorators import driver, routine
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES, TypedFunction, field_signature
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node
@@ -54,7 +54,7 @@ class KeptFields:
 
     @cached_property
     def _function(self) -> TypedFunction:
-        return TypedFunction(load_compiled(self.text).fields, field_signature(self._dtype))
+        return TypedFunction(load_printed(self.text).fields, field_signature(self._dtype))
 
     def fill(
         self, table: np.ndarray, q: np.ndarray, fields: np.ndarray, places: np.ndarray, ends: tuple[int, int] = NONE
@@ -85,7 +85,7 @@ class KeptFields:
         memory, followed = self._functions.memory, self._followed
         given = (level_rows, np.ascontiguousarray(table), memory, places, positions, ends, followed, fields, finite)
         function = types.FunctionType(field_signature(self._dtype))
-        prepare(_fill, [types.intp, types.intp, function, CURVES, *(numba.typeof(a) for a in given)])
+        prepare(_fill, [types.intp, types.intp, function, FILLS_TILE, *(numba.typeof(a) for a in given)])
         spread(_fill, -(-table.shape[1] // LANES), lambda: (self._function, self._levels, *given))
         return finite
 
