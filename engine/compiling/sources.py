@@ -67,8 +67,9 @@ def digest_of_module(module: str) -> str:
     Parameters
     ----------
     module : str
+        Of a module elsewhere the digest is that of the whole engine.
     """
-    return _digest(_reached(module))
+    return _digest(_reached(module)) if module.startswith(f"{_PACKAGE}.") else sources_digest()
 
 
 @cache

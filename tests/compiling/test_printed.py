@@ -13,9 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import types
 
 from engine.compiling import kept_code, printed, sources
+from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES, PANEL_POSITIONS
 from engine.graph.functions import field_function, functions_of
 from engine.graph.nodes import Graph
@@ -126,6 +129,25 @@ def test_broken_cache__is_recovered(kind, left, fresh_cache):
     for _ in range(2):
         printed._load.cache_clear()
         assert_right()
+
+
+def counted(begin, end, found):
+    for i in range(begin, end):
+        found[i] = i
+
+
+@pytest.mark.parametrize("kind", ["nbc", "nbi"])
+def test_broken_driver__is_recovered(kind, fresh_cache):
+    for turn in range(3):
+        found = np.zeros(9)
+        own = driver(counted)
+        prepare(own, [types.intp, types.intp, types.float64[::1]])
+        spread(own, 9, lambda found=found: (found,))
+        assert (found == np.arange(9)).all()
+        spoilt = list(fresh_cache.rglob(f"*counted*.{kind}"))
+        assert spoilt
+        for path in spoilt if turn == 0 else []:
+            path.write_bytes(b"\x07rubbish" * 9)
 
 
 def test_cache_that_cannot_be_made__is_replaced_by_a_temporary_one(tmp_path, monkeypatch):
