@@ -271,8 +271,8 @@ SHARED = {
     *("Answers", "Balance", "Balanced", "Body", "Dimension", "Ends", "Engine", "Grip", "GuideLine"),
     *("InputMotion", "Law", "Load", "Machine", "Memory", "Moments", "Moving", "Node", "Outcome", "Pair"),
     *("Place", "Reactions", "Result", "Rub", "Samples", "Shaft", "Shaking", "Slide", "Sliding", "Turning"),
-    *("declare", "direction_of", "fill", "gather", "greater", "greatest", "inertia_of", "least", "maximum"),
-    *("minimum", "misplaced", "moment_centre", "quick_return_ratio", "routine", "scalar", "settle"),
+    *("declare", "fill", "gather", "greater", "greatest", "inertia_of", "least", "maximum"),
+    *("minimum", "misplaced", "moment_centre", "quick_return_ratio", "routine", "settle"),
     *("shaking", "share_of", "spread", "sqrt", "statistics_of", "step", "take"),
 }
 

@@ -5,10 +5,11 @@ From one position to the next the vector turns by less than half a turn, within 
 
 import numpy as np
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.compiling import routine
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import Memory
 from engine.cycle.record import HALF, SCALE, TAIL, Record, keep_derived
 from engine.cycle.series import TINY, larger, smaller
 from engine.laws.elementary import angle_of

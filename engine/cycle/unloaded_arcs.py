@@ -17,10 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE, PLACES, POSITIONS
-from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import Memory
 from engine.cycle.record import HALF, SCALE, TAIL, Record, known_slot
 
 # Share of the greatest load below which a bearing counts as unloaded.
@@ -52,7 +53,7 @@ class Force(NamedTuple):
     lane: int
 
 
-@scalar
+@inlined
 def value_and_slope(series: Memory, lane: int, x: float) -> tuple[float, float]:
     """A series and its derivative at x."""
     b = b_before = d = d_before = 0.0
@@ -85,7 +86,7 @@ def place_where(force: Force, low: float, high: float, square: float) -> float:
     return 0.5 * (low + high)
 
 
-@scalar
+@inlined
 def turn_to(x: float, y: float, x_after: float, y_after: float) -> float:
     """Angle from one vector to another, from −π to π [rad]."""
     return math.atan2(x * y_after - y * x_after, x * x_after + y * y_after)

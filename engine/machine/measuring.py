@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from engine.compiling.jit import load_kernel
+from engine.compiling.printed import load_printed
 from engine.cycle import machine as cycle
 from engine.cycle.extremes import BOTH, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.cycle.measured import Measured, maximum, where
@@ -223,7 +223,7 @@ class Measuring:
     def machine(self) -> cycle.Machine:
         """The compiled functions with their plan."""
         if self._machine is None:
-            module = load_kernel(self.functions.text)
+            module = load_printed(self.functions.text)
             self._machine = cycle.Machine(self.plan, module.curves, module.events, module.levels, module.states)
         return self._machine
 

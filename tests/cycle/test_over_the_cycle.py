@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from cycle_machines import WHEEL, force_numbers, forces, press, press_numbers, smooth, smooth_numbers
 from cycle_machines import SPEED as SPEED_ROW
+from cycle_machines import WHEEL, force_numbers, forces, press, press_numbers, smooth, smooth_numbers
 
 from engine.cycle.unloaded_arcs import LEAST_LOAD
 
