@@ -357,7 +357,7 @@ class Machine:
             self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
             singular |= fails
         lost = np.flatnonzero(np.isfinite(broken) & ~singular)
-        if lost.size:
+        if lost.size and groups:
             sines = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
             at, place = first_failure(sines, table[:, lost], self._ends, np.isnan)
             for k, group in enumerate(groups):
