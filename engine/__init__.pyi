@@ -38,7 +38,8 @@ from engine.balancing.rotors.rotor_columns import unbalances_of as rotor_unbalan
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import in_two_planes as unbalance_in_two_planes
 from engine.balancing.rotors.unbalance import resultant as resultant_unbalance
-from engine.compiling.jit import set_threads, sources_digest, threads
+from engine.compiling.sources import sources_digest
+from engine.compiling.threads import set_threads, threads
 from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over

@@ -9,7 +9,7 @@ from commands import STUDY, said
 from hypothesis import settings
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
-from engine.compiling.jit import set_threads
+from engine.compiling.threads import set_threads
 
 # The same examples in every run of CI; others on every developer's machine.
 settings.register_profile("ci", derandomize=True)

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from engine.compiling.jit import keep_compiled
+from engine.compiling.kept_code import keep_compiled
 from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE
 
 

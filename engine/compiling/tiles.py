@@ -1,11 +1,13 @@
-"""What compiled functions that fill tiles have in common: their width, their signature, their options."""
+"""What compiled functions that fill tiles, or rows over positions, have in common: signature, options, width."""
 
 from collections.abc import Callable
 
+import numba
+import numpy as np
 from numba import types
 from numba.core.typing import Signature
 
-from engine.compiling.jit import FLOATING_POINT_RULES
+from engine.compiling.decorators import RULES
 
 # Variants side by side. With 64 the loops over lanes are vectorised whole.
 LANES = 64
@@ -15,19 +17,39 @@ PANEL_POSITIONS = 17
 _ROWS = types.float64[:, ::1]
 # (P, T, q, cos_q, sin_q, tile): numbers × lanes, all tables, three times positions × lanes, curves × positions × lanes.
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
+# A function of that signature as a parameter of a driver.
+FILLS_TILE = types.FunctionType(TILE_SIGNATURE)
+TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "cache": True}
 
 
-class TileFunction(types.WrapperAddressProtocol):
-    """A compiled function of this signature as a value: handed over as it is, it would be looked up at every call.
+def field_signature(dtype: np.dtype) -> Signature:
+    """Signature of functions that fill rows over the positions of one variant.
+
+    Their arguments are (p, T, q, cos_q, sin_q, v, rows): the variant's numbers, all tables, positions with cosines and
+    sines, the variant's place, and rows (curves, variants, positions); all of one type but the tables.
+
+    Parameters
+    ----------
+    dtype : float64 or float32
+    """
+    number = numba.from_dtype(np.dtype(dtype))
+    line = number[::1]
+    return types.void(line, types.float64[::1], line, line, line, types.intp, number[:, :, ::1])
+
+
+class TypedFunction(types.WrapperAddressProtocol):
+    """A compiled function of one signature as a value: handed over as it is, it would be looked up at every call.
 
     Parameters
     ----------
     function : callable
+        Compiled for this signature.
+    of : Signature
     """
 
-    def __init__(self, function: Callable) -> None:
-        self._function = function
-        compiled = function.overloads[TILE_SIGNATURE.args]
+    def __init__(self, function: Callable, of: Signature) -> None:
+        self._function, self._signature = function, of
+        compiled = function.overloads[of.args]
         self._address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
 
     def __wrapper_address__(self) -> int:
@@ -36,13 +58,17 @@ class TileFunction(types.WrapperAddressProtocol):
 
     def signature(self) -> Signature:
         """The signature."""
-        return TILE_SIGNATURE
+        return self._signature
 
 
-# Sums run within a lane, so their order is nobody's to change.
-TILE_OPTIONS = {
-    "error_model": "numpy",
-    "fastmath": set(FLOATING_POINT_RULES - {"reassoc"}),
-    "nogil": True,
-    "cache": True,
-}
+class TileFunction(TypedFunction):
+    """A function that fills tiles as a value.
+
+    Parameters
+    ----------
+    function : callable
+        Compiled for `TILE_SIGNATURE`.
+    """
+
+    def __init__(self, function: Callable) -> None:
+        super().__init__(function, TILE_SIGNATURE)

@@ -1,9 +1,10 @@
 """Mean and mean square over the cycle of curves that follow from others, such as angles, works and speeds."""
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.compiling import routine
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import Memory
 from engine.cycle.record import HALF, OFFSET, SCALE, TAIL, Record
 from engine.cycle.series import MISSING, SUM, panel_figures
 from engine.cycle.transforms import SHIFTED

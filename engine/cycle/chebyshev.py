@@ -9,8 +9,10 @@ Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
 
 import numpy as np
 
-DEGREE = 16
-POSITIONS = DEGREE + 1
+from engine.compiling.tiles import PANEL_POSITIONS
+
+POSITIONS = PANEL_POSITIONS
+DEGREE = POSITIONS - 1
 MIDDLE = DEGREE // 2
 
 

@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.decorators import driver, routine
+from engine.compiling.tiles import LANES
 from engine.cycle.angles import ANGLE_ROWS, add_angle
 from engine.cycle.averages import AVERAGES, find_averages
 from engine.cycle.chebyshev import MIDDLE, POSITIONS
-from engine.cycle.compiling import driver, routine
 from engine.cycle.directions import panel_positions
 from engine.cycle.events import (
     LANDMARKS,
@@ -38,7 +39,7 @@ from engine.cycle.extremes import (
 )
 from engine.cycle.fluctuation import FLUCTUATION, add_speed, find_fluctuation
 from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
-from engine.cycle.lanes import ASIDE, LANES, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
+from engine.cycle.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels import (
     ACCEPTED,
     EDGES,

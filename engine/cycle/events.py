@@ -8,9 +8,10 @@ import math
 
 import numpy as np
 
-from engine.cycle.compiling import routine, scalar
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.tiles import LANES
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory, any_positive, memory
+from engine.cycle.lanes import Memory, any_positive, memory
 from engine.cycle.panels import DIRECTION, PLACE, PLACE_ERROR, RANGE
 from engine.cycle.roots import (
     AT_HIGH,
@@ -191,7 +192,7 @@ def find_landmarks(
             landmarks[function, part, lane] = landmarks[function, part, lane] if known else math.nan
 
 
-@scalar
+@inlined
 def crosses(at_low: float, at_high: float, level: float, near: float) -> float:
     """2 where f touches a level within rounding at the low end of a piece, 1 where it crosses it in between, else 0.
 

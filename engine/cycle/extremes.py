@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
-from engine.cycle.compiling import routine, scalar
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory, any_positive, memory
+from engine.cycle.lanes import Memory, any_positive, memory
 from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
 from engine.cycle.record import MIDDLE as PANEL_MIDDLE
 from engine.cycle.series import TINY, larger, smaller
@@ -83,7 +84,7 @@ class Search(NamedTuple):
     rows: Memory
 
 
-@scalar
+@inlined
 def combined(values: Memory, a: int, b: int, factor: float, sign: float, j: int, lane: int) -> float:
     """Value of s (a − c b) at a position, from the slots of a and b."""
     return sign * values[a, j, lane] - (sign * factor) * values[b, j, lane]

@@ -15,11 +15,12 @@ import math
 
 import numpy as np
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.compiling import routine
 from engine.cycle.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import Memory
 from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, keep_derived
 from engine.cycle.series import larger, smaller
 

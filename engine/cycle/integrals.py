@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE
-from engine.cycle.compiling import routine
-from engine.cycle.lanes import LANES, Memory, memory
+from engine.cycle.lanes import Memory, memory
 from engine.cycle.panels import ACCEPTED, CLOSE, HALF, OPENED
 from engine.cycle.series import MAGNITUDE, MISSING, SUM
 

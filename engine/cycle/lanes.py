@@ -20,10 +20,10 @@ from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.compiling import routine
 
-LANES = 64
 _PAGE = 4096
 # Half a row, in numbers.
 ASIDE = LANES // 2

@@ -1,6 +1,6 @@
 """A machine over its cycle: four functions and what is asked of them, evaluated over variants.
 
-Each of the four has the signature `engine.cycle.compiling.CURVES_SIGNATURE`,
+Each of the four has the signature `engine.compiling.tiles.TILE_SIGNATURE`,
 
     curves(P, T, q, cos_q, sin_q, tile)
 
@@ -25,8 +25,10 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.nothing import nothing
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.cycle.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
-from engine.cycle.compiling import CURVES, curves_function, prepare, spread
 from engine.cycle.driver import Answers, Task, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,
@@ -50,17 +52,11 @@ from engine.cycle.fluctuation import (
     TOP,
     TOP_ERROR,
 )
-from engine.cycle.lanes import LANES
 from engine.cycle.measured import Measured, maximum
 
 # Steps of the walk that there is room for to begin with; blocks that need more are evaluated again.
 _STEPS = 24
 _LEAST_SIDE, _GREATEST_SIDE = range(2)
-
-
-@curves_function
-def absent(P: np.ndarray, T: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray, tile: np.ndarray) -> None:
-    """A machine's function of no curves."""
 
 
 @dataclass(frozen=True)
@@ -271,14 +267,14 @@ class Machine:
     ----------
     plan : Plan
     curves, events, levels, states : callable
-        See this module's text; compiled by `engine.cycle.compiling.curves_function`.
+        See this module's text.
     """
 
     plan: Plan
     curves: Callable
-    events: Callable = absent
-    levels: Callable = absent
-    states: Callable = absent
+    events: Callable = nothing
+    levels: Callable = nothing
+    states: Callable = nothing
     _kept: tuple[int, ...] = field(init=False)
     _task: Task = field(init=False)
 
@@ -390,7 +386,7 @@ class Machine:
             return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work)
 
         given = arguments()
-        of_functions = [types.intp, types.intp, numba.typeof(chosen), *[CURVES] * len(functions)]
+        of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]
         prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
         spread(evaluate_blocks, len(chosen), arguments)
 

@@ -11,9 +11,10 @@ import math
 
 import numpy as np
 
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE, PLACES
-from engine.cycle.compiling import routine, scalar
-from engine.cycle.lanes import LANES, Memory, any_positive, memory
+from engine.cycle.lanes import Memory, any_positive, memory
 from engine.cycle.series import FLAT, MAGNITUDE, MISSING, SUM, TAIL, TINY, larger, smaller
 
 # Rows of a walk. Along it, input positions count in the direction in which the input runs: BEGIN and END of the panel,
@@ -189,7 +190,7 @@ def learn_rounding(figures: Memory, curve: int, tolerance: float, scales: Memory
         scales[curve, ROUNDING, lane] = MARGIN * tail if learnt else known
 
 
-@scalar
+@inlined
 def sixteenth_root(x: float) -> float:
     """X to the power 1/16."""
     return math.sqrt(math.sqrt(math.sqrt(math.sqrt(x))))

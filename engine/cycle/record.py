@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.compiling import routine
-from engine.cycle.lanes import ASIDE, LANES, Memory, in_panels, memory, rows, tiles
+from engine.cycle.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
 from engine.cycle.panels import ACCEPTED, TAKEN
 from engine.cycle.panels import HALF as PANEL_HALF
 from engine.cycle.panels import MIDDLE as PANEL_MIDDLE

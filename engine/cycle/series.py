@@ -8,9 +8,10 @@ is rounding or something within the panel bends or jumps, they are taken to fall
 
 import math
 
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
-from engine.cycle.compiling import routine, scalar
-from engine.cycle.lanes import LANES, Memory, memory
+from engine.cycle.lanes import Memory, memory
 
 # Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
 # of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).
@@ -28,13 +29,13 @@ MARGIN = 3.0
 TINY = 1e-300
 
 
-@scalar
+@inlined
 def larger(a: float, b: float) -> float:
     """The larger of two numbers in one instruction; b where either is NaN."""
     return a if a > b else b
 
 
-@scalar
+@inlined
 def smaller(a: float, b: float) -> float:
     """The smaller of two numbers in one instruction; b where either is NaN."""
     return a if a < b else b

@@ -7,9 +7,10 @@ two of half the size.
 
 import numpy as np
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES
-from engine.cycle.compiling import routine
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import Memory
 
 # Tiles used meanwhile.
 FOLDED, PRODUCT, SHIFTED = range(3)

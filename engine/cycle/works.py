@@ -6,10 +6,11 @@ exactly.
 
 import numpy as np
 
+from engine.compiling.decorators import routine
+from engine.compiling.tiles import LANES
 from engine.cycle.chebyshev import DEGREE, PLACES, POSITIONS
-from engine.cycle.compiling import routine
 from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import LANES, Memory
+from engine.cycle.lanes import Memory
 from engine.cycle.record import FIRST, HALF, MISSING, OFFSET, SCALE, TAIL, Record
 from engine.cycle.transforms import SHIFTED, to_integrals
 

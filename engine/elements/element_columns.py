@@ -1,15 +1,24 @@
-"""The results of a scene's machine elements for a set of variants: a small kernel of their laws, and error figures."""
+"""The results of a scene's machine elements for a set of variants, with error figures."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import cached_property
 
+import numba
 import numpy as np
+from numba import types
 
 from engine.balancing.engines.engine_columns import engine_law
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_columns import rotor_law
 from engine.balancing.rotors.rotor_element import RotorElement
-from engine.compiling.jit import on_all_threads, run_kernel, scalar
-from engine.elements.element_laws import LAWS, Law, Result
+from engine.compiling.decorators import driver
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.threads import on_all_threads
+from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.elements.element_laws import LAWS, Law, LawOfArrays, Result
+from engine.graph.functions import number_function
+from engine.graph.nodes import Graph
 from engine.quantities.quantity import Quantity
 from engine.scene.elements import MachineElement
 from engine.scene.scene import Numbers, Scene
@@ -50,28 +59,30 @@ class ElementColumns:
         self.scene, self.names = scene, [name for name in asked if name in known]
         self.elements = tuple(dict.fromkeys(name.partition(".")[0] for name in self.names))
 
-    @property
+    @cached_property
     def text(self) -> str:
-        """Source of the kernel: for each scalar law, it, then again with each of its numbers a little greater."""
-        lines, functions, column, row = [], set(), 0, 0
-        for name in self.elements:
-            element = self.scene.elements[name]
-            law = law_of(element)
-            if callable(law.function):
-                column += len(law.results)
-                continue
-            functions.add(law.function)
-            given, found = len(law.arguments(element, lambda key: 0.0)), len(law.results)
-            numbers = ", ".join(f"numbers[{row + i}, v] * (greater if k == {i} else 1.0)" for i in range(given))
-            lines += [
-                f"# {name}",
-                f"for k in range(-1, {given}):",
-                f"    found = {law.function}({numbers})",
-                f"    keep(found, k, values[v, {column}:{column + found}], errors[v, {column}:{column + found}])",
-            ]
-            column, row = column + found, row + given
-        head = [*_HEAD, f"from engine.elements.element_laws import {', '.join(sorted(functions))}", *_LOOP]
-        return "\n".join([*head, *(f"        {line}" for line in lines), ""]) if functions else ""
+        """Source of the function that computes what scalar laws give; nothing where there are none."""
+        graph, results, rows = Graph(), [], {}
+        for name, law in self._scalar_laws.items():
+            given = [graph.derived(f"{name} {i}", lambda numbers: 0.0) for i in range(self._given[name])]
+            rows |= {node: len(rows) + i for i, node in enumerate(given)}
+            results += graph.apply(law.function, *given)
+        return number_function("Machine elements.", results, rows) if results else ""
+
+    @cached_property
+    def _scalar_laws(self) -> dict[str, Law]:
+        laws = {name: law_of(self.scene.elements[name]) for name in self.elements}
+        return {name: law for name, law in laws.items() if isinstance(law, Law)}
+
+    @cached_property
+    def _given(self) -> dict[str, int]:
+        """How many numbers each scalar law is given."""
+        elements = self.scene.elements
+        return {name: len(law.arguments(elements[name], lambda key: 0.0)) for name, law in self._scalar_laws.items()}
+
+    @cached_property
+    def _function(self) -> TileFunction:
+        return TileFunction(load_printed(self.text).numbers)
 
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
         """Write what is asked of the variants `keep`, and the verdict on those of them that are well so far.
@@ -88,6 +99,8 @@ class ElementColumns:
         numbers : Numbers
             Theirs.
         """
+        if not self.elements:
+            return
         values, figures = self._values(numbers, keep.size)
         must = [
             i for i, (name, r) in enumerate(self._every) if r in _given(self.scene, name) and not r.may_be_undefined
@@ -104,28 +117,39 @@ class ElementColumns:
 
     @property
     def _every(self) -> list[tuple[str, Result]]:
-        """Everything that the kernel gives: element and result."""
+        """Everything that the laws give: element and result."""
         return [(name, r) for name in self.elements for r in law_of(self.scene.elements[name]).results]
 
     def _values(self, numbers: Numbers, variants: int) -> tuple[np.ndarray, np.ndarray]:
         """All results and their error figures: rounding of the numbers, as the laws pass it on, and of the results."""
-        values = np.empty((variants, len(self._every)))
-        errors = np.empty_like(values)
-        scalars, column = [], 0
+        by_name = self._by_scalar_laws(numbers, variants) if self._scalar_laws else {}
         for name in self.elements:
-            law, given = law_of(self.scene.elements[name]), self._arguments(name, numbers, variants)
-            here = slice(column, column + len(law.results))
-            if callable(law.function):
-                values[:, here], errors[:, here] = _with_errors(law, given)
-            else:
-                scalars.append(given)
-            column = here.stop
-        if scalars:
-            run_kernel(self.text, "kernel", variants, np.concatenate(scalars), values, errors)
+            law = law_of(self.scene.elements[name])
+            if isinstance(law, LawOfArrays):
+                by_name[name] = _with_errors(law, self._arguments(name, numbers, variants))
+        values, errors = (np.concatenate([by_name[name][part] for name in self.elements]).T for part in range(2))
         for i, (_, result) in enumerate(self._every):
             if result.exact:
                 errors[:, i] = 0.0
         return values, errors
+
+    def _by_scalar_laws(self, numbers: Numbers, variants: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Results (results, variants) of the elements with scalar laws, and their error figures."""
+        laws, given = self._scalar_laws, self._given
+        table = np.concatenate([self._arguments(name, numbers, variants) for name in laws])
+        firsts = np.cumsum([0, *given.values()])[:-1]
+        counts = [len(law.results) for law in laws.values()]
+        values = evaluate_numbers(self._function, table, sum(counts))
+        errors = ROUNDING * EPS * np.abs(values)
+        with np.errstate(invalid="ignore"):
+            for k in range(max(given.values())):
+                # A number of each element at once: elements know nothing of each other.
+                which = [first + k for first, n in zip(firsts, given.values(), strict=True) if k < n]
+                greater = table.copy()
+                greater[which] *= 1.0 + NUDGE
+                errors += EPS / NUDGE * np.abs(evaluate_numbers(self._function, greater, sum(counts)) - values)
+        parts = (np.split(found, np.cumsum(counts)[:-1]) for found in (values, errors))
+        return {name: (value, error) for name, value, error in zip(laws, *parts, strict=True)}
 
     def _arguments(self, name: str, numbers: Numbers, variants: int) -> np.ndarray:
         element = self.scene.elements[name]
@@ -133,53 +157,52 @@ class ElementColumns:
         return np.array([np.broadcast_to(a, (variants,)) for a in found], float)
 
 
-_HEAD = (
-    '"""Kernel of machine elements; written by engine.elements.element_columns."""',
-    "",
-    "from numba import njit",
-    "",
-    "from engine.elements.element_columns import NUDGE, keep",
-)
-_LOOP = (
-    "from engine.compiling.jit import KERNEL_OPTIONS",
-    "",
-    "greater = 1.0 + NUDGE",
-    "",
-    "",
-    "@njit(**KERNEL_OPTIONS)",
-    "def kernel(begin, end, numbers, values, errors):",
-    "    for v in range(begin, end):",
-)
-
-
-@scalar
-def keep(found: tuple[float, ...], changed: int, values: np.ndarray, errors: np.ndarray) -> None:
-    """Keep the results of an element, or add what they move by to their error figures.
+def evaluate_numbers(function: TileFunction, table: np.ndarray, count: int) -> np.ndarray:
+    """What a printed function makes of the numbers of all variants.
 
     Parameters
     ----------
-    found : tuple of float
-        What its law gives.
-    changed : int
-        Which of its numbers is greater by NUDGE; negative: none, these are the results.
-    values, errors : ndarray
-        Of one variant and element, to be written to.
+    function : TileFunction
+        Fills a tile of one position from numbers alone.
+    table : ndarray (numbers, variants)
+    count : int
+        How many results it gives.
+
+    Returns
+    -------
+    ndarray (count, variants)
     """
-    for i in range(len(found)):
-        if changed < 0:
-            values[i], errors[i] = found[i], ROUNDING * EPS * abs(found[i])
-        else:
-            errors[i] += EPS / NUDGE * abs(found[i] - values[i])
+    found = np.empty((count, table.shape[1]))
+    prepare(_fill, [types.intp, types.intp, FILLS_TILE, numba.typeof(table), numba.typeof(found)])
+    spread(_fill, -(-table.shape[1] // LANES), lambda: (function, table, found))
+    return found
 
 
-def _with_errors(law: Law, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Results (variants, results) of a law of arrays and their error figures, block by block."""
+@driver
+def _fill(begin: int, end: int, function: Callable, table: np.ndarray, found: np.ndarray) -> None:
+    """Fill in what a function finds for blocks `begin` … `end` − 1 of LANES variants."""
+    block, tile = np.empty((table.shape[0], LANES)), np.empty((found.shape[0], 1, LANES))
+    nowhere, no_tables = np.zeros((1, LANES)), np.zeros(1)
+    for b in range(begin, end):
+        first = b * LANES
+        count = min(LANES, table.shape[1] - first)
+        for row in range(table.shape[0]):
+            for lane in range(LANES):
+                block[row, lane] = table[row, first + min(lane, count - 1)]
+        function(block, no_tables, nowhere, nowhere, nowhere, tile)
+        for row in range(found.shape[0]):
+            for lane in range(count):
+                found[row, first + lane] = tile[row, 0, lane]
+
+
+def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Results (results, variants) of a law of arrays and their error figures, block by block."""
     pieces = np.array_split(numbers, max(1, -(-numbers.shape[1] // law.block)), axis=1)
     values, sizes = zip(*on_all_threads(law.function, pieces), strict=True)
-    return np.concatenate(values, axis=1).T, ROUNDING * EPS * np.concatenate(sizes, axis=1).T
+    return np.concatenate(values, axis=1), ROUNDING * EPS * np.concatenate(sizes, axis=1)
 
 
-def law_of(element: MachineElement) -> Law:
+def law_of(element: MachineElement) -> Law | LawOfArrays:
     """What is computed of an element; of a rotor or an engine it depends on its unbalances and planes, or cylinders."""
     match element:
         case RotorElement():

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.friction.belts import (
     belt_moment,
     centrifugal_tension,
@@ -49,7 +49,6 @@ THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": mat
 BUSHES = {"line": 1.0, "new": NEW, "worn in": WORN_IN, "half-round, new": NEW, "half-round, worn in": WORN_IN}
 
 Given = Callable[[str], float | np.ndarray]
-ArrayLaw = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 class Result(NamedTuple):
@@ -71,18 +70,33 @@ class Law(NamedTuple):
 
     Attributes
     ----------
-    function : str or callable
-        A scalar law's name in this module; or a function of the numbers of all variants (numbers, variants) that
-        gives their results (results, variants) and, of the same shape, the magnitudes whose rounding these carry, that
-        of the numbers with it.
+    function : callable
+        A compiled scalar law.
     arguments : callable
         Its arguments, from the element and its numbers by their keys.
     results : tuple of Result
-    block : int
-        Of a function of arrays: for how many variants at a time it is called.
     """
 
-    function: str | ArrayLaw
+    function: Callable
+    arguments: Callable[[MachineElement, Given], tuple]
+    results: tuple[Result, ...]
+
+
+class LawOfArrays(NamedTuple):
+    """The law of an element that is no scalar one.
+
+    Attributes
+    ----------
+    function : callable
+        From the numbers of all variants (numbers, variants) it gives their results (results, variants) and, of the same
+        shape, the magnitudes whose rounding these carry, that of the numbers with it.
+    arguments, results
+        As of `Law`.
+    block : int
+        For how many variants at a time it is called.
+    """
+
+    function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
     arguments: Callable[[MachineElement, Given], tuple]
     results: tuple[Result, ...]
     block: int = 2048
@@ -232,7 +246,7 @@ def _or(element: MachineElement, given: Given, key: str, other: float | np.ndarr
 
 LAWS = {
     "screw": Law(
-        "screw",
+        screw,
         _screw_arguments,
         (
             Result("lead_angle", "lead angle of the thread", "rad"),
@@ -247,7 +261,7 @@ LAWS = {
         ),
     ),
     "belt": Law(
-        "belt",
+        belt,
         _belt_arguments,
         (
             Result("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
@@ -261,7 +275,7 @@ LAWS = {
         ),
     ),
     "wedge": Law(
-        "wedge",
+        wedge,
         lambda e, given: (
             *(given(k) for k in ("load", "angle", "friction")),
             _or(e, given, "base_friction", given("friction")),
@@ -275,7 +289,7 @@ LAWS = {
         ),
     ),
     "incline": Law(
-        "incline",
+        incline,
         lambda e, given: (
             *(given(k) for k in ("load", "angle", "friction")),
             _or(e, given, "static_friction", given("friction")),
@@ -291,7 +305,7 @@ LAWS = {
         ),
     ),
     "journal": Law(
-        "journal",
+        journal,
         lambda e, given: (
             *(given(k) for k in ("load", "diameter", "friction")),
             BUSHES[e.contact],
@@ -304,7 +318,7 @@ LAWS = {
         ),
     ),
     "guide": Law(
-        "guide",
+        guide,
         _guide_arguments,
         (
             Result("effective_friction", "coefficient of friction in terms of the force that presses the slider", "1"),
@@ -318,7 +332,7 @@ LAWS = {
         ),
     ),
     "roller": Law(
-        "roller",
+        roller,
         lambda e, given: (
             *(given(k) for k in ("load", "diameter", "rolling_arm", "friction")),
             _or(e, given, "pull_height", given("diameter") / 2),

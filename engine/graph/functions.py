@@ -8,7 +8,7 @@ machine as values:
 - `states` fills what a panel holds, in the panel's middle;
 - `curves` fills all that is asked.
 
-Besides, `fields` fills rows over equally spaced positions, one variant after another.
+Besides, `fields` fills rows over equally spaced positions, of one variant at a time.
 """
 
 from collections.abc import Iterable, Sequence
@@ -252,10 +252,18 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
 
 def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
     """Text of a module with `fields`, which fills rows over equally spaced positions."""
-    text, laws = over_positions("fields", "Rows over the positions of one variant after another.", fields, rows, dtype)
-    imports = ["from engine.compiling.jit import KERNEL_OPTIONS", *_imports(laws)]
+    text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows, dtype)
+    imports = ["from engine.compiling.tiles import TILE_OPTIONS, field_signature", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype=np.dtype(dtype).name)
-    return f"{head}\n\n@njit(**KERNEL_OPTIONS)\n{text}"
+    return f"{head}\n\n@njit(field_signature(dtype), **TILE_OPTIONS)\n{text}"
+
+
+def number_function(title: str, results: Sequence[Node], rows: dict[Node, int]) -> str:
+    """Text of a module with `numbers`, which fills a tile of one position with what numbers of the variant decide."""
+    text, laws = in_lanes("numbers", "What follows from numbers alone.", results, rows, Stage.CYCLE, 1)
+    imports = ["from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]
+    head = _HEAD.format(title=title, imports="\n".join(imports), dtype="float64")
+    return f"{head}\n\n@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}"
 
 
 def _of_kind(nodes: Iterable[Node], kind: type) -> list:

@@ -32,10 +32,14 @@ from engine.graph.nodes import (
 DEEPEST = 5
 # As many rows at any distance are told apart by the compiler; more are filled at a fixed distance first.
 FEW_ROWS = 4
-# Positions that are filled at a fixed distance before they are copied.
-CHUNK = 256
+# Positions that are filled at a fixed distance before they are copied: few, so that the next ones are computed while
+# the memory takes these in.
+CHUNK = 16
 
 _FLOAT64 = np.dtype(np.float64)
+# Names of what is around the statements: loops, arguments, modules.
+_TAKEN = {"P", "T", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "math", "n", "np", "p", "positions", "q"}
+_TAKEN |= {"row", "rows", "sin_q", "t", "tile", "v", *(f"row{c}" for c in range(FEW_ROWS))}
 
 
 class Body:
@@ -72,7 +76,7 @@ class Body:
         self.reads: dict[Node, str] = {}
         self.positions: list[str] = []
         self.laws: list = []
-        self._taken: set[str] = {"k", "l", "i", "v", "n", "p", "t", "q", "cos_q", "sin_q", "positions"}
+        self._taken = set(_TAKEN)
         self._texts: dict[Node, str] = {}
         self._depth: dict[Node, int] = {}
         order = reached(outputs, self._is_leaf)
@@ -244,36 +248,34 @@ def in_lanes(
 def over_positions(
     name: str, doc: str, outputs: Sequence[Node], rows: Mapping[Node, int], dtype: np.dtype
 ) -> tuple[str, list]:
-    """Print a function that fills rows over positions, one variant after another, positions innermost.
+    """Print a function that fills rows over the positions of one variant.
 
-    Its arguments are the range of variants, P (numbers, variants), T, the positions with their cosines and sines, and
-    the rows to fill (outputs, variants, positions); parameters otherwise as of `in_lanes`.
+    Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the place of the
+    variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as of `in_lanes`.
     """
     body = Body(outputs, Stage.POSITION, True, dtype)
-    lines = [f"def {name}(begin, end, P, T, nodes, cos_nodes, sin_nodes, fields):", f'    """{doc}"""']
-    lines += ["    n = nodes.shape[0]"]
-    far = len(outputs) > FEW_ROWS
-    if far:
-        lines += [f"    t = np.empty({len(outputs) * CHUNK}, dtype)"]
-    lines += ["    for v in range(begin, end):"]
-    lines += [f"        {text} = P[{rows[node]}, v]" for node, text in body.reads.items()]
-    places = {"q": "nodes", "cos_q": "cos_nodes", "sin_q": "sin_nodes"}
-    reads = [f"{which} = {places[which]}[k]" for which in dict.fromkeys(body.positions)]
-    inner = [*reads, *body.statements]
-    if not far:
-        lines += [f"        row{c} = fields[{c}, v]" for c in range(len(outputs))]
+    used = dict.fromkeys(body.positions)
+    lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
+    lines += [f"    {which}_at = {which}" for which in used]
+    lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items()]
+    if len(outputs) <= FEW_ROWS:
+        inner = [*(f"{which} = {which}_at[k]" for which in used), *body.statements]
         inner += [f"row{c}[k] = {value}" for c, value in enumerate(body.values)]
-        lines += ["        for k in range(n):", *(f"            {line}" for line in inner)]
-    else:
-        inner += [f"t[{c * CHUNK} + k - first] = {value}" for c, value in enumerate(body.values)]
-        lines += [
-            f"        for first in range(0, n, {CHUNK}):",
-            f"            last = min(first + {CHUNK}, n)",
-            "            for k in range(first, last):",
-            *(f"                {line}" for line in inner),
-            f"            for c in range({len(outputs)}):",
-            "                row = fields[c, v]",
-            "                for k in range(first, last):",
-            f"                    row[k] = t[c * {CHUNK} + k - first]",
-        ]
+        lines += [f"    row{c} = rows[{c}, v]" for c in range(len(outputs))]
+        lines += ["    for k in range(rows.shape[2]):", *(f"        {line}" for line in inner)]
+        return "\n".join(lines) + "\n", body.laws
+    inner = [*(f"{which} = {which}_row[k]" for which in used), *body.statements]
+    inner += [f"t[{c * CHUNK} + k] = {value}" for c, value in enumerate(body.values)]
+    lines += [
+        f"    t = np.empty({len(outputs) * CHUNK}, dtype)",
+        f"    for first in range(0, rows.shape[2], {CHUNK}):",
+        f"        n = min({CHUNK}, rows.shape[2] - first)",
+        *(f"        {which}_row = {which}_at[first : first + n]" for which in used),
+        "        for k in range(n):",
+        *(f"            {line}" for line in inner),
+        f"        for c in range({len(outputs)}):",
+        "            row = rows[c, v, first : first + n]",
+        "            for k in range(n):",
+        f"                row[k] = t[c * {CHUNK} + k]",
+    ]
     return "\n".join(lines) + "\n", body.laws

@@ -10,7 +10,7 @@ and J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 16.
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.friction.belts import gripped_share, slack_share
 
 

@@ -10,14 +10,13 @@ interpolate at Chebyshev points, found with 60 digits.
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
-from engine.compiling.jit import keep_compiled
+from engine.compiling.decorators import in_order
 
 # Added to a number below 2^51 in magnitude it makes a sum whose last bits are the nearest integer.
 _ROUNDER = 1.5 * 2.0**52
@@ -38,13 +37,6 @@ _INVERSE_LN2 = 1.4426950408889634
 
 # Logarithms of the greatest number, and of twice the least normal one.
 _GREATEST_LOGARITHM, _LEAST_LOGARITHM = 709.782712893384, -707.7032713517042
-
-
-def _in_order(function: Callable) -> Callable:
-    """Compile a scalar function as `engine.compiling.jit.scalar` does, its operations exactly as they are written."""
-    compiled = njit(error_model="numpy", fastmath=set(), forceinline=True, no_cfunc_wrapper=True)(function)
-    keep_compiled(compiled)
-    return compiled
 
 
 @intrinsic
@@ -77,13 +69,27 @@ def _number_of(typing: object, bits: object) -> tuple:
     return types.float64(types.int64), generate
 
 
-@_in_order
+@intrinsic
+def chosen(typing: object, condition: object, a: object, b: object) -> tuple:
+    """One of two float64, a where the condition is true, both of them read.
+
+    A conditional expression of two numbers in memory becomes one number at either address, which in a loop over
+    positions or lanes is looked up in each for itself, ten times as slowly.
+    """
+
+    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
+        return builder.select(*arguments)
+
+    return types.float64(types.boolean, types.float64, types.float64), generate
+
+
+@in_order
 def _cubic(x: float, xx: float, c0: float, c1: float, c2: float, c3: float) -> float:
     """Cubic in x, lowest power first, given x²; taken in fours, the terms of a polynomial wait less for each other."""
     return _fused(xx, _fused(x, c3, c2), _fused(x, c1, c0))
 
 
-@_in_order
+@in_order
 def _logarithm_parts(x: float) -> tuple[float, float]:
     """Natural logarithm as a sum of two parts, to 4e-20 of itself; of what has none, as told by `logarithm`.
 
@@ -124,7 +130,7 @@ def _logarithm_parts(x: float) -> tuple[float, float]:
     return (math.nan if x < 0.0 else logarithm), rest
 
 
-@_in_order
+@in_order
 def _exponential_of_sum(x: float, rest: float) -> float:
     """e^(x + rest) for a rest of some roundings of x; see `exponential`."""
     rounded = _fused(x, _INVERSE_LN2, _ROUNDER)
@@ -143,7 +149,7 @@ def _exponential_of_sum(x: float, rest: float) -> float:
     return 0.0 if x < _LEAST_LOGARITHM else found
 
 
-@_in_order
+@in_order
 def exponential(x: float) -> float:
     """Exponential function, e^x.
 
@@ -163,7 +169,7 @@ def exponential(x: float) -> float:
     return _exponential_of_sum(np.float64(x), 0.0)
 
 
-@_in_order
+@in_order
 def logarithm(x: float) -> float:
     """Natural logarithm, ln x.
 
@@ -181,7 +187,7 @@ def logarithm(x: float) -> float:
     return whole + rest
 
 
-@_in_order
+@in_order
 def power(x: float, n: float) -> float:
     """Power of a number that isn't negative, x^n = e^(n ln x).
 
@@ -206,7 +212,7 @@ def power(x: float, n: float) -> float:
     return _exponential_of_sum(product, _fused(n, rest, _fused(n, whole, -product)))
 
 
-@_in_order
+@in_order
 def angle_of(x: float, y: float) -> float:
     """Angle of a vector from the x axis, counter-clockwise.
 
@@ -253,7 +259,13 @@ def angle_of(x: float, y: float) -> float:
     return -found if y < 0.0 else found
 
 
-@_in_order
+@in_order
+def angle_or_zero(x: float, y: float) -> float:
+    """Angle of a vector as of `angle_of`, and 0 of one of length zero: a force that isn't there has no direction."""
+    return angle_of(1.0 if (x == 0.0) & (y == 0.0) else x, y)
+
+
+@in_order
 def arcsine(x: float) -> float:
     """Arcsine [rad], −π/2 … π/2, to 3 ulp.
 
@@ -266,7 +278,25 @@ def arcsine(x: float) -> float:
     return angle_of(math.sqrt((1.0 - x) * (1.0 + x)), x)
 
 
-@_in_order
+@in_order
+def direction_near_zero(r: float) -> tuple[float, float]:
+    """Cosine and sine of an angle of at most π/4 [rad], to 1 ulp or so."""
+    z = r * r
+    p = _fused(z, 1.58962301576546568060e-10, -2.50507477628578072866e-8)
+    p = _fused(z, p, 2.75573136213857245213e-6)
+    p = _fused(z, p, -1.98412698295895385996e-4)
+    p = _fused(z, p, 8.33333333332211858878e-3)
+    p = _fused(z, p, -1.66666666666666307295e-1)
+    sine = _fused(r * z, p, r)
+    p = _fused(z, -1.13585365213876817300e-11, 2.08757008419747316778e-9)
+    p = _fused(z, p, -2.75573141792967388112e-7)
+    p = _fused(z, p, 2.48015872888517045348e-5)
+    p = _fused(z, p, -1.38888888888730564116e-3)
+    p = _fused(z, p, 4.16666666666665929218e-2)
+    return _fused(z * z, p, _fused(z, -0.5, 1.0)), sine
+
+
+@in_order
 def direction_of(angle: float) -> tuple[float, float]:
     """Cosine and sine of an angle.
 
@@ -288,20 +318,7 @@ def direction_of(angle: float) -> tuple[float, float]:
     angle = np.float64(angle)
     rounded = _fused(angle, _INVERSE_HALF_PI, _ROUNDER)
     quarters = rounded - _ROUNDER
-    r = _fused(-quarters, _HALF_PI, angle)
-    z = r * r
-    p = _fused(z, 1.58962301576546568060e-10, -2.50507477628578072866e-8)
-    p = _fused(z, p, 2.75573136213857245213e-6)
-    p = _fused(z, p, -1.98412698295895385996e-4)
-    p = _fused(z, p, 8.33333333332211858878e-3)
-    p = _fused(z, p, -1.66666666666666307295e-1)
-    sine = _fused(r * z, p, r)
-    p = _fused(z, -1.13585365213876817300e-11, 2.08757008419747316778e-9)
-    p = _fused(z, p, -2.75573141792967388112e-7)
-    p = _fused(z, p, 2.48015872888517045348e-5)
-    p = _fused(z, p, -1.38888888888730564116e-3)
-    p = _fused(z, p, 4.16666666666665929218e-2)
-    cosine = _fused(z * z, p, _fused(z, -0.5, 1.0))
+    cosine, sine = direction_near_zero(_fused(-quarters, _HALF_PI, angle))
     # The last two bits: turned by 0 to 3 right angles.
     turns = _bits_of(rounded)
     odd = turns & 1 != 0

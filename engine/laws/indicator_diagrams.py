@@ -19,7 +19,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.elementary import power
 
 # Branches of a diagram, numbered as the strokes of a four-stroke engine follow each other.

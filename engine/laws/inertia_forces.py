@@ -13,7 +13,7 @@ Mechanics, § 36, for Euler's equations.
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

@@ -10,7 +10,7 @@ here (the middle of what it may be).
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.elementary import power
 
 
@@ -152,8 +152,6 @@ def acts_in_direction(direction: float, v: float) -> float:
     float
         1.0 or 0.0; NaN where a direction is asked of an unknown velocity.
     """
-    if direction == 0.0 or direction * v > 0.0:
-        return 1.0
-    if direction * v <= 0.0:
-        return 0.0
-    return v
+    forwards = direction * v
+    acts = 0.0 if forwards <= 0.0 else v
+    return 1.0 if (direction == 0.0) | (forwards > 0.0) else acts

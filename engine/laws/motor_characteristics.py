@@ -11,7 +11,7 @@ and S. D. Umans, Electric Machinery (equivalent circuit, DC motors).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 # Two numbers of a nameplate that agree to this are not told apart.
 NAMEPLATE_TOLERANCE = 1e-12

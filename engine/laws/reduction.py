@@ -5,7 +5,7 @@ M = Σ F·(v/ω) + M_i (ω_i/ω), from equality of kinetic energy and of power (
 With a sliding input the same sums are the reduced mass [kg] and the reduced force [N].
 """
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

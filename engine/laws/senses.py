@@ -2,7 +2,7 @@
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.elementary import angle_of
 
 

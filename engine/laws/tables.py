@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
+from engine.laws.elementary import chosen
 
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")
@@ -25,6 +26,9 @@ OUTSIDE = ("hold", "zero")
 # close to a whole period, relative to the period, is the closing row; values this close, relative to the
 # largest, agree.
 CLOSING_TOLERANCE = 1e-5
+
+# In memory a table's breaks begin after so many numbers.
+HEAD = 3
 
 
 class TableError(ValueError):
@@ -186,7 +190,7 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
     """
     at = int(offset)
     pieces, start, period = int(memory[at]), memory[at + 1], memory[at + 2]
-    breaks = at + 3
+    breaks = at + HEAD
     shift = 0.0
     if period > 0.0 and (x < start or x >= start + period):
         shift = math.floor((x - start) / period) * period
@@ -203,60 +207,23 @@ def periods_before(start: float, period: float, x: float) -> float:
 
 
 @scalar
-def first_piece(memory: np.ndarray, offset: float, pieces: float, x: float) -> tuple[float, float, float, float, float]:
-    """The first piece of a table at `offset` in the memory; results as of `table_segment`, parameters as there."""
-    at = int(offset) + 3
-    left, at = memory[at], at + int(pieces) + 1
-    return left, memory[at], memory[at + 1], memory[at + 2], memory[at + 3]
+def entry(memory: np.ndarray, index: float) -> float:
+    """A number in the memory."""
+    return memory[int(index)]
 
 
 @scalar
-def next_piece(
-    memory: np.ndarray,
-    offset: float,
-    pieces: float,
-    piece: float,
-    x: float,
-    left: float,
-    c3: float,
-    c2: float,
-    c1: float,
-    c0: float,
-) -> tuple[float, float, float, float, float]:
-    """A piece of a table where x has reached it, otherwise the one before, `left` … `c0`.
+def entry_from(memory: np.ndarray, index: float, at: float, x: float, before: float) -> float:
+    """A number in the memory where x has reached that at another place, otherwise what held before.
 
     Parameters
     ----------
     memory : array of float
-    offset, pieces, piece : float
-        Where in the memory the table begins, how many pieces it has, and the number of this one.
-    x, left, c3, c2, c1, c0 : float
-        Abscissa, without whole periods; results for the piece before, as of `table_segment`.
+    index, at : float
+        Of the number, and of where it begins to hold.
+    x, before : float
     """
-    begin, count, i = int(offset) + 3, int(pieces), int(piece)
-    here, at = memory[begin + i], begin + count + 1 + 4 * i
-    # Read whether wanted or not, so that there is nothing to branch for.
-    d3, d2, d1, d0 = memory[at], memory[at + 1], memory[at + 2], memory[at + 3]
-    reached = here <= x
-    left = here if reached else left
-    c3 = d3 if reached else c3
-    c2 = d2 if reached else c2
-    c1 = d1 if reached else c1
-    return left, c3, c2, c1, d0 if reached else c0
-
-
-@scalar
-def segment_value(left: float, c3: float, c2: float, c1: float, c0: float, x: float) -> float:
-    """Value at x of a cubic from `table_segment`; NaN for NaN."""
-    t = x - left
-    return ((c3 * t + c2) * t + c1) * t + c0
-
-
-@scalar
-def segment_slope(left: float, c3: float, c2: float, c1: float, x: float) -> float:
-    """Derivative at x of a cubic from `table_segment`; NaN for NaN."""
-    t = x - left
-    return (3.0 * c3 * t + 2.0 * c2) * t + c1
+    return chosen(memory[int(at)] <= x, memory[int(index)], before)
 
 
 @scalar

@@ -1,13 +1,33 @@
 """Kept fields: curves at equally spaced positions, one variant after another."""
 
-import numpy as np
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
 
-from engine.compiling.jit import run_kernel
-from engine.cycle.lanes import LANES
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.decorators import driver, routine
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES, TypedFunction, field_signature
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node
+from engine.laws.elementary import angle_or_zero, direction_of
 from engine.quantities.expressions import Angle
+
+# Rows of the table with the ends of each variant's own range, where positions are the same for all variants.
+NONE = (-1, -1)
+
+
+def field_node(curve: Node | Angle) -> Node:
+    """What is computed at a position: the curve; of an angle that between −π and π."""
+    if isinstance(curve, Angle):
+        x, y = curve.direction
+        return x.graph.apply(angle_or_zero, x, y)
+    return curve
 
 
 class KeptFields:
@@ -15,62 +35,68 @@ class KeptFields:
 
     Parameters
     ----------
-    curves : list of Node or Angle
+    curves : sequence of Node or Angle
+    functions : Functions
+        Of the machine, the numbers of these curves' `field_node` laid out.
+    levels : callable
+        The machine's function of that name.
     dtype : float64 or float32
     title : str
         Of the machine.
+
+    Attributes
+    ----------
+    count : int
+        How many curves there are.
     """
 
-    def __init__(self, curves: list[Node | Angle], dtype: np.dtype, title: str) -> None:
-        self.curves, self.dtype, self.title = curves, np.dtype(dtype), title
-        self.nodes: list[Node] = []
-        for curve in curves:
-            self.nodes += list(curve.direction) if isinstance(curve, Angle) else [curve]
+    def __init__(
+        self, curves: Sequence[Node | Angle], functions: Functions, levels: Callable, dtype: np.dtype, title: str
+    ) -> None:
+        self._functions, self._levels, self._dtype = functions, levels, np.dtype(dtype)
+        self.count = len(curves)
+        self._followed = np.array([i for i, curve in enumerate(curves) if isinstance(curve, Angle)], np.intp)
+        self.text = field_function(title, [field_node(curve) for curve in curves], functions.rows, self._dtype)
 
-    def text(self, functions: Functions) -> str:
-        """Source of the function that fills them."""
-        return field_function(self.title, self.nodes, functions.rows, self.dtype)
+    @cached_property
+    def _function(self) -> TypedFunction:
+        return TypedFunction(load_printed(self.text).fields, field_signature(self._dtype))
 
-    def fill(self, functions: Functions, table: np.ndarray, q: np.ndarray, fields: np.ndarray) -> None:
-        """Fill the fields of all variants.
+    def fill(
+        self, table: np.ndarray, q: np.ndarray, fields: np.ndarray, places: np.ndarray, ends: tuple[int, int] = NONE
+    ) -> np.ndarray:
+        """Fill the fields of some variants.
 
         Parameters
         ----------
-        functions : Functions
         table : ndarray (numbers, variants)
-            Those of the cycle known.
-        q : ndarray (positions,) or (positions, variants)
-            Input positions, the same for all variants or each variant's own.
+            What was found on the cycle among them, see `fill_found`.
+        q : ndarray (positions,)
+            Input positions; shares of each variant's own range where `ends` are given.
         fields : ndarray (fields, variants, positions)
+            Written to.
+        places : ndarray (variants,) of int
+            Where in the fields each variant of the table comes.
+        ends : tuple of int
+            Rows of the table with the ends of each variant's own range.
+
+        Returns
+        -------
+        ndarray (variants,) of bool
+            Of which variants all values are finite.
         """
-        direct = len(self.nodes) == len(self.curves)
-        room = fields if direct else np.empty((len(self.nodes), *fields.shape[1:]), self.dtype)
-        numbers = table.astype(self.dtype)
-        if q.ndim == 1:
-            self._run(functions, numbers, q, room)
-        else:
-            for v in range(table.shape[1]):
-                self._run(functions, numbers[:, v : v + 1], q[:, v], room[:, v : v + 1])
-        if direct:
-            return
-        k = 0
-        for field, curve in zip(fields, self.curves, strict=True):
-            if isinstance(curve, Angle):
-                # In double precision: single precision would show the unwrapping's own rounding.
-                angle = np.arctan2(room[k + 1].astype(float), room[k].astype(float))
-                field[:] = np.unwrap(angle, axis=-1)
-                k += 2
-            else:
-                field[:] = room[k]
-                k += 1
-
-    def _run(self, functions: Functions, numbers: np.ndarray, q: np.ndarray, room: np.ndarray) -> None:
-        places = (f.astype(self.dtype) for f in (q, np.cos(q), np.sin(q)))
-        numbers = np.ascontiguousarray(numbers)
-        run_kernel(self.text(functions), "fields", room.shape[1], numbers, functions.memory, *places, room)
+        finite = np.empty(table.shape[1], np.bool_)
+        positions = np.stack([q, np.cos(q), np.sin(q)])
+        level_rows = np.array(self._functions.level_rows, np.intp)
+        memory, followed = self._functions.memory, self._followed
+        given = (level_rows, np.ascontiguousarray(table), memory, places, positions, ends, followed, fields, finite)
+        function = types.FunctionType(field_signature(self._dtype))
+        prepare(_fill, [types.intp, types.intp, function, FILLS_TILE, *(numba.typeof(a) for a in given)])
+        spread(_fill, -(-table.shape[1] // LANES), lambda: (self._function, self._levels, *given))
+        return finite
 
 
-def fill_cycle_numbers(functions: Functions, table: np.ndarray, landmarks: Extremes, levels: object) -> None:
+def fill_found(functions: Functions, table: np.ndarray, landmarks: Extremes) -> None:
     """Put what was found on the cycle into the numbers of the variants.
 
     Parameters
@@ -80,22 +106,89 @@ def fill_cycle_numbers(functions: Functions, table: np.ndarray, landmarks: Extre
         Written to.
     landmarks : Extremes
         Of the machine's events.
-    levels : callable
-        The machine's function of that name.
     """
     part = {"low": "least", "high": "greatest", "low_at": "least_at", "high_at": "greatest_at"}
     events = [curve for curve, _ in functions.events]
     for node, row in functions.rows.items():
         if isinstance(node, Found):
             table[row] = getattr(landmarks, part[node.which])[events.index(node.curve)].value
-    if not functions.level_rows:
+
+
+@routine
+def _follow(row: np.ndarray) -> None:
+    """Make angles between −π and π those of a direction that turns by less than π from each position to the next."""
+    jumps = False
+    for k in range(1, row.shape[0]):
+        jumps |= abs(row[k] - row[k - 1]) > math.pi
+    if not jumps:
         return
-    nowhere, tile = np.zeros((1, LANES)), np.empty((len(functions.level_rows), 1, LANES))
-    for begin in range(0, table.shape[1], LANES):
-        block = np.empty((table.shape[0], LANES))
-        count = min(LANES, table.shape[1] - begin)
-        block[:, :count] = table[:, begin : begin + count]
-        block[:, count:] = block[:, count - 1 : count]
-        levels(block, functions.memory, nowhere, nowhere, nowhere, tile)
-        for row, values in zip(functions.level_rows, tile, strict=True):
-            table[row, begin : begin + count] = values[0, :count]
+    before, turns = row[0], 0.0
+    for k in range(1, row.shape[0]):
+        here = row[k]
+        step = here - before
+        if step > math.pi:
+            turns -= 1.0
+        elif step < -math.pi:
+            turns += 1.0
+        row[k] = here + turns * (2.0 * math.pi)
+        before = here
+
+
+@routine
+def _is_finite(row: np.ndarray) -> bool:
+    """Whether all numbers of a row are finite."""
+    lost = False
+    for k in range(row.shape[0]):
+        lost |= not abs(row[k]) < math.inf
+    return not lost
+
+
+@driver
+def _fill(
+    begin: int,
+    end: int,
+    function: Callable,
+    levels: Callable,
+    level_rows: np.ndarray,
+    table: np.ndarray,
+    memory: np.ndarray,
+    places: np.ndarray,
+    positions: np.ndarray,
+    ends: tuple[int, int],
+    followed: np.ndarray,
+    fields: np.ndarray,
+    finite: np.ndarray,
+) -> None:
+    """Fill the fields of blocks `begin` … `end` − 1 of LANES variants; see `KeptFields.fill`."""
+    numbers, variants = table.shape
+    block, nowhere, tile = np.empty((numbers, LANES)), np.zeros((1, LANES)), np.empty((level_rows.size, 1, LANES))
+    # All of what the function takes is of the fields' type.
+    p, at = np.empty(numbers, fields.dtype), np.empty(positions.shape, fields.dtype)
+    q, cos_q, sin_q = at[0], at[1], at[2]
+    at[:] = positions
+    for b in range(begin, end):
+        first = b * LANES
+        count = min(LANES, variants - first)
+        for row in range(numbers):
+            for lane in range(LANES):
+                block[row, lane] = table[row, first + min(lane, count - 1)]
+        if level_rows.size > 0:
+            levels(block, memory, nowhere, nowhere, nowhere, tile)
+            for i in range(level_rows.size):
+                block[level_rows[i]] = tile[i, 0]
+        for lane in range(count):
+            place = places[first + lane]
+            p[:] = block[:, lane]
+            if ends[0] >= 0:
+                start, stop = block[ends[0], lane], block[ends[1], lane]
+                for k in range(q.shape[0]):
+                    here = start + (stop - start) * positions[0, k]
+                    q[k] = here
+                    cos_q[k], sin_q[k] = direction_of(here)
+            function(p, memory, q, cos_q, sin_q, place, fields)
+            for i in followed:
+                _follow(fields[i, place])
+            every = True
+            for i in range(fields.shape[0]):
+                every &= _is_finite(fields[i, place])
+            finite[first + lane] = every

@@ -11,14 +11,15 @@ from engine.equal_positions.rows_machine import RowsMachine
 from engine.graph.nodes import Node, Number
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.kept_fields import KeptFields, fill_cycle_numbers
+from engine.machine.first_failure import first_failure
+from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
-from engine.quantities.expressions import Followed, Speed, Work
+from engine.quantities.expressions import Angle, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -28,8 +29,6 @@ from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
-# Equally spaced positions at which variants that fail are looked at, to say where.
-LOOKED_AT = 720
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -185,10 +184,16 @@ class Machine:
         return {name: curve for name, curve in self._curves.items() if isinstance(curve, Work | Speed)}
 
     @cached_property
-    def _kept(self) -> KeptFields:
+    def _kept_curves(self) -> dict[str, Node | Angle]:
         """Kept fields that are computed position by position."""
-        curves = [curve for name, curve in self._curves.items() if name not in self._followed]
-        return KeptFields(curves, self.dtype, self._title)
+        return {name: curve for name, curve in self._curves.items() if name not in self._followed}
+
+    @cached_property
+    def _kept(self) -> KeptFields:
+        return self._filling(list(self._kept_curves.values()), self.dtype)
+
+    def _filling(self, curves: list[Node | Angle], dtype: np.dtype) -> KeptFields:
+        return KeptFields(curves, self.measuring.functions, self.measuring.machine.levels, dtype, self._title)
 
     @property
     def _title(self) -> str:
@@ -198,8 +203,9 @@ class Machine:
     def measuring(self) -> Measuring:
         """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
-        kept, grid = (self._kept.nodes, self._followed.values()), (self.positions, self.nodes.size)
-        return Measuring(self.mechanics, expressions, *kept, grid, self.accuracy, self.regimes.nodes)
+        followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
+        kept = [field_node(c) for c in self._kept_curves.values()]
+        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self.regimes.nodes)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -209,7 +215,7 @@ class Machine:
     def source(self) -> str:
         """The printed functions, to be read."""
         text = self.measuring.functions.text
-        return f"{text}\n\n{self._kept.text(self.measuring.functions)}" if self._fields else text
+        return f"{text}\n\n{self._kept.text}" if self._kept_curves else text
 
     @property
     def numbers_kept(self) -> int:
@@ -281,16 +287,18 @@ class Machine:
         variants = status.size
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
-        room[:] = np.nan
+        # The rest is filled in of variants alone that are well so far.
+        apart = self._rest_fields or self.schedule is not None
+        room[:, slice(None) if apart else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
             numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
-            self._fill(outcome, keep, numbers or Numbers(self._limits, arrays))
+            self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
             if self._rest or self._rest_fields:
                 self._rows.fill(outcome, keep, arrays)
         return outcome
 
-    def _fill(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+    def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
@@ -302,8 +310,9 @@ class Machine:
             undefined |= nothing & (not summary.may_be_undefined)
             value[nothing] = error[nothing] = np.nan
             outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
+        fill_found(self.measuring.functions, table, answers.outcome.landmarks)
         if self._fields:
-            undefined |= self._keep(outcome, keep, table, answers)
+            undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
         failed = keep[outcome.status[keep] != Verdict.OK]
         for name in self._summaries:
@@ -325,29 +334,35 @@ class Machine:
         for name, rows in answers.fields.items():
             outcome.fields[name][moved] = rows
 
-    def _keep(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
-        """Fill the kept fields; which variants have one that isn't finite."""
-        functions = self.measuring.functions
-        fill_cycle_numbers(functions, table, answers.outcome.landmarks, self.measuring.machine.levels)
-        names = [name for name in self._fields if name not in self._followed]
-        room = np.empty((len(names), keep.size, self.nodes.size), self.dtype)
-        if names:
-            self._kept.fill(functions, table, self._positions_of(table), room)
-        for name, values in zip(names, room, strict=True):
-            outcome.fields[name][keep] = values
-        undefined = ~np.isfinite(room).all(axis=(0, 2))
+    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
+        """Fill the kept fields; of which variants all values are finite."""
+        places = {name: row for row, name in enumerate(self.asked_fields)}
+        rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
+        if rows:
+            own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
+            finite = self._kept.fill(table, self._positions_kept, own, keep, self._ends if self._ranges_vary else NONE)
+            if own is not room:
+                room[rows] = own
         for name, curve in self._followed.items():
-            outcome.fields[name][keep] = values = answers.spaced(curve)
-            undefined |= ~np.isfinite(values).all(axis=1)
-        return undefined
+            room[places[name]][keep] = values = answers.spaced(curve)
+            finite &= np.isfinite(values).all(axis=1)
+        return finite
 
-    def _positions_of(self, table: np.ndarray) -> np.ndarray:
-        """Input positions of the fields, (positions,), or (positions, variants) where the range varies."""
-        if isinstance(self.scene.input, CrankInput) or not {"input.start", "input.stop"} & set(self.varied):
-            return self.input_values
+    @property
+    def _ranges_vary(self) -> bool:
+        """Whether each variant has a range of the input of its own."""
+        return not isinstance(self.scene.input, CrankInput) and bool({"input.start", "input.stop"} & set(self.varied))
+
+    @property
+    def _positions_kept(self) -> np.ndarray:
+        """Input positions of the fields, or shares of each variant's own range."""
+        return self.nodes if self._ranges_vary else self.input_values
+
+    @property
+    def _ends(self) -> tuple[int, int]:
+        """Rows of the numbers with the ends of the input's range."""
         rows = self.measuring.functions.rows
-        first, last = table[rows[self.mechanics.first]], table[rows[self.mechanics.last]]
-        return first + (last - first) * self.nodes[:, None]
+        return rows[self.mechanics.first], rows[self.mechanics.last]
 
     # Verdicts
 
@@ -355,55 +370,50 @@ class Machine:
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, undefined: np.ndarray
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
-        broken = answers.outcome.broken_at
+        broken, groups = answers.outcome.broken_at, self.measuring.groups
         singular = np.zeros(keep.size, bool)
-        for group, (least, place) in zip(self.measuring.groups, answers.sines(), strict=True):
+        for group, (least, place) in zip(groups, answers.sines(), strict=True):
             fails = (least < SINGULAR_SINE) & ~singular & np.isnan(broken)
             self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
             singular |= fails
         lost = np.flatnonzero(np.isfinite(broken) & ~singular)
-        if lost.size:
-            self._blame_assembly(outcome, keep, table, answers, lost)
-        for group, (margin, place) in answers.least_margins().items():
-            jams = (outcome.status[keep] == Verdict.OK) & (margin <= 0.0)
-            # Where it jams first, curves stop being finite.
-            at = np.where(np.isfinite(broken), broken, place)
-            self._blame(outcome, keep[jams], Verdict.JAMS, group, at[jams])
+        if lost.size and groups:
+            sines = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
+            at, place = first_failure(sines, table[:, lost], self._ends, np.isnan)
+            for k, group in enumerate(groups):
+                # A hair beside the place where links still reach, positions differ by rounding.
+                hidden = (at < 0) & np.isnan(answers.sines()[k][0][lost])
+                here = (at == k) | hidden
+                at[hidden] = k
+                where = np.where(hidden, broken[lost], place)
+                self._blame(outcome, keep[lost[here]], Verdict.CANNOT_ASSEMBLE, group, where[here])
+        self._blame_jams(outcome, keep, table, answers)
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
+
+    def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> None:
+        """Give the verdict on variants in which a group jams."""
+        margins = answers.least_margins()
+        jams = np.zeros(keep.size, bool)
+        for margin, _ in margins.values():
+            jams |= margin <= 0.0
+        jams = np.flatnonzero(jams & (outcome.status[keep] == Verdict.OK))
+        if not jams.size:
+            return
+        fields = self._filling([self.measuring.margins[group] for group in margins], np.dtype(float))
+        at, place = first_failure(fields, table[:, jams], self._ends, lambda values: ~(values > 0.0))
+        for k, (group, (margin, least_at)) in enumerate(margins.items()):
+            # One that jams between positions alone is known by the least margin.
+            hidden = (at < 0) & (margin[jams] <= 0.0)
+            here = (at == k) | hidden
+            at[hidden] = k
+            where = np.where(hidden, least_at[jams], place)
+            self._blame(outcome, keep[jams[here]], Verdict.JAMS, group, where[here])
 
     def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
         outcome.status[who] = verdict
         outcome.status_group[who] = self.groups.index(group)
         outcome.status_at[who] = at
-
-    def _blame_assembly(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, lost: np.ndarray
-    ) -> None:
-        """Say which group can't be assembled, and where first, of variants with curves that aren't finite."""
-        functions, groups, broken = self.measuring.functions, self.measuring.groups, answers.outcome.broken_at
-        sines = KeptFields([self.mechanics.kinematics.sines[g] for g in groups], np.dtype(float), self._title)
-        first, last = (table[functions.rows[end], lost] for end in (self.mechanics.first, self.mechanics.last))
-        share = np.arange(LOOKED_AT + 1) / LOOKED_AT
-        q = first + (last - first) * share[:, None]
-        same = (q == q[:, :1]).all()
-        values = np.empty((len(groups), lost.size, share.size))
-        sines.fill(functions, table[:, lost], q[:, 0] if same else q, values)
-        missing = np.isnan(values)
-        for i, v in enumerate(lost):
-            here = missing[:, i]
-            if here.any():
-                at = here.any(axis=0).argmax()
-                group, place = groups[here[:, at].argmax()], q[at, i]
-            else:
-                at_break = np.empty((len(groups), 1, 1))
-                sines.fill(functions, table[:, v : v + 1], broken[v : v + 1], at_break)
-                # A hair beside the place where links still reach, positions differ by rounding.
-                gone = np.isnan(at_break[:, 0, 0]) | np.array([np.isnan(least[v]) for least, _ in answers.sines()])
-                if not gone.any():
-                    continue
-                group, place = groups[gone.argmax()], broken[v]
-            self._blame(outcome, keep[v : v + 1], Verdict.CANNOT_ASSEMBLE, group, np.array([place]))
 
     # Accuracy
 

@@ -34,7 +34,7 @@ class ReducedInertia(NamedTuple):
     slope : Node
         Its derivative by the input.
     slope_terms : tuple of (Node, Node)
-        Masses and moments of inertia, with what the derivative takes of each.
+        Masses and moments of inertia, with what half the derivative takes of each.
     """
 
     first_kind: Node
@@ -52,7 +52,7 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
     def rotation(own: Node, name: str) -> None:
         link = kinematics.links[name]
         inertia.append((own, link.w * link.w))
-        slope.append((own, 2.0 * (link.w * link.e)))
+        slope.append((own, link.w * link.e))
 
     uniform = {scene.input.link} | {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
     for name, part in kinematics.masses.items():
@@ -61,7 +61,7 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
         centre = kinematics.mass_centre(name)
         mass = graph.derived(f"mass of {name}", part.mass, "load")
         inertia.append((mass, centre.v.dot(centre.v)))
-        slope.append((mass, 2.0 * centre.v.dot(centre.a)))
+        slope.append((mass, centre.v.dot(centre.a)))
         if part.inertia is not None:
             rotation(graph.derived(f"inertia of {name}", part.inertia, "load"), part.link)
     for name, shaft in scene.shafts.items():
@@ -71,7 +71,7 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
     return ReducedInertia(
         first_kind,
         graph.combination([(first_kind, graph.one), *inertia]),
-        graph.combination(slope),
+        2.0 * graph.combination(slope),
         tuple(slope),
     )
 

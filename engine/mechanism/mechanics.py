@@ -118,7 +118,6 @@ class Mechanics:
     @cached_property
     def input_moment(self) -> Node:
         """Input moment that keeps the speed uniform: ½ ω² dI/dφ − M."""
-        half_square = 0.5 * self.speed_squared
-        terms = [(half_square * mass, basis) for mass, basis in self.reduced.slope_terms]
+        terms = [(self.speed_squared * mass, basis) for mass, basis in self.reduced.slope_terms]
         terms += [(-t.coefficient, t.basis) for t in self.loads.terms if t.role != "braking"]
         return self.graph.combination(terms)

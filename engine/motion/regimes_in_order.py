@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.jit import on_all_threads, threads
+from engine.compiling.threads import on_all_threads, threads
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics

@@ -23,7 +23,7 @@ from quantities import class_of, loads_of
 from random_machines import Kind, Varied, kinds, machines
 
 from engine import Machine
-from engine.compiling.jit import set_threads, threads
+from engine.compiling.threads import set_threads, threads
 
 HERE = Path(__file__).parent
 ACCURACIES = (None, 1e-3, 1e-6)

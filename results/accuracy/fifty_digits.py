@@ -20,7 +20,7 @@ from closed_summaries import Summaries
 from random_machines import kinds, machines
 from taylor import MANY_DIGITS
 
-from engine.compiling.jit import threads
+from engine.compiling.threads import threads
 
 HERE = Path(__file__).parent
 DIGITS = 50

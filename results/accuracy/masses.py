@@ -16,7 +16,7 @@ from random_machines import SEED, Kind, Varied, kinds, machines
 from timing import microseconds
 
 from engine import Machine, Scene
-from engine.compiling.jit import set_threads
+from engine.compiling.threads import set_threads
 
 HERE = Path(__file__).parent
 # Groups whose first link is replaced, by kind of machine.

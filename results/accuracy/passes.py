@@ -18,7 +18,7 @@ from random_machines import SEED, Kind, Varied, kinds, machines
 from timing import microseconds
 
 from engine import Machine, Scene
-from engine.compiling.jit import set_threads, threads
+from engine.compiling.threads import set_threads, threads
 from engine.scene.pairs import Pair, pairs
 
 HERE = Path(__file__).parent

@@ -20,7 +20,7 @@ from timing import microseconds
 from ways import Motors, Sampled, by_tolerance, frozen_step, in_time, over_tables, rk4_step, trapezoid_step
 
 from engine import Machine, Scene
-from engine.compiling.jit import set_threads, threads
+from engine.compiling.threads import set_threads, threads
 from engine.scene.scene import scene_numbers
 
 HERE = Path(__file__).parent

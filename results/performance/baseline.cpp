@@ -424,14 +424,16 @@ void summaries(const double* parameters, int count, int variants, int n, const d
 #pragma omp for schedule(static)
         for (int v = 0; v < variants; ++v) {
             const Machine machine(parameters + static_cast<long>(v) * count);
-            const Vec start = machine.at(cosines[0], sines[0]).way;
+            // Not cosines[0]: to use it again the compiler would read each position ahead, and vectorise nothing.
+            const Reduced start = machine.at(1.0, 0.0);
+            const double start_x = start.way.x, start_y = start.way.y;
 #pragma omp simd
             for (int k = 0; k < n; ++k) {
                 const Reduced r = machine.at(cosines[k], sines[k]);
                 inertia[k] = r.inertia;
                 moment[k] = r.moment;
                 input[k] = middle * r.slope - r.moment;
-                travel[k] = Machine::ROCKS ? cross(start, r.way) : r.way.x;
+                travel[k] = Machine::ROCKS ? start_x * r.way.y - start_y * r.way.x : r.way.x;
             }
             for (int k = 0; k < n / 2; ++k) {
                 half_inertia[k] = inertia[2 * k];

@@ -15,7 +15,7 @@ import numpy as np
 from machines import CASES
 
 from engine import Machine
-from engine.compiling.jit import threads
+from engine.compiling.threads import threads
 from sweeps.optimising.runner import optimise_study
 from sweeps.optimising.searching import first_generation
 from sweeps.optimising.trials import Trials

@@ -15,7 +15,7 @@ import numpy as np
 from machines import CASES, Case, sample
 
 from engine import Machine, Scene
-from engine.compiling.jit import set_threads
+from engine.compiling.threads import set_threads
 from engine.scene.pairs import pairs
 
 HERE = Path(__file__).parent

@@ -3,9 +3,10 @@
 import math
 
 import numpy as np
+from numba import njit
 
-from engine.cycle.compiling import curves_function
-from engine.cycle.lanes import LANES, in_lanes
+from engine.compiling.tiles import LANES, TILE_OPTIONS, TILE_SIGNATURE
+from engine.cycle.lanes import in_lanes
 from engine.cycle.machine import Machine, Plan
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
@@ -18,8 +19,10 @@ NEAR_SHARE, FAR_SHARE, SPEED, WHEEL = range(11, 15)
 LOW, HIGH, LOW_AT, HIGH_AT, NEAR, FAR, LOAD = range(15, 22)
 NUMBERS = 22
 
+COMPILED = {**TILE_OPTIONS, "cache": False}
 
-@curves_function
+
+@njit(TILE_SIGNATURE, **COMPILED)
 def press_events(P, T, q, cos_q, sin_q, tile):
     count, room = q.shape[0], tile.shape[1]
     P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
@@ -31,7 +34,7 @@ def press_events(P, T, q, cos_q, sin_q, tile):
             tile[i, lane], tile[room + i, lane] = r * c + root, -r * s - y * r * c / root
 
 
-@curves_function
+@njit(TILE_SIGNATURE, **COMPILED)
 def press_levels(P, T, q, cos_q, sin_q, tile):
     P, tile = in_lanes(P), in_lanes(tile)
     for lane in range(LANES):
@@ -40,7 +43,7 @@ def press_levels(P, T, q, cos_q, sin_q, tile):
         tile[1, lane] = P[LOW, lane] + P[FAR_SHARE, lane] * stroke
 
 
-@curves_function
+@njit(TILE_SIGNATURE, **COMPILED)
 def press_states(P, T, q, cos_q, sin_q, tile):
     P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
     for lane in range(LANES):
@@ -53,7 +56,7 @@ def press_states(P, T, q, cos_q, sin_q, tile):
         tile[0, lane] = (P[FORCE, lane] if on_stroke else 0.0) + (P[OTHER_FORCE, lane] if on_input else 0.0)
 
 
-@curves_function
+@njit(TILE_SIGNATURE, **COMPILED)
 def press_curves(P, T, q, cos_q, sin_q, tile):
     count, room = q.shape[0], tile.shape[1]
     P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
@@ -102,7 +105,7 @@ def slide(numbers, q):
 CURVE_FIRST, CURVE_LAST, ECCENTRICITY, COS_PHASE, SIN_PHASE = range(5)
 
 
-@curves_function
+@njit(TILE_SIGNATURE, **COMPILED)
 def smooth_curves(P, T, q, cos_q, sin_q, tile):
     count, room = q.shape[0], tile.shape[1]
     P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
@@ -132,7 +135,7 @@ def smooth(**asked):
 ORDERS = 7
 
 
-@curves_function
+@njit(TILE_SIGNATURE, **COMPILED)
 def wave_curve(P, T, q, cos_q, sin_q, tile):
     count = q.shape[0]
     P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
@@ -146,7 +149,7 @@ def wave_curve(P, T, q, cos_q, sin_q, tile):
             tile[i, lane] = total
 
 
-@curves_function
+@njit(TILE_SIGNATURE, **COMPILED)
 def rounding_curves(P, T, q, cos_q, sin_q, tile):
     count, room = q.shape[0], tile.shape[1]
     cos_q, sin_q, tile = in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
@@ -158,7 +161,7 @@ def rounding_curves(P, T, q, cos_q, sin_q, tile):
             tile[room + i, lane] = (1e6 + c) - 1e6
 
 
-@curves_function
+@njit(TILE_SIGNATURE, **COMPILED)
 def peak_curve(P, T, q, cos_q, sin_q, tile):
     count = q.shape[0]
     P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
@@ -166,3 +169,33 @@ def peak_curve(P, T, q, cos_q, sin_q, tile):
         for lane in range(LANES):
             along = cos_q[i, lane] * P[3, lane] + sin_q[i, lane] * P[4, lane]
             tile[i, lane] = 1.0 / (P[2, lane] + (1.0 - along))
+
+
+@njit(TILE_SIGNATURE, **COMPILED)
+def force_curves(P, T, q, cos_q, sin_q, tile):
+    count, room = q.shape[0], tile.shape[1]
+    P, q, tile = in_lanes(P), in_lanes(q), in_lanes(tile)
+    for i in range(count):
+        for lane in range(LANES):
+            x = q[i, lane] - P[3, lane]
+            angle, size = P[2, lane] * math.sin(x), 1.0 + 0.5 * math.cos(x)
+            tile[i, lane], tile[room + i, lane] = size * math.cos(angle), size * math.sin(angle)
+            tile[2 * room + i, lane] = size * size
+            fading = 0.25 * (1.0 + math.cos(x)) ** 2
+            tile[3 * room + i, lane], tile[4 * room + i, lane] = fading * math.cos(x), fading * math.sin(x)
+            tile[5 * room + i, lane] = fading * fading
+            tile[6 * room + i, lane] = P[2, lane] * math.cos(x)
+
+
+def forces(**asked):
+    """A force that swings by ± a, numbers 2, about the x axis, and one that turns and fades behind it; squares of both.
+
+    Both with a phase, number 3; the last curve is the rate of the first one's angle.
+    """
+    return Machine(Plan(ends=(0, 1), curves=7, **asked), force_curves)
+
+
+def force_numbers(swing, phase):
+    """P of the forces over a whole turn."""
+    swing, phase = np.broadcast_arrays(swing, phase)
+    return np.array([np.zeros(swing.size), np.full(swing.size, 2.0 * np.pi), swing, phase], dtype=float)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from cycle_machines import press, press_numbers, smooth, smooth_numbers
 
-from engine.compiling.jit import set_threads
+from engine.compiling.threads import set_threads
+from engine.compiling.tiles import LANES
 from engine.cycle.driver import evaluate_blocks
-from engine.cycle.lanes import ASIDE, LANES, rows, tiles
+from engine.cycle.lanes import ASIDE, rows, tiles
 
 
 def test_all_machines_share_one_driver():

@@ -218,7 +218,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
         assert code == 2
         assert "machine elements alone" in out
     code, out = run("check", "jack.toml", "--source")
-    assert "def kernel" in out
+    assert "def numbers" in out
 
 
 def test_plot_of_a_sweep_of_elements__is_made_without_a_drawing(result):

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.compiling.jit import load_kernel, run_kernel, scalar
+from engine.compiling.decorators import scalar
+from engine.compiling.printed import load_printed
 from engine.compiling.tiles import LANES, PANEL_POSITIONS
 from engine.graph.functions import field_function, functions_at, functions_of
 from engine.graph.nodes import (
@@ -153,7 +154,7 @@ def prepared(graph: Graph, asked: list[Node]) -> tuple[object, np.ndarray]:
 def test_printed_tile__is_the_graph_worked_out_by_numpy():
     graph, asked = some_graph()
     functions, numbers = prepared(graph, asked)
-    module = load_kernel(functions.text)
+    module = load_printed(functions.text)
     q = np.linspace(0, 6, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     middle = q[8:9].copy()
     held = np.empty((len(functions.held_rows), 1, LANES))
@@ -176,9 +177,10 @@ def test_printed_fields__are_the_graph_worked_out_by_numpy(dtype):
     functions, numbers = prepared(graph, asked)
     nodes = np.linspace(0, 6, 700)
     fields = np.empty((len(asked), 5, nodes.size), dtype)
-    text = field_function("A test.", asked, functions.rows, dtype)
-    arguments = (numbers[:, :5].astype(dtype), functions.memory, *(f.astype(dtype) for f in places(nodes)), fields)
-    run_kernel(text, "fields", 5, *arguments)
+    module = load_printed(field_function("A test.", asked, functions.rows, dtype))
+    for v in range(5):
+        own = numbers[:, v].astype(dtype)
+        module.fields(own, functions.memory, *(f.astype(dtype) for f in places(nodes)), v, fields)
     # Sums of some twenty terms of up to a hundred.
     tolerance = 2e3 * np.finfo(dtype).eps
     for v in range(5):
@@ -212,7 +214,7 @@ def test_position_by_position__given_numbers_are_read_and_what_is_held_is_comput
     numbers[functions.rows[speed]] = np.arange(LANES)
     q = np.linspace(0.0, 6.0, LANES)[None]
     tile = np.zeros((1, 1, LANES))
-    load_kernel(functions.text).curves_at(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
+    load_printed(functions.text).curves_at(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
     assert functions.crossings == ((0, functions.rows[g.zero]),)
     assert functions.held_rows == ()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engine.compiling.jit import load_kernel
+from engine.compiling.printed import load_printed
 from engine.compiling.tiles import LANES, PANEL_POSITIONS
 from engine.graph.functions import functions_of
 from engine.graph.nodes import Graph
@@ -20,7 +20,7 @@ def printed():
     low = graph.found(x, rate, "low")
     graph.switches(x, rate, low + 0.25)
     found = functions_of(graph, "test", first, last, [signs[0] * signs[1] * x])
-    return found, load_kernel(found.text)
+    return found, load_printed(found.text)
 
 
 def positions(count, q):

@@ -14,7 +14,7 @@ from oracle_dynamics import moments, reduced_inertia, reduced_inertia_phi
 from press import actions, bodies, forces, press
 
 from engine import Machine, Scene, Verdict
-from engine.compiling.jit import set_threads
+from engine.compiling.threads import set_threads
 from engine.equal_positions.rows_machine import RowsMachine
 
 I_FIELDS = ("reduced_inertia", "reduced_inertia_phi")

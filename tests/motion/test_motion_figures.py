@@ -5,7 +5,7 @@ import pytest
 from motion_scenes import ask, run, slider_crank, steady
 
 from engine import Verdict
-from engine.compiling.jit import set_threads
+from engine.compiling.threads import set_threads
 
 REGIMES = {
     "start": run("dc fan gravity", speed=35.0),

@@ -10,7 +10,7 @@ import xarray
 from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, contents, run, study_of, text_of
 
 from engine import Verdict
-from engine.compiling.jit import set_threads
+from engine.compiling.threads import set_threads
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run import runner
 from sweeps.run.runner import run_study

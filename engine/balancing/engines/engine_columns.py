@@ -27,7 +27,7 @@ from engine.balancing.engines.master_rod import POSITIONS
 from engine.balancing.engines.shafts import counterweights, remaining
 from engine.balancing.engines.shaking import Shaking, shaking
 from engine.balancing.engines.torque_orders import Indicator, firing_sums
-from engine.elements.element_laws import Law, Result
+from engine.elements.element_laws import LawOfArrays, Result
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
@@ -77,7 +77,7 @@ def torque_name(order: float) -> str:
     return f"torque_order_{order:g}".replace(".", "_")
 
 
-def engine_law(engine: EngineElement) -> Law:
+def engine_law(engine: EngineElement) -> LawOfArrays:
     """The law of an engine: its numbers in an order of their own, and its results.
 
     Parameters
@@ -86,7 +86,7 @@ def engine_law(engine: EngineElement) -> Law:
     """
     keys, results = tuple(_keys(engine)), tuple(_results(engine))
     positions = POSITIONS * engine.cylinders if engine.master_index is not None else 256
-    return Law(
+    return LawOfArrays(
         partial(_rows, engine, keys, tuple(r.name for r in results)),
         lambda element, given: tuple(given(key) for key in keys),
         results,

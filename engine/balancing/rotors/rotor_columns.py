@@ -21,7 +21,7 @@ from engine.balancing.rotors.knife_edges import residual_unbalance
 from engine.balancing.rotors.rotor_element import CorrectionPlane, RotorElement
 from engine.balancing.rotors.rotor_rounding import Balanced, rotor_sizes
 from engine.balancing.rotors.unbalance import Resultant, about, in_two_planes, kind, resultant, unbalance
-from engine.elements.element_laws import Law, Result
+from engine.elements.element_laws import LawOfArrays, Result
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
@@ -58,7 +58,7 @@ _RESULTS = (
 )
 
 
-def rotor_law(rotor: RotorElement) -> Law:
+def rotor_law(rotor: RotorElement) -> LawOfArrays:
     """The law of a rotor: its numbers in an order of their own, and its results, which depend on its planes.
 
     Parameters
@@ -72,7 +72,7 @@ def rotor_law(rotor: RotorElement) -> Law:
         results.append(Result(f"{name}.angle", f"angle of the mass added in plane {name}", "rad"))
         if plane.holes is not None:
             results += _hole_results(name, plane)
-    return Law(
+    return LawOfArrays(
         partial(_rows, rotor, keys, tuple(r.name for r in results)),
         lambda element, given: tuple(given(key) for key in keys),
         tuple(results),

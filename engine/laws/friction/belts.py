@@ -8,7 +8,7 @@ Sources: L. Euler, 1769; R. S. Khurmi and J. K. Gupta, Theory of Machines, chapt
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

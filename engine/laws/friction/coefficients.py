@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.elementary import exponential, power
 
 # A lining worn in on a half-round seat presses with the cosine of the angle from its middle, a new one evenly: by

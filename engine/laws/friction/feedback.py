@@ -17,7 +17,7 @@ L. Qi, J. Sun, A nonsmooth version of Newton's method, Mathematical Programming 
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 # A position whose pressing forces still change by more than this share after all passes has none in equilibrium.
 UNSETTLED = 1e-6

@@ -11,7 +11,7 @@ Theory of Mechanisms and Machines.
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

@@ -11,7 +11,7 @@ J. K. Gupta, Theory of Machines, chapter 10.
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

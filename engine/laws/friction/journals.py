@@ -11,7 +11,7 @@ that is printed here and there for the new journal is a misprint of pi/2 = 1.57.
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

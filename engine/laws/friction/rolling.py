@@ -7,7 +7,7 @@ Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (rolling friction
 Theory of Machines, chapter 10.
 """
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

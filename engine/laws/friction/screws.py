@@ -11,7 +11,7 @@ J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 8.
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.friction.inclines import push_down, push_up
 
 

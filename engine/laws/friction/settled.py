@@ -15,7 +15,7 @@ than the whole of a force and passes are thrown to and fro; both count as jammed
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.friction.feedback import change_of, guide_bearing
 
 # Kinds of pairs, as these laws are told them.

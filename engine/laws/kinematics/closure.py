@@ -6,7 +6,7 @@ that what is left is some roundings of the machine's extent over the length of t
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

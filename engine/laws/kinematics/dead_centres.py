@@ -7,7 +7,7 @@ left is no more than rounding, whose sign is chance, the position is the dead ce
 import numpy as np
 from numba.extending import intrinsic
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.elementary import arcsine
 
 # Half a unit in the last place of each of four coordinates and two lengths, and of the operations with them.

@@ -6,7 +6,7 @@ dr/dq and an "acceleration" d²r/dq², the transfer functions of the textbooks.
 Vectors are given by their components; `arm` is the vector from the link's origin to a point of the link.
 """
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

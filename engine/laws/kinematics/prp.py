@@ -9,7 +9,7 @@ Position, rates, and equilibrium of the sliders along their guides, F_B the forc
 `engine.laws.kinematics` has the conventions of all groups.
 """
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap
 from engine.laws.kinematics.vectors import oblique_components
 

@@ -9,7 +9,7 @@ Position, rates, and equilibrium of the sliding link along its guide, `normal` t
 `engine.laws.kinematics` has the conventions of all groups.
 """
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import direction_gap, greater, guide_gap
 from engine.laws.kinematics.links import arm
 from engine.laws.kinematics.vectors import oblique_components

@@ -11,7 +11,7 @@ Position, rates, and equilibrium of moments about the rocker's pivot D; block an
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap, unit_gap
 from engine.laws.kinematics.dead_centres import left_over
 from engine.laws.kinematics.vectors import distance

@@ -12,7 +12,7 @@ on the rod:
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap, link_gap
 from engine.laws.kinematics.dead_centres import left_over
 

@@ -11,7 +11,7 @@ Position, rates, and equilibrium of moments about the outer joints, F_B the forc
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, link_gap
 from engine.laws.kinematics.dead_centres import left_over
 

@@ -2,7 +2,7 @@
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

@@ -10,13 +10,13 @@ import numpy as np
 
 from engine.graph.nodes import Graph, Node
 from engine.laws.tables import (
+    HEAD,
     Table,
-    first_piece,
+    entry,
+    entry_from,
     in_memory,
     make_table,
-    next_piece,
     periods_before,
-    segment_value,
     table_segment,
 )
 from engine.mechanism.kinematics import Kinematics
@@ -58,23 +58,32 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> 
     place = _place(kinematics, action, period, time)
     for level, kink in place.levels:
         graph.switches(place.curve, place.rate, level, kink)
-    begin, *cubic = _piece(graph, table, place.abscissa)
-    held = [graph.held(begin), *(graph.held(c * factor) for c in cubic)]
-    return graph.apply(segment_value, *held, place.abscissa)
+    begin, *coefficients = _piece(graph, table, place.abscissa)
+    highest, *others = (graph.held(c * factor) for c in coefficients)
+    # By Horner's rule, of a degree no higher than the table's.
+    value, t = highest, place.abscissa - graph.held(begin)
+    for coefficient in others:
+        value = value * t + coefficient
+    return value
 
 
 def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
-    """Where the piece of a table begins that x lies in, and its cubic."""
+    """Where the piece of a table begins that x lies in, and its polynomial, highest power first."""
     offset, pieces = graph.store(in_memory(table)), table.coefficients.shape[0]
+    powers = [power for power in range(4) if table.coefficients[:, : power + 1].any() or power == 3]
     if pieces > MOST_LOOKED_THROUGH:
-        return graph.apply(table_segment, graph.memory, offset, x)
+        begin, *cubic = graph.apply(table_segment, graph.memory, offset, x)
+        return begin, *(cubic[power] for power in powers)
     away = graph.apply(periods_before, table.start, table.period, x) if table.period else graph.zero
-    u = x - away
-    found = graph.apply(first_piece, graph.memory, offset, float(pieces), u)
-    for piece in range(1, pieces):
-        found = graph.apply(next_piece, graph.memory, offset, float(pieces), float(piece), u, *found)
-    left, *cubic = found
-    return left + away, *cubic
+    breaks = offset + HEAD
+    found = []
+    for first, apart in [(breaks, 1), *((breaks + pieces + 1 + power, 4) for power in powers)]:
+        number = graph.apply(entry, graph.memory, first)
+        for piece in range(1, pieces):
+            places = (first + apart * piece, breaks + piece)
+            number = graph.apply(entry_from, graph.memory, *places, x - away, number)
+        found.append(number)
+    return found[0] + away, *found[1:]
 
 
 def _period(kinematics: Kinematics, action: Tabled) -> float:

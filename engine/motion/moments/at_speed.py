@@ -11,9 +11,11 @@ import numba
 import numpy as np
 from numba import types
 
-from engine.cycle.compiling import driver, prepare, scalar, spread
+from engine.compiling.decorators import driver, inlined
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import LANES
 from engine.cycle.driver import gather, hand_out
-from engine.cycle.lanes import LANES, Memory, in_lanes, rows
+from engine.cycle.lanes import Memory, in_lanes, rows
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 
@@ -54,25 +56,25 @@ class Drive(NamedTuple):
         return Drive(*(np.ascontiguousarray(part[..., chosen]) for part in self))
 
 
-@scalar
+@inlined
 def straight_motors(drive: Memory, lane: int, speed: float) -> float:
     """Moment of the motors with a straight characteristic."""
     return drive[LEVEL, lane] + drive[FALL, lane] * speed
 
 
-@scalar
+@inlined
 def polynomial(loads: Memory, begin: int, lane: int, speed: float) -> float:
     """Moment of loads over ω⁰, ω¹ and ω², whose rows follow each other from `begin` on."""
     return loads[begin, lane] + speed * (loads[begin + 1, lane] + speed * loads[begin + 2, lane])
 
 
-@scalar
+@inlined
 def polynomial_slope(loads: Memory, begin: int, lane: int, speed: float) -> float:
     """Derivative of `polynomial` by the speed."""
     return loads[begin + 1, lane] + 2.0 * speed * loads[begin + 2, lane]
 
 
-@scalar
+@inlined
 def add_induction_motors(wide: int, drive: Memory, motors: int, speed: Memory, moment: Memory) -> None:
     """Add the moments of induction motors at a speed of each lane.
 
@@ -94,7 +96,7 @@ def add_induction_motors(wide: int, drive: Memory, motors: int, speed: Memory, m
             )
 
 
-@scalar
+@inlined
 def add_induction_slopes(wide: int, drive: Memory, motors: int, speed: Memory, slope: Memory) -> None:
     """Add their derivatives by the speed; parameters as of `add_induction_motors`."""
     for motor in range(motors):
@@ -106,14 +108,14 @@ def add_induction_slopes(wide: int, drive: Memory, motors: int, speed: Memory, s
             )
 
 
-@scalar
+@inlined
 def add_power(wide: int, load: Memory, exponent: Memory, speed: Memory, moment: Memory) -> None:
     """Add the moment of a load over a power of the speed; all are rows, (LANES,)."""
     for lane in range(wide):
         moment[lane] += load[lane] * power(abs(speed[lane]), exponent[lane])
 
 
-@scalar
+@inlined
 def add_power_slope(wide: int, load: Memory, exponent: Memory, speed: Memory, slope: Memory) -> None:
     """Add its derivative by the speed; parameters as of `add_power`."""
     for lane in range(wide):

@@ -6,12 +6,15 @@ import numba
 import numpy as np
 from numba import types
 
-from engine.compiling.jit import load_compiled
-from engine.cycle.compiling import CURVES, driver, prepare, spread
+from engine.compiling.decorators import driver
+from engine.compiling.nothing import nothing
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
 from engine.cycle.events import MOST_ROOTS
-from engine.cycle.lanes import LANES, in_lanes
-from engine.cycle.machine import Machine, Plan, absent
+from engine.cycle.lanes import in_lanes
+from engine.cycle.machine import Machine, Plan
 from engine.cycle.panels import of_edges, set_out
 from engine.cycle.roots import FUNCTION, LEVEL, X
 from engine.graph.nodes import Found, Given, reached
@@ -58,7 +61,7 @@ class Landmarks:
         crossings = [(events[w.crossing.curve], functions.rows[w.crossing.level]) for w in self.watches]
         marks = [mark[1:] for mark in functions.landmarks]
         plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, scan=scan)
-        return Machine(plan, absent).task
+        return Machine(plan, nothing).task
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
         """Ends of strokes that something depends on, and the breaks of all actions.
@@ -81,7 +84,7 @@ class Landmarks:
 
     def _find(self, parameters: np.ndarray, found: np.ndarray) -> None:
         functions, task = self.tabulation.functions, self._task
-        module = load_compiled(functions.text)
+        module = load_printed(functions.text)
 
         def arguments() -> tuple:
             work = new_workspace(task, len(parameters), 0)
@@ -89,7 +92,7 @@ class Landmarks:
 
         if not find_places.overloads:
             kinds = [numba.typeof(argument) for argument in arguments()[2:]]
-            prepare(find_places, [types.intp, types.intp, CURVES, CURVES, *kinds])
+            prepare(find_places, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *kinds])
         spread(find_places, -(-found.shape[2] // LANES), arguments)
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:

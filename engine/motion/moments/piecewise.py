@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.motion.moments.grid import GAP
 
 

@@ -11,11 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from engine.compiling.jit import load_compiled
-from engine.compiling.tiles import TileFunction
-from engine.cycle.compiling import CURVES, driver, prepare, spread
+from engine.compiling.decorators import driver
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.cycle.driver import gather, hand_out
-from engine.cycle.lanes import LANES, in_lanes
+from engine.cycle.lanes import in_lanes
 from engine.cycle.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given
@@ -125,7 +126,7 @@ class Tabulation:
     def _function(self, name: str) -> TileFunction:
         """One of the printed functions, compiled."""
         if name not in self._compiled:
-            self._compiled[name] = TileFunction(getattr(load_compiled(self.functions.text), name))
+            self._compiled[name] = TileFunction(getattr(load_printed(self.functions.text), name))
         return self._compiled[name]
 
     def _filled(
@@ -217,6 +218,6 @@ def fill_places(
 
 _ROWS, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]
 _TYPES = (
-    *(types.intp, types.intp, CURVES, _ROWS, types.float64[::1], _ROWS, _CUBE, types.int64[::1]),
+    *(types.intp, types.intp, FILLS_TILE, _ROWS, types.float64[::1], _ROWS, _CUBE, types.int64[::1]),
     *(types.intp, types.int64[::1], types.boolean[::1], types.float64[::1], _ROWS, _CUBE),
 )

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.compiling import driver, routine, scalar
+from engine.compiling.decorators import driver, inlined, routine
+from engine.compiling.tiles import LANES
 from engine.cycle.driver import fill, gather
-from engine.cycle.lanes import ASIDE, LANES, Memory, in_lanes, lane_of, rows
+from engine.cycle.lanes import ASIDE, Memory, in_lanes, lane_of, rows
 from engine.cycle.series import larger, smaller
 from engine.motion.moments.at_speed import (
     FALL,
@@ -220,7 +221,7 @@ def explicit_step(
     finish(wide, WEIGHTS, places[first + 2 * form.width + INVERSE], stages, state)
 
 
-@scalar
+@inlined
 def solved(
     a11: float,
     a12: float,

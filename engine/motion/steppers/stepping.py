@@ -4,8 +4,8 @@ import numba
 import numpy as np
 from numba import types
 
-from engine.cycle.compiling import prepare, spread
-from engine.cycle.lanes import LANES
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import LANES
 from engine.motion.moments.at_speed import POLYNOMIAL
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.steppers.energy_form import NEAR_REST, STIFF, Course, Limits, Tables, new_course

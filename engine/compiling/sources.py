@@ -1,0 +1,89 @@
+"""Which sources compiled code is made from: a file of the engine with all that it imports from the engine.
+
+Numba's own cache notices a change only in the file that holds the cached function, not in the files whose functions it
+calls. Machine code is therefore kept in folders named by a digest of every source that it can reach.
+"""
+
+import hashlib
+import platform
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import llvmlite
+import numba
+
+_PACKAGE = "engine"
+_ROOT = Path(__file__).parents[2]
+_VERSIONS = f"{numba.__version__} {llvmlite.__version__} {platform.python_version()}"
+
+
+def _files_of(module: str) -> Iterator[Path]:
+    """The source of a module; of a package all that lies in it."""
+    path = _ROOT.joinpath(*module.split("."))
+    if path.is_dir():
+        yield from sorted(path.glob("*.py"))
+    elif (file := path.with_suffix(".py")).exists():
+        yield file
+
+
+def _imported(text: str) -> Iterator[str]:
+    """Modules of the engine that a source imports, line by line; one too many does no harm."""
+    for line in text.splitlines():
+        match line.split(maxsplit=2):
+            case ["from" | "import", module, *_] if module.startswith(f"{_PACKAGE}."):
+                yield module
+
+
+@cache
+def _read(path: Path) -> str:
+    return path.read_text(encoding="utf8")
+
+
+@cache
+def _reached(module: str) -> frozenset[Path]:
+    """Sources of a module and of all that it imports, however far away."""
+    found: set[Path] = set()
+    pending = [module]
+    while pending:
+        new = set(_files_of(pending.pop())) - found
+        found |= new
+        for path in new:
+            pending += _imported(_read(path))
+    return frozenset(found)
+
+
+def _digest(paths: frozenset[Path], text: str = "") -> str:
+    digest = hashlib.sha256(f"{_VERSIONS}\0{text}".encode())
+    for path in sorted(paths):
+        digest.update(f"\0{path.relative_to(_ROOT).as_posix()}\0{_read(path)}".encode())
+    return digest.hexdigest()
+
+
+@cache
+def digest_of_module(module: str) -> str:
+    """Digest of a module of the engine, of all that it imports from the engine, and of the compilers' versions.
+
+    Parameters
+    ----------
+    module : str
+        Of a module elsewhere the digest is that of the whole engine.
+    """
+    return _digest(_reached(module)) if module.startswith(f"{_PACKAGE}.") else sources_digest()
+
+
+@cache
+def digest_of_text(text: str) -> str:
+    """Digest of a printed module, as `digest_of_module`.
+
+    Parameters
+    ----------
+    text : str
+    """
+    return _digest(frozenset().union(*(_reached(module) for module in _imported(text))), text)
+
+
+@cache
+def sources_digest() -> str:
+    """Digest of all sources of the engine and of the compilers' versions."""
+    return _digest(frozenset((_ROOT / _PACKAGE).rglob("*.py")))

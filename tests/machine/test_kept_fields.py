@@ -1,0 +1,179 @@
+"""Kept fields: against closed forms and NumPy, in place, the same to the last bit however the work is cut."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba import njit
+
+from engine import Machine, Scene, set_threads
+from engine.machine.kept_fields import _follow, _is_finite
+from engine.verdicts import Verdict
+
+EPS = np.finfo(float).eps
+
+FOUR_BAR = {
+    "gravity": 9.81,
+    "points": {"O": {"x": 0.0, "y": 0.0}, "D": {"x": 0.22, "y": 0.01}},
+    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 12.0},
+    "groups": {
+        "g": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "rod", "joint": "A", "length": 0.2},
+            "second": {"link": "rocker", "joint": "D", "length": 0.15},
+        }
+    },
+    "bodies": {"rod": {"link": "rod", "mass": 1.0, "x": 0.1, "y": 0.01, "inertia": 0.01}},
+    "moments": {"twist": {"on": "rocker", "type": "constant", "moment": 5.0}},
+    "flywheel": {"speed_fluctuation": 0.02},
+}
+FIELDS = ["reduced_inertia", "reduced_moment", "rod.angle", "crank.angle", "B.x", "B.y"]
+
+
+def four_bar(**changes: object) -> Scene:
+    return Scene.model_validate({**FOUR_BAR, **changes})
+
+
+# A table of stacked lanes is cut at 64 variants.
+VARIED = {"input.length": np.linspace(0.03, 0.05, 150), "bodies.rod.mass": np.linspace(1.0, 5.0, 150)}
+
+
+def everything(outcome: object) -> list[bytes]:
+    return [a.tobytes() for part in (outcome.summaries, outcome.errors, outcome.fields) for a in part.values()]
+
+
+def test_fields__are_the_same_to_the_last_bit_on_any_number_of_threads():
+    machine = Machine(four_bar(), ["excess_work"], FIELDS, VARIED, 90)
+    try:
+        found = []
+        for count in (1, 2, 5):
+            set_threads(count)
+            found.append(everything(machine.evaluate(VARIED)))
+    finally:
+        set_threads(0)
+    assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("chosen", [[0], [149, 3], range(60, 70), range(1, 150, 2)], ids=str)
+def test_fields__are_the_same_to_the_last_bit_wherever_a_variant_lies(chosen):
+    machine = Machine(four_bar(), ["excess_work"], FIELDS, VARIED, 90)
+    chosen = list(chosen)
+    whole = machine.evaluate(VARIED)
+    part = machine.evaluate({path: values[chosen] for path, values in VARIED.items()})
+    for ours, theirs in ((whole.summaries, part.summaries), (whole.fields, part.fields)):
+        for name in ours:
+            assert ours[name][chosen].tobytes() == theirs[name].tobytes(), name
+
+
+def test_part_of_a_buffer__gets_the_same_bits_and_nothing_is_left_of_what_it_held():
+    machine = Machine(four_bar(), [], FIELDS, VARIED, 90)
+    buffer = machine.new_buffer(200)
+    buffer[:] = 7.0
+    drop = np.arange(150) % 7 == 2
+    found, own = machine.evaluate(VARIED, drop, buffer), machine.evaluate(VARIED, drop)
+    assert everything(found) == everything(own)
+    assert np.shares_memory(found.fields["B.x"], buffer)
+    assert np.isnan(found.fields["B.x"][drop]).all()
+    assert np.isfinite(found.fields["B.x"][~drop]).all()
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("revolutions", [1, 2])
+def test_angles__go_on_through_all_turns(dtype, revolutions):
+    crank = {**FOUR_BAR["input"], "revolutions": revolutions}
+    machine = Machine(
+        four_bar(input=crank), [], ["crank.angle", "rod.angle", "A.x", "A.y", "B.x", "B.y"], [], 360, dtype
+    )
+    f = {name: rows[0] for name, rows in machine.evaluate({}).fields.items()}
+    # A rounding of the greatest angle, and of the direction before it.
+    close = {"rtol": 0, "atol": 4 * np.finfo(dtype).eps * 2 * np.pi * revolutions}
+    np.testing.assert_allclose(f["crank.angle"], machine.nodes, **close)
+    along = np.arctan2(f["B.y"] - f["A.y"], f["B.x"] - f["A.x"])
+    # Joints at a distance of 0.2 known to some roundings of 0.4.
+    np.testing.assert_allclose(f["rod.angle"], np.unwrap(along.astype(float)), rtol=0, atol=64 * np.finfo(dtype).eps)
+
+
+@njit
+def followed(row):
+    _follow(row)
+
+
+@njit
+def finite(row):
+    return _is_finite(row)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+def test_what_is_not_finite__is_found_at_any_position(dtype, wrong):
+    for place in range(37):
+        row = np.linspace(-1e30, 1e30, 37).astype(dtype)
+        assert finite(row)
+        row[place] = wrong
+        assert not finite(row)
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(-3.1, 3.1), min_size=1, max_size=40), st.floats(-9.0, 9.0))
+def test_followed_angle__is_the_sum_of_its_steps(steps, first):
+    true = first + np.concatenate(([0.0], np.cumsum(steps)))
+    row = np.arctan2(np.sin(true), np.cos(true))
+    begin = row[0]
+    followed(row)
+    # Of each position the rounding of up to 130 rad, of its sine and its cosine.
+    np.testing.assert_allclose(row - begin, true - first, rtol=0, atol=300 * EPS)
+
+
+def test_ranges_of_variants_own__are_those_of_the_slide():
+    """An elliptic trammel: A slides along x from 0.05 on, B along y, at a distance of 0.2."""
+    scene = Scene.model_validate(
+        {
+            "points": {"O": {"x": 0.0, "y": 0.0}},
+            "guides": {"along": {}, "across": {"angle": np.pi / 2}},
+            "input": {
+                "type": "slider", "link": "drive", "guide": "along", "point": "A",
+                "start": 0.05, "stop": 0.1, "speed": 0.1,
+            },
+            "groups": {
+                "g": {
+                    "type": "RRP",
+                    "inner": "B",
+                    "first": {"link": "rod", "joint": "A", "length": 0.2},
+                    "second": {"link": "ram", "guide": "across"},
+                }
+            },
+        }
+    )  # fmt: skip
+    stops = np.array([0.1, 0.15, 0.19, 0.26, -0.1])
+    outcome = Machine(scene, [], ["A.x", "B.y"], ["input.stop"], 40).evaluate({"input.stop": stops})
+    x = 0.05 + (stops[:, None] - 0.05) * np.arange(41) / 40
+    np.testing.assert_allclose(outcome.fields["A.x"], x, rtol=0, atol=2 * EPS * 0.25)
+    reached = np.abs(x) < 0.2
+    with np.errstate(invalid="ignore"):
+        y = np.sqrt((0.2 - x) * (0.2 + x))
+    # The root's own error near its zero: half the rounding of x over y, by x/y.
+    np.testing.assert_allclose(outcome.fields["B.y"][reached], y[reached], rtol=0, atol=64 * EPS)
+    assert np.isnan(outcome.fields["B.y"][~reached]).all()
+    assert list(outcome.status) == [Verdict.OK, Verdict.OK, Verdict.OK, Verdict.CANNOT_ASSEMBLE, Verdict.OK]
+
+
+def test_variant_that_cannot_be_assembled__keeps_what_there_is_and_spoils_no_other():
+    lengths = np.array([0.05, 0.13, 0.05])
+    machine = Machine(four_bar(), [], FIELDS, ["input.length"], 90)
+    outcome, well = machine.evaluate({"input.length": lengths}), machine.evaluate({"input.length": lengths[:1]})
+    assert list(outcome.status) == [Verdict.OK, Verdict.CANNOT_ASSEMBLE, Verdict.OK]
+    for name in FIELDS:
+        assert outcome.fields[name][0].tobytes() == outcome.fields[name][2].tobytes() == well.fields[name][0].tobytes()
+    # The links reach from |0.2 − 0.15| to 0.2 + 0.15.
+    q = machine.nodes
+    apart = np.hypot(0.22 - 0.13 * np.cos(q), 0.01 - 0.13 * np.sin(q))
+    assert (np.isnan(outcome.fields["B.x"][1]) == ((apart > 0.35) | (apart < 0.05))).all()
+    assert (np.isnan(outcome.fields["rod.angle"][1]) == np.isnan(outcome.fields["B.x"][1])).all()
+
+
+def test_force_that_is_not_there__has_the_direction_zero():
+    light = four_bar(gravity=0.0, bodies={}, moments={})
+    outcome = Machine(light, [], ["g.inner.reaction_direction"]).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    assert (outcome.fields["g.inner.reaction_direction"] == 0.0).all()
