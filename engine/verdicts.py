@@ -16,6 +16,9 @@ class Verdict(IntEnum):
     RUNS_AWAY = 7
     NO_END = 8
     JAMS = 9
+    ANY_SPEED = 10
+    LOCKS = 11
+    NO_INERTIA = 12
     NOT_COMPUTED = 255
 
 
@@ -43,6 +46,18 @@ SENTENCES = {
     Verdict.JAMS: (
         "friction jams: no force or moment, however great, moves an element; less friction, a smaller angle or a "
         "longer guide helps"
+    ),
+    Verdict.ANY_SPEED: (
+        "nothing decides the speed: whatever it is, the moments do no work over a cycle, and it stays; add what drives "
+        "the machine and what resists it"
+    ),
+    Verdict.LOCKS: (
+        "a band brake locks by itself: friction alone presses it on, and its moment has no bound; change the arms of "
+        "its lever, or less friction or wrap"
+    ),
+    Verdict.NO_INERTIA: (
+        "at a dead centre nothing moves that has mass: the reduced inertia is zero there, and no moment decides the "
+        "speed; give the crank, a shaft or a flywheel its inertia"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

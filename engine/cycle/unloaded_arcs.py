@@ -38,7 +38,7 @@ STRETCH = 9
 MOST_STRETCHES, HALVINGS = 1024, 50
 
 
-class Force(NamedTuple):
+class ForceSeries(NamedTuple):
     """A force in one lane and panel, as series of its components.
 
     Attributes
@@ -64,7 +64,7 @@ def value_and_slope(series: Memory, lane: int, x: float) -> tuple[float, float]:
 
 
 @routine
-def force_at(force: Force, x: float) -> tuple[float, float, float, float]:
+def force_at(force: ForceSeries, x: float) -> tuple[float, float, float, float]:
     """Components of a force; how fast it turns times its square, half of how fast its square grows."""
     fx, slope_x = value_and_slope(force.x, force.lane, x)
     fy, slope_y = value_and_slope(force.y, force.lane, x)
@@ -72,7 +72,7 @@ def force_at(force: Force, x: float) -> tuple[float, float, float, float]:
 
 
 @routine
-def place_where(force: Force, low: float, high: float, square: float) -> float:
+def place_where(force: ForceSeries, low: float, high: float, square: float) -> float:
     """Where between two places the force turns back, or where its square takes a value that is above 0."""
     _, _, turning, _ = force_at(force, low)
     fx, fy, _, _ = force_at(force, low)
@@ -135,7 +135,7 @@ def extend(
     """Move one end of a stretch to where it is between the positions, and say what that may be off by."""
     step, j, sense = int(stretch[STEP]), int(stretch[LOW_PLACE + side]), 2.0 * side - 1.0
     slot_x, slot_y = known_slot(record, matrix, x, step), known_slot(record, matrix, y, step)
-    force = Force(record.coefficients[slot_x], record.coefficients[slot_y], lane)
+    force = ForceSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
     fx, fy = record.values[slot_x, j, lane], record.values[slot_y, j, lane]
     off = record.errors[slot_x, TAIL, lane] + record.errors[slot_y, TAIL, lane]
     off += ROUNDING * (record.whole[x, SCALE, lane] + record.whole[y, SCALE, lane])

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.equal_positions.rows_machine import RowsMachine
 from engine.graph.nodes import Node, Number
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
@@ -17,6 +16,8 @@ from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
+from engine.motion.regimes import Regimes
+from engine.motion.regimes_in_order import Schedule
 from engine.quantities.expressions import Angle, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
@@ -102,45 +103,41 @@ class Machine:
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
-        own = {*self._elements.names, *OF_ACCURACY}
-        measured = [n for n in self.asked_summaries if n not in own and self._is_measured(n)]
+        self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions)
+        self._check_asked()
+        others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
+        measured = [name for name in self.asked_summaries if name not in others]
         self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
-        self._rest = [n for n in self.asked_summaries if n not in own and n not in self._summaries]
-        self._fields: dict[str, Field] = {n: self.register.fields[n] for n in self.asked_fields if self._is_kept(n)}
-        self._rest_fields = [n for n in self.asked_fields if n not in self._fields]
-        for name, message in kept_from(scene, (*self._rest, *self._rest_fields)):
+        self._fields: dict[str, Field] = {
+            name: self.register.fields[name] for name in self.asked_fields if name not in others
+        }
+
+    def _check_asked(self) -> None:
+        """Refuse what doesn't exist, with the names that are near."""
+        for name, message in kept_from(self.mechanics, (*self.asked_summaries, *self.asked_fields)):
             raise AskError(f"{name}: {message}")
-        if self._rest or self._rest_fields:
-            self._rows.check()
-
-    def _is_measured(self, name: str) -> bool:
-        """Whether a summary is measured on the cycle; those of regimes aren't."""
-        return self.register.summary(name) is not None
-
-    def _is_kept(self, name: str) -> bool:
-        return name in self.register.fields
-
-    @cached_property
-    def _rows(self) -> "_RowsPart":
-        """What isn't measured on the cycle yet."""
-        return _RowsPart(self)
+        check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
+        known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
+        unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
+        if unknown:
+            check_names(unknown, self.available_summaries, "summary")
 
     # What may be asked
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        own = {name: Quantity(*field[:3]) for name, field in self.register.fields.items()}
-        return own | {n: q for n, q in self._rows.available_fields.items() if n not in own}
+        return {name: Quantity(*field[:3]) for name, field in self.register.fields.items()} | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
         own = {name: Quantity(*summary[:3]) for name, summary in self.register.summaries.items()}
-        own |= {name: Quantity(*summary[:3]) for name, summary in self._summaries.items()}
-        others = {n: q for n, q in self._rows.available_summaries.items() if n not in own}
+        statistics = {name: self.register.summary(name) for name in self.asked_summaries}
+        own |= {name: Quantity(*summary[:3]) for name, summary in statistics.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
-        return own | others | elements | {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
+        of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
+        return own | self.regimes.summaries | elements | of_accuracy
 
     # Positions of the kept fields
 
@@ -196,11 +193,12 @@ class Machine:
 
     @cached_property
     def measuring(self) -> Measuring:
-        """Functions and plan for all that is measured."""
+        """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
         kept = [field_node(c) for c in self._kept_curves.values()]
-        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy)
+        moving = self.regimes.nodes
+        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, moving)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -220,7 +218,7 @@ class Machine:
     @property
     def computed(self) -> dict[str, list[str]]:
         """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
-        return computed_levels(self.mechanics, self.measuring.curves)
+        return computed_levels(self.mechanics, [*self.measuring.curves, *self.regimes.nodes])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
@@ -246,9 +244,9 @@ class Machine:
             )
 
     @property
-    def schedule(self) -> object | None:
+    def schedule(self) -> Schedule | None:
         """The regimes, where anything of them is asked."""
-        return self._rows.machine.schedule if self._rest or self._rest_fields else None
+        return self.regimes.schedule
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for the asked fields of a number of variants; worth reusing from block to block."""
@@ -283,13 +281,11 @@ class Machine:
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         # The rest is filled in of variants alone that are well so far.
-        room[:, slice(None) if self._rest_fields else status != Verdict.OK] = np.nan
+        room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
             numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
             self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
-            if self._rest or self._rest_fields:
-                self._rows.fill(outcome, keep, arrays)
         return outcome
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
@@ -312,7 +308,21 @@ class Machine:
         for name in self._summaries:
             outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        if self.schedule is not None:
+            self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
+
+    def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+        """Compute the regimes of those of the variants `keep` that are well so far."""
+        ready = np.flatnonzero(outcome.status[keep] == Verdict.OK)
+        if not ready.size:
+            return
+        moved, answers = keep[ready], self.regimes.answers(numbers.of_variants(ready), ready.size)
+        outcome.status[moved] = answers.verdict
+        for name, value in answers.values.items():
+            outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
+        for name, rows in answers.fields.items():
+            outcome.fields[name][moved] = rows
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
         """Fill the kept fields; of which variants all values are finite."""
@@ -434,49 +444,3 @@ class Machine:
             return np.abs(outcome.summaries[name][keep])
         asked = [n for n in self._summaries if n.rpartition(".")[0] == field and not n.endswith("_at")]
         return np.max([np.abs(outcome.summaries[n][keep]) for n in asked], axis=0)
-
-
-class _RowsPart:
-    """What a machine is asked that isn't measured on the cycle yet: evaluated over equally spaced positions."""
-
-    def __init__(self, whole: Machine) -> None:
-        self._whole = whole
-
-    @cached_property
-    def machine(self) -> RowsMachine:
-        """The machine over equally spaced positions."""
-        w = self._whole
-        return RowsMachine(w.scene, w._rest, w._rest_fields, w.varied, w.positions, w.dtype)
-
-    @property
-    def available_fields(self) -> dict[str, Quantity]:
-        return self.machine.available_fields
-
-    @property
-    def available_summaries(self) -> dict[str, Quantity]:
-        return self.machine.available_summaries
-
-    def check(self) -> None:
-        """Refuse what doesn't exist, with the names of all that does."""
-        w = self._whole
-        plain = RowsMachine(w.scene, (), (), w.varied, w.positions)
-        fields = {**plain.available_fields, **w.register.fields}
-        known = {**plain.available_summaries, **w.register.summaries}
-        check_names(w._rest_fields, fields, "field")
-        statistics = [n for n in w._rest if n.rpartition(".")[2] in STATISTICS and n.rpartition(".")[0] in fields]
-        check_names([n for n in w._rest if n not in statistics], known, "summary")
-
-    def fill(self, outcome: Outcome, keep: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
-        """Evaluate the variants `keep` that are well so far."""
-        well = keep[outcome.status[keep] == Verdict.OK]
-        if not well.size:
-            return
-        found = self.machine.evaluate({path: values[well] for path, values in arrays.items()})
-        for name in self._whole._rest:
-            outcome.summaries[name][well], outcome.errors[name][well] = found.summaries[name], found.errors[name]
-        for name in self._whole._rest_fields:
-            outcome.fields[name][well] = found.fields[name]
-        fails = found.status != Verdict.OK
-        outcome.status[well[fails]], outcome.status_at[well[fails]] = found.status[fails], found.status_at[fails]
-        names = np.array([*(self._whole.groups.index(g) for g in self.machine.groups), -1])
-        outcome.status_group[well[fails]] = names[found.status_group[fails]]

@@ -63,6 +63,8 @@ class Measuring:
         Into how many parts the positions of these divide the range, and how many positions there are.
     accuracy : float or None
         Allowed error of what is measured, as of `Machine`.
+    elsewhere : sequence of Node
+        What is computed of the machine elsewhere: the groups that it depends on take part.
 
     Attributes
     ----------
@@ -83,6 +85,7 @@ class Measuring:
         followed: Sequence[Followed],
         grid: tuple[int, int],
         accuracy: float | None,
+        elsewhere: Sequence[Node] = (),
     ) -> None:
         self.mechanics, self.expressions = mechanics, tuple(expressions)
         self._spaced, self._grid = list(dict.fromkeys(followed)), grid
@@ -99,7 +102,7 @@ class Measuring:
         curves += [node for f in self._followed for node in _parts(f)]
         ends = [a for a in of[StrokeEnd] if a.coordinate.stage == Stage.POSITION]
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
-        self.groups = self._taking_part([*curves, *fields, *(a.coordinate for a in of[StrokeEnd])])
+        self.groups = self._taking_part([*curves, *fields, *elsewhere, *(a.coordinate for a in of[StrokeEnd])])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
         self.margins = self._margins([*curves, *fields])
         # Pressing forces stop being finite where a group jams first.

@@ -1,18 +1,18 @@
 """The five cases of I·ε + ½ω²·dI/dφ = M, and what each of a scene's regimes is solved by.
 
 (1) I, M constant; (2) I constant, M(φ) or M(ω) or M(t); (3) I(φ), M(φ); (4) I constant, M(φ, ω); (5) I(φ), M(φ, ω).
-Which of them a regime is follows from the structure of the model alone: which links turn in a fixed ratio to the
+Which of them a regime is follows from the structure of the machine alone: which links turn in a fixed ratio to the
 crank, and which actions are at work.
 
 Source: K. V. Frolov et al., Theory of Mechanisms and Machines (the equation of motion and its cases).
 """
 
-import re
 from enum import IntEnum
 from typing import NamedTuple
 
-from engine.machine.model import Model
-from engine.machine.moments import Term
+from engine.graph.nodes import Node, Position, reached
+from engine.mechanism.acting import Load
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.scene.actions import InductionMotor
 from engine.scene.regimes import Regime, RunRegime
@@ -27,8 +27,6 @@ _WORDS = {
     "power_drag": "resistance by a power of ω",
     "constant": "constant",
 }
-# What in a basis changes with the crank angle.
-_ANGLE = re.compile(r"q|cos_q|sin_q|angle_table__\w+")
 
 
 class Law(IntEnum):
@@ -63,15 +61,16 @@ class Case(NamedTuple):
     law: Law | None
 
 
-def regime_text(model: Model) -> list[tuple[str, str, str]]:
-    """For every regime of a model's scene its name, its case in a sentence, and the method used.
+def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
+    """For every regime of a scene its name, its case in a sentence, and the method used.
 
     Parameters
     ----------
-    model : Model
+    mechanics : Mechanics
+        Of a scene whose crank turns fully.
     """
-    reduction, found = Reduction(model), []
-    for name, regime in model.scene.regimes.items():
+    reduction, found = Reduction(mechanics), []
+    for name, regime in mechanics.scene.regimes.items():
         case = case_of(Dynamics(reduction, frozenset(regime.off)), regime)
         found.append((name, case.sentence, case.method))
     return found
@@ -88,7 +87,7 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     """
     sources = _sources(dynamics)
     arguments = frozenset().union(*sources.values())
-    turning = _varies(dynamics.model, [basis for _, basis in dynamics.model.linear["reduced_inertia"].terms])
+    turning = _varies(dynamics.reduction.mechanics.reduced.inertia)
     number = _number(turning, arguments)
     law = None if turning or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
     method = TIME_FORM if dynamics.timed else ENERGY_FORM
@@ -104,30 +103,23 @@ def _number(turning: bool, arguments: frozenset[str]) -> int:
 
 def _sources(dynamics: Dynamics) -> dict[str, frozenset[str]]:
     """What the moment of each acting motor and load depends on: "φ", "ω", "t"."""
+    reduction = dynamics.reduction
     found = {name: frozenset("ω") for name in dynamics.motors}
-    for term in dynamics.model.moments.terms:
-        if term.action in dynamics.active and term.basis != "zero":
-            found[term.action] = found.get(term.action, frozenset()) | _arguments(dynamics.model, term)
+    for load in reduction.loads.terms:
+        if load.action in dynamics.active and load.basis is not reduction.mechanics.graph.zero:
+            found[load.action] = found.get(load.action, frozenset()) | _arguments(load, reduction.time)
     return found
 
 
-def _arguments(model: Model, term: Term) -> frozenset[str]:
-    law = model.moments.laws.get(term.basis)
-    found = set() if term.order == 0 else {"ω"}
-    if law is None:
-        found |= {"φ"} if _varies(model, [term.basis]) else set()
-    else:
-        found |= {"t"} if law.clock else set()
-        # Engines tell their strokes apart by the crank angle itself.
-        own = not law.clock and "nodes[k]" in law.expression
-        found |= {"φ"} if own or law.stroke_of or _varies(model, list(law.rows)) else set()
-    return frozenset(found)
+def _arguments(load: Load, time: Node) -> frozenset[str]:
+    found = set() if load.order == 0 else {"ω"}
+    found |= {"φ"} if _varies(load.basis) else set()
+    return frozenset(found | ({"t"} if time in reached([load.basis]) else set()))
 
 
-def _varies(model: Model, variables: list[str]) -> bool:
-    """Whether any of some variables of the program changes with the crank angle."""
-    names = set(variables).union(*(step.needs for step in model.program.needed(variables)))
-    return any(_ANGLE.fullmatch(name) for name in names)
+def _varies(node: Node) -> bool:
+    """Whether a node changes with the crank angle."""
+    return any(isinstance(behind, Position) for behind in reached([node]))
 
 
 def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> Law | None:
@@ -136,9 +128,11 @@ def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> La
     if "φ" in arguments or dynamics.laws:
         return None
     if "t" in arguments:
-        timed = [law for law in dynamics.reduction.tabulation.laws if law.clock and law.row[5:] in dynamics.active]
+        reduction = dynamics.reduction
+        timed = [key for key in reduction.keys if key[0] in dynamics.active and reduction.depends_on_time(key)]
         return Law.TIMED if arguments == {"t"} and len(timed) == 1 and regime.time is not None else None
-    if any(isinstance(dynamics.model.scene.moments[name], InductionMotor) for name in dynamics.motors):
+    scene = dynamics.reduction.mechanics.scene
+    if any(isinstance(scene.moments[name], InductionMotor) for name in dynamics.motors):
         return Law.KLOSS if len(dynamics.motors) == 1 and orders <= {0} and regime.speed is not None else None
     if 2 in orders:
         return None if dynamics.motors or 1 in orders else Law.SQUARE
@@ -151,11 +145,11 @@ def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> La
 def _moment(dynamics: Dynamics, sources: dict[str, frozenset[str]]) -> str:
     if not sources:
         return "no moment"
-    arguments = frozenset().union(*sources.values())
+    arguments, scene = frozenset().union(*sources.values()), dynamics.reduction.mechanics.scene
     if not arguments:
-        return f"M constant of {_listed([_named(dynamics.model.scene, name) for name in sources])}"
+        return f"M constant of {_listed([_named(scene, name) for name in sources])}"
     inside = ", ".join(a for a in "φωt" if a in arguments)
-    of = [_named(dynamics.model.scene, name) for name, own in sources.items() if own]
+    of = [_named(scene, name) for name, own in sources.items() if own]
     return f"M({inside}) of {_listed(of)}"
 
 

@@ -9,12 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.jit import over_variants
-from engine.equal_positions.rows import greatest, least, place_of
+from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import Grid
-from engine.motion.moments.piecewise import bound, integral
+from engine.motion.moments.piecewise import bound, extremes, integral
 from engine.motion.quantities import Asked
 from engine.motion.steady import Steady
 from engine.motion.steppers.energy_form import NODES, Tables
@@ -188,8 +187,8 @@ def over_time(
             second[k] = own[k] * first[k]
         for k in range(nodes - 1):
             h[k] = steps[k, v]
-        low, high = least(own), greatest(own)
-        if low != low:
+        low, low_at, high, high_at = extremes(own)
+        if math.isnan(low):
             for i in range(found.shape[0]):
                 found[i, v] = math.nan
             continue
@@ -204,4 +203,4 @@ def over_time(
         found[4, v] = max(beyond, low + bound(first, h))
         found[5, v] = hidden / time
         found[6, v] = 0.5 * hidden_squares / (time * rms) if rms > 0.0 else 0.0
-        found[7, v], found[8, v] = place_of(own, low), place_of(own, high)
+        found[7, v], found[8, v] = low_at, high_at

@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.machine.model import Model
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.regimes_in_order import Schedule, Standing
 from engine.motion.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.scene.regimes import RunRegime
-from engine.scene.scene import Scene
+from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
 
@@ -65,9 +65,8 @@ def history(scene: Scene, steps: int = 360) -> History:
     """
     if not scene.regimes:
         raise ValueError("regimes: the scene has none; add [regimes.NAME] with type = 'run' or 'steady'")
-    model = Model(scene)
-    schedule = Schedule(model, {f"{name}.useful_work" for name in scene.regimes}, steps)
-    every = schedule.variants(model.numbers({}), 1)
+    schedule = Schedule(Mechanics(scene), {f"{name}.useful_work" for name in scene.regimes}, steps)
+    every = schedule.variants(Numbers(scene_numbers(scene), {}), 1)
     zero = np.zeros(1)
     standing = Standing(zero, zero, zero, np.full(1, Verdict.OK, np.uint8))
     parts: list[tuple[str, np.ndarray, Dynamics, Variants]] = []
@@ -75,6 +74,11 @@ def history(scene: Scene, steps: int = 360) -> History:
     for name in schedule.needed:
         dynamics = schedule.dynamics[frozenset(scene.regimes[name].off)]
         variants = dynamics.driven(every)
+        hindered = schedule.hindered(name, dynamics, variants)
+        if hindered.any():
+            parts.append((name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
+            standing = standing._replace(verdict=hindered)
+            break
         if isinstance(scene.regimes[name], RunRegime):
             angle = scene.regimes[name].from_angle
             start = standing.angle[0] if angle is None else angle
@@ -111,7 +115,8 @@ def _gathered(parts: list[tuple[str, np.ndarray, Dynamics, Variants]], verdict: 
         rows = dynamics.rows(variants, angle[:, None], time[:, None])
         moments = dynamics.moments(variants, rows, omega[:, None])
         slope = rows.inertia_phi[:, 0]
-        epsilon = (moments.total[:, 0] - 0.5 * omega**2 * slope) / rows.inertia[:, 0]
+        with np.errstate(all="ignore"):
+            epsilon = (moments.total[:, 0] - 0.5 * omega**2 * slope) / rows.inertia[:, 0]
         add("regime", np.full(time.size, name))
         add("time", time)
         add("angle", angle)

@@ -10,24 +10,26 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from engine.machine.input_motion import InputMotion
-from engine.machine.model import Model
-from engine.machine.quantities.shaking import shaking_terms
+from engine.graph.functions import functions_at
+from engine.graph.nodes import Given, Node
+from engine.mechanism.inertia import shaking
+from engine.mechanism.input_motion import InputMotion
+from engine.mechanism.loads import Loads
+from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.reactions import Reactions
 from engine.motion.moments.dynamics import Variants
 from engine.motion.moments.tabulation import Tabulation
 
-# Names of a scene hold no two underscores in a row.
-TRUE = InputMotion("true__square", "true__epsilon", "true__speed")
 # Moments in which the inertia of a flywheel takes part.
 WITH_FLYWHEEL = ("frame.reaction_moment", "shaking_moment")
 
 
 class PairLoads:
-    """Reactions in the pairs and shaking forces of a model, however its input moves.
+    """Reactions in the pairs and shaking forces of a machine, however its input moves.
 
     Parameters
     ----------
-    model : Model
+    mechanics : Mechanics
     asked : iterable of str
         Fields, by the names that they have at uniform speed.
 
@@ -35,29 +37,39 @@ class PairLoads:
     ----------
     names : tuple of str
         The fields.
-    groups : tuple of str
-        Structural groups that they depend on.
+    nodes : list of Node
+        The fields, in the graph of the mechanics.
     """
 
-    def __init__(self, model: Model, asked: Iterable[str]) -> None:
-        self.model, self.names = Model(model.scene, model.varied, TRUE), tuple(sorted(set(asked)))
-        known = self.model.reactions.variables | self._shaking()
-        self.tabulation = Tabulation(self.model, {name: known[name] for name in self.names}, tuple(TRUE))
-        made = {target for step in self.tabulation.steps for target in step.targets}
-        self.groups = tuple(g for g, sine in self.model.mechanism.sines.items() if sine in made)
+    def __init__(self, mechanics: Mechanics, asked: Iterable[str]) -> None:
+        graph, kinematics = mechanics.graph, mechanics.kinematics
+        self.scene, self.names = mechanics.scene, tuple(sorted(set(asked)))
+        speed, square, epsilon = (graph.given(f"{part} of the input") for part in ("speed", "square", "acceleration"))
+        motion = InputMotion(square, epsilon, speed)
+        # How large a load is, is given with the variant: 0 of what is off.
+        self._sizes: dict[Given, tuple[str, Node]] = {}
+        loads = []
+        for i, load in enumerate(Loads(mechanics.scene, kinematics, graph.given("time")).terms):
+            size = graph.given(f"size of load {i}")
+            self._sizes[size] = load.action, load.coefficient
+            loads.append(load._replace(coefficient=size))
+        known = Reactions(kinematics, mechanics.structure, loads, motion).variables | _shaking(mechanics, motion)
+        self.nodes = [known[name] for name in self.names]
+        functions = functions_at(
+            graph,
+            "Loads of a machine in motion.",
+            mechanics.first,
+            mechanics.last,
+            self.nodes,
+            numbers=self._coefficients,
+        )
+        self._tabulation = Tabulation(functions)
+        self._rows = {name: functions.curves[known[name]] for name in self.names}
+        self._moving = {speed: 0, square: 1, epsilon: 2}
 
-    def _shaking(self) -> dict[str, str]:
-        """Variables of the shaking force and moment: those of ω² r″, and with ε those of r′."""
-        scene, p, m = self.model.scene, self.model.program, self.model.mechanism
-        square, epsilon = (shaking_terms(scene, m, p, by) for by in ("square", "epsilon"))
-        found = {}
-        for name in square:
-            p.about("shaking force", "force")
-            parts = [(TRUE.square, square[name]), (TRUE.epsilon, epsilon[name])]
-            sums = [f"{rate} * ({' + '.join(f'{c} * {b}' for c, b in terms)})" for rate, terms in parts if terms]
-            found[name] = p.fresh(" + ".join(sums)) if sums else "zero"
-        x, y = found["shaking_force_x"], found["shaking_force_y"]
-        return found | {"shaking_force": p.fresh(f"math.sqrt({x} * {x} + {y} * {y})")}
+    @property
+    def _coefficients(self) -> list[Node]:
+        return [coefficient for _, coefficient in self._sizes.values()]
 
     def __call__(
         self,
@@ -84,24 +96,39 @@ class PairLoads:
         off : frozenset of str
             Actions that don't act.
         """
-        parameters = self.tabulation.parameters(variants.numbers, variants.count, variants.direction)
-        silent = self._coefficients(off)
-        parameters[[slot in silent for slot in self.tabulation.slots]] = 0.0
-        given = np.stack((omega * omega, epsilon, omega))
-        rows = self.tabulation(parameters, variants.ends, places, given=given)
-        found = dict(zip(self.names, rows, strict=True))
-        made = self.model.scene.flywheel
+        tabulation = self._tabulation
+        parameters = tabulation.parameters(variants.numbers, variants.direction, variants.ends)
+        rows, moving = tabulation.functions.rows, (omega, omega * omega, epsilon)
+        given = {}
+        for node in tabulation.given:
+            if node in self._sizes:
+                action, coefficient = self._sizes[node]
+                parameters[rows[node]] = 0.0 if action in off else parameters[rows[coefficient]]
+            elif node in self._moving:
+                given[node] = moving[self._moving[node]]
+            else:
+                # In a motion that repeats itself nothing that depends on time acts.
+                parameters[rows[node]] = 0.0
+        found = tabulation(parameters, places, given)
+        fields = {name: found[row] for name, row in self._rows.items()}
+        made = self.scene.flywheel
         # The wheel's shaft turns so many times as fast, with an inertia smaller by the square of it.
         ratio = variants.numbers["flywheel.wheel.ratio"] if made is not None and made.wheel is not None else 1.0
         for name in WITH_FLYWHEEL:
-            if name in found:
-                found[name] = found[name] - wheel / ratio * epsilon
-        return found
+            if name in fields:
+                fields[name] = fields[name] - wheel / ratio * epsilon
+        return fields
 
-    def _coefficients(self, actions: frozenset[str]) -> set[str]:
-        """Slots that are zero where some of the actions don't act."""
-        moments = self.model.moments
-        found = {applied.coefficient for applied in moments.applied if applied.action in actions}
-        if "gravity" in actions:
-            found |= {moments.weight(name) for name in self.model.mechanism.masses}
-        return found
+
+def _shaking(mechanics: Mechanics, motion: InputMotion) -> dict[str, Node]:
+    """Shaking force and moment: that of accelerations ω² r″, and with ε that of r′."""
+    second = shaking(mechanics.kinematics, lambda point: point.a, lambda link: link.e)
+    first = shaking(mechanics.kinematics, lambda point: point.v, lambda link: link.w)
+
+    force = motion.acceleration_of(second.force, first.force)
+    return {
+        "shaking_force_x": force.x,
+        "shaking_force_y": force.y,
+        "shaking_force": force.length,
+        "shaking_moment": motion.acceleration(second.moment, first.moment),
+    }

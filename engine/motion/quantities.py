@@ -3,9 +3,10 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from engine.machine.quantities.reactions import reaction_fields
-from engine.machine.quantities.shaking import shaking_fields
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity
+from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
 from engine.scene.names import Problem
 from engine.scene.scene import Scene
@@ -49,7 +50,10 @@ FIELDS = {
     "input_moment": ("moment that motors and flywheel give the input link in {name}, at its true motion", "N m"),
 }
 AT_UNIFORM_SPEED = " at uniform speed of the input"
-REACTIONS = tuple(f"reaction{part}" for part in ("", "_x", "_y", "_along", "_across", "_moment"))
+LOADS = (
+    *(f"reaction{part}" for part in ("", "_x", "_y", "_along", "_across", "_moment")),
+    *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
+)
 
 
 class Asked(NamedTuple):
@@ -88,20 +92,20 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
     return found
 
 
-def motion_fields(scene: Scene) -> list[Quantity]:
+def motion_fields(mechanics: Mechanics) -> list[Quantity]:
     """Fields of the steady regimes of a scene."""
     found: list[Quantity] = []
-    for name, regime in scene.regimes.items():
+    for name, regime in mechanics.scene.regimes.items():
         if regime.type == "steady":
             found += _made(name, FIELDS)
-            found += [] if scene.friction else _made(name, load_fields(scene))
+            found += [] if mechanics.scene.friction else _made(name, load_fields(mechanics))
     return found
 
 
-def load_fields(scene: Scene) -> dict[str, tuple[str, str]]:
+def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     """Loads on the pairs and on the frame, at the true motion of a regime: words and unit by their names."""
-    found = {q.name: q for q in reaction_fields(scene) if q.name.rpartition(".")[2] in REACTIONS}
-    found |= {q.name: q for q in shaking_fields(scene)}
+    declared = [q for part in (reactions, inertia) for q in part.declare(mechanics) if isinstance(q, Field)]
+    found = {q.name: q for q in declared if q.name.rpartition(".")[2] in LOADS}
     table = {key: (q.long_name.replace(AT_UNIFORM_SPEED, ""), q.units) for key, q in found.items()}
     table["input_moment_by_equilibrium"] = ("input moment by equilibrium of the input link, without flywheel", "N m")
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
@@ -120,10 +124,11 @@ def cycle_statistics(field: Quantity) -> list[Quantity]:
     ]
 
 
-def kept_from(scene: Scene, names: Iterable[str]) -> list[Problem]:
+def kept_from(mechanics: Mechanics, names: Iterable[str]) -> list[Problem]:
     """What of the names asks for loads on the pairs in a regime that friction in pairs keeps from being computed."""
     found: list[Problem] = []
-    loads = load_fields(scene) if scene.friction and scene.regimes else {}
+    scene = mechanics.scene
+    loads = load_fields(mechanics) if scene.friction and scene.regimes else {}
     for name in names:
         asked = Asked.of(name)
         if asked.regime in scene.regimes and asked.field in loads:

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.jit import on_all_threads, threads
-from engine.machine.model import Model
+from engine.compiling.threads import on_all_threads, threads
+from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_ratio
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
 from engine.motion.cycle import CycleAnswers, answers_of, cycle_of
@@ -92,11 +93,11 @@ class Gone(NamedTuple):
 
 
 class Schedule:
-    """The regimes of a model's scene.
+    """The regimes of a scene.
 
     Parameters
     ----------
-    model : Model
+    mechanics : Mechanics
     asked : set of str
         Summaries and fields, "REGIME.quantity".
     steps : int
@@ -108,23 +109,28 @@ class Schedule:
         Loads on the pairs, where any are asked.
     """
 
-    def __init__(self, model: Model, asked: set[str], steps: int) -> None:
-        self.model, self.asked, self.steps = model, asked, steps
-        scene = model.scene
+    def __init__(self, mechanics: Mechanics, asked: set[str], steps: int) -> None:
+        self.scene, self.asked, self.steps = mechanics.scene, asked, steps
+        scene = mechanics.scene
         self.regimes = dict(scene.regimes)
         self.needed = self._needed()
-        known, fields = {q.name for q in motion_fields(scene)}, [Asked.of(name) for name in sorted(asked)]
+        known, fields = {q.name for q in motion_fields(mechanics)}, [Asked.of(name) for name in sorted(asked)]
         fields = [one for one in fields if f"{one.regime}.{one.field}" in known]
         self.cycles = {name: [one for one in fields if one.regime == name] for name in self.regimes}
         loads = {one.field for one in fields} - FIELDS.keys()
-        self.loads = PairLoads(model, loads) if loads else None
+        self.loads = PairLoads(mechanics, loads) if loads else None
         works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
-        self.reduction = Reduction(model)
+        self.reduction = Reduction(mechanics)
         self.dynamics = {off: Dynamics(self.reduction, off, works) for off in sets}
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
+
+    @property
+    def nodes(self) -> list[Node]:
+        """All that the motion and the loads asked of it are computed from at a position."""
+        return [*self.reduction.nodes, *(self.loads.nodes if self.loads else ())]
 
     def _needed(self) -> list[str]:
         """Regimes that are asked, and those that they begin from."""
@@ -155,7 +161,9 @@ class Schedule:
     def _of_chunk(self, numbers: Numbers, count: int) -> Answers:
         variants = self.variants(numbers, count)
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
-        fine, coarse = self._go(driven), self._go(driven, half=True)
+        # What isn't finite ends as a verdict, not as a warning.
+        with np.errstate(all="ignore"):
+            fine, coarse = self._go(driven), self._go(driven, half=True)
         # A verdict that half the steps don't share is one of the method, not of the machine.
         values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
@@ -182,6 +190,8 @@ class Schedule:
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
+            hindered = self.hindered(name, dynamics, variants)
+            standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
             if isinstance(self.regimes[name], RunRegime):
                 outcome, standing = self.run(name, dynamics, variants, standing, half)
                 made = outcome.state.turned / dynamics.cycle * steps
@@ -190,7 +200,8 @@ class Schedule:
             else:
                 found, cycle, standing = self._steady(name, dynamics, variants, standing, steps)
                 made, energy = float(steps), found["energy"]
-                found, scale = found | cycle.values, cycle.scales
+                # δ is a difference of speeds, and rounds as they do.
+                found, scale = found | cycle.values, cycle.scales | {"speed_fluctuation": np.ones(count)}
                 gone.fields.update({f"{name}.{key}": row for key, row in cycle.fields.items()})
                 gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
             asked = {key: v for key, v in found.items() if f"{name}.{key}" in self.asked}
@@ -201,6 +212,14 @@ class Schedule:
             gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
             gone.scales[f"{name}.energy_change"] = growth * energy
         return gone._replace(verdict=standing.verdict)
+
+    def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
+        """Verdict on what keeps a regime from being computed at all: a brake that locks, an inertia of zero."""
+        verdict = np.where(dynamics.locked(variants), Verdict.LOCKS, Verdict.OK)
+        # With the flywheel that is asked for there is an inertia everywhere.
+        if f"{name}.flywheel" not in self.asked:
+            verdict = np.where(self.reduction.without_inertia(variants), Verdict.NO_INERTIA, verdict)
+        return verdict.astype(np.uint8)
 
     # Runs
 
@@ -289,7 +308,7 @@ class Schedule:
         return found, cycle, Standing(zero, steady.omega[0], zero, verdict.astype(np.uint8))
 
     def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
-        scene, n, slips = self.model.scene, variants.numbers, {}
+        scene, n, slips = self.scene, variants.numbers, {}
         for motor, action in scene.moments.items():
             if action.type == "induction_motor" and motor not in self.regimes[name].off:
                 speed = mean_speed * np.abs(motor_ratio(scene, action, n))

@@ -19,6 +19,8 @@ from engine.verdicts import Verdict
 MOST_ROUNDS = 30
 CLOSED = 1e-12
 SPEEDS = 200
+# Moments whose mean over a cycle is a smaller share of their mean magnitude are taken to do no work: it is rounding.
+NO_WORK = 1e-9
 
 
 class Steady(NamedTuple):
@@ -135,13 +137,14 @@ def balanced_speed(dynamics: Dynamics, variants: Variants, tables: Tables) -> tu
     top : ndarray (variants,)
         A speed at which the loads win.
     verdict : ndarray (variants,) of uint8
-        STALLS where the loads win at every speed, RUNS_AWAY where the drive does.
+        STALLS where the loads win at every speed, RUNS_AWAY where the drive does, ANY_SPEED where neither does at any,
+        NOT_FINITE where the moments aren't finite.
     """
     means = mean_rows(tables)
     top, driven = no_load_speed(variants)
 
     def moment(omega: np.ndarray) -> np.ndarray:
-        return dynamics.moments(variants, spread(means, omega.shape[0]), omega).total
+        return dynamics.moments(variants, means, omega).total
 
     top = rising(moment, top, driven)
     share = np.concatenate((np.linspace(0.001, 1.0, SPEEDS), 1.0 - np.geomspace(1e-6, 0.05, SPEEDS // 2)))
@@ -160,6 +163,10 @@ def balanced_speed(dynamics: Dynamics, variants: Variants, tables: Tables) -> tu
     exists = falls.any(axis=0)
     runs_away = ~exists & (values[-1] > 0.0)
     verdict = np.where(exists, Verdict.OK, np.where(runs_away, Verdict.RUNS_AWAY, Verdict.STALLS)).astype(np.uint8)
+    to_and_fro = mean_rows(tables._replace(loads=np.abs(tables.loads))).loads[:, 0, 0].sum(axis=0)
+    idle = (np.abs(values) <= NO_WORK * to_and_fro).all(axis=0)
+    exists, verdict[idle] = exists & ~idle, Verdict.ANY_SPEED
+    verdict[~np.isfinite(values).any(axis=0)] = Verdict.NOT_FINITE
     return np.where(exists, 0.5 * (low + high), np.nan), top, verdict
 
 
@@ -194,15 +201,6 @@ def mean_rows(tables: Tables) -> Tables:
         return (h / 6.0 * parts).sum(axis=-2, keepdims=True) / length
 
     return Tables(h, mean(tables.inertia), mean(tables.loads), mean(tables.powers))
-
-
-def spread(tables: Tables, places: int) -> Tables:
-    """The same values at a number of places."""
-
-    def repeated(rows: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(rows, (*rows.shape[:-2], places, rows.shape[-1]))
-
-    return Tables(tables.steps, repeated(tables.inertia), repeated(tables.loads), repeated(tables.powers))
 
 
 def refined_extremes(omega: np.ndarray, slope: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,6 @@ from engine import (
     ElementsAlone,
     InputUnits,
     Machine,
-    Model,
     Outcome,
     Scene,
     Verdict,
@@ -88,18 +87,17 @@ def _elements_text(scene: Scene) -> str:
 
 def regimes_text(scene: Scene, positions: int) -> str:
     """What each regime is, by which method it is computed, and what the machine as it is does in it."""
-    model = Model(scene)
-    machine = Machine(scene, telling_summaries(model), positions=positions)
+    machine = Machine(scene, telling_summaries(scene), positions=positions)
     outcome = machine.evaluate({})
     asked = by_regime(scene, machine.asked_summaries)
     lines = []
-    for name, case, method in regime_text(model):
+    for name, case, method in regime_text(machine.mechanics):
         lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}"]
         if outcome.status[0] == Verdict.OK:
             lines += table(_asked_rows(machine, outcome, asked[name]), "  ").splitlines()
     verdict = Verdict(outcome.status[0])
     if verdict in MOTION_VERDICTS:
-        lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene)}")
+        lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene, verdict)}")
     return "\n".join(lines)
 
 

@@ -98,7 +98,7 @@ def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int
     }
     rows = ([name, *map(_cell, row)] for name, *row in zip(seen.regime, *columns.values(), strict=True))
     _write_csv(out, ["regime", *columns], rows)
-    return "" if seen.verdict == Verdict.OK else failure_text(scene, seen)
+    return "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
 
 
 def scene_toml(scene: Scene, values: Mapping[str, float], out: Path) -> None:

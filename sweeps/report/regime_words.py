@@ -9,7 +9,9 @@ from engine import SENTENCES, History, RunRegime, Scene, Verdict, history
 from sweeps.text.engineer_units import quantity_text
 
 # Verdicts that only a motion gets.
-MOTION_VERDICTS = (Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END)
+MOTION_VERDICTS = (
+    *(Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED, Verdict.LOCKS, Verdict.NO_INERTIA),
+)
 # Positions in a cycle of a history that is made to see where a motion fails.
 STEPS = 240
 # A run given up after so many cycles at least was going; the history of a longer one may be cut.
@@ -50,22 +52,31 @@ def _end(regime: RunRegime) -> str:
 # Where a motion fails
 
 
-def failure_text(scene: Scene, seen: History | None = None) -> str:
+def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) -> str:
     """Which regime of a machine fails, where and how, and what to change.
 
     Parameters
     ----------
     scene : Scene
         Of the machine, its numbers in place.
+    verdict : Verdict
+        On the machine.
     seen : History, optional
         Its history, if it is known already.
     """
     seen = history(scene, STEPS) if seen is None else seen
+    if seen.verdict == Verdict.OK:
+        # Near a limit the number of steps decides, and a flywheel may have been sized that the scene doesn't have.
+        return f"{SENTENCES[verdict]} (over {STEPS} positions, with the flywheel of the scene, it runs)"
     name = str(seen.regime[-1])
     if seen.verdict == Verdict.NO_END:
         return f"regime {name}: {_no_end(scene, name, seen)}"
     if seen.verdict == Verdict.STALLS and isinstance(scene.regimes[name], RunRegime):
         return f"regime {name}: {_stands(scene, seen)}"
+    if seen.verdict == Verdict.LOCKS:
+        off = scene.regimes[name].off
+        brakes = [n for n, m in scene.moments.items() if n not in off and m.type == "band_brake"]
+        return f"regime {name}, {' or '.join(brakes)}: {SENTENCES[seen.verdict]}"
     return f"regime {name}: {SENTENCES[seen.verdict]}"
 
 
@@ -89,6 +100,14 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     last = speed[angle >= angle[-1] - turn]
     least, most = (quantity_text(float(v), "rad s-1") for v in (last.min(), last.max()))
     goes = f"it goes at {least if least == most else f'{least} … {most}'}"
+    along = math.copysign(1.0, scene.input.speed) * seen.speed[chosen]
+    if along.min() < 0.0:
+        span = " … ".join(quantity_text(float(a), "rad") for a in (seen.angle[chosen].min(), seen.angle[chosen].max()))
+        swings = (along[(along < 0.0).argmax() :] > 0.0).any()
+        doing = f"swings to and fro between φ = {span}" if swings else "turns backwards, ever faster"
+        return f"the machine {doing}: what drives it doesn't carry its loads; a stronger motor or a lower load helps"
+    if regime.rest and angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES):
+        return "it doesn't come to rest: all that slows it vanishes with the speed; brake it"
     if angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES):
         after = quantity_text(float(np.ptp(seen.time[chosen])), "s")
         return f"it neither ends nor gets going: after {after} {goes}; change its end, or what drives and loads it"

@@ -156,7 +156,7 @@ def _only_text(result: SweepResult) -> str:
         head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
         parts.append(f"{head}\n{table(_summary_rows(result, 0, names), '  ')}")
     if failed:
-        parts.append(failure_text(with_values(scene, result.variant_values(0))))
+        parts.append(failure_text(with_values(scene, result.variant_values(0)), verdict))
     return "\n".join(parts)
 
 

@@ -5,9 +5,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from engine import Scene
-from engine.machine.model import Model
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.motion.steppers.baselines import frozen_moments, trapezoids
+from engine.scene.scene import Numbers, scene_numbers
 
 EPS = np.finfo(float).eps
 STALL, NO_LOAD, OWN, MASS, RADIUS, ROD = 30.0, 40.0, 0.2, 3.0, 0.1, 0.4
@@ -42,10 +43,10 @@ SCENE = {
 
 def made(steps, off=(), variants=1, **scene):
     """Dynamics, variants and tables of a cycle, without the actions `off`."""
-    model = Model(Scene.model_validate({**SCENE, **scene}))
-    reduction = Reduction(model)
+    scene = Scene.model_validate({**SCENE, **scene})
+    reduction = Reduction(Mechanics(scene))
     dynamics = Dynamics(reduction, frozenset(off))
-    every = reduction.variants(model.numbers({}), np.ones(variants), np.zeros(variants))
+    every = reduction.variants(Numbers(scene_numbers(scene), {}), np.ones(variants), np.zeros(variants))
     driven = dynamics.driven(every)
     return dynamics, driven, dynamics.tables(driven, dynamics.grid(driven, np.zeros(variants), dynamics.cycle, steps))
 

@@ -11,9 +11,10 @@ from mpmath import mpf
 
 from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table, table_value
-from engine.machine.model import Model
 from engine.mechanism.actions.motors import kloss_constants
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import Law, regime_text
+from engine.scene.scene import Numbers, scene_numbers
 
 INERTIA = 0.4
 COURSE = ["time", "angle", "final_speed", "speed_min", "speed_max"]
@@ -151,13 +152,13 @@ CASES = [
 
 def test_constant_inertia__its_cases():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
-    found = regime_text(Model(Scene.model_validate(crank(ACTIONS, regimes))))
+    found = regime_text(Mechanics(Scene.model_validate(crank(ACTIONS, regimes))))
     assert found == [(f"r{i}", f"case {sentence}", method) for i, (_, sentence, method, _) in enumerate(CASES)]
 
 
 def test_inertia_that_varies__its_cases():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
-    found = regime_text(Model(Scene.model_validate(slider_crank(ACTIONS, regimes))))
+    found = regime_text(Mechanics(Scene.model_validate(slider_crank(ACTIONS, regimes))))
     for (_, sentence, method), (regime, _, constant, number) in zip(found, CASES, strict=True):
         assert sentence.startswith(f"case {number}: I(φ), ")
         timed = "kick" not in regime["off"]
@@ -168,14 +169,14 @@ def test_inertia_that_varies__its_cases():
 def test_gravity__acts_on_an_eccentric_drum_only(x, number):
     scene = crank({}, {"go": {"type": "run", "cycles": 1.0}}, gravity=9.81)
     scene["bodies"]["drum"]["x"] = x
-    ((_, sentence, _),) = regime_text(Model(Scene.model_validate(scene)))
+    ((_, sentence, _),) = regime_text(Mechanics(Scene.model_validate(scene)))
     assert sentence == ("case 1: I constant, no moment" if number == 1 else "case 2: I constant, M(φ) of gravity")
 
 
 def test_shaft_geared_to_a_shaft__leaves_inertia_constant():
     scene = crank({"rub": RUB}, {"go": {"type": "run", "cycles": 1.0}})
     scene["shafts"]["faster"] = {"geared_to": "fast", "ratio": -2.0, "inertia": 0.01}
-    ((_, sentence, _),) = regime_text(Model(Scene.model_validate(scene)))
+    ((_, sentence, _),) = regime_text(Mechanics(Scene.model_validate(scene)))
     assert sentence.startswith("case 1: I constant")
 
 
@@ -271,7 +272,7 @@ def test_run_of_an_induction_motor__is_the_quadrature(begin, end):
     outcome = asked(crank(MOMENTS, runs(begin, "induction", "rub", go={"speed": end})))
     assert outcome.status == [Verdict.OK]
     scene = Scene.model_validate(crank(MOMENTS, runs(begin, go={"speed": end})))
-    numbers = Model(scene).numbers({})
+    numbers = Numbers(scene_numbers(scene), {})
     constants = [mpf(float(c)) for c in kloss_constants(scene.moments["induction"], "moments.induction", numbers)]
     found = references(begin, end, lambda w: kloss(w, (*constants, mpf(3))), {"useful": constant(-1)})
     for name, value in found.items():

@@ -16,7 +16,7 @@ from oracle import EPS
 from press import actions, bodies, press
 
 from engine import AskError, Machine, Scene, Verdict
-from engine.machine.quantities.quantities import STATISTICS
+from engine.quantities.quantity import STATISTICS
 from engine.scene.pairs import pairs
 from sweeps.report.exports import positions_csv
 from sweeps.study.bundled import STUDIES

@@ -91,6 +91,11 @@ def test_no_steady_motion__stalls_and_runs_away():
         ("push", Verdict.RUNS_AWAY),
         ("push rub", Verdict.RUNS_AWAY),
         ("push fan", Verdict.OK),
+        # Without moments, or with those that give back what they take, every speed stays.
+        ("", Verdict.ANY_SPEED),
+        ("gravity", Verdict.ANY_SPEED),
+        ("gravity oil", Verdict.STALLS),
+        ("gravity push oil", Verdict.OK),
     ):
         assert ask(slider_crank({"on": steady(only)}, flywheel=0.2), "on.mean_speed").status == [verdict], only
     # Beyond the breakdown moment of 18.75 N·m.

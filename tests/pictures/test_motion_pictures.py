@@ -15,6 +15,7 @@ from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, cou
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
 from sweeps.report.exports import history_csv
+from sweeps.report.regime_words import failure_text
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
 
@@ -124,6 +125,17 @@ def test_machine_that_does_not_start__is_a_page_that_says_why():
     assert "regime start: the machine does not start at φ = 0 °: 20 N·m drive it there, 30 N·m hold it" in text
     with pytest.raises(PictureError, match="no steady motion 'work': regime start: the machine does not start"):
         cycle_diagrams(scene, seen, "work", Figure())
+
+
+def test_regime_that_the_history_has_not__is_no_failure_of_those_it_has():
+    with pytest.raises(PictureError, match=r"no steady motion 'rest': the regimes are start, work, stop$"):
+        cycle_diagrams(SCENE, SEEN, "rest", Figure())
+
+
+def test_verdict_that_the_history_does_not_share__keeps_its_own_reason():
+    told = failure_text(SCENE, Verdict.STALLS)
+    assert told.startswith("the machine comes to a stop")
+    assert told.endswith("(over 240 positions, with the flywheel of the scene, it runs)")
 
 
 def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_path):

@@ -11,8 +11,8 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.laws.elementary import power
 from engine.laws.loads import acts_in_direction, constant_against_motion
-from engine.machine.brakes import braking_moment
 from engine.mechanism.acting import Characteristic
+from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.paths import Along
 from engine.mechanism.actions.tables import tabled
 from engine.mechanism.kinematics import Kinematics

@@ -11,7 +11,7 @@ Source: K. V. Frolov et al., Theory of Mechanisms and Machines (equation of moti
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 
 
 @scalar

@@ -6,10 +6,12 @@ the run, go step by step.
 
 import numpy as np
 
+from engine.laws.tables import make_table
 from engine.motion.cases import Law
 from engine.motion.closed_forms.closed_laws import Balance, Motion, speed_motion
 from engine.motion.closed_forms.closed_time import Push, strongest, timed_motion
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.tabulation import Sums
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import Ends, Outcome, Progress
 from engine.motion.steppers.time_form import State
@@ -64,16 +66,22 @@ def _equation(dynamics: Dynamics, variants: Variants, start: np.ndarray, doubt: 
     def raised(moment: np.ndarray) -> np.ndarray:
         return moment + doubt * np.abs(moment)
 
-    moments, push = dynamics.model.moments, None
-    timed = next((n for n in dynamics.active if f"law__{n}" in moments.laws and moments.laws[f"law__{n}"].clock), None)
-    instant, value = (0.0, 1.0) if timed is None else strongest(moments.tables[timed])
-    clock = np.full((1, variants.count), instant)
-    out = dynamics.reduction.tabulation(variants.parameters, variants.ends, start[None], clock)[:, 0]
+    reduction, push, table = dynamics.reduction, None, None
+    timed = next((key for i, _, _ in dynamics.polynomial if reduction.depends_on_time(key := reduction.keys[i])), None)
+    instant, value = 0.0, 1.0
+    if timed is not None:
+        scene = reduction.mechanics.scene
+        action = (scene.forces | scene.moments)[timed[0]]
+        table = make_table(action.abscissae, action.ordinates, action.interpolation, outside=action.outside)
+        instant, value = strongest(table)
+    rows = len(reduction.keys) + 2
+    alone = Sums(np.arange(rows), rows, np.zeros(rows, bool), variants.direction)
+    out = reduction.curves(variants, start[None], np.full((1, variants.count), instant), alone)[:, 0]
     loads = np.zeros((len(dynamics.channels), 3, variants.count))
-    for row, channel, order in dynamics.polynomial:
-        moment = raised(out[row] * variants.direction)
-        if dynamics.reduction.keys[row - 2][0] == timed:
-            push = Push(moments.tables[timed], moment / value, channel)
+    for i, channel, order in dynamics.polynomial:
+        moment = raised(out[i + 2] * variants.direction)
+        if reduction.keys[i] == timed:
+            push = Push(table, moment / value, channel)
         else:
             loads[channel, order] += moment
     kloss = variants.drive.kloss.copy()

@@ -12,7 +12,7 @@ import numpy as np
 
 from engine.laws.tables import Table, table_value
 from engine.motion.closed_forms.closed_laws import Balance, Motion
-from engine.motion.moments.breaks import regula_falsi
+from engine.motion.regula_falsi import regula_falsi
 
 
 class Push(NamedTuple):

@@ -9,7 +9,7 @@ Sources: R. Fischer, Elektrische Maschinen and G. K. Dubey, Fundamentals of Elec
 
 import math
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.motion.closed_forms.closed_forms import ahead, logarithmic_mean, over_argument
 
 # Up to this argument the logarithm's series is summed, 0.5^48/50 < 1e-16; beyond it differences lose few digits.

@@ -1,21 +1,29 @@
 """A machine's equation of motion, made ready: I(φ) and M(φ, ω) of many variants, with chosen actions at work."""
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.jit import over_variants
-from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
-from engine.machine.model import LinearRow, Model
+from engine.graph.functions import functions_at
+from engine.graph.nodes import Node, reached
+from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
-from engine.motion.moments.breaks import Breaks, Landmarks, instants_of
+from engine.mechanism.loads import Loads
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.moments.at_speed import Drive, Moments, moments_at
+from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid, nested_grid
+from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.steppers.energy_form import Drive, Tables
-from engine.scene.actions import DCMotor
+from engine.motion.regula_falsi import regula_falsi
+from engine.motion.steppers.energy_form import Tables
+from engine.scene.actions import Brake, DCMotor
 from engine.scene.scene import Numbers
 
+# Crank angles at which the inertia of a machine without a constant part is looked at.
+LOOKED_AT = 720
+# Share of its greatest value below which the least one is rounding: of the square of a speed that vanishes.
+NO_INERTIA = 1e-18
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 
@@ -30,9 +38,9 @@ class Variants(NamedTuple):
         +1 or −1: the way the crank turns.
     flywheel : ndarray (variants,)
         Inertia added to the machine's [kg·m²].
-    parameters : ndarray (slots, variants)
+    parameters : ndarray (numbers, variants)
         Of the rows.
-    ends : mapping of slider to Ends
+    ends : mapping of Found to ndarray (variants,)
     breaks : Breaks
         Of all actions.
     drive : Drive or None
@@ -45,7 +53,7 @@ class Variants(NamedTuple):
     direction: np.ndarray
     flywheel: np.ndarray
     parameters: np.ndarray
-    ends: Mapping[str, Ends]
+    ends: Ends
     breaks: Breaks
     drive: Drive | None = None
     kept: dict | None = None
@@ -65,25 +73,63 @@ class Variants(NamedTuple):
             self.direction[chosen],
             self.flywheel[chosen],
             np.ascontiguousarray(self.parameters[:, chosen]),
-            {name: Ends(*(part[chosen] for part in end)) for name, end in self.ends.items()},
+            {node: end[chosen] for node, end in self.ends.items()},
             self.breaks.some(chosen),
-            None if drive is None else Drive(*(np.ascontiguousarray(part[..., chosen]) for part in drive)),
+            None if drive is None else drive.some(chosen),
             {},
         )
 
 
 class Reduction:
-    """Rows of a model in motion, made once for whatever acts: I, dI/dφ, and the moment of each action by its order."""
+    """Rows of a machine in motion, made once for whatever acts: I, dI/dφ, and the moment of each action by its order.
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
-        self.keys = list(dict.fromkeys((term.action, term.order) for term in model.moments.terms))
-        rows = {name: model.linear[name] for name in ("reduced_inertia", "reduced_inertia_phi")}
-        for action, order in self.keys:
-            chosen = [t for t in model.moments.terms if (t.action, t.order) == (action, order)]
-            rows[f"{action} {order}"] = LinearRow(None, tuple((t.coefficient, t.basis) for t in chosen))
-        self.tabulation = Tabulation(model, rows)
-        self.landmarks = Landmarks(model)
+    Parameters
+    ----------
+    mechanics : Mechanics
+        With a crank that turns fully.
+
+    Attributes
+    ----------
+    mechanics : as given
+    time : Given
+        On which loads over time depend.
+    loads : Loads
+    keys : list of (str, int or str)
+        Action and order of each row of a moment.
+    nodes : list of Node
+        I, dI/dφ and a moment for each key.
+    tabulation : Tabulation
+        Of these.
+    landmarks : Landmarks
+    """
+
+    def __init__(self, mechanics: Mechanics) -> None:
+        graph, reduced = mechanics.graph, mechanics.reduced
+        self.mechanics, self.time = mechanics, graph.given("time")
+        self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time)
+        moments: dict[tuple[str, int | str], Node] = {}
+        for key in dict.fromkeys((load.action, load.order) for load in self.loads.terms):
+            own = [(t.coefficient, t.basis) for t in self.loads.terms if (t.action, t.order) == key]
+            moments[key] = graph.combination(own)
+        self.keys = [key for key, moment in moments.items() if moment is not graph.zero]
+        self.nodes = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
+        watched = [load.characteristic for load in self.loads.terms]
+        title = "A machine in motion."
+        functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
+        self.tabulation = Tabulation(functions)
+        judged = [(action, row) for row, (action, _) in enumerate(self.keys, 2)]
+        turns = mechanics.scene.input.revolutions
+        self.landmarks = Landmarks(self.tabulation, self.loads.terms, judged, turns)
+
+    @property
+    def cycle(self) -> float:
+        """Period of everything but time [rad]."""
+        return 2.0 * np.pi * self.mechanics.scene.input.revolutions
+
+    def depends_on_time(self, key: tuple[str, int | str]) -> bool:
+        """Whether the moment of a key does."""
+        own = [t.basis for t in self.loads.terms if (t.action, t.order) == key]
+        return self.time in reached(own)
 
     def variants(self, numbers: Numbers, direction: np.ndarray, flywheel: np.ndarray) -> "Variants":
         """Make a set of variants ready.
@@ -96,10 +142,36 @@ class Reduction:
         flywheel : ndarray (variants,)
             Inertia added to the machine's [kg·m²].
         """
-        count = direction.size
-        ends, breaks = self.landmarks(numbers, count, direction)
-        parameters = self.tabulation.parameters(numbers, count, direction)
+        ends, breaks = self.landmarks(numbers, direction)
+        parameters = self.tabulation.parameters(numbers, direction, ends)
         return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
+
+    def without_inertia(self, variants: "Variants") -> np.ndarray:
+        """Which variants have no reduced inertia at some crank angle, (variants,) of bool."""
+        constant = self.mechanics.reduced.first_kind.compute(variants.numbers) + variants.flywheel
+        found = np.zeros(variants.count, bool)
+        bare = np.flatnonzero(np.broadcast_to(constant, (variants.count,)) <= 0.0)
+        if bare.size:
+            found[bare] = self._vanishes(variants.some(bare))
+        return found
+
+    def _vanishes(self, variants: "Variants") -> np.ndarray:
+        """Whether the least inertia over the cycle is zero but for rounding."""
+        target = np.full(len(self.keys) + 2, -1)
+        target[:2] = 0, 1
+        sums = Sums(target, 2, np.zeros(target.size, bool), variants.direction)
+        step = self.cycle / LOOKED_AT
+        places = np.broadcast_to(step * np.arange(LOOKED_AT)[:, None], (LOOKED_AT, variants.count))
+        inertia, _ = self.curves(variants, places, None, sums)
+        around = step * inertia.argmin(axis=0)
+        bottom = regula_falsi(lambda q: self.curves(variants, q[None], None, sums)[1, 0], around - step, around + step)
+        least = np.fmin(self.curves(variants, bottom[None], None, sums)[0, 0], inertia.min(axis=0))
+        return least <= NO_INERTIA * inertia.max(axis=0)
+
+    def curves(self, variants: "Variants", places: np.ndarray, clock: np.ndarray | None, sums: Sums) -> np.ndarray:
+        """Sums of the rows at given crank angles and times, (sums, places, variants)."""
+        given = {node: np.zeros_like(places) if clock is None else clock for node in self.tabulation.given}
+        return self.tabulation(variants.parameters, places, given, sums)
 
 
 class Dynamics:
@@ -115,48 +187,53 @@ class Dynamics:
     """
 
     def __init__(self, reduction: Reduction, off: frozenset[str] = frozenset(), works: bool = False) -> None:
-        model = reduction.model
-        self.model, self.works, self.reduction = model, works, reduction
+        scene, loads = reduction.mechanics.scene, reduction.loads
+        self.works, self.reduction = works, reduction
         self.channels = CHANNELS if works else ("all",)
-        self.motors = tuple(name for name in model.moments.motors if name not in off)
-        terms = [t for t in model.moments.terms if t.action not in off]
-        self.active = frozenset(t.action for t in terms)
-        laws = model.moments.laws
-        self.timed = any(t.basis in laws and laws[t.basis].clock for t in terms)
-        self.instants = instants_of(model, self.active)
-        roles = {t.action: t.role for t in terms}
-        # Of each row of the reduction that acts: its number, its channel and its order.
+        self.motors = tuple(name for name in loads.motors if name not in off)
+        # Of what acts: its row of the reduction, its channel and its order.
+        acting = [(i, key) for i, key in enumerate(reduction.keys) if key[0] not in off]
+        self.active = frozenset(load.action for load in loads.terms if load.action not in off)
+        self.timed = any(reduction.depends_on_time(key) for _, key in acting)
+        self.instants = instants_of(scene, self.active)
+        self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
+        roles = {load.action: load.role for load in loads.terms}
         self.polynomial, self.laws = [], []
-        for i, (action, order) in enumerate(reduction.keys):
-            if action in self.active:
-                place = (i + 2, self._channel(roles[action]), order)
-                (self.laws if isinstance(order, str) else self.polynomial).append(place)
+        for i, (action, order) in acting:
+            place = (i, self._channel(roles[action]), order)
+            (self.laws if isinstance(order, str) else self.polynomial).append(place)
+        # Whether all that acts vanishes with the speed: then nothing stops the machine, nor sets it going.
+        self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
         # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
-        self.target = np.full(len(reduction.tabulation.names), -1)
+        self.target = np.full(len(reduction.keys) + 2, -1)
         self.target[:2] = 0, 1
-        for row, channel, order in self.polynomial:
-            self.target[row] = 2 + 3 * channel + order
-        for i, (row, _, _) in enumerate(self.laws):
-            self.target[row] = 2 + 3 * len(self.channels) + i
-        self.cycle = 2 * np.pi * model.scene.input.revolutions
+        for i, channel, order in self.polynomial:
+            self.target[i + 2] = 2 + 3 * channel + order
+        for k, (i, _, _) in enumerate(self.laws):
+            self.target[i + 2] = 2 + 3 * len(self.channels) + k
+        self._turned = np.arange(self.target.size) > 0
+        self.channel_of_laws = np.array([channel for _, channel, _ in self.laws], np.int64)
+        self.cycle = reduction.cycle
 
     def _channel(self, role: str | None) -> int:
         if not self.works:
             return 0
         return CHANNELS.index(role if role in CHANNELS else "other")
 
-    @property
-    def laws_channels(self) -> tuple[int, ...]:
-        """Channel of each power law."""
-        return tuple(channel for _, channel, _ in self.laws)
-
     def driven(self, variants: Variants) -> Variants:
         """The variants with the motors that are at work here."""
         drive = self._drive(variants.numbers, variants.count)
         return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, kept={})
 
+    def locked(self, variants: Variants) -> np.ndarray:
+        """Which variants have a brake at work that locks by itself, (variants,) of bool."""
+        scene, found = self.reduction.mechanics.scene, np.zeros(variants.count, bool)
+        for name in self.brakes:
+            found |= np.isinf(braking_moment(scene.moments[name], f"moments.{name}", variants.numbers))
+        return found
+
     def _drive(self, numbers: Numbers, count: int) -> Drive:
-        scene, line, kloss = self.model.scene, np.zeros((2, count)), []
+        scene, line, kloss = self.reduction.mechanics.scene, np.zeros((2, count)), []
         for name in self.motors:
             motor, at = scene.moments[name], f"moments.{name}"
             ratio = np.abs(motor_ratio(scene, motor, numbers))
@@ -168,9 +245,7 @@ class Dynamics:
                 constants = (*kloss_constants(motor, at, numbers), ratio)
                 kloss.append(np.array([np.broadcast_to(c, count) for c in constants]))
         exponents = [np.broadcast_to(numbers[path], count) for _, _, path in self.laws]
-        return Drive(
-            line, np.array(kloss).reshape(len(kloss), 5, count), np.array(exponents).reshape(len(exponents), count)
-        )
+        return Drive(np.concatenate((line, *kloss)), np.array(exponents).reshape(len(exponents), count))
 
     def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:
         """Grid from a start angle, with a node at every break."""
@@ -212,15 +287,13 @@ class Dynamics:
         clock : ndarray (places, variants), optional
             Time [s].
         """
-        tabulation, channels = self.reduction.tabulation, len(self.channels)
-        way = np.broadcast_to(variants.direction, (len(tabulation.names), variants.count)).copy()
-        way[0] = 1.0
-        sums = Sums(self.target, 2 + 3 * channels + len(self.laws), way)
-        out = tabulation(variants.parameters, variants.ends, places, clock, sums)
+        channels = len(self.channels)
+        sums = Sums(self.target, 2 + 3 * channels + len(self.laws), self._turned, variants.direction)
+        out = self.reduction.curves(variants, places, clock, sums)
         loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
         return Rows(out[0] + variants.flywheel, out[1], loads, powers)
 
-    def moments(self, variants: Variants, rows: "Rows", omega: np.ndarray) -> "Moments":
+    def moments(self, variants: Variants, rows: "Rows | Tables", omega: np.ndarray) -> Moments:
         """Moments at given speeds, in the direction of motion.
 
         Parameters
@@ -230,17 +303,7 @@ class Dynamics:
         omega : ndarray (places, variants)
             Speed, positive in the direction of motion [rad/s].
         """
-        drive = variants.drive
-        motors, slope = drive.line[0] + drive.line[1] * omega, np.broadcast_to(drive.line[1], omega.shape).copy()
-        of_motors(variants.count, drive.kloss, omega, motors, slope)
-        loads = rows.loads[:, 0] + omega * (rows.loads[:, 1] + omega * rows.loads[:, 2])
-        slope += rows.loads[:, 1].sum(axis=0) + 2.0 * omega * rows.loads[:, 2].sum(axis=0)
-        with np.errstate(all="ignore"):
-            for (_, channel, _), row, exponent in zip(self.laws, rows.powers, drive.exponents, strict=True):
-                moment = row * np.abs(omega) ** exponent
-                loads[channel] += moment
-                slope += exponent * moment / omega
-        return Moments(motors, loads, slope)
+        return moments_at(variants.drive, self.channel_of_laws, rows.loads, rows.powers, omega)
 
 
 class Rows(NamedTuple):
@@ -250,31 +313,3 @@ class Rows(NamedTuple):
     inertia_phi: np.ndarray
     loads: np.ndarray
     powers: np.ndarray
-
-
-class Moments(NamedTuple):
-    """Moment of the motors, of each channel of loads [N·m], and ∂M/∂ω of all of them [N·m·s]."""
-
-    motors: np.ndarray
-    loads: np.ndarray
-    slope: np.ndarray
-
-    @property
-    def total(self) -> np.ndarray:
-        """The reduced moment."""
-        return self.motors + self.loads.sum(axis=0)
-
-
-@over_variants
-def of_motors(
-    begin: int, end: int, kloss: np.ndarray, omega: np.ndarray, moment: np.ndarray, slope: np.ndarray
-) -> None:
-    """Add the moments of induction motors, and their slopes, at the places of variants begin … end − 1."""
-    for motor in range(kloss.shape[0]):
-        for j in range(omega.shape[0]):
-            for v in range(begin, end):
-                most, slip, rotor = kloss[motor, 0, v], kloss[motor, 1, v], kloss[motor, 2, v]
-                synchronous, ratio = kloss[motor, 3, v], kloss[motor, 4, v]
-                w = ratio * omega[j, v]
-                moment[j, v] += ratio * induction_motor(most, slip, rotor, synchronous, w)
-                slope[j, v] += ratio * ratio * induction_motor_slope(most, slip, rotor, synchronous, w)

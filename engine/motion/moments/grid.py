@@ -9,11 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.moments.breaks import Breaks
+from engine.motion.moments.breaks import JUMP, Breaks
 from engine.motion.steppers.energy_form import Tables
 
-# Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.
-JUMP = 1e-10
 # A step that is no longer lies within a jump.
 GAP = 4.0 * JUMP
 
@@ -75,8 +73,10 @@ def _edges(
     start: np.ndarray, length: float | np.ndarray, direction: np.ndarray, cycle: float, breaks: Breaks
 ) -> np.ndarray:
     """Angles turned at the breaks, on both sides of a jump; for a variant without a break, the whole length."""
-    turned = np.mod(direction * (breaks.angles - start), cycle)
+    turned = direction * (breaks.angles - start)
     turned = np.concatenate((turned - JUMP * breaks.jumps[:, None], turned[breaks.jumps] + JUMP))
+    # Where the cycle begins with a jump, one side of it is at the very end.
+    turned = np.mod(turned, cycle)
     return np.where((turned > 0.0) & (turned < length), turned, length)
 
 

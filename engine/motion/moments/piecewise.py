@@ -5,9 +5,11 @@ spaced. What a curve does within a step is judged by its neighbours on the same 
 `values` at the nodes, and the `steps` between them, one fewer.
 """
 
+import math
+
 import numpy as np
 
-from engine.compiling.jit import scalar
+from engine.compiling.decorators import scalar
 from engine.motion.moments.grid import GAP
 
 
@@ -31,6 +33,22 @@ def slope_of(values: np.ndarray, steps: np.ndarray, k: int) -> float:
         i = k if after else k - 1
         return (values[i + 1] - values[i]) / steps[i]
     return 0.0
+
+
+@scalar
+def extremes(values: np.ndarray) -> tuple[float, float, float, float]:
+    """Least value and its first node, greatest value and its first node; NaN where any value isn't finite."""
+    low = high = values[0]
+    low_at = high_at = 0
+    for k in range(values.shape[0]):
+        value = values[k]
+        if not abs(value) < math.inf:
+            return math.nan, math.nan, math.nan, math.nan
+        if value < low:
+            low, low_at = value, k
+        if value > high:
+            high, high_at = value, k
+    return low, float(low_at), high, float(high_at)
 
 
 @scalar

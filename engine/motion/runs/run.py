@@ -27,10 +27,19 @@ def run_to_end(runs: Progress) -> Outcome:
     runs : Progress
         At their begin; carried on in place.
     """
+    # What isn't finite ends as a verdict, not as a warning.
+    with np.errstate(all="ignore"):
+        return _run(runs)
+
+
+def _run(runs: Progress) -> Outcome:
     started = runs.energy()
     runs.note_now()
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
     runs.feel_motors(np.arange(runs.variants.count))
+    if runs.ends.rest and runs.dynamics.fades:
+        # What vanishes with the speed stops no machine in finite time.
+        runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
     brisk = _brisk(runs, np.arange(runs.variants.count))
     time_steps = np.zeros(runs.variants.count, np.int64)
     while not runs.done.all():

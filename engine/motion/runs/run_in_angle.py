@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engine.motion.moments.breaks import regula_falsi
+from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, NODES, TIME, Course, Limits, Tables
 from engine.motion.steppers.stepping import advance

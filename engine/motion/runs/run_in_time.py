@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from engine.motion.moments.breaks import regula_falsi
 from engine.motion.moments.grid import JUMP
+from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
 from engine.motion.steppers.time_form import State, TimeForm
 from engine.verdicts import Verdict
@@ -11,6 +11,10 @@ from engine.verdicts import Verdict
 # Times that a machine at rest looks whether a moment over time sets it going.
 WAITS = 1000
 HALVINGS = 60
+# Swings that differ by no more are the same but for the error of the steps [rad].
+SAME_SWING = 1e-6
+# Share of its greatest speed below which a machine that nothing stops has all its way behind it.
+FADED = 1e-9
 # Of the ends that a step in time may meet, the first and the last.
 REST, BREAK = 0, 4
 
@@ -136,6 +140,7 @@ def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
     ended = runs.state.time[who] >= runs.ends.time[who] * (1.0 - 1e-15)
     runs.done[who[ended | ((which > REST) & (which < BREAK))]] = True
     rest = who[which == REST]
+    forward = runs.facing[rest] > 0.0
     runs.state.omega[rest] = 0.0
     # What rounding left of a speed.
     runs.slowest[rest] = np.where(np.abs(runs.slowest[rest]) < 1e-12 * runs.fastest[rest], 0.0, runs.slowest[rest])
@@ -144,8 +149,36 @@ def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
     else:
         runs.facing[rest] = 0.0
         set_off(runs, rest)
+        _turn_round(runs, rest, forward)
+    _tell_endless(runs, who)
     lost = who[~runs.done[who] & (np.abs(runs.state.turned[who]) >= runs.ends.most_turned[who])]
     runs.give_up(lost, Verdict.NO_END)
+
+
+# Phase curves of a machine on which nothing depends on time never cross. So a swing that doesn't reach beyond the last
+# one lies within it, as do all after it; and a machine that has turned a cycle backwards from where it stood is never
+# slower there again.
+
+
+def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
+    """Note where machines turn round; those that come no farther forward than the last time never will."""
+    turned = runs.state.turned[rest]
+    runs.turned_round[rest] = turned
+    again = forward & (turned <= runs.farthest[rest] + SAME_SWING)
+    runs.farthest[rest[forward]] = turned[forward]
+    _give_up_endless(runs, rest[again])
+
+
+def _tell_endless(runs: Progress, who: np.ndarray) -> None:
+    """Give up runs that can't come to their end: backwards for ever, or ever more slowly."""
+    backwards = runs.state.turned[who] <= runs.turned_round[who] - runs.dynamics.cycle
+    faded = runs.dynamics.fades & (np.abs(runs.state.omega[who]) < FADED * runs.fastest[who])
+    _give_up_endless(runs, who[((runs.facing[who] < 0.0) & backwards) | faded])
+
+
+def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
+    if not runs.dynamics.timed:
+        runs.give_up(who[~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
 
 
 def _scattered(values: np.ndarray, places: np.ndarray, base: np.ndarray) -> np.ndarray:

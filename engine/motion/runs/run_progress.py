@@ -81,6 +81,8 @@ class Progress:
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
         The speed to be reached [rad/s], as one to come up to or to come down to; infinite where it isn't.
+    turned_round, farthest : ndarray
+        Angle turned where a machine stood last, and where it last turned round on its way forward [rad].
     notes : list of ndarray or None
         The history so far, where it is kept.
     """
@@ -110,6 +112,7 @@ class Progress:
         self.below = np.where(ends.speed < omega, ends.speed, -np.inf)
         self.facing = np.sign(self.state.omega)
         self.done |= ends.speed == omega
+        self.turned_round, self.farthest = np.zeros(count), np.full(count, np.nan)
         self.notes: list[np.ndarray] | None = [] if record else None
 
     def energy(self) -> np.ndarray:

@@ -3,20 +3,16 @@
 With E = ½Iω² the equation I·ε + ½ω²·dI/dφ = M reads dE/dφ = M(φ, √(2E/I)): no derivative of I is needed, and a
 machine without moments keeps its energy to the last bit. Time and works are integrals over φ of 1/ω and of the
 moments, carried along by the same Runge–Kutta method of order four. Everything that depends on φ alone is tabulated
-at the nodes and the middles between them and used again every cycle. Lanes of variants go side by side.
+at the nodes and the middles between them and used again every cycle. `engine.motion.steppers.energy_lanes` makes the
+steps.
 
 Angles here are turned in the direction of motion, so ω > 0 and moments are positive where they drive.
 """
 
-from collections.abc import Callable
 from enum import IntEnum
-from functools import cache, partial
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-
-from engine.compiling.jit import run_kernel
 
 # Too near to rest for the energy form: where loads take so many times the energy per radian (1/ω is a root of the angle
 # there, and no refinement helps), or more than this share of it in a step.
@@ -68,25 +64,6 @@ class Tables(NamedTuple):
 
 
 NODES = slice(None, None, 2)
-
-
-class Drive(NamedTuple):
-    """What depends on the speed alone, for every variant.
-
-    Attributes
-    ----------
-    line : ndarray (2, variants)
-        Moment of the motors with a straight characteristic, reduced: line[0] + line[1]·ω.
-    kloss : ndarray (motors, 5, variants)
-        Of each induction motor: breakdown moment, breakdown slip, rotor ratio, synchronous speed, and speed
-        ratio to the crank.
-    exponents : ndarray (laws, variants)
-        Powers of ω of `Tables.powers`.
-    """
-
-    line: np.ndarray
-    kloss: np.ndarray
-    exponents: np.ndarray
 
 
 class Stop(IntEnum):
@@ -150,26 +127,3 @@ def new_course(variants: int, channels: int) -> Course:
     numbers = (np.zeros(variants) for _ in range(4))
     counts = (np.zeros(variants, np.int64) for _ in range(2))
     return Course(np.zeros(variants), np.zeros(variants), *counts, np.zeros((channels + 1, variants)), *numbers)
-
-
-@cache
-def energy_form(motors: int, laws: tuple[int, ...] = ()) -> Callable:
-    """The stepper for a number of induction motors and for power laws.
-
-    Parameters
-    ----------
-    motors : int
-    laws : tuple of int
-        Channel of each power law.
-
-    Returns
-    -------
-    callable
-        `(variants, tables, drive, energy, limits, record, course)`: carries every variant from its `energy` at the
-        first node, (variants,), to the end of its stretch: `Tables`, `Drive` and `Limits` in; energy and time at
-        every node into `record` (2, nodes, variants), as far as it reaches; the rest into `course`. After the last
-        node of the tables comes the first.
-    """
-    template = Path(__file__).with_name("energy_lanes.py").read_text(encoding="utf8")
-    text = template.replace("MOTORS = 0\nLAWS = ()\n", f"MOTORS = {motors}\nLAWS = {laws}\n")
-    return partial(run_kernel, text, "carry")

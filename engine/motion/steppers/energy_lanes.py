@@ -1,19 +1,32 @@
-"""A group of variants carried side by side in the energy form: what `engine.motion.steppers.energy_form` compiles.
+"""A block of variants carried side by side in the energy form, explicitly or implicitly.
 
-This file is its own template. `MOTORS` and `LAWS` say for how many induction motors and for which power laws it is
-compiled; copies of it with other values are kept as kernels are. Loops over motors or channels inside the loop over
-lanes would keep the compiler from vectorising.
+Both ways make a step that isn't taken yet: the speeds and the motors' moments at the stages, and the energy at the end.
+What follows from these, and whether the step passes an end of the stretch, is the same for both.
 """
 
 import math
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from engine.compiling.jit import KERNEL_OPTIONS, scalar
-from engine.equal_positions.rows import larger, smaller
-from engine.laws.motor_characteristics import induction_motor
+from engine.compiling.decorators import driver, inlined, routine
+from engine.compiling.tiles import LANES
+from engine.cycle.driver import fill, gather
+from engine.cycle.lanes import ASIDE, Memory, in_lanes, lane_of, rows
+from engine.cycle.series import larger, smaller
+from engine.motion.moments.at_speed import (
+    FALL,
+    KLOSS,
+    PER_MOTOR,
+    POLYNOMIAL,
+    add_induction_motors,
+    add_induction_slopes,
+    add_power,
+    add_power_slope,
+    polynomial,
+    polynomial_slope,
+    straight_motors,
+)
 from engine.motion.steppers.energy_form import (
     ABOVE,
     ANGLE,
@@ -25,283 +38,471 @@ from engine.motion.steppers.energy_form import (
     TIME,
     TIMES_PER_RADIAN,
     Course,
-    Drive,
     Limits,
     Tables,
 )
+from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC
 
-# Number of induction motors; channel of each power law.
-MOTORS = 0
-LAWS = ()
+# Stages of the two methods lie at nodes of the tables and in the middle between them.
+A, STAGES = CLASSICAL.matrix, CLASSICAL.stages
+WEIGHTS, PLACES = CLASSICAL.weights, (2.0 * CLASSICAL.nodes).astype(np.int64)
+IMPLICIT_A, IMPLICIT_STAGES = LOBATTO_IIIC.matrix, LOBATTO_IIIC.stages
+IMPLICIT_WEIGHTS, IMPLICIT_PLACES = LOBATTO_IIIC.weights, (2.0 * LOBATTO_IIIC.nodes).astype(np.int64)
+MOST_STAGES = max(STAGES, IMPLICIT_STAGES)
 
-LANES = 32
-# Lanes that the processor takes at once, or a multiple of that: what is left over would go a scalar way.
-TOGETHER = 8
+# Rows of a block's state: what has gathered, whether a lane is on its way and takes the step, limits …
+E, T, MOTOR, SQUARES, SLOW, FAST, PEAK, MOVING, GOES, STEPS, UNTIL, OVER, UNDER = range(13)
+# … and of the step under way.
+E_AFTER, T_STEP, W_AFTER, MOTOR_STEP, SQUARES_STEP, STIFFNESS, H = range(13, 20)
+STATE = 20
+# Rows of its stages: speed, motors' moment, moment of everything; slope and energy where the step is implicit.
+SPEED, FROM_MOTORS, MOMENT, SLOPE, ENERGY = (i * MOST_STAGES for i in range(5))
+STAGE_ROWS = 5 * MOST_STAGES
+# Rows of a place: 2/I, then loads.
+INVERSE, LOADS = range(2)
 
-# A group of lanes keeps its numbers in one flat array, its tables in another, each kind at a fixed place: the compiler
-# then sees that no two overlap, and vectorises. Places in the array of numbers …
-E, T, W, MOTOR, SQUARES, SLOW, FAST, PEAK, MOVING, GOES = (i * LANES for i in range(10))
-E_AFTER, T_STEP, W_AFTER, MOTOR_STEP, SQUARES_STEP, PEAK_STEP, STIFFNESS = (i * LANES for i in range(10, 17))
-W1, W2, W3, W4, STEPS, UNTIL, OVER, UNDER, LINE = (i * LANES for i in range(17, 26))
-KLOSS = 27 * LANES
-PER_KLOSS = 5 * LANES
-# … and in the tables of one step: its length, 2/I in the middle and at the end, moments at three places.
-H, MIDDLE, FAR, LOADS = (i * LANES for i in range(4))
-PER_ORDER, PER_PLACE = 3 * LANES, LANES
+# Lanes that the compiled code takes at once, or a multiple of that: what is left over would go a scalar way. Loops over
+# a number that the compiler doesn't know aren't unrolled, so that the code of a step stays small enough to be decoded
+# once.
+TOGETHER = 32
 
-
-COUNT, CHANNEL_OF = len(LAWS), np.array((*LAWS, -1))
-POWERS = KLOSS + MOTORS * PER_KLOSS
-ROOM = POWERS + COUNT * LANES
-POWER_ROWS = LOADS + 3 * PER_ORDER
-ITEMS = POWER_ROWS + COUNT * PER_ORDER
-
-
-@scalar
-def straight_motors(x: np.ndarray, i: int, w: float) -> float:
-    """Moment of the motors with a straight characteristic of lane i at speed w."""
-    return x[LINE + i] + w * x[LINE + LANES + i]
+MOST_ROUNDS = 60
+SOLVED = 1e-14
 
 
-def with_induction_motor(others: Callable, place: int) -> Callable:
-    """Moment of other motors and of one more, an induction motor whose constants begin at a place in the lanes.
+class Form(NamedTuple):
+    """How many there are of what differs between machines: induction motors, power laws, channels of work.
 
-    One function around another instead of a loop over the motors, which would keep lanes from being vectorised.
+    `width` is the number of rows of a place: 2/I, all loads by powers of the speed, power laws, and where there are
+    several channels, the loads of each.
     """
 
-    @scalar
-    def of_motors(x: np.ndarray, i: int, w: float) -> float:
-        at = place + i
-        ratio = x[at + 4 * LANES]
-        torque = induction_motor(x[at], x[at + LANES], x[at + 2 * LANES], x[at + 3 * LANES], ratio * w)
-        return others(x, i, w) + ratio * torque
-
-    return of_motors
+    motors: int
+    laws: int
+    channels: int
+    width: int
 
 
-of_motors = straight_motors
-for motor in range(MOTORS):
-    of_motors = with_induction_motor(of_motors, KLOSS + motor * PER_KLOSS)
+@routine
+def pack(tables: Tables, first: int, width: int, places: Memory) -> None:
+    """Gather the tables of a block, place by place, the loads of all channels together; `width` rows a place."""
+    last = tables.inertia.shape[1] - 1
+    for j in range(tables.inertia.shape[0]):
+        at = width * j
+        for lane in range(LANES):
+            places[at + INVERSE, lane] = 2.0 / tables.inertia[j, min(first + lane, last)]
+        for order in range(POLYNOMIAL):
+            row = at + LOADS + order
+            for lane in range(LANES):
+                places[row, lane] = tables.loads[0, order, j, min(first + lane, last)]
+            for channel in range(1, tables.loads.shape[0]):
+                for lane in range(LANES):
+                    places[row, lane] += tables.loads[channel, order, j, min(first + lane, last)]
+        for law in range(tables.powers.shape[0]):
+            for lane in range(LANES):
+                places[at + LOADS + POLYNOMIAL + law, lane] = tables.powers[law, j, min(first + lane, last)]
+        # Works need each channel by itself.
+        row = at + LOADS + POLYNOMIAL + tables.powers.shape[0]
+        for channel in range(tables.loads.shape[0] if row < at + width else 0):
+            for order in range(POLYNOMIAL):
+                for lane in range(LANES):
+                    places[row, lane] = tables.loads[channel, order, j, min(first + lane, last)]
+                row += 1
 
 
-@scalar
-def pack(tables: Tables, first: int, width: int, packed: np.ndarray) -> None:
-    """Gather the tables of a group of lanes, step by step: all loads together, and each channel by itself."""
-    for k in range(tables.steps.shape[0]):
-        for i in range(width):
-            v = first + i
-            packed[k, H + i] = tables.steps[k, v]
-            packed[k, MIDDLE + i] = 2.0 / tables.inertia[2 * k + 1, v]
-            packed[k, FAR + i] = 2.0 / tables.inertia[2 * k + 2, v]
-        for place in range(3):
-            j = 2 * k + place
-            for order in range(3):
-                at = LOADS + order * PER_ORDER + place * PER_PLACE
-                for i in range(width):
-                    packed[k, at + i] = tables.loads[0, order, j, first + i]
-                for channel in range(1, tables.loads.shape[0]):
-                    for i in range(width):
-                        packed[k, at + i] += tables.loads[channel, order, j, first + i]
-            for law in range(COUNT):
-                at = POWER_ROWS + law * PER_ORDER + place * PER_PLACE
-                for i in range(width):
-                    packed[k, at + i] = tables.powers[law, j, first + i]
+@routine
+def begin_block(energy: np.ndarray, limits: Limits, first: int, width: int, places: Memory, state: Memory) -> None:
+    """Set a block to its first node; lanes from `width` on are left over and don't move."""
+    last = energy.shape[0] - 1
+    for row in range(STATE):
+        for lane in range(LANES):
+            state[row, lane] = 0.0
+    for lane in range(LANES):
+        v = min(first + lane, last)
+        speed = math.sqrt(energy[v] * places[INVERSE, lane])
+        state[E, lane], state[SLOW, lane], state[FAST, lane] = energy[v], speed, speed
+        state[MOVING, lane] = 1.0 if lane < width else 0.0
+        state[STEPS, lane], state[UNTIL, lane] = float(limits.steps[v]), limits.time[v]
+        state[OVER, lane], state[UNDER, lane] = limits.above[v], limits.below[v]
 
 
-@scalar
-def begin_lanes(
-    tables: Tables, drive: Drive, energy: np.ndarray, limits: Limits, first: int, width: int, x: np.ndarray
+@routine
+def add_share(wide: int, share: float, step: Memory, rates: Memory, energy: Memory) -> None:
+    """Add to an energy what a moment does over a share of the step; all are rows, (LANES,)."""
+    for lane in range(wide):
+        energy[lane] += share * step[lane] * rates[lane]
+
+
+@routine
+def moments_at_place(
+    wide: int,
+    form: Form,
+    drive: Memory,
+    exponents: Memory,
+    places: Memory,
+    at: int,
+    energy: Memory,
+    speed: Memory,
+    motors: Memory,
+    moment: Memory,
 ) -> None:
-    """Set a group of lanes to its first node."""
-    x[:] = 0.0
-    for i in range(width):
-        v = first + i
-        speed = math.sqrt(2.0 * energy[v] / tables.inertia[0, v])
-        x[E + i], x[W + i], x[SLOW + i], x[FAST + i], x[MOVING + i] = energy[v], speed, speed, speed, 1.0
-        x[STEPS + i], x[UNTIL + i] = limits.steps[v], limits.time[v]
-        x[OVER + i], x[UNDER + i] = limits.above[v], limits.below[v]
-        x[LINE + i], x[LINE + LANES + i] = drive.line[0, v], drive.line[1, v]
-        for motor in range(MOTORS):
-            for constant in range(5):
-                x[KLOSS + motor * PER_KLOSS + constant * LANES + i] = drive.kloss[motor, constant, v]
-        for law in range(COUNT):
-            x[POWERS + law * LANES + i] = drive.exponents[law, v]
+    """Speed, moment of the motors and moment of everything by the energy, at the place that begins at row `at`.
+
+    They go into rows, (LANES,).
+    """
+    for lane in range(wide):
+        speed[lane] = math.sqrt(energy[lane] * places[at + INVERSE, lane])
+        motors[lane] = straight_motors(drive, lane, speed[lane])
+    add_induction_motors(wide, drive, form.motors, speed, motors)
+    for lane in range(wide):
+        moment[lane] = motors[lane] + polynomial(places, at + LOADS, lane, speed[lane])
+    for law in range(form.laws):
+        add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
 
 
-@scalar
-def of_loads(x: np.ndarray, p: np.ndarray, place: int, i: int, w: float) -> float:
-    """Moment of all loads at one of the step's three places."""
-    at = LOADS + place * PER_PLACE + i
-    moment = p[at] + w * (p[at + PER_ORDER] + w * p[at + 2 * PER_ORDER])
-    for law in range(COUNT):
-        moment += p[POWER_ROWS + law * PER_ORDER + place * PER_PLACE + i] * w ** x[POWERS + law * LANES + i]
-    return moment
+@routine
+def slopes_at_place(
+    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, speed: Memory, slope: Memory
+) -> None:
+    """∂M/∂E = ∂M/∂ω/(Iω) at a place; as `moments_at_place`."""
+    for lane in range(wide):
+        slope[lane] = drive[FALL, lane] + polynomial_slope(places, at + LOADS, lane, speed[lane])
+    add_induction_slopes(wide, drive, form.motors, speed, slope)
+    for law in range(form.laws):
+        add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
+    for lane in range(wide):
+        slope[lane] *= 0.5 * places[at + INVERSE, lane] / speed[lane]
 
 
-@scalar
-def step(x: np.ndarray, p: np.ndarray, width: int) -> None:
-    """One classical Runge–Kutta step of all lanes, not yet taken. Nothing is written before all is read."""
-    for i in range(width):
-        e, w1, h = x[E + i], x[W + i], p[H + i]
-        motor1 = of_motors(x, i, w1)
-        m1 = motor1 + of_loads(x, p, 0, i, w1)
-        w2 = math.sqrt((e + 0.5 * h * m1) * p[MIDDLE + i])
-        motor2 = of_motors(x, i, w2)
-        m2 = motor2 + of_loads(x, p, 1, i, w2)
-        w3 = math.sqrt((e + 0.5 * h * m2) * p[MIDDLE + i])
-        motor3 = of_motors(x, i, w3)
-        m3 = motor3 + of_loads(x, p, 1, i, w3)
-        w4 = math.sqrt((e + h * m3) * p[FAR + i])
-        motor4 = of_motors(x, i, w4)
-        m4 = motor4 + of_loads(x, p, 2, i, w4)
-        after = e + h / 6.0 * (m1 + 2.0 * (m2 + m3) + m4)
-        far = p[FAR + i]
-        sixth = h / 6.0
-        x[E_AFTER + i] = after
-        # Reciprocals of two speeds for one division.
-        outer, inner = 1.0 / (w1 * w4), 2.0 / (w2 * w3)
-        r1, r2, r3, r4 = outer * w4, inner * w3, inner * w2, outer * w1
-        x[T_STEP + i] = sixth * (r1 + r2 + r3 + r4)
-        squares = motor1 * motor1 * r1 + motor2 * motor2 * r2 + motor3 * motor3 * r3 + motor4 * motor4 * r4
-        x[SQUARES_STEP + i] = sixth * squares
-        x[W_AFTER + i] = math.sqrt(after * far)
-        x[PEAK_STEP + i] = larger(abs(motor1), abs(motor4))
+@routine
+def finish(wide: int, weights: np.ndarray, inverse: Memory, stages: Memory, state: Memory) -> None:
+    """What follows from the stages of a step: its time, work and squares of the motors, and the speed at its end.
+
+    `inverse` is 2/I there, (LANES,).
+    """
+    for lane in range(wide):
+        state[T_STEP, lane], state[MOTOR_STEP, lane], state[SQUARES_STEP, lane] = 0.0, 0.0, 0.0
+        state[W_AFTER, lane] = math.sqrt(state[E_AFTER, lane] * inverse[lane])
+    for s in range(weights.shape[0]):
+        for lane in range(wide):
+            motor, share = stages[FROM_MOTORS + s, lane], weights[s] * state[H, lane]
+            time = share / stages[SPEED + s, lane]
+            state[T_STEP, lane] += time
+            state[MOTOR_STEP, lane] += share * motor
+            state[SQUARES_STEP, lane] += motor * motor * time
+
+
+@routine
+def explicit_step(
+    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
+) -> None:
+    """A step of the classical method of all lanes, from the place that begins at row `first`."""
+    for s in range(STAGES + 1):
+        energy = stages[ENERGY + s] if s < STAGES else state[E_AFTER]
+        for lane in range(wide):
+            energy[lane] = state[E, lane]
+        for k in range(s):
+            share = A[s, k] if s < STAGES else WEIGHTS[k]
+            if share != 0.0:
+                add_share(wide, share, state[H], stages[MOMENT + k], energy)
+        if s < STAGES:
+            at, speed, motors = first + form.width * PLACES[s], stages[SPEED + s], stages[FROM_MOTORS + s]
+            moments_at_place(wide, form, drive, exponents, places, at, energy, speed, motors, stages[MOMENT + s])
+    for lane in range(wide):
+        e, h, near = state[E, lane], state[H, lane], stages[MOMENT, lane]
         # M differs between the second and the third stage by its dependence on E alone, and E there as the
         # first two stages do: the ratio says how near an explicit method is to being unstable.
-        stiff = (abs(m3 - m2) - abs(m2 - m1)) * h > STIFF_SHARE * e
-        careful = x[UNDER + i] >= 0.0
-        slowing = careful & ((-m1 > TIMES_PER_RADIAN * e) | (-m1 * h > SHARE_PER_STEP * e))
-        x[STIFFNESS + i] = 1.0 if stiff else 0.0
-        x[GOES + i] = 0.0 if (stiff | slowing) else 1.0
-        x[MOTOR_STEP + i] = sixth * (motor1 + 2.0 * (motor2 + motor3) + motor4)
-        x[W1 + i], x[W2 + i], x[W3 + i], x[W4 + i] = w1, w2, w3, w4
+        change, before = stages[MOMENT + 2, lane] - stages[MOMENT + 1, lane], stages[MOMENT + 1, lane] - near
+        stiff = (abs(change) - abs(before)) * h > STIFF_SHARE * e
+        careful = state[UNDER, lane] >= 0.0
+        slowing = careful & ((-near > TIMES_PER_RADIAN * e) | (-near * h > SHARE_PER_STEP * e))
+        state[STIFFNESS, lane] = 1.0 if stiff else 0.0
+        state[GOES, lane] = 0.0 if (stiff | slowing) else 1.0
+    finish(wide, WEIGHTS, places[first + 2 * form.width + INVERSE], stages, state)
 
 
-@scalar
-def gather(x: np.ndarray, tables: Tables, k: int, channel: int, first: int, width: int, work: np.ndarray) -> None:
-    """Work of one channel over the step, with the speeds of its stages."""
-    for i in range(width):
-        v, w1, w2, w3, w4 = first + i, x[W1 + i], x[W2 + i], x[W3 + i], x[W4 + i]
-        j, loads = 2 * k, tables.loads
-        near = loads[channel, 0, j, v] + w1 * (loads[channel, 1, j, v] + w1 * loads[channel, 2, j, v])
-        j += 1
-        linear, square = loads[channel, 1, j, v], loads[channel, 2, j, v]
-        middle = loads[channel, 0, j, v] + loads[channel, 0, j, v] + (w2 + w3) * linear
-        middle += (w2 * w2 + w3 * w3) * square
-        j += 1
-        far = loads[channel, 0, j, v] + w4 * (loads[channel, 1, j, v] + w4 * loads[channel, 2, j, v])
-        goes = x[GOES + i] > 0.0
-        work[i] += tables.steps[k, v] / 6.0 * (near + 2.0 * middle + far) if goes else 0.0
-    for law in range(COUNT):
-        if CHANNEL_OF[law] == channel:
-            for i in range(width):
-                v, n = first + i, x[POWERS + law * LANES + i]
-                row = tables.powers[law, :, v]
-                middle = row[2 * k + 1] * (x[W2 + i] ** n + x[W3 + i] ** n)
-                ends = row[2 * k] * x[W1 + i] ** n + row[2 * k + 2] * x[W4 + i] ** n
-                work[i] += tables.steps[k, v] / 6.0 * (ends + 2.0 * middle) if x[GOES + i] > 0.0 else 0.0
+@inlined
+def solved(
+    a11: float,
+    a12: float,
+    a13: float,
+    a21: float,
+    a22: float,
+    a23: float,
+    a31: float,
+    a32: float,
+    a33: float,
+    b1: float,
+    b2: float,
+    b3: float,
+) -> tuple[float, float, float]:
+    """Solution of three linear equations by Cramer's rule; Newton's method puts right what it loses."""
+    c11, c12, c13 = a22 * a33 - a23 * a32, a23 * a31 - a21 * a33, a21 * a32 - a22 * a31
+    inverse = 1.0 / (a11 * c11 + a12 * c12 + a13 * c13)
+    x = b1 * c11 + b2 * (a13 * a32 - a12 * a33) + b3 * (a12 * a23 - a13 * a22)
+    y = b1 * c12 + b2 * (a11 * a33 - a13 * a31) + b3 * (a13 * a21 - a11 * a23)
+    z = b1 * c13 + b2 * (a12 * a31 - a11 * a32) + b3 * (a11 * a22 - a12 * a21)
+    return x * inverse, y * inverse, z * inverse
 
 
-@scalar
-def take(x: np.ndarray, width: int, done: int) -> float:
+@routine
+def implicit_step(
+    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, first: int, state: Memory, stages: Memory
+) -> None:
+    """A step of Lobatto IIIC of all lanes; parameters as of `explicit_step`.
+
+    dE/dφ = M(φ, √(2E/I)) is collocated at the first node, the middle and the last node, and the three energies are
+    found by Newton's method. Steps of any length are stable: a motor that holds its speed within a fraction of a step
+    is simply followed.
+    """
+    for s in range(IMPLICIT_STAGES):
+        for lane in range(wide):
+            stages[ENERGY + s, lane] = state[E, lane]
+    for lane in range(wide):
+        state[STIFFNESS, lane], state[GOES, lane] = 0.0, 0.0
+    pending = 1.0
+    for _ in range(MOST_ROUNDS):
+        for s in range(IMPLICIT_STAGES):
+            at, energy, speed = first + form.width * IMPLICIT_PLACES[s], stages[ENERGY + s], stages[SPEED + s]
+            motors, moment, slope = stages[FROM_MOTORS + s], stages[MOMENT + s], stages[SLOPE + s]
+            moments_at_place(wide, form, drive, exponents, places, at, energy, speed, motors, moment)
+            slopes_at_place(wide, form, drive, exponents, places, at, speed, slope)
+        # Once more after all are found, so that nothing depends on which of them was the last.
+        if pending == 0.0:
+            break
+        pending = newton_step(wide, state, stages)
+    for lane in range(wide):
+        end = stages[ENERGY + IMPLICIT_STAGES - 1, lane]
+        state[E_AFTER, lane] = end if (state[GOES, lane] > 0.0) & (end > 0.0) else math.nan
+    finish(wide, IMPLICIT_WEIGHTS, places[first + 2 * form.width + INVERSE], stages, state)
+
+
+@routine
+def newton_step(wide: int, state: Memory, stages: Memory) -> float:
+    """Improve the energies of an implicit step in lanes where they aren't found yet; how many those are now.
+
+    GOES is 1 of a lane whose energies are found, −1 of one that has none.
+    """
+    pending = 0.0
+    for lane in range(wide):
+        h, e = state[H, lane], state[E, lane]
+        m1, m2, m3 = stages[MOMENT, lane], stages[MOMENT + 1, lane], stages[MOMENT + 2, lane]
+        d1, d2, d3 = h * stages[SLOPE, lane], h * stages[SLOPE + 1, lane], h * stages[SLOPE + 2, lane]
+        e1, e2, e3 = stages[ENERGY, lane], stages[ENERGY + 1, lane], stages[ENERGY + 2, lane]
+        by1, by2, by3 = solved(
+            1.0 - IMPLICIT_A[0, 0] * d1,
+            -IMPLICIT_A[0, 1] * d2,
+            -IMPLICIT_A[0, 2] * d3,
+            -IMPLICIT_A[1, 0] * d1,
+            1.0 - IMPLICIT_A[1, 1] * d2,
+            -IMPLICIT_A[1, 2] * d3,
+            -IMPLICIT_A[2, 0] * d1,
+            -IMPLICIT_A[2, 1] * d2,
+            1.0 - IMPLICIT_A[2, 2] * d3,
+            e + h * (IMPLICIT_A[0, 0] * m1 + IMPLICIT_A[0, 1] * m2 + IMPLICIT_A[0, 2] * m3) - e1,
+            e + h * (IMPLICIT_A[1, 0] * m1 + IMPLICIT_A[1, 1] * m2 + IMPLICIT_A[1, 2] * m3) - e2,
+            e + h * (IMPLICIT_A[2, 0] * m1 + IMPLICIT_A[2, 1] * m2 + IMPLICIT_A[2, 2] * m3) - e3,
+        )
+        worst = larger(larger(abs(by1) / e1, abs(by2) / e2), abs(by3) / e3)
+        done = state[GOES, lane] != 0.0
+        stages[ENERGY, lane] = e1 if done else larger(e1 + by1, 0.1 * e1)
+        stages[ENERGY + 1, lane] = e2 if done else larger(e2 + by2, 0.1 * e2)
+        stages[ENERGY + 2, lane] = e3 if done else larger(e3 + by3, 0.1 * e3)
+        known = abs(by1) + abs(by2) + abs(by3) < math.inf
+        now = (1.0 if worst < SOLVED else 0.0) if known else -1.0
+        state[GOES, lane] = state[GOES, lane] if done else now
+    for lane in range(wide):
+        pending += 1.0 if state[GOES, lane] == 0.0 else 0.0
+    return pending
+
+
+@routine
+def take(wide: int, last: int, done: int, state: Memory, stages: Memory) -> float:
     """Take the step in the lanes where it passes no end of the stretch; returns how many do."""
-    going = 0.0
-    for i in range(width):
-        w, t = x[W_AFTER + i], x[T + i] + x[T_STEP + i]
-        inside = (w > x[UNDER + i]) & (w < x[OVER + i]) & (t < x[UNTIL + i]) & (done < x[STEPS + i]) & (w > 0.0)
-        x[GOES + i] = x[GOES + i] * x[MOVING + i] if inside else 0.0
-        going += x[GOES + i]
-    for i in range(width):
-        goes, w, peak = x[GOES + i] > 0.0, x[W_AFTER + i], x[PEAK_STEP + i]
-        x[E + i] = x[E_AFTER + i] if goes else x[E + i]
-        x[T + i] += x[T_STEP + i] if goes else 0.0
-        x[SQUARES + i] += x[SQUARES_STEP + i] if goes else 0.0
-        x[W + i] = w if goes else x[W + i]
-        x[SLOW + i] = smaller(x[SLOW + i], w) if goes else x[SLOW + i]
-        x[FAST + i] = larger(x[FAST + i], w) if goes else x[FAST + i]
-        x[PEAK + i] = larger(x[PEAK + i], peak) if goes else x[PEAK + i]
-        x[MOTOR + i] += x[MOTOR_STEP + i] if goes else 0.0
+    going, count = 0.0, float(done)
+    for lane in range(wide):
+        w, t = state[W_AFTER, lane], state[T, lane] + state[T_STEP, lane]
+        inside = (w > state[UNDER, lane]) & (w < state[OVER, lane]) & (w > 0.0)
+        inside &= (t < state[UNTIL, lane]) & (count < state[STEPS, lane])
+        goes = (state[GOES, lane] > 0.0) & (state[MOVING, lane] > 0.0) & inside
+        state[GOES, lane] = 1.0 if goes else 0.0
+    for lane in range(wide):
+        goes, w = state[GOES, lane] > 0.0, state[W_AFTER, lane]
+        peak = larger(abs(stages[FROM_MOTORS, lane]), abs(stages[FROM_MOTORS + last, lane]))
+        state[E, lane] = state[E_AFTER, lane] if goes else state[E, lane]
+        state[T, lane] += state[T_STEP, lane] if goes else 0.0
+        state[SQUARES, lane] += state[SQUARES_STEP, lane] if goes else 0.0
+        state[MOTOR, lane] += state[MOTOR_STEP, lane] if goes else 0.0
+        state[SLOW, lane] = smaller(state[SLOW, lane], w) if goes else state[SLOW, lane]
+        state[FAST, lane] = larger(state[FAST, lane], w) if goes else state[FAST, lane]
+        state[PEAK, lane] = larger(state[PEAK, lane], peak) if goes else state[PEAK, lane]
+    for lane in range(wide):
+        going += state[GOES, lane]
     return going
 
 
-@scalar
-def why(x: np.ndarray, i: int, done: int) -> int:
-    """Why lane i can't take the step."""
-    w = x[W_AFTER + i]
-    if done >= x[STEPS + i]:
+@routine
+def add_works(
+    wide: int,
+    form: Form,
+    channel_of: np.ndarray,
+    exponents: Memory,
+    weights: np.ndarray,
+    nodes: np.ndarray,
+    places: Memory,
+    first: int,
+    state: Memory,
+    stages: Memory,
+    moment: Memory,
+    works: Memory,
+) -> None:
+    """Works of all channels over the step, where it is taken, with the speeds of its stages."""
+    channels = LOADS + POLYNOMIAL + form.laws
+    for s in range(weights.shape[0]):
+        at, weight, speed = first + form.width * nodes[s], weights[s], stages[SPEED + s]
+        for channel in range(form.channels):
+            for lane in range(wide):
+                gained = weight * state[H, lane] * polynomial(places, at + channels + 3 * channel, lane, speed[lane])
+                works[channel, lane] += gained if state[GOES, lane] > 0.0 else 0.0
+        for law in range(form.laws):
+            for lane in range(wide):
+                moment[lane] = 0.0
+            add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
+            for lane in range(wide):
+                gained = weight * state[H, lane] * moment[lane]
+                works[channel_of[law], lane] += gained if state[GOES, lane] > 0.0 else 0.0
+
+
+@routine
+def why(state: Memory, lane: int, done: int) -> int:
+    """Why a lane can't take the step."""
+    w = state[W_AFTER, lane]
+    if done >= state[STEPS, lane]:
         return ANGLE
-    if w >= x[OVER + i]:
+    if w >= state[OVER, lane]:
         return ABOVE
-    if 0.0 < w <= x[UNDER + i]:
+    if 0.0 < w <= state[UNDER, lane]:
         return BELOW
-    if x[T + i] + x[T_STEP + i] >= x[UNTIL + i]:
+    if state[T, lane] + state[T_STEP, lane] >= state[UNTIL, lane]:
         return TIME
-    return STIFF if x[STIFFNESS + i] > 0.0 else NEAR_REST
+    return STIFF if state[STIFFNESS, lane] > 0.0 else NEAR_REST
 
 
-@scalar
-def settle(x: np.ndarray, first: int, width: int, done: int, works: np.ndarray, course: Course) -> None:
+@routine
+def settle(first: int, width: int, done: int, channels: int, state: Memory, works: Memory, course: Course) -> None:
     """Write down the lanes that stop here."""
-    for i in range(width):
-        if x[MOVING + i] > x[GOES + i]:
-            v = first + i
-            x[MOVING + i] = 0.0
-            course.energy[v], course.time[v], course.made[v] = x[E + i], x[T + i], done
-            course.stop[v] = why(x, i, done)
-            course.slowest[v], course.fastest[v], course.peak[v] = x[SLOW + i], x[FAST + i], x[PEAK + i]
-            course.squares[v], course.works[0, v] = x[SQUARES + i], x[MOTOR + i]
-            for channel in range(works.shape[0]):
-                course.works[channel + 1, v] = works[channel, i]
+    for lane in range(width):
+        if state[MOVING, lane] > state[GOES, lane]:
+            v = first + lane
+            state[MOVING, lane] = 0.0
+            course.energy[v], course.time[v], course.made[v] = state[E, lane], state[T, lane], done
+            course.stop[v] = why(state, lane, done)
+            course.slowest[v], course.fastest[v] = state[SLOW, lane], state[FAST, lane]
+            course.peak[v], course.squares[v] = state[PEAK, lane], state[SQUARES, lane]
+            course.works[0, v] = state[MOTOR, lane]
+            for channel in range(channels):
+                course.works[channel + 1, v] = works[channel, lane]
 
 
-@scalar
-def fill(x: np.ndarray, packed: np.ndarray, width: int, wide: int) -> None:
-    """Fill up idle lanes with copies of the last: all lanes then take the same instructions, to the last bit."""
-    for i in range(width, wide):
-        for j in range(ROOM // LANES):
-            x[j * LANES + i] = x[j * LANES + width - 1]
-        for k in range(packed.shape[0]):
-            for j in range(ITEMS // LANES):
-                packed[k, j * LANES + i] = packed[k, j * LANES + width - 1]
-        x[MOVING + i] = 0.0
+class BlockMemory(NamedTuple):
+    """Memory for a block, each (…, LANES).
+
+    Attributes
+    ----------
+    drive, exponents, steps, places : ndarray
+        What belongs to its variants: as of `Drive`, lengths of steps, and rows of all places.
+    state, stages : ndarray
+    moment, works : ndarray
+        Moment of a load, and works of all channels.
+    """
+
+    drive: np.ndarray
+    exponents: np.ndarray
+    steps: np.ndarray
+    places: np.ndarray
+    state: np.ndarray
+    stages: np.ndarray
+    moment: np.ndarray
+    works: np.ndarray
 
 
-@njit(**KERNEL_OPTIONS)
+def new_block_memory(form: Form, steps: int) -> BlockMemory:
+    """Memory for tables of so many steps."""
+    return BlockMemory(
+        rows(KLOSS + PER_MOTOR * form.motors),
+        rows(form.laws),
+        rows(steps),
+        rows((2 * steps + 1) * form.width),
+        rows(STATE),
+        rows(STAGE_ROWS, aside=ASIDE),
+        rows(1),
+        rows(form.channels),
+    )
+
+
+@driver
 def carry(
     begin: int,
     end: int,
+    implicit: bool,
+    form: Form,
     tables: Tables,
-    drive: Drive,
+    drives: np.ndarray,
+    every_exponent: np.ndarray,
+    channel_of: np.ndarray,
     energy: np.ndarray,
     limits: Limits,
     record: np.ndarray,
     course: Course,
+    block: BlockMemory,
 ) -> None:
-    """Carry variants begin … end − 1 to the end of their stretch; see `energy_form`."""
-    cycle, channels = tables.steps.shape[0], tables.loads.shape[0]
-    x, packed, works = np.empty(ROOM), np.empty((cycle, ITEMS)), np.empty((channels, LANES))
-    for first in range(begin, end, LANES):
-        width = min(LANES, end - first)
-        pack(tables, first, width, packed)
-        begin_lanes(tables, drive, energy, limits, first, width, x)
+    """Carry the blocks begin … end − 1 of variants to the end of their stretch; see `advance`.
+
+    Energy and time at every node go into `record` (2, nodes, variants), as far as it reaches; the rest into `course`.
+    After the last node of the tables comes the first.
+    """
+    cycle, variants = tables.steps.shape[0], energy.shape[0]
+    drive, exponents, steps, places = (
+        in_lanes(block.drive),
+        in_lanes(block.exponents),
+        in_lanes(block.steps),
+        in_lanes(block.places),
+    )
+    state, stages = in_lanes(block.state), in_lanes(block.stages)
+    moment, works = lane_of(block.moment), in_lanes(block.works)
+    weights, nodes = (IMPLICIT_WEIGHTS, IMPLICIT_PLACES) if implicit else (WEIGHTS, PLACES)
+    for b in range(begin, end):
+        first = b * LANES
+        width = min(LANES, variants - first)
         wide = -(-width // TOGETHER) * TOGETHER
-        fill(x, packed, width, wide)
-        works[:] = 0.0
-        moving, done = float(width), 0
+        gather(drives, first, drive)
+        gather(every_exponent, first, exponents)
+        gather(tables.steps, first, steps)
+        pack(tables, first, form.width, places)
+        begin_block(energy, limits, first, width, places, state)
+        fill(form.channels, works, 0.0)
+        # Of a type that the loop doesn't change: what is called here is then compiled once.
+        moving, done = float(width), 0 * width
         while moving > 0.0:
             if done < record.shape[1]:
-                for i in range(width):
-                    record[0, done, first + i], record[1, done, first + i] = x[E + i], x[T + i]
+                for lane in range(width):
+                    record[0, done, first + lane], record[1, done, first + lane] = state[E, lane], state[T, lane]
             k = done % cycle
-            step(x, packed[k], wide)
-            going = take(x, wide, done)
-            if channels > 1:
-                for channel in range(channels):
-                    gather(x, tables, k, channel, first, width, works[channel])
+            at = 2 * k * form.width
+            for lane in range(wide):
+                state[H, lane] = steps[k, lane]
+            if implicit:
+                implicit_step(wide, form, drive, exponents, places, at, state, stages)
+            else:
+                explicit_step(wide, form, drive, exponents, places, at, state, stages)
+            going = take(wide, weights.shape[0] - 1, done, state, stages)
+            if form.channels > 1:
+                add_works(wide, form, channel_of, exponents, weights, nodes, places, at, state, stages, moment, works)
             if going < moving:
-                settle(x, first, width, done, works, course)
+                settle(first, width, done, form.channels, state, works, course)
             moving, done = going, done + 1
-        if channels == 1:
+        if form.channels == 1:
             # What the motors didn't give.
-            for i in range(width):
-                course.works[1, first + i] = course.energy[first + i] - energy[first + i] - course.works[0, first + i]
+            for lane in range(width):
+                v = first + lane
+                course.works[1, v] = course.energy[v] - energy[v] - course.works[0, v]

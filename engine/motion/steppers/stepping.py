@@ -1,10 +1,15 @@
 """A stretch of motion in the energy form: explicit where that is stable, implicit where it isn't."""
 
+import numba
 import numpy as np
+from numba import types
 
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import LANES
+from engine.motion.moments.at_speed import POLYNOMIAL
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.steppers.energy_form import NEAR_REST, STIFF, Course, Limits, Tables, energy_form, new_course
-from engine.motion.steppers.stiff import stiff_energy_form
+from engine.motion.steppers.energy_form import NEAR_REST, STIFF, Course, Limits, Tables, new_course
+from engine.motion.steppers.energy_lanes import LOADS, Form, carry, new_block_memory
 
 # Where a step times the decay rate of the energy exceeds this, slowing down is the method's doing, not the machine's.
 STEEP = 1.0
@@ -39,19 +44,41 @@ def advance(
     count, channels = variants.count, len(dynamics.channels)
     record = np.empty((2, 0, count)) if record is None else record
     course = new_course(count, channels)
-    stepper = energy_form(variants.drive.kloss.shape[0], dynamics.laws_channels)
-    stepper(count, tables, variants.drive, energy, limits, record, course)
+    _carry(False, dynamics, variants, tables, energy, limits, record, course)
     stiff = np.flatnonzero(_is_steep(dynamics, variants, tables, course))
     if stiff.size:
-        part, own = variants.some(stiff), new_course(stiff.size, channels)
-        notes = np.ascontiguousarray(record[:, :, stiff])
-        laws = np.array(dynamics.laws_channels, np.int64)
+        own, notes = new_course(stiff.size, channels), np.ascontiguousarray(record[:, :, stiff])
         ends = Limits(*(limit[stiff] for limit in limits))
-        stiff_energy_form(stiff.size, tables.some(stiff), part.drive, laws, energy[stiff], ends, notes, own)
+        _carry(True, dynamics, variants.some(stiff), tables.some(stiff), energy[stiff], ends, notes, own)
         record[:, :, stiff] = notes
         for whole, some in zip(course, own, strict=True):
             whole[..., stiff] = some
     return course
+
+
+def _carry(
+    implicit: bool,
+    dynamics: Dynamics,
+    variants: Variants,
+    tables: Tables,
+    energy: np.ndarray,
+    limits: Limits,
+    record: np.ndarray,
+    course: Course,
+) -> None:
+    """Fill record and course; explicitly or implicitly."""
+    drive, laws, steps = variants.drive, tables.powers.shape[0], tables.steps.shape[0]
+    channels, tables = len(dynamics.channels), Tables(*(np.ascontiguousarray(rows) for rows in tables))
+    width = LOADS + POLYNOMIAL + laws + (POLYNOMIAL * channels if channels > 1 else 0)
+    form = Form(len(drive.kloss), laws, channels, width)
+    given = (implicit, form, tables, drive.rows, drive.exponents, dynamics.channel_of_laws, energy, limits)
+
+    def arguments() -> tuple:
+        return (*given, record, course, new_block_memory(form, steps))
+
+    if not carry.overloads:
+        prepare(carry, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
+    spread(carry, -(-energy.size // LANES), arguments)
 
 
 def _is_steep(dynamics: Dynamics, variants: Variants, tables: Tables, course: Course) -> np.ndarray:

@@ -7,11 +7,14 @@ The step of each variant follows its motion, so the method is of order four in t
 Angles here are turned in the direction of motion that the scene gives; ω may be negative.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.moments.dynamics import Dynamics, Moments, Rows, Variants
+from engine.motion.moments.at_speed import Moments
+from engine.motion.moments.dynamics import Dynamics, Rows, Variants
+from engine.motion.steppers.tableaux import CLASSICAL
 
 # Product of step and decay rate up to which the method stays accurate; unstable from 2.8.
 STIFFEST = 1.0
@@ -67,8 +70,7 @@ class TimeForm:
         """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
         own = self.variants
         if self._mirrored is None:
-            d = self.dynamics
-            parameters = d.reduction.tabulation.parameters(own.numbers, own.count, -own.direction)
+            parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
             self._mirrored = own._replace(direction=-own.direction, parameters=parameters)
         rows = self.dynamics.rows(self._mirrored, places, time[None])
         # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
@@ -107,22 +109,13 @@ class TimeForm:
         def up_to_goal(angle: np.ndarray) -> np.ndarray:
             return np.where(facing > 0.0, np.minimum(angle, goal), np.maximum(angle, goal))
 
-        a, w, t = state.turned, state.omega, state.time
-        e1, p1, m1, _ = self.acceleration(a, w, t, facing)
-        w2 = w + 0.5 * h * e1
-        e2, p2, m2, _ = self.acceleration(up_to_goal(a + 0.5 * h * w), w2, t + 0.5 * h, facing)
-        w3 = w + 0.5 * h * e2
-        e3, p3, m3, _ = self.acceleration(up_to_goal(a + 0.5 * h * w2), w3, t + 0.5 * h, facing)
-        w4 = w + h * e3
-        e4, p4, m4, _ = self.acceleration(up_to_goal(a + h * w3), w4, t + h, facing)
-        sixth = h / 6.0
-        return State(
-            a + sixth * (w + 2.0 * (w2 + w3) + w4),
-            w + sixth * (e1 + 2.0 * (e2 + e3) + e4),
-            t + h,
-            state.works + sixth * (p1 + 2.0 * (p2 + p3) + p4),
-            state.squares + sixth * (m1 * m1 + 2.0 * (m2 * m2 + m3 * m3) + m4 * m4),
-        )
+        method, rates = CLASSICAL, []
+        for node, row in zip(method.nodes, method.matrix, strict=True):
+            at = _moved(state, h, row, rates)
+            angle, time = up_to_goal(at.turned), state.time + node * h
+            epsilon, powers, motors, _ = self.acceleration(angle, at.omega, time, facing)
+            rates.append(State(at.omega, epsilon, np.ones_like(h), powers, motors * motors))
+        return _moved(state, h, method.weights, rates)
 
     def at_rest(self, state: State) -> np.ndarray:
         """Which way a machine at rest sets off: +1, −1, or 0 where resistances hold it."""
@@ -150,6 +143,15 @@ class TimeForm:
                 near = np.abs(synchronous / ratio - state.omega) + slip * synchronous / ratio
                 h = np.fmin(h, FINER * spacing * near / change)
         return h
+
+
+def _moved(state: State, h: np.ndarray, weights: np.ndarray, rates: Sequence[State]) -> State:
+    """A state moved over a step by a weighted mean of rates, of as many as there are."""
+    moved = list(state)
+    for weight, rate in zip(weights, rates, strict=False):
+        if weight:
+            moved = [part + (weight * h) * change for part, change in zip(moved, rate, strict=True)]
+    return State(*moved)
 
 
 def _choose(forward: np.ndarray, one: Rows, other: Rows) -> Rows:

@@ -115,7 +115,7 @@ def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -
         if seen.verdict == Verdict.OK:
             figure.suptitle(title, fontweight="bold")
         else:
-            figure.suptitle(f"{title}\n{textwrap.fill(failure_text(scene, seen), 110)}", fontsize=8)
+            figure.suptitle(f"{title}\n{textwrap.fill(failure_text(scene, seen.verdict, seen), 110)}", fontsize=8)
     if not isinstance(target, Figure):
         save(figure, target)
     return figure
@@ -193,7 +193,9 @@ def cycle_diagrams(scene: Scene, seen: History, regime: str, target: Path | str 
     """
     part = next((p for p in courses(seen) if p.name == regime), None)
     if part is None:
-        raise PictureError(f"no steady motion {regime!r}: {failure_text(scene, seen)}")
+        failed = seen.verdict != Verdict.OK
+        why = failure_text(scene, seen.verdict, seen) if failed else f"the regimes are {', '.join(scene.regimes)}"
+        raise PictureError(f"no steady motion {regime!r}: {why}")
     with house_style():
         figure = target if isinstance(target, Figure) else new_figure(180, 125)
         axes = figure.subplots(2, 2, sharex=True)

@@ -29,6 +29,9 @@ REASONS = {
     Verdict.RUNS_AWAY: "runs away",
     Verdict.NO_END: "doesn't come to its end",
     Verdict.JAMS: "friction jams",
+    Verdict.ANY_SPEED: "nothing decides the speed",
+    Verdict.LOCKS: "a brake locks by itself",
+    Verdict.NO_INERTIA: "no inertia at a dead centre",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 

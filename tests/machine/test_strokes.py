@@ -4,10 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
-
-from engine import Scene
 from engine.equal_positions.rows_machine import RowsMachine as Machine
 from engine.equal_positions.strokes import (
     extreme_between,
@@ -18,6 +14,10 @@ from engine.equal_positions.strokes import (
     two_stroke_number,
     unwrap_angle,
 )
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from engine import Scene
 
 EPS = 2.3e-16
 TURN = 2 * math.pi

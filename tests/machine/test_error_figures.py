@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from engine.equal_positions.rows_machine import RowsMachine as Machine
+from engine.equal_positions.strokes import cubic_doubt, stroke_ends
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import Scene
-from engine.equal_positions.rows_machine import RowsMachine as Machine
-from engine.equal_positions.strokes import cubic_doubt, stroke_ends
 
 few = settings(deadline=None, max_examples=60)
 

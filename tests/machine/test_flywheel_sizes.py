@@ -4,13 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
-from machines import slider_crank
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
-
-from engine import Scene
 from engine.equal_positions.flywheel import (
     cumulative_work,
     fluctuation_with_flywheel,
@@ -19,6 +12,13 @@ from engine.equal_positions.flywheel import (
     work_doubt,
 )
 from engine.equal_positions.rows_machine import RowsMachine as Machine
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from machines import slider_crank
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from engine import Scene
 
 EPS = 2.3e-16
 

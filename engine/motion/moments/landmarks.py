@@ -1,0 +1,166 @@
+"""Landmarks of a machine's cycle: the ends of strokes, and the crank angles where its moments jump or bend."""
+
+from collections.abc import Callable, Sequence
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.decorators import driver
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
+from engine.cycle.events import MOST_ROOTS
+from engine.cycle.lanes import in_lanes
+from engine.cycle.panels import of_edges, set_out
+from engine.cycle.roots import FUNCTION, LEVEL, X
+from engine.graph.nodes import Found, Given, reached
+from engine.mechanism.acting import Load
+from engine.motion.moments.breaks import JUMP, Breaks, watches_of
+from engine.motion.moments.tabulation import Ends, Tabulation
+from engine.scene.scene import Numbers
+
+SCANNED_PER_TURN = 60
+
+
+class Landmarks:
+    """Finds the ends of strokes and the breaks of a machine's moments.
+
+    Parameters
+    ----------
+    tabulation : Tabulation
+        Of the machine, every curve that switches something among its events.
+    loads : sequence of Load
+    moments : sequence of (str, int)
+        Actions, and the curve of the tabulation with a moment of each.
+    turns : int
+        Turns of the crank in a cycle.
+    """
+
+    def __init__(
+        self, tabulation: Tabulation, loads: Sequence[Load], moments: Sequence[tuple[str, int]], turns: int
+    ) -> None:
+        self.tabulation, self.moments = tabulation, tuple(moments)
+        functions = tabulation.functions
+        graph = next(iter(functions.rows)).graph
+        self.watches = watches_of(graph.crossings, loads)
+        self.actions = tuple(sorted(frozenset().union(*(watch.actions for watch in self.watches))))
+        # What depends on time, or does no work, isn't judged by its moment.
+        self._unjudged = {load.action for load in loads if any(isinstance(n, Given) for n in reached([load.basis]))}
+        self._unjudged |= set(self.actions) - {action for action, _ in moments}
+        self._found = [node for node in functions.rows if isinstance(node, Found)]
+        self._task = self._asked(SCANNED_PER_TURN * turns + 1)
+
+    def _asked(self, scan: int) -> Task:
+        """What is asked of the cycle: its landmarks and crossings, and no curve."""
+        functions = self.tabulation.functions
+        events = {curve: i for i, (curve, _) in enumerate(functions.events)}
+        crossings = [(events[w.crossing.curve], functions.rows[w.crossing.level]) for w in self.watches]
+        marks, levels = [mark[1:] for mark in functions.landmarks], functions.level_rows
+
+        def integers(values: Sequence, *shape: int) -> np.ndarray:
+            return np.array(values, np.int64).reshape(-1, *shape)
+
+        nothing = integers([])
+        return Task(
+            sizes=integers([2 * len(marks), len(levels), 0, 0]),
+            ends=integers([0, 1]),
+            landmark_rows=integers(marks, 4),
+            level_rows=integers(levels),
+            state_rows=nothing,
+            crossings=integers(crossings, 2),
+            cuts=nothing,
+            scan=scan,
+            integrals=nothing,
+            kept=nothing,
+            works=nothing,
+            extremes=integers([], 3),
+            fluctuations=integers([], 4),
+            values=integers([], 2),
+            zeros=nothing,
+            tolerances=np.zeros(0),
+            longest=np.ones(1),
+        )
+
+    def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
+        """Ends of strokes that something depends on, and the breaks of all actions.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        direction : ndarray (variants,)
+            +1 or −1, the sign of the crank's speed.
+        """
+        parameters = self.tabulation.parameters(numbers, direction)
+        found = np.full((len(self.watches), MOST_ROOTS, direction.size), np.nan)
+        if self._task.sizes[0]:
+            self._find(parameters, found)
+        some = np.isfinite(found).any(axis=2)
+        which, angles = np.nonzero(some)[0], found[some]
+        ends = {node: parameters[self.tabulation.functions.rows[node]] for node in self._found}
+        jumps = np.array([self.watches[i].jumps for i in which], bool)
+        return ends, Breaks(angles, jumps, self.actions, self._acting(parameters, angles, which))
+
+    def _find(self, parameters: np.ndarray, found: np.ndarray) -> None:
+        functions, task = self.tabulation.functions, self._task
+        module = load_printed(functions.text)
+
+        def arguments() -> tuple:
+            work = new_workspace(task, len(parameters), 0)
+            return module.events, module.levels, task, parameters, functions.memory, work, found
+
+        if not find_places.overloads:
+            kinds = [numba.typeof(argument) for argument in arguments()[2:]]
+            prepare(find_places, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *kinds])
+        spread(find_places, -(-found.shape[2] // LANES), arguments)
+
+    def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:
+        """Where the moments of actions aren't zero on both sides of their breaks, (actions, places, variants)."""
+        acting = np.zeros((len(self.actions), *angles.shape), bool)
+        if not angles.size:
+            return acting
+        beside = np.concatenate((angles - JUMP, angles + JUMP))
+        still = dict.fromkeys(self.tabulation.given, np.zeros_like(beside))
+        rows = self.tabulation(parameters, beside, still).reshape(-1, 2, *angles.shape)
+        for i, name in enumerate(self.actions):
+            owned = np.array([name in self.watches[w].actions for w in which])
+            moves = np.full(angles.shape, name in self._unjudged)
+            for action, row in self.moments:
+                if action == name:
+                    moves |= (rows[row] != 0.0).any(axis=0)
+            acting[i] = owned[:, None] & moves & np.isfinite(angles)
+        return acting
+
+
+@driver
+def find_places(
+    begin: int,
+    end: int,
+    events: Callable,
+    levels: Callable,
+    task: Task,
+    numbers: np.ndarray,
+    tables: np.ndarray,
+    work: Workspace,
+    found: np.ndarray,
+) -> None:
+    """Find what is asked of the cycles of the blocks begin … end − 1 of variants.
+
+    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `numbers` the landmarks and
+    what follows from them.
+    """
+    block, walk, edges = in_lanes(work.block), in_lanes(work.walk), of_edges(work.edges)
+    for b in range(begin, end):
+        first = b * LANES
+        gather(numbers, first, block)
+        set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
+        count = cut(events, levels, task, tables, walk, edges, work)
+        for k in range(task.crossings.shape[0]):
+            slot = 0
+            for r in range(count):
+                same = work.crossing_sought[r, FUNCTION] == task.crossings[k, 0]
+                if same and work.crossing_sought[r, LEVEL] == task.crossings[k, 1]:
+                    hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[k])
+                    slot += 1
+        hand_out(numbers.shape[0], block, first, 0, numbers)

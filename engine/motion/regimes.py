@@ -1,0 +1,73 @@
+"""The regimes of a machine: what may be asked of them, and the answers for many variants."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from engine.graph.nodes import Node
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.quantities import cycle_statistics, motion_fields, motion_summaries
+from engine.motion.regimes_in_order import Answers, Schedule
+from engine.quantities.quantity import STATISTICS, Quantity
+from engine.scene.scene import Numbers
+from engine.verdicts import Verdict
+
+
+class Regimes:
+    """What is asked of a machine's regimes.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    asked : iterable of str
+        Names of summaries and fields; those that belong to no regime are left aside.
+    steps : int
+        Steps a cycle; even.
+
+    Attributes
+    ----------
+    summaries, fields : dict of str to Quantity
+        What may be asked; of the statistics of fields, those that are asked.
+    asked : tuple of str
+        What is asked, summaries and fields.
+    schedule : Schedule or None
+        The regimes in their order; None where nothing is asked of them.
+    """
+
+    def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int) -> None:
+        self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
+        self.fields = {quantity.name: quantity for quantity in motion_fields(mechanics)}
+        asked = list(dict.fromkeys(asked))
+        self.summaries |= self._statistics(asked)
+        self.asked = tuple(name for name in asked if name in self.summaries or name in self.fields)
+        self.schedule = Schedule(mechanics, set(self.asked), steps) if self.asked else None
+
+    def _statistics(self, names: Iterable[str]) -> dict[str, Quantity]:
+        """The statistics of fields among some names."""
+        parts = {name: name.rpartition(".") for name in names}
+        fields = {field for field, _, statistic in parts.values() if statistic in STATISTICS and field in self.fields}
+        known = {s.name: s for field in fields for s in cycle_statistics(self.fields[field])}
+        return {name: known[name] for name in parts if name in known}
+
+    @property
+    def nodes(self) -> list[Node]:
+        """All that the motion is computed from at a position."""
+        return [] if self.schedule is None else self.schedule.nodes
+
+    def answers(self, numbers: Numbers, count: int) -> Answers:
+        """Everything asked, of a number of variants.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        count : int
+            How many.
+        """
+        found = self.schedule.answers(numbers, count)
+        missing = np.zeros(count, bool)
+        for name, value in found.values.items():
+            # Nothing drives a machine that runs down: it has no efficiency.
+            if not name.endswith(".efficiency"):
+                missing |= ~np.isfinite(value)
+        verdict = np.where(missing & (found.verdict == Verdict.OK), Verdict.NOT_FINITE, found.verdict)
+        return found._replace(verdict=verdict.astype(np.uint8))

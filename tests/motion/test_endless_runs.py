@@ -1,0 +1,67 @@
+"""Runs that never come to their end: told from what they do first, not by waiting."""
+
+import math
+
+import numpy as np
+import pytest
+from motion_scenes import GRAVITY, INERTIA, ask, pendulum, rotor, run, slider_crank
+
+from engine import Scene, Verdict
+from engine.motion.history import history
+from sweeps.report.regime_words import failure_text
+
+TURN = 2 * math.pi
+MASS, ARM, OWN = 2.0, 0.25, 0.05
+# About the lowest place, φ = −π/2, for small swings; at 0.6 rad the period is longer by 0.6²/16.
+PERIOD = TURN * math.sqrt((OWN + MASS * ARM**2) / (MASS * GRAVITY * ARM))
+
+
+def told(scene: dict) -> str:
+    return failure_text(Scene.model_validate(scene), Verdict.NO_END)
+
+
+@pytest.mark.parametrize("end", [{"cycles": 3.0}, {"speed": 30.0}], ids=["angle", "speed"])
+@pytest.mark.parametrize("only", ["gravity", "gravity oil"])
+def test_pendulum__is_known_to_swing_for_ever_when_it_turns_round_for_the_second_time(only, end):
+    begin = {"from_angle": -math.pi / 2 - 0.6, "from_speed": 0.0}
+    scene = pendulum({"go": run(only, **begin, **end)}, MASS, ARM, OWN)
+    assert ask(scene, "go.time").status == [Verdict.NO_END]
+    seen = history(Scene.model_validate(scene))
+    assert seen.time[-1] < 1.5 * PERIOD * (1 + 0.6**2 / 16) + 0.1
+    assert np.abs(seen.angle + math.pi / 2).max() <= 0.6 + 1e-6
+    assert "swings to and fro between φ = " in told(scene)
+
+
+def test_load_above_the_motor__is_known_to_turn_backwards_for_ever_after_a_cycle():
+    scene = slider_crank({"go": run("dc load", speed=50.0)}, load={"moment": -50.0})
+    assert ask(scene, "go.time").status == [Verdict.NO_END]
+    seen = history(Scene.model_validate(scene))
+    assert -1.1 * TURN < seen.angle[-1] < -TURN
+    assert "turns backwards, ever faster" in told(scene)
+
+
+def test_viscous_resistance_alone__is_never_come_to_rest_by():
+    # From I ω dω/dφ = −c ω: the speed falls with the angle, and is zero at φ = I ω₀/c, after an infinite time.
+    reach = INERTIA * 20.0 / 0.05 / TURN
+    within = ask(rotor({"go": run("oil", from_speed=20.0, cycles=0.999 * reach)}), "go.final_speed")
+    assert within["go.final_speed"] == pytest.approx(0.001 * 20.0, abs=within.figure("go.final_speed"))
+    assert within.figure("go.final_speed") < 1e-5
+    for end in ({"cycles": 1.001 * reach}, {"rest": True}):
+        assert ask(rotor({"go": run("oil", from_speed=20.0, **end)}), "go.time").status == [Verdict.NO_END]
+    rubbing = ask(rotor({"go": run("oil rub", from_speed=20.0, rest=True)}), "go.time")
+    # ω = (ω₀ + M/c) e^(−ct/I) − M/c.
+    assert rubbing["go.time"] == pytest.approx(INERTIA / 0.05 * math.log1p(20.0 * 0.05 / 0.4), rel=1e-6)
+
+
+@pytest.mark.parametrize("only", ["", "oil", "fan", "oil fan"])
+def test_what_vanishes_with_the_speed__stops_no_machine(only):
+    scene = slider_crank({"go": run(only, from_speed=20.0, rest=True)})
+    assert ask(scene, "go.time").status == [Verdict.NO_END]
+    assert "all that slows it vanishes with the speed" in told(scene)
+
+
+def test_end_by_time__is_waited_for():
+    scene = pendulum(
+        {"go": run("gravity", from_angle=-math.pi / 2 - 0.6, from_speed=0.0, time=4 * PERIOD)}, MASS, ARM, OWN
+    )
+    assert ask(scene, "go.time")["go.time"] == pytest.approx(4 * PERIOD, rel=1e-9)

@@ -1,0 +1,92 @@
+"""Moments at given speeds against their laws one by one, and variants that are the same in any company."""
+
+import numpy as np
+import pytest
+from motion_scenes import run, slider_crank, steady
+
+from engine import Scene
+from engine.laws.motor_characteristics import induction_motor
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.moments.at_speed import Drive, moments_at
+from engine.motion.regimes_in_order import Schedule
+from engine.scene.scene import Numbers, scene_numbers
+
+EPS = np.finfo(float).eps
+VARIANTS, PLACES, CHANNELS = 70, 3, 2
+
+
+def given(random: np.random.Generator) -> tuple:
+    """Two induction motors beside a straight one, loads over powers of the speed, and two power laws."""
+    line = [random.uniform(10, 30, VARIANTS), -random.uniform(0.1, 0.3, VARIANTS)]
+    kloss = []
+    for _ in range(2):
+        most, slip, rotor = random.uniform(2, 5, VARIANTS), random.uniform(0.1, 0.4, VARIANTS), np.full(VARIANTS, 0.5)
+        kloss += [most, slip, rotor, random.uniform(100, 200, VARIANTS), random.uniform(1, 8, VARIANTS)]
+    drive = Drive(np.array([*line, *kloss]), random.uniform(0.5, 3.0, (2, VARIANTS)))
+    loads = random.uniform(-1, 1, (CHANNELS, 3, PLACES, VARIANTS)) * np.array([5.0, 0.1, 0.01])[:, None, None]
+    return drive, np.array([1, 0]), loads, random.uniform(-0.1, 0.1, (2, PLACES, VARIANTS))
+
+
+def by_hand(drive: Drive, channel_of: np.ndarray, loads: np.ndarray, powers: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """Moments of the motors and of the channels."""
+    motors, law = drive.line[0] + drive.line[1] * w, np.vectorize(induction_motor)
+    for *constants, ratio in drive.kloss:
+        # The law works out what it has nowhere, too.
+        with np.errstate(all="ignore"):
+            motors = motors + ratio * law(*constants, ratio * w)
+    of_channels = loads[:, 0] + loads[:, 1] * w + loads[:, 2] * w * w
+    for law, channel in enumerate(channel_of):
+        of_channels[channel] += powers[law] * np.abs(w) ** drive.exponents[law]
+    return np.concatenate((motors[None], of_channels))
+
+
+def test_moments__are_those_of_their_laws_and_slopes_their_derivatives():
+    random = np.random.default_rng(5)
+    drive, channel_of, loads, powers = given(random)
+    # Motors turn up to eight times as fast, below their synchronous speed.
+    w = random.uniform(2, 12, (PLACES, VARIANTS))
+    found = moments_at(drive, channel_of, loads, powers, w)
+    expected = by_hand(drive, channel_of, loads, powers, w)
+    # Sums of some terms of up to 200 N·m.
+    np.testing.assert_allclose(
+        np.concatenate((found.motors[None], found.loads)), expected, rtol=0, atol=1e3 * EPS * 200
+    )
+    h = 1e-4 * w
+    ends = [by_hand(drive, channel_of, loads, powers, w + side * h).sum(axis=0) for side in (-1.0, 1.0)]
+    # Central differences: rounding of some 200 N·m over 2 h, and h² times third derivatives of up to 1e3.
+    room = 1e2 * EPS * 200 / h + 1e3 * h**2
+    assert (np.abs(found.slope - (ends[1] - ends[0]) / (2 * h)) <= room).all()
+
+
+def test_loads_of_one_place__hold_at_all():
+    random = np.random.default_rng(6)
+    drive, channel_of, loads, powers = given(random)
+    w = random.uniform(2, 40, (PLACES, VARIANTS))
+    one, all_the_same = (loads[:, :, :1], powers[:, :1]), (loads[:, :, [0] * PLACES], powers[:, [0] * PLACES])
+    for part, other in zip(*(moments_at(drive, channel_of, *parts, w) for parts in (one, all_the_same)), strict=True):
+        np.testing.assert_array_equal(part, other)
+
+
+@pytest.mark.parametrize(
+    ("regimes", "asked", "changes"),
+    [
+        ({"go": run("induction fan cut", from_speed=15.0, cycles=3.0)}, ("time", "useful_work"), {}),
+        # So steep that it goes implicitly.
+        ({"go": run("dc cut", from_speed=15.0, cycles=1.0)}, ("time", "motor_work"), {"dc": {"stall_moment": 2e5}}),
+        ({"go": run("brake", from_speed=15.0, rest=True)}, ("time", "angle"), {}),
+        ({"go": steady("dc cut gravity")}, ("speed_fluctuation", "multiplier", "motor_moment_rms"), {}),
+    ],
+    ids=["explicit", "implicit", "to rest", "steady"],
+)
+def test_variant__is_the_same_to_the_last_bit_in_any_company(regimes, asked, changes):
+    scene = Scene.model_validate(slider_crank(regimes, flywheel=0.1, **changes))
+    path = "groups.drive.first.length"
+    lengths = np.linspace(0.15, 0.4, VARIANTS)
+    schedule = Schedule(Mechanics(scene, frozenset({path})), {f"go.{name}" for name in asked}, 60)
+    numbers = Numbers(scene_numbers(scene), {path: lengths})
+    together = schedule.answers(numbers, VARIANTS)
+    assert (together.verdict == 0).all()
+    for i in (0, 31, 66):
+        alone = schedule.answers(numbers.of_variants(np.array([i])), 1)
+        for name, values in together.values.items():
+            assert alone.values[name][0] == values[i], name
