@@ -11,6 +11,8 @@ import numpy as np
 
 from engine.compiling.decorators import driver, routine
 from engine.compiling.tiles import LANES
+from engine.cycle.angles import ANGLE_ROWS, add_angle
+from engine.cycle.averages import AVERAGES, find_averages
 from engine.cycle.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.directions import panel_positions
 from engine.cycle.events import (
@@ -24,8 +26,18 @@ from engine.cycle.events import (
     of_landmarks,
     scan_positions,
 )
-from engine.cycle.extremes import CANDIDATE, EXTREME, SEARCH, Search, find_extreme, of_candidates
-from engine.cycle.fluctuation import FLUCTUATION, find_fluctuation
+from engine.cycle.extremes import (
+    CANDIDATE,
+    EXTREME,
+    GREATEST,
+    LEAST,
+    LEAST_MAGNITUDE,
+    SEARCH,
+    Search,
+    find_extreme,
+    of_candidates,
+)
+from engine.cycle.fluctuation import FLUCTUATION, add_speed, find_fluctuation
 from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
 from engine.cycle.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels import (
@@ -36,6 +48,7 @@ from engine.cycle.panels import (
     TAKEN,
     WALK,
     compare_with_tolerance,
+    find_kink,
     judge,
     learn_rounding,
     next_panels,
@@ -48,11 +61,9 @@ from engine.cycle.panels import MIDDLE as PANEL_MIDDLE
 from engine.cycle.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
 from engine.cycle.roots import PARTS, SampleRoom, new_samples, of_roots, sample, samples_in, solve_roots
 from engine.cycle.series import FIGURES, of_figures, panel_figures
-from engine.cycle.within import of_zeros, value_at, zeros_of
+from engine.cycle.spaced import fill_spaced
+from engine.cycle.unloaded_arcs import ARCS, MOST_STRETCHES, STRETCH, find_unloaded_arcs
 from engine.cycle.works import WORK_ROWS, add_work
-
-# Zeros of a curve that there is room for.
-MOST_ZEROS = 16
 
 
 class Task(NamedTuple):
@@ -72,25 +83,38 @@ class Task(NamedTuple):
         Switching function and the row of P with a level of it where the cycle is cut.
     cuts : ndarray of int
         Rows of P with positions where the cycle is cut.
+    kinks : ndarray of int
+        Curves at whose zeros others bend.
     scan : int
         Positions at which switching functions are looked at.
     integrals : ndarray of int
         Curves to integrate.
     kept : ndarray of int
         Curves to keep over the cycle; they are the first curves of the record.
-    works : ndarray of int
-        Curves of the record whose works about the mean are the record's further curves.
-    extremes : ndarray (extremes, 3) of int
-        Curves a and b of the record and the row of P with the factor c, for the extremes of a − c (b − b₀); the row is
-        −1 where only a is meant.
+    works : ndarray (works, 2) of int
+        Curves of the record whose running integrals are the record's next curves, and whether about the mean (1 or 0).
+    angles : ndarray (angles, 2) of int
+        Curves of the record with the components of the vectors whose angles are its next curves.
+    speeds : ndarray of int
+        Which fluctuations' speeds are the record's last curves.
+    extremes : ndarray (extremes, 4) of int
+        Curves a and b of the record, the row of P with the factor c and what is looked for, as of
+        `engine.cycle.extremes`, of a − c (b − b₀); the row is −1 where only a is meant.
     fluctuations : ndarray (fluctuations, 4) of int
         Curves of the record with the work and the inertia, rows of P with the mean speed and the flywheel's inertia.
-    values : ndarray (values, 2) of int
-        Curves of the record and rows of P with positions where their values are asked.
-    zeros : ndarray of int
-        Curves of the record whose zeros are asked.
+    averages : ndarray of int
+        Curves of the record whose mean and mean square are asked.
+    arcs : ndarray (arcs, 3) of int
+        Curves of the record with the components of forces and the squares of their magnitudes, whose unloaded arcs are
+        asked.
+    spaced : ndarray of int
+        Curves of the record whose values at equally spaced positions are asked.
+    intervals : int
+        Into how many parts these positions divide the range.
     tolerances : ndarray (curves,) of float
         What may be left of each curve beyond its series, as a share of its greatest magnitude.
+    only_integrals : ndarray (curves,) of float
+        1 for curves of which nothing but integrals is asked, else 0.
     longest : ndarray (1,) of float
         Longest panel.
     """
@@ -102,15 +126,21 @@ class Task(NamedTuple):
     state_rows: np.ndarray
     crossings: np.ndarray
     cuts: np.ndarray
+    kinks: np.ndarray
     scan: int
     integrals: np.ndarray
     kept: np.ndarray
     works: np.ndarray
+    angles: np.ndarray
+    speeds: np.ndarray
     extremes: np.ndarray
     fluctuations: np.ndarray
-    values: np.ndarray
-    zeros: np.ndarray
+    averages: np.ndarray
+    arcs: np.ndarray
+    spaced: np.ndarray
+    intervals: int
     tolerances: np.ndarray
+    only_integrals: np.ndarray
     longest: np.ndarray
 
 
@@ -125,12 +155,10 @@ class Answers(NamedTuple):
         Of the least and the greatest value: value, its error, place, its error.
     fluctuations : ndarray (fluctuations × RESULTS, variants)
         As of `engine.cycle.fluctuation`.
-    values : ndarray (values × 2, variants)
-        Value and error.
-    zeros : ndarray (curves × most × 2, variants)
-        Places and errors, then NaN.
-    zero_counts : ndarray (curves, variants)
-        How many zeros there are.
+    averages : ndarray (averages × 4, variants)
+        Mean, its error, mean square, its error.
+    arcs : ndarray (arcs × 4, variants)
+        Arc, its error, its middle, its error.
     landmarks : ndarray (functions × LANDMARKS, variants)
         As of `engine.cycle.events`.
     firsts : ndarray (kept, variants)
@@ -139,6 +167,8 @@ class Answers(NamedTuple):
         How many panels were taken.
     broken_at : ndarray (1, variants)
         First position where a curve isn't finite; NaN where there is none.
+    spaced : ndarray (spaced, variants, positions)
+        Values at equally spaced positions.
     short_of_room : ndarray (blocks,) of bool
         Whether a block would have needed a longer record.
     """
@@ -146,13 +176,13 @@ class Answers(NamedTuple):
     integrals: np.ndarray
     extremes: np.ndarray
     fluctuations: np.ndarray
-    values: np.ndarray
-    zeros: np.ndarray
-    zero_counts: np.ndarray
+    averages: np.ndarray
+    arcs: np.ndarray
     landmarks: np.ndarray
     firsts: np.ndarray
     panels: np.ndarray
     broken_at: np.ndarray
+    spaced: np.ndarray
     short_of_room: np.ndarray
 
 
@@ -227,7 +257,15 @@ class Workspace(NamedTuple):
     search : ndarray (SEARCH, LANES)
     found : ndarray (2 EXTREME, LANES)
     result : ndarray (FLUCTUATION, LANES)
-    zeros : ndarray (most, 2, LANES)
+    averages : ndarray (AVERAGES, LANES)
+    arcs : ndarray (ARCS, LANES)
+    signs : ndarray (3, LANES)
+        1 and −1, and those of first values.
+    angle : ndarray (ANGLE_ROWS, LANES)
+    of_one : ndarray (1, FIGURES, LANES)
+        Figures of one panel of one curve.
+    stretches : ndarray (MOST_STRETCHES, STRETCH)
+    order : ndarray (MOST_STRETCHES,) of int
     room : Room
         For the record.
     """
@@ -257,7 +295,13 @@ class Workspace(NamedTuple):
     search: np.ndarray
     found: np.ndarray
     result: np.ndarray
-    zeros: np.ndarray
+    averages: np.ndarray
+    arcs: np.ndarray
+    signs: np.ndarray
+    angle: np.ndarray
+    of_one: np.ndarray
+    stretches: np.ndarray
+    order: np.ndarray
     room: Room
 
 
@@ -291,8 +335,14 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(SEARCH, aside=ASIDE),
         rows(2 * EXTREME, aside=ASIDE),
         rows(FLUCTUATION, aside=ASIDE),
-        rows(MOST_ZEROS, 2, aside=ASIDE),
-        new_room(task.kept.size + task.works.size, steps),
+        rows(AVERAGES, aside=ASIDE),
+        rows(ARCS, aside=ASIDE),
+        rows(3, aside=ASIDE),
+        rows(ANGLE_ROWS, aside=ASIDE),
+        rows(1, FIGURES, aside=ASIDE),
+        np.zeros((MOST_STRETCHES if len(task.arcs) else 1, STRETCH)),
+        np.zeros(MOST_STRETCHES if len(task.arcs) else 1, np.int64),
+        new_room(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps),
     )
 
 
@@ -385,8 +435,10 @@ def follow(
         curves(work.block, tables, work.place[0], work.place[1], work.place[2], work.tile)
         broken = False
         for c in range(count):
-            panel_figures(tile, c, figures)
-            broken |= compare_with_tolerance(figures, c, task.tolerances[c], scales, walk)
+            panel_figures(tile, c, figures, c)
+            broken |= compare_with_tolerance(figures, c, task.tolerances[c], task.only_integrals[c], scales, walk)
+        for k in range(task.kinks.shape[0]):
+            find_kink(tile, task.kinks[k], walk)
         if not judge(task.longest[0], walk):
             continue
         if any_positive(walk[LEARNT]):
@@ -451,13 +503,23 @@ def evaluate_blocks(
     )
     integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
     marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
-    zeros, all_zeros, landmarks = of_zeros(work.zeros), in_lanes(work.zeros), of_landmarks(work.landmarks)
-    record = record_in(work.room)
+    landmarks, record, of_one = of_landmarks(work.landmarks), record_in(work.room), of_figures(work.of_one)
+    averages, arcs, signs, angle = (
+        in_lanes(work.averages),
+        in_lanes(work.arcs),
+        in_lanes(work.signs),
+        in_lanes(work.angle),
+    )
     series = in_panels(work.series)
     search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
-    high, low, none, broken_at, counts = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
+    high, low, none, broken_at, spare = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
     # Read off arrays, as a function is compiled once more for every number that is known.
-    one, two, most = answers.panels.shape[0], work.zeros.shape[1], work.zeros.shape[0]
+    one, four = answers.panels.shape[0], work.arcs.shape[0]
+    two = one + one
+    first_work, first_angle = kept, kept + task.works.shape[0]
+    first_speed = first_angle + task.angles.shape[0]
+    for lane in range(LANES):
+        signs[0, lane], signs[1, lane] = 1.0, -1.0
     of_landmark, of_fluctuation = work.landmarks.shape[1], work.result.shape[0] - 3
     for i in range(begin, end):
         b = blocks[i]
@@ -476,30 +538,50 @@ def evaluate_blocks(
         if answers.short_of_room[b]:
             continue
         for k in range(task.works.shape[0]):
-            add_work(record, to_integrals, steps, task.works[k], kept + k, sums)
+            add_work(record, to_integrals, steps, task.works[k, 0], task.works[k, 1], first_work + k, sums)
+        for k in range(task.angles.shape[0]):
+            add_angle(record, steps, task.angles[k, 0], task.angles[k, 1], first_angle + k, of_one, angle)
         for f in range(task.landmark_rows.shape[0]):
             hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
         for k in range(integrated):
             hand_out(two, integrals[k], first, two * k, answers.integrals)
-        for k in range(task.extremes.shape[0]):
-            x, y, row = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2]
-            for side in range(2):
-                factor = block[row] if row >= 0 else none
-                find_extreme(record, to_coefficients, steps, x, y, factor, 2.0 * side - 1.0, search, found)
-                hand_out(two * two, found, first, two * two * (two * k + side), answers.extremes)
         for k in range(task.fluctuations.shape[0]):
             x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]
             speed, wheel = block[task.fluctuations[k, 2]], block[task.fluctuations[k, 3]]
-            find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, high, low, result)
+            up, down = signs[0], signs[1]
+            find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, up, down, high, low, result)
             hand_out(of_fluctuation, result, first, of_fluctuation * k, answers.fluctuations)
-        for k in range(task.values.shape[0]):
-            x, row = task.values[k, 0], task.values[k, 1]
-            value_at(record, to_coefficients, steps, x, block[row], search, result)
-            hand_out(two, result, first, two * k, answers.values)
-        for k in range(task.zeros.shape[0]):
-            zeros_of(record, to_coefficients, steps, task.zeros[k], search, counts, most, zeros)
-            hand_out(two * most, all_zeros, first, two * most * k, answers.zeros)
-            hand_out(one, in_lanes(work.marks[2:]), first, k, answers.zero_counts)
+            for j in range(task.speeds.shape[0]):
+                if task.speeds[j] == k:
+                    add_speed(record, steps, x, y, speed, wheel, result, first_speed + j, of_one, spare)
+        for k in range(task.extremes.shape[0]):
+            x, y, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
+            for side in range(2):
+                if sides == LEAST_MAGNITUDE:
+                    for lane in range(LANES):
+                        signs[2, lane] = 1.0 if record.whole[x, FIRST, lane] < 0.0 else -1.0
+                if sides & (GREATEST if side == 1 else LEAST + LEAST_MAGNITUDE):
+                    factor = block[row] if row >= 0 else none
+                    sign = signs[2] if sides == LEAST_MAGNITUDE else signs[1 - side]
+                    find_extreme(record, to_coefficients, steps, x, y, factor, sign, search, found)
+                else:
+                    fill(four, found, math.nan)
+                hand_out(four, found, first, four * (two * k + side), answers.extremes)
+        for k in range(task.averages.shape[0]):
+            find_averages(record, steps, task.averages[k], of_one, spare, averages)
+            hand_out(four, averages, first, four * k, answers.averages)
+        for k in range(task.arcs.shape[0]):
+            x = task.arcs[k, 2]
+            find_extreme(record, to_coefficients, steps, x, x, none, signs[0], search, found)
+            for lane in range(LANES):
+                spare[lane] = math.sqrt(found[0, lane])
+            x, y = task.arcs[k, 0], task.arcs[k, 1]
+            find_unloaded_arcs(record, to_coefficients, steps, x, y, spare, work.stretches, work.order, arcs)
+            hand_out(four, arcs, first, four * k, answers.arcs)
+        for k in range(task.spaced.shape[0]):
+            begins, ends = block[task.ends[0]], block[task.ends[1]]
+            intervals, values = task.intervals, answers.spaced[k]
+            fill_spaced(record, to_coefficients, steps, task.spaced[k], begins, ends, intervals, first, values)
         for k in range(kept):
             hand_out(one, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
         hand_out(one, in_lanes(work.walk[TAKEN:]), first, one - one, answers.panels)

@@ -26,6 +26,9 @@ from engine.cycle.series import TINY, larger, smaller
 # Rows of an extreme: its value, its place, what they may be off by, b − b₀ there.
 VALUE, VALUE_ERROR, AT, AT_ERROR, OTHER = range(5)
 EXTREME = 5
+# What is looked for: both, one of them, or the least magnitude of a curve that keeps the sign of its first value.
+LEAST, GREATEST, LEAST_MAGNITUDE = 1, 2, 4
+BOTH = LEAST + GREATEST
 # Rows of a step's candidates: how far the best may reach, its position, how far the next best may.
 REACH, POSITION, NEXT_REACH = range(3)
 CANDIDATE = 3
@@ -94,7 +97,7 @@ def scan(
     b: int,
     factor: Memory,
     base: Memory,
-    sign: float,
+    sign: Memory,
     panels: Memory,
     step: int,
     candidates: Memory,
@@ -103,31 +106,31 @@ def scan(
     """Candidates in the panels of a step; widen the greatest value by those there."""
     for lane in range(LANES):
         here, after = (
-            combined(values, a, b, factor[lane], sign, 0, lane),
-            combined(values, a, b, factor[lane], sign, 1, lane),
+            combined(values, a, b, factor[lane], sign[lane], 0, lane),
+            combined(values, a, b, factor[lane], sign[lane], 1, lane),
         )
-        fall = larger(after - combined(values, a, b, factor[lane], sign, 2, lane), 0.0)
+        fall = larger(after - combined(values, a, b, factor[lane], sign[lane], 2, lane), 0.0)
         best, reach, next_reach, position = here, -math.inf, -math.inf, NONE
         # In two, each short enough to be unrolled.
         for j in range(MIDDLE):
-            after = combined(values, a, b, factor[lane], sign, j + 1, lane)
+            after = combined(values, a, b, factor[lane], sign[lane], j + 1, lane)
             rise = here - after
             mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
         for j in range(MIDDLE, DEGREE):
-            after = combined(values, a, b, factor[lane], sign, j + 1, lane)
+            after = combined(values, a, b, factor[lane], sign[lane], j + 1, lane)
             rise = here - after
             mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
-        rise = larger(here - fall - combined(values, a, b, factor[lane], sign, DEGREE - 2, lane), 0.0)
+        rise = larger(here - fall - combined(values, a, b, factor[lane], sign[lane], DEGREE - 2, lane), 0.0)
         mine = here + RIGHT[DEGREE] * rise if fall >= 0.0 else -math.inf
         next_reach = larger(smaller(mine, reach), next_reach)
         position, reach = float(DEGREE) if mine > reach else position, larger(mine, reach)
-        taken, shift = panels[step, HALF, lane] != 0.0, sign * factor[lane] * base[lane]
+        taken, shift = panels[step, HALF, lane] != 0.0, sign[lane] * factor[lane] * base[lane]
         candidates[step, REACH, lane] = reach + shift if taken else -math.inf
         candidates[step, NEXT_REACH, lane] = next_reach + shift if taken else -math.inf
         candidates[step, POSITION, lane] = position
@@ -157,7 +160,7 @@ def leave_next(
     a: int,
     b: int,
     factor: Memory,
-    sign: float,
+    sign: Memory,
     step: int,
     candidates: Memory,
     search: Memory,
@@ -173,13 +176,13 @@ def leave_next(
         for j in range(POSITIONS):
             # Of an end of the panel, the fall from the neighbour to the next but one.
             inner = 1 if j == 0 else j
-            fall = combined(values, a, b, factor[lane], sign, inner, lane)
-            fall -= combined(values, a, b, factor[lane], sign, 2 if j == 0 else j - 1, lane)
+            fall = combined(values, a, b, factor[lane], sign[lane], inner, lane)
+            fall -= combined(values, a, b, factor[lane], sign[lane], 2 if j == 0 else j - 1, lane)
             inner = DEGREE - 1 if j == DEGREE else j
-            rise = combined(values, a, b, factor[lane], sign, inner, lane)
-            rise -= combined(values, a, b, factor[lane], sign, DEGREE - 2 if j == DEGREE else j + 1, lane)
+            rise = combined(values, a, b, factor[lane], sign[lane], inner, lane)
+            rise -= combined(values, a, b, factor[lane], sign[lane], DEGREE - 2 if j == DEGREE else j + 1, lane)
             fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
-            here = combined(values, a, b, factor[lane], sign, j, lane)
+            here = combined(values, a, b, factor[lane], sign[lane], j, lane)
             mine = here + (LEFT[j] * fall + RIGHT[j] * rise)
             if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
                 reach, position = mine, float(j)
@@ -196,7 +199,7 @@ def fetch(
     slot_b: int,
     factor: Memory,
     base: Memory,
-    sign: float,
+    sign: Memory,
     work: Search,
 ) -> bool:
     """Copy what is known of a step's panels for the lanes whose candidate is there, and cross this off.
@@ -216,11 +219,11 @@ def fetch(
                 coefficients[slot_b, k, lane],
             )
             series_before, other_before = series[k, lane], other[k, lane]
-            series[k, lane] = sign * (of_a - factor[lane] * of_b) if mine else series_before
+            series[k, lane] = sign[lane] * (of_a - factor[lane] * of_b) if mine else series_before
             other[k, lane] = of_b if mine else other_before
     for lane in range(LANES):
         mine = search[STEP, lane] == float(step)
-        series[0, lane] += sign * factor[lane] * base[lane] if mine else 0.0
+        series[0, lane] += sign[lane] * factor[lane] * base[lane] if mine else 0.0
         tail = record.errors[slot_a, TAIL, lane] + abs(factor[lane]) * record.errors[slot_b, TAIL, lane]
         half, middle = record.panels[step, HALF, lane], record.panels[step, PANEL_MIDDLE, lane]
         position, reach = candidates[step, POSITION, lane], candidates[step, REACH, lane]
@@ -349,11 +352,11 @@ def find_extreme(
     a: int,
     b: int,
     factor: Memory,
-    sign: float,
+    sign: Memory,
     work: Search,
     found: Memory,
 ) -> None:
-    """Greatest (sign 1) or least (−1) value of a − c (b − b₀) over the cycle.
+    """Greatest (sign 1) or least (−1) value of a − c (b − b₀) over each lane's cycle.
 
     Parameters
     ----------
@@ -366,7 +369,7 @@ def find_extreme(
         Curves of the record; the same where only one is meant.
     factor : row (LANES,)
         c, 0 where only one curve is meant.
-    sign : float
+    sign : row (LANES,)
     work : Search
         Used meanwhile.
     found : rows (EXTREME, LANES)
@@ -398,6 +401,6 @@ def find_extreme(
         found[VALUE_ERROR, lane] = larger(found[VALUE_ERROR, lane], beyond)
         # Where a value isn't finite, the greatest magnitude isn't.
         unknown = not abs(found[VALUE, lane]) + record.whole[a, SCALE, lane] + record.whole[b, SCALE, lane] < math.inf
-        found[VALUE, lane] = math.nan if unknown else sign * found[VALUE, lane]
+        found[VALUE, lane] = math.nan if unknown else sign[lane] * found[VALUE, lane]
         for part in range(VALUE_ERROR, EXTREME):
             found[part, lane] = math.nan if unknown else found[part, lane]

@@ -17,9 +17,11 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
+from engine.cycle.chebyshev import POSITIONS
 from engine.cycle.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
+from engine.cycle.integrals import ROUNDING
 from engine.cycle.lanes import Memory
-from engine.cycle.record import FIRST, Record
+from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, keep_derived
 from engine.cycle.series import larger, smaller
 
 # Rows of the result: δ and its error; places of the least and the greatest speed with errors; max[W − ½ω_max² (I −
@@ -94,6 +96,8 @@ def find_fluctuation(
     omega: Memory,
     flywheel: Memory,
     search: Search,
+    up: Memory,
+    down: Memory,
     high: Memory,
     low: Memory,
     result: Memory,
@@ -108,6 +112,8 @@ def find_fluctuation(
         Curves of the record with W and I.
     omega, flywheel : row (LANES,)
         Mean speed, by its magnitude or not, and the flywheel's inertia.
+    up, down : row (LANES,)
+        1 and −1 in all lanes.
     high, low : rows (EXTREME, LANES)
         Used meanwhile.
     result : rows (FLUCTUATION, LANES)
@@ -118,11 +124,65 @@ def find_fluctuation(
             result[part, lane] = 1.0 if part == STEP else 0.0
     for _ in range(MOST_STEPS):
         _slopes(omega, result)
-        find_extreme(record, matrix, steps, work, inertia, result[FAST], 1.0, search, high)
-        find_extreme(record, matrix, steps, work, inertia, result[SLOW], -1.0, search, low)
+        find_extreme(record, matrix, steps, work, inertia, result[FAST], up, search, high)
+        find_extreme(record, matrix, steps, work, inertia, result[SLOW], down, search, low)
         if not _improve(omega, flywheel, record.whole[inertia, FIRST], high, low, result):
             break
     for part in range(RESULTS):
         for lane in range(LANES):
             known = abs(result[DELTA, lane]) < math.inf
             result[part, lane] = result[part, lane] if known else math.nan
+
+
+@routine
+def add_speed(
+    record: Record,
+    steps: int,
+    work: int,
+    inertia: int,
+    omega: Memory,
+    flywheel: Memory,
+    result: Memory,
+    speed: int,
+    figures: Memory,
+    slowest: Memory,
+) -> None:
+    """Enter the speed over the steady cycle as another kept curve: ω = √(2 E/(I + I_F)).
+
+    Parameters
+    ----------
+    record, steps, work, inertia, omega, flywheel
+        As of `find_fluctuation`.
+    result : rows (FLUCTUATION, LANES)
+        What that found.
+    speed : int
+        Curve of the record that receives the speed, by magnitude.
+    figures : rows (1, FIGURES, LANES)
+        Used meanwhile.
+    slowest : row (LANES,)
+        Used meanwhile: the least of ω (I + I_F), of which an error of the energy is a share.
+    """
+    values, errors, whole = record.values, record.errors, record.whole
+    for step in range(steps):
+        slot = step * record.curves
+        of_work, of_inertia, of_speed = slot + work, slot + inertia, slot + speed
+        for lane in range(LANES):
+            slowest[lane] = math.inf
+        for j in range(POSITIONS):
+            for lane in range(LANES):
+                fastest = omega[lane] * (1.0 + 0.5 * result[DELTA, lane])
+                first = 0.5 * fastest * fastest * (whole[inertia, FIRST, lane] + flywheel[lane]) - result[TOP, lane]
+                inert = values[of_inertia, j, lane] + flywheel[lane]
+                here = math.sqrt(2.0 * (first + values[of_work, j, lane]) / inert)
+                values[of_speed, j, lane] = here
+                slowest[lane] = smaller(here * inert, slowest[lane])
+        keep_derived(record, step, speed, figures)
+        for lane in range(LANES):
+            square = omega[lane] * omega[lane]
+            inert = whole[inertia, SCALE, lane] + abs(flywheel[lane])
+            of_energy = result[TOP_ERROR, lane] + 2.0 * square * inert * result[DELTA_ERROR, lane]
+            of_energy += whole[work, OFFSET, lane] + errors[of_work, TAIL, lane]
+            of_energy += square * errors[of_inertia, TAIL, lane] + ROUNDING * (
+                whole[work, SCALE, lane] + square * inert
+            )
+            errors[of_speed, TAIL, lane] += of_energy / slowest[lane] if record.panels[step, HALF, lane] != 0.0 else 0.0

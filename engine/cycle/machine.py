@@ -29,7 +29,7 @@ from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.cycle.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
-from engine.cycle.driver import MOST_ZEROS, Answers, Task, evaluate_blocks, new_workspace
+from engine.cycle.driver import Answers, Task, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,
     GREATEST_AT,
@@ -40,6 +40,7 @@ from engine.cycle.events import (
     LEAST_AT_ERROR,
     VALUE_ERROR,
 )
+from engine.cycle.extremes import BOTH
 from engine.cycle.fluctuation import (
     DELTA,
     DELTA_ERROR,
@@ -77,21 +78,37 @@ class Plan:
         Switching functions, and rows with levels of theirs: the cycle is cut where a function takes its level.
     cuts : sequence of int
         Rows with input positions where the cycle is cut; NaN: nowhere.
+    kinks : sequence of int
+        Curves at whose zeros others bend: panels end there where those need it.
     integrals : sequence of int
         Curves to integrate over the cycle.
-    extremes : sequence of int
-        Curves whose least and greatest values are asked.
+    extremes : sequence of int or tuples
+        Curves whose least and greatest values are asked; with one of LEAST, GREATEST and LEAST_MAGNITUDE of
+        `engine.cycle.extremes` after it that alone.
     works : sequence of int
         Moments whose work about their mean is asked.
     combinations : sequence of tuples
-        Moment, inertia, row with a factor c: extremes of W − c (I − I_1) are asked, of the work W about the mean of the
-        moment and the inertia I, I_1 at the first position.
+        Moment, inertia, row with a factor c, and perhaps LEAST or GREATEST: extremes of W − c (I − I_1) are asked, of
+        the work W about the mean of the moment and the inertia I, I_1 at the first position.
     fluctuations : sequence of tuples
         Moment, inertia, rows with mean speed and flywheel's inertia: the speed fluctuation is asked.
-    values : sequence of tuples
-        Curves and rows with positions where their values are asked.
-    zeros : sequence of int
-        Curves whose zeros within panels are asked.
+    runs : sequence of int
+        Curves whose running integrals from the first position are asked.
+    compared : sequence of tuples
+        A curve, another, and a row with a factor c: extremes of R − c (b − b₀) are asked, of the running integral R of
+        the one and the other b.
+    angles : sequence of tuples
+        Curves with the components of vectors whose angles, followed over the cycle, are asked.
+    speeds : sequence of int
+        Which fluctuations' speeds over the cycle are asked.
+    averages : sequence of tuples
+        Mean and mean square are asked of "works", "runs", "angles" or "speeds", and which of them.
+    spaced : sequence of tuples
+        The same, whose values at equally spaced positions are asked.
+    intervals, positions : int
+        Into how many parts those divide the range, and how many there are.
+    arcs : sequence of tuples
+        Curves with the components of forces and with the squares of their magnitudes, whose unloaded arcs are asked.
     tolerance : float or sequence of float
         What of each curve may be left beyond its series, as a share of its greatest magnitude.
     longest : float
@@ -107,13 +124,21 @@ class Plan:
     states: Sequence[int] = ()
     crossings: Sequence[tuple[int, int]] = ()
     cuts: Sequence[int] = ()
+    kinks: Sequence[int] = ()
     integrals: Sequence[int] = ()
-    extremes: Sequence[int] = ()
+    extremes: Sequence[int | tuple[int, int]] = ()
     works: Sequence[int] = ()
-    combinations: Sequence[tuple[int, int, int]] = ()
+    combinations: Sequence[tuple[int, ...]] = ()
     fluctuations: Sequence[tuple[int, int, int, int]] = ()
-    values: Sequence[tuple[int, int]] = ()
-    zeros: Sequence[int] = ()
+    runs: Sequence[int] = ()
+    compared: Sequence[tuple[int, int, int]] = ()
+    angles: Sequence[tuple[int, int]] = ()
+    speeds: Sequence[int] = ()
+    averages: Sequence[tuple[str, int]] = ()
+    spaced: Sequence[tuple[str, int]] = ()
+    intervals: int = 1
+    positions: int = 0
+    arcs: Sequence[tuple[int, int, int]] = ()
     tolerance: float | Sequence[float] = 1e-10
     longest: float = 1.26
     scan: int = 36
@@ -178,16 +203,17 @@ class Outcome:
     integrals : Measured (asked, variants)
     lengths : ndarray (variants,)
         Last less first position of the input.
-    extremes, works, combinations, landmarks : Extremes
-        Of curves, of works about the mean, of W − c (I − I_1), and of the switching functions.
+    extremes, works, combinations, runs, compared, angles, speeds, landmarks : Extremes
+        Of what the plan asks, NaN where one side alone was asked; of the switching functions.
     fluctuations : Fluctuations
-    values : Measured (asked, variants)
-    zeros : Measured (asked, most, variants)
-        Places in the order in which the input comes to them, then NaN.
-    zero_counts : ndarray (asked, variants) of int
-        How many zeros each curve has; more than there is room for are not all in `zeros`.
+    averages, squares : Measured (asked, variants)
+        Mean, and mean of the square.
+    arcs, arc_middles : Measured (asked, variants)
+        Widest arcs that forces never point to, and their middles.
+    spaced : ndarray (asked, variants, positions)
+        Values at equally spaced positions.
     firsts : dict of int to ndarray (variants,)
-        Values at the first position of the curves that extremes, works, values or zeros are asked of.
+        Values at the first position of the curves that anything but integrals is asked of.
     panels : ndarray (variants,) of int
         How many panels were taken.
     broken_at : ndarray (variants,)
@@ -199,11 +225,17 @@ class Outcome:
     extremes: Extremes
     works: Extremes
     combinations: Extremes
+    runs: Extremes
+    compared: Extremes
+    angles: Extremes
+    speeds: Extremes
     landmarks: Extremes
     fluctuations: Fluctuations
-    values: Measured
-    zeros: Measured
-    zero_counts: np.ndarray
+    averages: Measured
+    squares: Measured
+    arcs: Measured
+    arc_middles: Measured
+    spaced: np.ndarray
     firsts: dict[int, np.ndarray]
     panels: np.ndarray
     broken_at: np.ndarray
@@ -244,7 +276,6 @@ class Machine:
     levels: Callable = nothing
     states: Callable = nothing
     _kept: tuple[int, ...] = field(init=False)
-    _moments: tuple[int, ...] = field(init=False)
     _task: Task = field(init=False)
 
     def __post_init__(self) -> None:
@@ -252,14 +283,26 @@ class Machine:
         moments = list(
             dict.fromkeys([*plan.works, *(c[0] for c in plan.combinations), *(f[0] for f in plan.fluctuations)])
         )
-        others = [*plan.extremes, *(c[1] for c in plan.combinations), *(f[1] for f in plan.fluctuations)]
-        kept = list(dict.fromkeys([*moments, *others, *(v[0] for v in plan.values), *plan.zeros]))
+        rates = list(dict.fromkeys([*plan.runs, *(c[0] for c in plan.compared)]))
+        sought = [e if isinstance(e, tuple) else (e, BOTH) for e in plan.extremes]
+        others = [c for c, _ in sought] + [c[1] for c in (*plan.combinations, *plan.fluctuations, *plan.compared)]
+        parts = [c for group in (*plan.angles, *plan.arcs) for c in group]
+        kept = list(dict.fromkeys([*moments, *rates, *others, *parts]))
         curve = {number: k for k, number in enumerate(kept)}
-        work = {number: len(kept) + k for k, number in enumerate(moments)}
+        derived = [("works", m) for m in moments] + [("runs", r) for r in rates]
+        derived += [("angles", k) for k in range(len(plan.angles))] + [("speeds", k) for k in range(len(plan.speeds))]
+        row = {name: len(kept) + k for k, name in enumerate(derived)}
+        own = {("works", k): row["works", m] for k, m in enumerate(plan.works)}
+        own |= {("runs", k): row["runs", r] for k, r in enumerate(plan.runs)}
+        own |= {name: row[name] for name in derived if name[0] in ("angles", "speeds")}
         extremes = [
-            *((curve[c], curve[c], -1) for c in plan.extremes),
-            *((work[m], work[m], -1) for m in plan.works),
-            *((work[m], curve[i], row) for m, i, row in plan.combinations),
+            *((curve[c], curve[c], -1, side) for c, side in sought),
+            *((own["works", k], own["works", k], -1, BOTH) for k in range(len(plan.works))),
+            *((row["works", m], curve[i], c, *(side or (BOTH,))) for m, i, c, *side in plan.combinations),
+            *((own["runs", k], own["runs", k], -1, BOTH) for k in range(len(plan.runs))),
+            *((row["runs", r], curve[b], c, BOTH) for r, b, c in plan.compared),
+            *((own["angles", k], own["angles", k], -1, BOTH) for k in range(len(plan.angles))),
+            *((own["speeds", k], own["speeds", k], -1, BOTH) for k in range(len(plan.speeds))),
         ]
         tolerances = np.broadcast_to(np.asarray(plan.tolerance, dtype=float), (plan.curves,)).copy()
         task = Task(
@@ -270,19 +313,24 @@ class Machine:
             _integers(plan.states),
             _integers(plan.crossings, 2),
             _integers(plan.cuts),
+            _integers(plan.kinks),
             plan.scan,
             _integers(plan.integrals),
             _integers(kept),
-            _integers([curve[m] for m in moments]),
-            _integers(extremes, 3),
-            _integers([(work[m], curve[i], *given) for m, i, *given in plan.fluctuations], 4),
-            _integers([(curve[c], row) for c, row in plan.values], 2),
-            _integers([curve[c] for c in plan.zeros]),
+            _integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),
+            _integers([(curve[x], curve[y]) for x, y in plan.angles], 2),
+            _integers(plan.speeds),
+            _integers(extremes, 4),
+            _integers([(row["works", m], curve[i], *given) for m, i, *given in plan.fluctuations], 4),
+            _integers([own[name] for name in plan.averages]),
+            _integers([[curve[c] for c in arc] for arc in plan.arcs], 3),
+            _integers([own[name] for name in plan.spaced]),
+            plan.intervals,
             tolerances,
+            np.array([float(c in plan.integrals and c not in kept) for c in range(plan.curves)]),
             np.array([plan.longest]),
         )
         object.__setattr__(self, "_kept", tuple(kept))
-        object.__setattr__(self, "_moments", tuple(moments))
         object.__setattr__(self, "_task", task)
 
     def evaluate(self, numbers: np.ndarray, tables: np.ndarray | None = None) -> Outcome:
@@ -304,22 +352,22 @@ class Machine:
             (len(plan.integrals), 2),
             (len(task.extremes), 2, 4),
             (len(plan.fluctuations), RESULTS),
-            (len(plan.values), 2),
-            (len(plan.zeros), MOST_ZEROS, 2),
-            (len(plan.zeros),),
+            (len(plan.averages), 4),
+            (len(plan.arcs), 4),
             (len(plan.landmarks), LANDMARKS),
             (len(self._kept),),
             (1,),
             (1,),
         )
-        answers = Answers(*(np.empty((math.prod(s), variants)) for s in shapes), np.zeros(blocks, np.bool_))
+        spaced = np.full((len(plan.spaced), variants, plan.positions), np.nan)
+        answers = Answers(*(np.empty((math.prod(s), variants)) for s in shapes), spaced, np.zeros(blocks, np.bool_))
         self._run(numbers, tables, answers, range(blocks), _STEPS)
         steps = _STEPS
         while answers.short_of_room.any():
             steps *= 2
             self._run(numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)
         parts = (part.reshape(*shape, variants) for part, shape in zip(answers, shapes, strict=False))
-        return self._outcome(numbers, Answers(*parts, answers.short_of_room))
+        return self._outcome(numbers, Answers(*parts, spaced, answers.short_of_room))
 
     def _run(
         self, numbers: np.ndarray, tables: np.ndarray, answers: Answers, blocks: Sequence[int], steps: int
@@ -338,16 +386,14 @@ class Machine:
         spread(evaluate_blocks, len(chosen), arguments)
 
     def _outcome(self, numbers: np.ndarray, answers: Answers) -> Outcome:
-        plan, count = self.plan, np.cumsum([len(self.plan.extremes), len(self.plan.works)])
-        marks, wheels = answers.landmarks, answers.fluctuations
-        of_curves, of_works, of_combinations = np.split(answers.extremes, count)
+        plan, marks, wheels = self.plan, answers.landmarks, answers.fluctuations
+        kinds = (plan.extremes, plan.works, plan.combinations, plan.runs, plan.compared, plan.angles, plan.speeds)
+        extremes = np.split(answers.extremes, np.cumsum([len(kind) for kind in kinds])[:-1])
         first, last = (numbers[row] for row in plan.ends)
         return Outcome(
             _pair(answers.integrals, 0, 1),
             last - first,
-            _extremes(of_curves),
-            _extremes(of_works),
-            _extremes(of_combinations),
+            *(_extremes(of) for of in extremes),
             Extremes(
                 _pair(marks, LEAST, VALUE_ERROR),
                 _pair(marks, LEAST_AT, LEAST_AT_ERROR),
@@ -360,9 +406,11 @@ class Machine:
                 _pair(wheels, FASTEST_AT, FASTEST_AT_ERROR),
                 _pair(wheels, TOP, TOP_ERROR),
             ),
-            _pair(answers.values, 0, 1),
-            Measured(answers.zeros[:, :, 0], answers.zeros[:, :, 1]),
-            answers.zero_counts.astype(np.int64),
+            _pair(answers.averages, 0, 1),
+            _pair(answers.averages, 2, 3),
+            _pair(answers.arcs, 0, 1),
+            _pair(answers.arcs, 2, 3),
+            answers.spaced,
             dict(zip(self._kept, answers.firsts, strict=True)),
             answers.panels[0].astype(np.int64),
             answers.broken_at[0],

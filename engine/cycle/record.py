@@ -15,7 +15,7 @@ from engine.cycle.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
 from engine.cycle.panels import ACCEPTED, TAKEN
 from engine.cycle.panels import HALF as PANEL_HALF
 from engine.cycle.panels import MIDDLE as PANEL_MIDDLE
-from engine.cycle.series import MAGNITUDE, SUM, larger
+from engine.cycle.series import MAGNITUDE, SUM, larger, panel_figures
 from engine.cycle.series import MISSING as FIGURE_MISSING
 from engine.cycle.series import TAIL as FIGURE_TAIL
 from engine.cycle.transforms import to_coefficients
@@ -142,6 +142,28 @@ def keep_curve(tile: Memory, curve: int, figures: Memory, walk: Memory, record: 
         scale = larger(figures[curve, MAGNITUDE, lane] if finite else math.inf, whole[kept, SCALE, lane])
         whole[kept, SCALE, lane] = scale if accepted else whole[kept, SCALE, lane]
         whole[kept, FIRST, lane] = tile[curve, 0, lane] if accepted & first else whole[kept, FIRST, lane]
+
+
+@routine
+def keep_derived(record: Record, step: int, curve: int, figures: Memory) -> None:
+    """Enter what is known of a curve whose values in a step were computed from those of others.
+
+    Parameters
+    ----------
+    record : Record
+    step, curve : int
+    figures : rows (1, FIGURES, LANES)
+        Receives the figures of its panels.
+    """
+    errors, whole, slot = record.errors, record.whole, step * record.curves + curve
+    panel_figures(record.values, slot, figures, 0)
+    for lane in range(LANES):
+        errors[slot, TAIL, lane] = figures[0, FIGURE_TAIL, lane]
+        errors[slot, MISSING, lane] = figures[0, FIGURE_MISSING, lane]
+        finite = abs(figures[0, SUM, lane]) < math.inf
+        before = whole[curve, SCALE, lane]
+        scale = larger(figures[0, MAGNITUDE, lane] if finite else math.inf, before)
+        whole[curve, SCALE, lane] = scale if record.panels[step, HALF, lane] != 0.0 else before
 
 
 @routine

@@ -42,15 +42,17 @@ def smaller(a: float, b: float) -> float:
 
 
 @routine
-def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
+def panel_figures(tile: Memory, curve: int, figures: Memory, row: int) -> None:
     """Figures of a curve in each lane's panel.
 
     Parameters
     ----------
     tile : panels (curves, positions, LANES)
     curve : int
-    figures : rows (curves, FIGURES, LANES)
-        Receives them in the curve's rows.
+    figures : rows (rows, FIGURES, LANES)
+        Receives them.
+    row : int
+        Where.
     """
     for lane in range(LANES):
         middle = tile[curve, MIDDLE, lane]
@@ -72,8 +74,8 @@ def panel_figures(tile: Memory, curve: int, figures: Memory) -> None:
         missing = 0.0
         for i in range(MISSED.shape[0]):
             missing = square * (MISSED[MISSED.shape[0] - 1 - i] + missing)
-        figures[curve, SUM, lane] = middle + middle + total
-        figures[curve, TAIL, lane] = MARGIN * level * fall / (1.0 - fall)
-        figures[curve, MISSING, lane] = MARGIN * level * missing
-        figures[curve, MAGNITUDE, lane] = larger(abs(low), abs(high))
-        figures[curve, FLAT, lane] = 1.0 if last >= LEVEL * before else 0.0
+        figures[row, SUM, lane] = middle + middle + total
+        figures[row, TAIL, lane] = MARGIN * level * fall / (1.0 - fall)
+        figures[row, MISSING, lane] = MARGIN * level * missing
+        figures[row, MAGNITUDE, lane] = larger(abs(low), abs(high))
+        figures[row, FLAT, lane] = 1.0 if last >= LEVEL * before else 0.0

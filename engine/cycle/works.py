@@ -1,6 +1,7 @@
-"""Work of a moment about its mean: the running integral of a kept curve from the first position.
+"""Running integrals of kept curves from the first position: work of a moment about its mean, or integral of a rate.
 
-What is constant is taken out before anything is added up, so that a constant moment does no work at all, exactly.
+What is constant is taken out before anything is added up, so that a constant moment does no work at all about its mean,
+exactly.
 """
 
 import numpy as np
@@ -13,9 +14,10 @@ from engine.cycle.lanes import Memory
 from engine.cycle.record import FIRST, HALF, MISSING, OFFSET, SCALE, TAIL, Record
 from engine.cycle.transforms import SHIFTED, to_integrals
 
-# Rows used meanwhile: integral of moment less its first value, length of the range, work reached.
-_TOTAL, _LENGTH, _REACHED = range(3)
-WORK_ROWS = 3
+# Rows used meanwhile: integral of the curve less its first value, length of the range, integral reached, mean less the
+# first value.
+_TOTAL, _LENGTH, _REACHED, _MEAN = range(4)
+WORK_ROWS = 4
 
 
 @routine
@@ -34,11 +36,11 @@ def _add_total(integrals: Memory, slot: int, panels: Memory, step: int, sums: Me
 
 
 @routine
-def _about_mean(integrals: Memory, slot: int, panels: Memory, step: int, sums: Memory) -> None:
-    """From integrals over [−1, x] of one panel to the work about the mean from the first position."""
+def _from_first(integrals: Memory, slot: int, panels: Memory, step: int, sums: Memory) -> None:
+    """From integrals over [−1, x] of one panel to those of the curve less its mean from the first position."""
     for j in range(POSITIONS):
         for lane in range(LANES):
-            mean, half = sums[_TOTAL, lane] / sums[_LENGTH, lane], panels[step, HALF, lane]
+            mean, half = sums[_MEAN, lane], panels[step, HALF, lane]
             work = half * (integrals[slot, j, lane] - mean * (1.0 + PLACES[j]))
             integrals[slot, j, lane] = sums[_REACHED, lane] + (work if half != 0.0 else 0.0)
     for lane in range(LANES):
@@ -57,8 +59,10 @@ def _errors(record: Record, step: int, moment: int, work: int) -> None:
 
 
 @routine
-def add_work(record: Record, matrix: np.ndarray, steps: int, moment: int, work: int, sums: Memory) -> None:
-    """Enter the work of a kept moment about its mean as another kept curve.
+def add_work(
+    record: Record, matrix: np.ndarray, steps: int, moment: int, about_mean: int, work: int, sums: Memory
+) -> None:
+    """Enter the running integral of a kept curve as another kept curve.
 
     Parameters
     ----------
@@ -67,8 +71,12 @@ def add_work(record: Record, matrix: np.ndarray, steps: int, moment: int, work: 
         `chebyshev.TO_INTEGRALS`.
     steps : int
         How many steps the record has.
-    moment, work : int
-        Curves of the record.
+    moment : int
+        Curve of the record.
+    about_mean : int
+        Whether its mean is taken out, 1 or 0.
+    work : int
+        Curve of the record that receives the integral.
     sums : rows (WORK_ROWS, LANES)
         Used meanwhile.
     """
@@ -80,6 +88,9 @@ def add_work(record: Record, matrix: np.ndarray, steps: int, moment: int, work: 
         _less_first(values, step * record.curves + moment, whole[moment, FIRST], record.work)
         to_integrals(matrix, record.work, values, slot)
         _add_total(values, slot, panels, step, sums)
+    for lane in range(LANES):
+        mean = sums[_TOTAL, lane] / sums[_LENGTH, lane]
+        sums[_MEAN, lane] = mean if about_mean == 1 else -whole[moment, FIRST, lane]
     for step in range(steps):
-        _about_mean(values, step * record.curves + work, panels, step, sums)
+        _from_first(values, step * record.curves + work, panels, step, sums)
         _errors(record, step, moment, work)

@@ -290,6 +290,7 @@ class Graph:
         self.memory = Memory(self, Stage.VARIANT, label="memory")
         self.tables: list[np.ndarray] = []
         self._crossings: dict[tuple[Node, Node], Crossing] = {}
+        self._bends: dict[Node, set[Node]] = {}
 
     def _once(self, key: tuple, make: Callable[[], Node]) -> Node:
         node = self._made.get(key)
@@ -413,6 +414,16 @@ class Graph:
             level = level if isinstance(level, Node) else self.constant(level)
             known = self._crossings.setdefault((curve, level), Crossing(curve, rate, level, kink))
             known.kink = min(known.kink, kink)
+
+    def bends(self, node: Node, curve: Node) -> None:
+        """Say that a node has a kink where a curve changes its sign, as |x| has where x does."""
+        if node.stage == curve.stage == Stage.POSITION:
+            self._bends.setdefault(curve, set()).add(node)
+
+    def kinks_behind(self, nodes: Iterable[Node]) -> list[Node]:
+        """Curves at whose zeros something bends that some nodes depend on."""
+        behind = set(reached(nodes))
+        return [curve for curve, bent in self._bends.items() if not bent.isdisjoint(behind)]
 
     @property
     def crossings(self) -> list[Crossing]:

@@ -16,7 +16,7 @@ from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node
 from engine.laws.elementary import angle_or_zero, direction_of
-from engine.quantities.register import Angle
+from engine.quantities.expressions import Angle
 
 # Rows of the table with the ends of each variant's own range, where positions are the same for all variants.
 NONE = (-1, -1)

@@ -16,15 +16,14 @@ from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
+from engine.quantities.expressions import Angle, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
-from engine.quantities.register import Angle, Field, Summary
+from engine.quantities.register import Field, Summary
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
-# What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
-CLOSELY = 1e-9
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
 # Equally spaced positions at which variants that fail are looked at, to say where.
@@ -116,12 +115,7 @@ class Machine:
             self._rows.check()
 
     def _is_measured(self, name: str) -> bool:
-        """Whether a summary is measured on the cycle; statistics of angles aren't yet."""
-        field, _, statistic = name.rpartition(".")
-        if statistic in STATISTICS and field in self.register.fields:
-            return isinstance(self.register.fields[field].curve(), Node)
-        if ".swing" in name and not self.mechanics.has_cycle:
-            return False
+        """Whether a summary is measured on the cycle; those of regimes aren't."""
         return self.register.summary(name) is not None
 
     def _is_kept(self, name: str) -> bool:
@@ -176,12 +170,23 @@ class Machine:
     # What is computed
 
     @cached_property
-    def _kept_curves(self) -> list[Node | Angle]:
-        return [field.curve() for field in self._fields.values()]
+    def _curves(self) -> dict[str, Node | Followed]:
+        """What the kept fields are."""
+        return {name: field.curve() for name, field in self._fields.items()}
+
+    @cached_property
+    def _followed(self) -> dict[str, Work | Speed]:
+        """Kept fields that are taken off the cycle as it was measured."""
+        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Work | Speed)}
+
+    @cached_property
+    def _computed(self) -> dict[str, Node | Angle]:
+        """Kept fields that are computed position by position."""
+        return {name: curve for name, curve in self._curves.items() if name not in self._followed}
 
     @cached_property
     def _kept(self) -> KeptFields:
-        return self._filling(self._kept_curves, self.dtype)
+        return self._filling(list(self._computed.values()), self.dtype)
 
     @cached_property
     def _sines(self) -> KeptFields:
@@ -199,8 +204,9 @@ class Machine:
     def measuring(self) -> Measuring:
         """Functions and plan for all that is measured."""
         expressions = [summary.expression() for summary in self._summaries.values()]
-        tolerance = CLOSELY if self.accuracy is None else min(1e-2 * self.accuracy, 1e-4)
-        return Measuring(self.mechanics, expressions, [field_node(c) for c in self._kept_curves], tolerance)
+        nodes = [field_node(curve) for curve in self._computed.values()]
+        followed, grid = self._followed.values(), (self.positions, self.nodes.size)
+        return Measuring(self.mechanics, expressions, nodes, followed, grid, self.accuracy)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -210,7 +216,7 @@ class Machine:
     def source(self) -> str:
         """The printed functions, to be read."""
         text = self.measuring.functions.text
-        return f"{text}\n\n{self._kept.text}" if self._fields else text
+        return f"{text}\n\n{self._kept.text}" if self._computed else text
 
     @property
     def numbers_kept(self) -> int:
@@ -284,7 +290,9 @@ class Machine:
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         # The rest is filled in of variants alone that are well so far.
         room[:, slice(None) if self._rest_fields else status != Verdict.OK] = np.nan
-        outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
+        # Those computed position by position lie together, in front.
+        names = dict.fromkeys([*self._computed, *self.asked_fields])
+        outcome = blank(status, self.asked_summaries, dict(zip(names, room, strict=False)))
         if keep.size:
             numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
             self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
@@ -305,7 +313,7 @@ class Machine:
             value[nothing] = error[nothing] = np.nan
             outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
         if self._fields:
-            undefined |= ~self._keep(room, keep, table, answers)
+            undefined |= ~self._keep(outcome, room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
         failed = keep[outcome.status[keep] != Verdict.OK]
         for name in self._summaries:
@@ -313,15 +321,18 @@ class Machine:
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
 
-    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
+    def _keep(
+        self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers
+    ) -> np.ndarray:
         """Fill the kept fields; of which variants all values are finite."""
-        fill_found(self.measuring.functions, table, answers.outcome.landmarks)
-        places = {name: row for row, name in enumerate(self.asked_fields)}
-        rows = [places[name] for name in self._fields]
-        own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
-        finite = self._kept.fill(table, self._positions_kept, own, keep, self._ends if self._ranges_vary else NONE)
-        if own is not room:
-            room[rows] = own
+        finite = np.ones(keep.size, bool)
+        if self._computed:
+            fill_found(self.measuring.functions, table, answers.outcome.landmarks)
+            own = room[: len(self._computed)]
+            finite &= self._kept.fill(table, self._positions_kept, own, keep, self._ends if self._ranges_vary else NONE)
+        for name, curve in self._followed.items():
+            outcome.fields[name][keep] = values = answers.spaced(curve)
+            finite &= np.isfinite(values).all(axis=1)
         return finite
 
     @property

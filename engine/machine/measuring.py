@@ -10,28 +10,39 @@ import numpy as np
 
 from engine.compiling.printed import load_printed
 from engine.cycle import machine as cycle
+from engine.cycle.extremes import BOTH, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.cycle.measured import Measured, maximum, where
 from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
-    AtFirst,
+    Angle,
+    Average,
     Evaluation,
     Expression,
     Extreme,
+    Followed,
     Integral,
+    LeastMagnitude,
     Measurement,
     Place,
-    RunningExtreme,
+    Speed,
     SteadyCycle,
     StrokeEnd,
+    Unbalanced,
+    UnloadedArc,
     VariantNumber,
+    Work,
     measurements,
 )
 from engine.scene.scene import Numbers
 
+# What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
+CLOSELY = 1e-9
 # What may be left of the quality of force transmission: near a dead centre all else depends on how small it is.
 FINELY = 1e-12
+# What may be left of a margin against jamming, unless an accuracy is asked: three digits of it say all.
+LOOSELY = 1e-4
 # Tolerance of curves that panels needn't be made shorter for.
 ANY = 1e30
 
@@ -45,8 +56,12 @@ class Measuring:
     expressions : sequence of Expression
     fields : sequence of Node
         Kept fields, whose numbers are to be laid out too.
-    accuracy : float
-        What of each curve may be left beyond its series, as a share of its greatest magnitude.
+    followed : sequence of Followed
+        Kept fields that are followed over the cycle.
+    grid : tuple of int
+        Into how many parts the positions of these divide the range, and how many positions there are.
+    accuracy : float or None
+        Allowed error of what is measured, as of `Machine`.
 
     Attributes
     ----------
@@ -60,24 +75,42 @@ class Measuring:
     """
 
     def __init__(
-        self, mechanics: Mechanics, expressions: Sequence[Expression], fields: Sequence[Node], accuracy: float
+        self,
+        mechanics: Mechanics,
+        expressions: Sequence[Expression],
+        fields: Sequence[Node],
+        followed: Sequence[Followed],
+        grid: tuple[int, int],
+        accuracy: float | None,
     ) -> None:
         self.mechanics, self.expressions = mechanics, tuple(expressions)
+        self._spaced, self._grid = list(dict.fromkeys(followed)), grid
         self._asked = measurements(expressions)
         of = {kind: [a for a in self._asked if isinstance(a, kind)] for kind in _KINDS}
-        curves = [a.curve for kind in (Integral, Extreme, Place, AtFirst) for a in of[kind]]
-        curves += [a.rate for a in of[RunningExtreme]]
-        curves += [node for a in of[SteadyCycle] for node in (a.moment, a.inertia)]
+        extremes = [a for a in (*of[Extreme], *of[Place]) if isinstance(a.curve, Node)]
+        asked = [a.curve for a in (*of[Extreme], *of[Place], *of[Average]) if not isinstance(a.curve, Node)]
+        self._followed = list(dict.fromkeys([*self._spaced, *asked]))
+        cycles = [*of[SteadyCycle], *(f.steady for f in self._followed if isinstance(f, Speed))]
+        curves = [a.curve for a in (*of[Integral], *extremes, *of[LeastMagnitude])]
+        curves += [node for a in cycles for node in (a.moment, a.inertia)]
+        curves += [node for a in of[Unbalanced] for node in (a.rate, a.curve)]
+        curves += [node for a in of[UnloadedArc] for node in (*a.force, a.square)]
+        curves += [node for f in self._followed for node in _parts(f)]
         ends = [a for a in of[StrokeEnd] if a.coordinate.stage == Stage.POSITION]
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
         self.groups = self._taking_part([*curves, *fields, *(a.coordinate for a in of[StrokeEnd])])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
         self.margins = self._margins([*curves, *fields])
         curves = list(dict.fromkeys([*curves, *self._sines, *self.margins.values()]))
+        self._kinks = mechanics.graph.kinks_behind(curves)
+        curves = list(dict.fromkeys([*curves, *self._kinks]))
         self.curves = list(dict.fromkeys([*curves, *fields]))
-        self._steady = [_Steady(a, mechanics) for a in dict.fromkeys(_shared(a) for a in of[SteadyCycle])]
+        shared = dict.fromkeys(_shared(a) for a in cycles)
+        self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
         numbers = [number for steady in self._steady for number in steady.numbers]
         numbers += [a.number for a in of[VariantNumber]]
+        self._one = mechanics.graph.derived("one", lambda n: 1.0, "load")
+        numbers += [self._one] if of[Unbalanced] else []
         self.functions: Functions = functions_of(
             mechanics.graph,
             f"The functions of one machine: {mechanics.scene.title or 'untitled'}.",
@@ -87,7 +120,7 @@ class Measuring:
             found,
             [*fields, *numbers],
         )
-        self._plan(of, accuracy)
+        self._plan(of, extremes, accuracy)
 
     def _taking_part(self, nodes: Iterable[Node]) -> tuple[str, ...]:
         """Groups on whose position some nodes depend."""
@@ -103,22 +136,28 @@ class Measuring:
         settlings = self.mechanics.reactions.settlings
         return {g: s.margin for g, s in settlings.items() if behind.intersection((s.margin, *s.margin.operands))}
 
-    def _plan(self, of: dict[type, list], accuracy: float) -> None:
+    def _plan(self, of: dict[type, list], extremes: list[Extreme | Place], accuracy: float | None) -> None:
         f = self.functions
         row, curve = f.rows, f.curves
-        sines = set(self._sines)
         self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
-        self._extremes = list(
-            dict.fromkeys([*(a.curve for a in (*of[Extreme], *of[Place])), *self._sines, *self.margins.values()])
-        )
-        self._values = list(dict.fromkeys(a.curve for a in of[AtFirst]))
-        self._works = list(dict.fromkeys([*(a.rate for a in of[RunningExtreme]), *(s.of.moment for s in self._steady)]))
-        needed = [c for kind in (Integral, Place, AtFirst) for c in (a.curve for a in of[kind])]
-        needed += [a.curve for a in of[Extreme] if a.resolved] + self._works + [s.of.inertia for s in self._steady]
-        needed += [*self._sines, *self.margins.values()]
-        residuals = {a.curve for a in of[Extreme] if not a.resolved}.difference(needed)
-        self._combinations = [c for steady in self._steady for c in steady.combinations]
+        sides: dict[Node, int] = {}
+        for asked in extremes:
+            sides[asked.curve] = sides.get(asked.curve, 0) | _SIDES[asked.sense]
+        for margin in self.margins.values():
+            sides[margin] = sides.get(margin, 0) | LEAST
+        magnitudes = dict.fromkeys([*(a.curve for a in of[LeastMagnitude]), *self._sines])
+        self._extremes = [*sides.items(), *((c, LEAST_MAGNITUDE) for c in magnitudes)]
+        self._works = [*(w.moment for w in self._followed if isinstance(w, Work))]
+        self._works = list(dict.fromkeys([*self._works, *(s.of.moment for s in self._steady if s.asks_works)]))
+        self._compared = list(dict.fromkeys((a.rate, a.curve) for a in of[Unbalanced]))
+        self._angles = [a for a in self._followed if isinstance(a, Angle)]
+        self._arcs = list(dict.fromkeys((a.force, a.square) for a in of[UnloadedArc]))
+        self._combinations = list(dict.fromkeys(c for steady in self._steady for c in steady.combinations))
         self._fluctuations = [s.fluctuation for s in self._steady if s.fluctuation is not None]
+        self._speeds = [s for s in self._followed if isinstance(s, Speed)]
+        self._averages = list(dict.fromkeys(a.curve for a in of[Average]))
+        unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._kinks)
+        unresolved -= self._resolved(of)
         self.plan = cycle.Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
@@ -126,15 +165,54 @@ class Measuring:
             levels=f.level_rows,
             states=f.held_rows,
             crossings=f.crossings,
+            kinks=[curve[c] for c in self._kinks],
             integrals=[curve[c] for c in self._integrals],
-            extremes=[curve[c] for c in self._extremes],
+            extremes=[(curve[c], side) for c, side in self._extremes],
             works=[curve[c] for c in self._works],
-            combinations=[(curve[m], curve[i], row[c]) for m, i, c in self._combinations],
+            combinations=[(curve[m], curve[i], row[c], side) for m, i, c, side in self._combinations],
             fluctuations=[(curve[m], curve[i], row[w], row[j]) for m, i, w, j in self._fluctuations],
-            values=[(curve[c], row[self.mechanics.first]) for c in self._values],
-            tolerance=[ANY if c in residuals else min(accuracy, FINELY) if c in sines else accuracy for c in curve],
+            compared=[(curve[r], curve[c], row[self._one]) for r, c in self._compared],
+            angles=[tuple(curve[c] for c in a.direction) for a in self._angles],
+            speeds=[self._fluctuations.index(self._cycle_of(s.steady).fluctuation) for s in self._speeds],
+            averages=[self._place_of(a) for a in self._averages],
+            spaced=[self._place_of(s) for s in self._spaced],
+            intervals=self._grid[0],
+            positions=self._grid[1],
+            arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],
+            tolerance=[self._tolerance(c, accuracy, unresolved) for c in curve],
         )
         self._machine: cycle.Machine | None = None
+
+    def _resolved(self, of: dict[type, list]) -> set[Node]:
+        """Curves that panels are made as short for as they need."""
+        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[Place])]
+        found += [a.curve for a in of[Extreme] if a.resolved]
+        found += [node for steady in self._steady for node in (steady.of.moment, steady.of.inertia)]
+        found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
+        found += [node for force, square in self._arcs for node in (*force, square)]
+        found += [node for f in self._followed for node in _parts(f)]
+        return {*found, *self._sines, *self.margins.values()}
+
+    def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
+        """The steady cycle of which a result is asked."""
+        return next(s for s in self._steady if s.of == _shared(asked))
+
+    def _place_of(self, curve: Followed) -> tuple[str, int]:
+        """Where in the plan a curve is that is followed over the cycle."""
+        if isinstance(curve, Angle):
+            return "angles", self._angles.index(curve)
+        if isinstance(curve, Work):
+            return "works", self._works.index(curve.moment)
+        return "speeds", self._speeds.index(curve)
+
+    def _tolerance(self, curve: Node, accuracy: float | None, unresolved: set[Node]) -> float:
+        """What may be left of a curve beyond its series."""
+        if curve in unresolved:
+            return ANY
+        if curve in self.margins.values() and accuracy is None:
+            return LOOSELY
+        asked = CLOSELY if accuracy is None else min(1e-2 * accuracy, 1e-4)
+        return min(asked, FINELY) if curve in self._sines else asked
 
     @property
     def machine(self) -> cycle.Machine:
@@ -164,7 +242,30 @@ class Measuring:
         return Answers(self, table, self.machine.evaluate(table, self.functions.memory))
 
 
-_KINDS = (Integral, Extreme, Place, AtFirst, RunningExtreme, SteadyCycle, StrokeEnd, VariantNumber)
+_KINDS = (
+    Integral,
+    Extreme,
+    Place,
+    LeastMagnitude,
+    Average,
+    Unbalanced,
+    UnloadedArc,
+    SteadyCycle,
+    StrokeEnd,
+    VariantNumber,
+)
+_SIDES = {"least": LEAST, "greatest": GREATEST}
+
+
+def _parts(curve: Followed) -> list[Node]:
+    """Curves that a followed one is made of."""
+    match curve:
+        case Angle(direction):
+            return list(direction)
+        case Work(moment):
+            return [moment]
+        case Speed(steady):
+            return [steady.moment, steady.inertia]
 
 
 def _shared(steady: SteadyCycle) -> SteadyCycle:
@@ -177,17 +278,31 @@ def _shared(steady: SteadyCycle) -> SteadyCycle:
 class _Steady:
     """What a steady cycle asks of the plan: works, their combinations with the inertia, the speed fluctuation."""
 
-    def __init__(self, of: SteadyCycle, mechanics: Mechanics) -> None:
+    def __init__(self, of: SteadyCycle, results: set[str], mechanics: Mechanics) -> None:
         self.of = of
-        half_square = 0.5 * mechanics.speed_squared
+        half_square, nothing = (
+            0.5 * mechanics.speed_squared,
+            mechanics.graph.derived("no flywheel", lambda n: 0.0, "load"),
+        )
+        exact = "flywheel_wittenbauer" in results or (
+            of.wheel is None and not results <= {*_OF_WORKS, "flywheel_merzalov"}
+        )
+        merzalov = "flywheel_merzalov" in results
+        self.asks_works = bool(results & set(_OF_WORKS))
         self.slopes: tuple[Node, ...] = ()
+        self.combinations: list[tuple[Node, Node, Node, int]] = []
         if of.fluctuation is not None:
             slow, fast = 1.0 - 0.5 * of.fluctuation, 1.0 + 0.5 * of.fluctuation
             self.slopes = (half_square * slow * slow, half_square, half_square * fast * fast)
+            wanted = ((LEAST, exact), (BOTH, merzalov), (GREATEST, exact))
+            self.combinations = [
+                (of.moment, of.inertia, slope, side)
+                for slope, (side, needed) in zip(self.slopes, wanted, strict=True)
+                if needed
+            ]
         asked = of.wheel is not None or of.fluctuation is not None
-        nothing = mechanics.graph.derived("no flywheel", lambda n: 0.0, "load")
-        self.fluctuation = (of.moment, of.inertia, of.speed, of.wheel or nothing) if asked else None
-        self.combinations = [(of.moment, of.inertia, slope) for slope in self.slopes]
+        moving = not results.isdisjoint({"", "speed_fluctuation", "speed_min", "speed_max"})
+        self.fluctuation = (of.moment, of.inertia, of.speed, of.wheel or nothing) if asked and moving else None
         self.numbers = [*self.slopes, of.speed, of.wheel or nothing, of.first_kind]
         self.numbers += [of.fluctuation] if of.fluctuation is not None else []
 
@@ -221,21 +336,27 @@ class Answers:
         """Of each group the least magnitude of its quality of transmission and the position there."""
         found = []
         for sine in self._m._sines:
-            k = self._m._extremes.index(sine)
-            extremes = self.outcome.extremes
-            low, high = extremes.least[k], extremes.greatest[k]
-            # The quality never changes its sign.
-            positive = high.value >= -low.value
-            least = np.where(positive, low.value - low.error, -high.value - high.error)
-            place = np.where(positive, extremes.least_at[k].value, extremes.greatest_at[k].value)
-            found.append((least, place))
+            k = self._m._extremes.index((sine, LEAST_MAGNITUDE))
+            least, place = self._least_magnitude(sine), self.outcome.extremes.least_at[k].value
+            found.append((least.value - least.error, place))
         return found
 
     def least_margins(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Of each group with friction the least margin against jamming and the position there."""
         least, places = self.outcome.extremes.least, self.outcome.extremes.least_at
-        rows = {group: self._m._extremes.index(margin) for group, margin in self._m.margins.items()}
+        rows = {group: self._row(margin) for group, margin in self._m.margins.items()}
         return {group: (least[k].value, places[k].value) for group, k in rows.items()}
+
+    def _row(self, curve: Node) -> int:
+        """Row of the extremes of a curve."""
+        return next(i for i, (c, side) in enumerate(self._m._extremes) if c is curve and side != LEAST_MAGNITUDE)
+
+    def _least_magnitude(self, curve: Node) -> Measured:
+        """Least magnitude of a curve that keeps the sign of its first value."""
+        found = self.outcome.extremes.least[self._m._extremes.index((curve, LEAST_MAGNITUDE))]
+        sense = np.where(self.outcome.firsts[self._m.functions.curves[curve]] < 0.0, -1.0, 1.0)
+        value = found.value * sense
+        return Measured(np.where(value < 0.0, 0.0, value), found.error)
 
     def _measured(self, asked: Measurement) -> Measured:
         m, outcome = self._m, self.outcome
@@ -245,18 +366,34 @@ class Answers:
             case Integral(curve):
                 return outcome.integrals[m._integrals.index(curve)]
             case Extreme(curve, sense):
-                return getattr(outcome.extremes, sense)[m._extremes.index(curve)]
+                return getattr(self._extremes_of(curve)[0], sense)[self._extremes_of(curve)[1]]
             case Place(curve, sense):
-                return getattr(outcome.extremes, f"{sense}_at")[m._extremes.index(curve)]
-            case AtFirst(curve):
-                return outcome.values[m._values.index(curve)]
-            case RunningExtreme(rate, which):
-                return getattr(outcome.works, which)[m._works.index(rate)]
+                return getattr(self._extremes_of(curve)[0], f"{sense}_at")[self._extremes_of(curve)[1]]
+            case LeastMagnitude(curve):
+                return self._least_magnitude(curve)
+            case Average(curve, power):
+                return (outcome.averages if power == 1 else outcome.squares)[m._averages.index(curve)]
+            case Unbalanced(curve, rate):
+                k = m._compared.index((rate, curve))
+                return outcome.compared.greatest_magnitude[k]
+            case UnloadedArc(force, square, which):
+                return (outcome.arcs if which == "arc" else outcome.arc_middles)[m._arcs.index((force, square))]
             case StrokeEnd(coordinate, _, which):
                 return self._stroke_end(coordinate, which)
             case SteadyCycle():
                 return self._steady(asked)
         raise TypeError(f"{asked!r} can't be measured")
+
+    def _extremes_of(self, curve: Node | Followed) -> tuple[cycle.Extremes, int]:
+        """Extremes among which those of a curve are, and their row."""
+        if isinstance(curve, Node):
+            return self.outcome.extremes, self._row(curve)
+        kind, row = self._m._place_of(curve)
+        return getattr(self.outcome, kind), row
+
+    def spaced(self, curve: Followed) -> np.ndarray:
+        """Values of a kept field that is followed, (variants, positions)."""
+        return self.outcome.spaced[self._m._spaced.index(curve)]
 
     def _stroke_end(self, coordinate: Node, which: str) -> Measured:
         if coordinate.stage < Stage.POSITION:
@@ -267,27 +404,25 @@ class Answers:
         return getattr(self.outcome.landmarks, part)[event]
 
     def _steady(self, asked: SteadyCycle) -> Measured:
-        steady = next(s for s in self._m._steady if s.of == _shared(asked))
+        steady = self._m._cycle_of(asked)
         speed, speed_squared = self.number(asked.speed), self.number(asked.speed) * self.number(asked.speed)
-        works = self.outcome.works.range[self._m._works.index(asked.moment)]
         if asked.result == "excess_work":
-            return works
+            return self._works(asked.moment)
         if asked.fluctuation is not None:
             delta = self.number(asked.fluctuation)
             energy = delta * speed_squared
             first = self.outcome.firsts[self._m.functions.curves[asked.inertia]]
-            slow, middle, fast = (
-                self._m._combinations.index((asked.moment, asked.inertia, slope)) for slope in steady.slopes
-            )
-            extremes = self.outcome.combinations
-            exact = (extremes.greatest[fast] - extremes.least[slow]) / energy - Measured(first)
-            sizes = {
-                "flywheel_excess_work": lambda: works / energy,
-                "flywheel_merzalov": lambda: extremes.range[middle] / energy - self.number(asked.first_kind),
-                "flywheel_wittenbauer": lambda: exact,
-            }
-            if asked.result in sizes:
-                return sizes[asked.result]()
+            if asked.result == "flywheel_excess_work":
+                return self._works(asked.moment) / energy
+            slow, middle, fast = steady.slopes
+            if asked.result == "flywheel_merzalov":
+                found = self._combination(asked, middle, BOTH)
+                return found.range[0] / energy - self.number(asked.first_kind)
+            if asked.wheel is None or asked.result == "flywheel_wittenbauer":
+                top, bottom = self._combination(asked, fast, GREATEST), self._combination(asked, slow, LEAST)
+                exact = (top.greatest[0] - bottom.least[0]) / energy - Measured(first)
+            if asked.result == "flywheel_wittenbauer":
+                return exact
         wheel = self.number(asked.wheel) if asked.wheel is not None else maximum(exact, Measured(np.zeros(exact.shape)))
         if asked.result == "flywheel_used":
             return wheel
@@ -301,3 +436,16 @@ class Answers:
             return found
         half = 0.5 * found
         return abs(speed) * (1.0 - half if asked.result == "speed_min" else 1.0 + half)
+
+    def _works(self, moment: Node) -> Measured:
+        """Range of the work of a moment about its mean."""
+        return self.outcome.works.range[self._m._works.index(moment)]
+
+    def _combination(self, asked: SteadyCycle, slope: Node, side: int) -> cycle.Extremes:
+        """Extremes of the work less a multiple of the inertia, of one row."""
+        k, extremes = self._m._combinations.index((asked.moment, asked.inertia, slope, side)), self.outcome.combinations
+        return cycle.Extremes(*(getattr(extremes, part)[k : k + 1] for part in _PARTS))
+
+
+_PARTS = ("least", "least_at", "greatest", "greatest_at")
+_OF_WORKS = ("excess_work", "flywheel_excess_work")

@@ -60,9 +60,6 @@ class Reactions:
         Work lost in each pair with friction, for each unit of the input's motion.
     settlings : dict of str to Settled
         Of each group with friction what presses in it, and how near it is to jamming.
-    kinks : list of Node
-        Curves at whose zeros friction has a kink, because a pressing force touches zero or a slider changes the edge
-        that it bears on.
     """
 
     def __init__(
@@ -73,7 +70,7 @@ class Reactions:
         self.variables: dict[str, Node] = {}
         self.in_axes: dict[tuple[str, str], Vector] = {}
         self.settlings: dict[str, Settled] = {}
-        self.kinks: list[Node] = []
+        self._pressing: dict[str, Node] = {}
         self._pairs = {pair.name: pair for pair in pairs(self.scene)}
         self._rubs = rubbing_pairs(kinematics, motion)
         self.lost = {friction.pair: self.graph.zero for friction in self.scene.friction.values()}
@@ -298,6 +295,7 @@ class Reactions:
         if pair.name not in self._rubs:
             return self.graph.zero
         rub, link = self._rubs[pair.name], self.kinematics.links[pair.link]
+        self._pressing[pair.name] = pressing
         friction = rub.drag * pressing
         self.variables[f"{pair.name}.{_FRICTION[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
@@ -309,25 +307,27 @@ class Reactions:
         return friction
 
     def _kinks(self, pair: Pair, unloaded: Iterable[str]) -> None:
-        """Curves whose zeros are kinks of the pressing force in a pair.
+        """Say where the load of a pair has kinks, because it touches zero or a slider changes the edge it bears on.
 
         A reaction passes through zero where a link that bears nothing but pairs changes from push to pull: friction
         leans it to one side or the other, but its component along a bar, or across a slide, changes its sign.
         """
-        rub = self._rubs.get(pair.name)
-        if rub is None:
-            return
-        if pair.kind == "prismatic":
-            normal = self.variables[f"{pair.name}.reaction"]
-            tilting = rub.edge * self.variables[f"{pair.name}.reaction_moment"]
-            found = [normal - tilting, normal + tilting]
-        else:
+        rub, found = self._rubs.get(pair.name), []
+        loads = [self._pressing[pair.name]] if rub is not None else []
+        if pair.kind == "revolute":
+            loads.append(self.variables[f"{pair.name}.reaction"])
             ends = [name for name in (pair.link, pair.other) if name in unloaded]
             found = [
                 force.y if name in self.kinematics.slides else force.x
                 for name, force in ((name, self.in_axes[pair.name, name]) for name in ends)
             ]
-        self.kinks += [node for node in dict.fromkeys(found) if node not in self.kinks]
+        elif rub is not None:
+            normal = self.variables[f"{pair.name}.reaction"]
+            tilting = rub.edge * self.variables[f"{pair.name}.reaction_moment"]
+            found = [normal - tilting, normal + tilting]
+        for load in loads:
+            for curve in found:
+                self.graph.bends(load, curve)
 
     def _losses(self) -> None:
         """Powers lost to friction, and the moment on the input that stands for them."""

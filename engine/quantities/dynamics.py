@@ -7,7 +7,7 @@ flywheels.
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, SteadyCycle, VariantNumber
+from engine.quantities.expressions import Expression, Speed, SteadyCycle, Unbalanced, VariantNumber, Work, peak, share
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 
 _USEFUL = frozenset({"useful"})
@@ -80,6 +80,14 @@ def _drive(m: Mechanics) -> Declared:
         symbol="P",
     )
 
+    yield Summary(
+        "power_balance_residual",
+        "kinetic energy at uniform speed against the work of the inertia forces, greatest difference as a share of the "
+        "energy at its greatest",
+        "1",
+        lambda: share(Unbalanced(m.reduced.inertia, m.reduced.slope), peak(m.reduced.inertia)),
+    )
+
 
 def _flywheel(m: Mechanics) -> Declared:
     """Excess work, and the flywheel with what follows from it."""
@@ -90,6 +98,8 @@ def _flywheel(m: Mechanics) -> Declared:
     def steady(result: str) -> SteadyCycle:
         return steady_cycle(m, result)
 
+    words = "work of all moments with the constant driver: change of kinetic energy"
+    yield Field("work", words, "J", lambda: Work(m.moment_of()), "W")
     yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc")
     if asked:
         for name, words in (
@@ -119,6 +129,8 @@ def _flywheel(m: Mechanics) -> Declared:
             lambda: steady("speed_fluctuation"),
             symbol="δ",
         )
+        words = "angular speed of the input link with the flywheel, by magnitude"
+        yield Field("speed", words, "rad s-1", lambda: Speed(steady("")), "ω")
         for name, word in (("speed_min", "least"), ("speed_max", "greatest")):
             yield Summary(
                 name,

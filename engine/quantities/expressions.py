@@ -13,7 +13,8 @@ import numpy as np
 
 from engine.cycle import measured as numbers
 from engine.cycle.measured import Measured
-from engine.graph.nodes import Node
+from engine.graph.nodes import Node, Operation
+from engine.mechanism.vectors import Vector
 
 Compute = Callable[..., Measured]
 
@@ -85,18 +86,43 @@ class Integral(Measurement):
 
 
 @dataclass(frozen=True)
+class Angle:
+    """A direction as an angle, continuous over the range."""
+
+    direction: Vector
+
+
+@dataclass(frozen=True)
+class Work:
+    """Work of a moment about its mean since the first position."""
+
+    moment: Node
+
+
+@dataclass(frozen=True)
+class Speed:
+    """Speed of the input, by magnitude, over the steady cycle that a `SteadyCycle` describes."""
+
+    steady: "SteadyCycle"
+
+
+# Curves that are followed over the whole cycle, as their values at a position depend on those before it.
+Followed = Angle | Work | Speed
+
+
+@dataclass(frozen=True)
 class Extreme(Measurement):
     """Least or greatest value of a curve over the range of the input.
 
     Attributes
     ----------
-    curve : Node
+    curve : Node or Followed
     sense : {"least", "greatest"}
     resolved : bool
         Whether panels are made as short as the curve needs. A curve that is rounding alone never becomes smooth.
     """
 
-    curve: Node
+    curve: Node | Followed
     sense: Literal["least", "greatest"]
     resolved: bool = True
 
@@ -105,8 +131,49 @@ class Extreme(Measurement):
 class Place(Measurement):
     """Position of the input where a curve has its least or greatest value."""
 
-    curve: Node
+    curve: Node | Followed
     sense: Literal["least", "greatest"]
+
+
+@dataclass(frozen=True)
+class LeastMagnitude(Measurement):
+    """Least magnitude of a curve that never changes its sign, and 0 where it does."""
+
+    curve: Node
+
+
+@dataclass(frozen=True)
+class Average(Measurement):
+    """Mean of a curve that is followed, or of its square (power 2)."""
+
+    curve: Followed
+    power: Literal[1, 2]
+
+
+@dataclass(frozen=True)
+class Unbalanced(Measurement):
+    """Greatest difference between the change of a curve and the integral of its derivative, by magnitude."""
+
+    curve: Node
+    rate: Node
+
+
+@dataclass(frozen=True)
+class UnloadedArc(Measurement):
+    """Widest arc that a force never points to, or its middle: see `engine.cycle.unloaded_arcs`.
+
+    Attributes
+    ----------
+    force : Vector
+        In the axes of a link.
+    square : Node
+        Of its magnitude.
+    which : {"arc", "middle"}
+    """
+
+    force: Vector
+    square: Node
+    which: Literal["arc", "middle"]
 
 
 @dataclass(frozen=True)
@@ -116,21 +183,6 @@ class StrokeEnd(Measurement):
     coordinate: Node
     rate: Node
     which: Literal["low", "high", "low_at", "high_at"]
-
-
-@dataclass(frozen=True)
-class AtFirst(Measurement):
-    """Value of a curve at the first position."""
-
-    curve: Node
-
-
-@dataclass(frozen=True)
-class RunningExtreme(Measurement):
-    """Least or greatest value of a curve's integral from the first position, or its position."""
-
-    rate: Node
-    which: Literal["least", "greatest", "least_at", "greatest_at"]
 
 
 @dataclass(frozen=True)
@@ -167,19 +219,30 @@ def length_of_range(first: Node, last: Node) -> Expression:
     return VariantNumber(last - first)
 
 
-def least(curve: Node) -> Expression:
+def least(curve: Node | Followed) -> Expression:
     """Least value of a curve."""
     return Extreme(curve, "least")
 
 
-def greatest(curve: Node) -> Expression:
+def _square(curve: Node | Followed) -> Node | None:
+    """What a curve is the root of, if it is one: that is smooth where the root nearly has a kink."""
+    return curve.operands[0] if isinstance(curve, Operation) and curve.symbol == "sqrt" else None
+
+
+def greatest(curve: Node | Followed) -> Expression:
     """Greatest value of a curve."""
-    return Extreme(curve, "greatest")
+    square = _square(curve)
+    return Extreme(curve, "greatest") if square is None else sqrt(Extreme(square, "greatest"))
 
 
-def peak(curve: Node) -> Expression:
+def place_of_greatest(curve: Node | Followed) -> Expression:
+    """Position of the input where a curve has its greatest value."""
+    return Place(_square(curve) or curve, "greatest")
+
+
+def peak(curve: Node | Followed) -> Expression:
     """Greatest magnitude of a curve."""
-    return maximum(abs(least(curve)), abs(greatest(curve)))
+    return greatest(curve) if _square(curve) is not None else maximum(abs(least(curve)), abs(greatest(curve)))
 
 
 def unresolved_peak(curve: Node) -> Expression:
@@ -216,6 +279,17 @@ def hypot(x: Expression, y: Expression) -> Expression:
 def _hypot(x: Measured, y: Measured) -> Measured:
     size = np.hypot(x.value, y.value)
     return Measured(size, np.hypot(x.error, y.error) + 2.0 * np.finfo(float).eps * size)
+
+
+def share(part: Expression, whole: Expression) -> Expression:
+    """What is left of a check as a share of a whole, without an error figure; 0 where there is nothing of either."""
+    return Formula(_share, (part, whole))
+
+
+def _share(part: Measured, whole: Measured) -> Measured:
+    with np.errstate(all="ignore"):
+        ratio = np.where(part.value == 0.0, 0.0 * whole.value, part.value / whole.value)
+    return Measured(ratio, np.zeros_like(ratio))
 
 
 def measurements(expressions: Iterable[Expression]) -> list[Measurement]:

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.register import Angle, Declared, Field, InputUnits
+from engine.quantities.expressions import Angle
+from engine.quantities.register import Declared, Field, InputUnits
 from engine.scene.parts import FRAME, CrankInput
 
 _WORDS = ("", "first derivative by the input of the ", "second derivative by the input of the ")
@@ -27,7 +28,7 @@ def declare(mechanics: Mechanics) -> Declared:
             yield from _coordinate(mechanics, name, axis, f"{axis} coordinate of point {name}", "m", nodes)
     for name in mechanics.structure.links:
         link = k.links[name]
-        nodes = (Angle(link.u, link.w), link.w, link.e)
+        nodes = (Angle(link.u), link.w, link.e)
         yield from _coordinate(mechanics, name, "angle", f"angle of link {name}", "rad", nodes)
     for name in mechanics.structure.sliders:
         words = f"displacement of slider {name}"

@@ -14,7 +14,7 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Formula, greatest, least, maximum, unresolved_peak
+from engine.quantities.expressions import Expression, Formula, LeastMagnitude, maximum, unresolved_peak
 from engine.quantities.register import Declared, Summary
 
 MAGNIFICATION, RESIDUAL = "error_magnification", "loop_closure_residual"
@@ -52,15 +52,7 @@ def declare(mechanics: Mechanics) -> Declared:
 
 def least_sine(m: Mechanics, group: str) -> Expression:
     """Least quality of force transmission of a group by magnitude; the quality never changes its sign."""
-    sine = m.kinematics.sines[group]
-    return Formula(_least_magnitude, (least(sine), greatest(sine)))
-
-
-def _least_magnitude(low: Measured, high: Measured) -> Measured:
-    positive = high.value >= -low.value
-    value = np.maximum(np.where(positive, low.value, -high.value), 0.0)
-    known = np.isfinite(low.value) & np.isfinite(high.value)
-    return Measured(np.where(known, value, np.nan), np.where(positive, low.error, high.error))
+    return LeastMagnitude(m.kinematics.sines[group])
 
 
 def _angle_of(sine: Measured) -> Measured:

@@ -7,8 +7,18 @@ import numpy as np
 
 from engine.cycle.measured import Measured, atan2
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Formula, hypot, maximum, peak, unresolved_peak
-from engine.quantities.register import Angle, Declared, Field, InputUnits, Summary, mean
+from engine.quantities.expressions import (
+    Angle,
+    Expression,
+    Formula,
+    UnloadedArc,
+    hypot,
+    maximum,
+    peak,
+    share,
+    unresolved_peak,
+)
+from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.actions import Brake, DCMotor, InductionMotor
 from engine.scene.pairs import Pair, pairs
 
@@ -59,8 +69,8 @@ def _fields_of(m: Mechanics, pair: Pair) -> Declared:
 
 
 def _direction(m: Mechanics, pair: Pair) -> Angle:
-    """Direction of a reaction; its rate isn't known as a node."""
-    return Angle(m.reactions.force_in(pair.name), None)
+    """Direction of a reaction."""
+    return Angle(m.reactions.force_in(pair.name))
 
 
 def _acting(m: Mechanics) -> Declared:
@@ -92,25 +102,18 @@ def _checks(m: Mechanics) -> Declared:
     )
 
 
-def _share(part: Measured, whole: Measured) -> Measured:
-    """Part of a whole; 0 where there is nothing of either."""
-    with np.errstate(all="ignore"):
-        share = np.where(part.value == 0.0, 0.0 * whole.value, part.value / whole.value)
-    return Measured(share, np.zeros_like(share))
-
-
 def _disagreement(m: Mechanics) -> Expression:
     found = m.reactions.variables
     energy = m.input_moment - found["friction_moment"] if m.scene.friction else m.input_moment
     ways = (energy, found["input_moment_by_equilibrium"], found["input_moment_by_power"])
     apart = maximum(*(unresolved_peak(one - other) for one, other in combinations(ways, 2)))
-    return Formula(_share, (apart, maximum(*(peak(way) for way in ways))))
+    return share(apart, maximum(*(peak(way) for way in ways)))
 
 
 def _residual(m: Mechanics) -> Expression:
     checks = m.reactions.checks
-    force = Formula(_share, (unresolved_peak(checks["force"]), unresolved_peak(checks["forces"])))
-    moment = Formula(_share, (unresolved_peak(checks["moment"]), unresolved_peak(checks["moments"])))
+    force = share(unresolved_peak(checks["force"]), unresolved_peak(checks["forces"]))
+    moment = share(unresolved_peak(checks["moment"]), unresolved_peak(checks["moments"]))
     return maximum(force, moment)
 
 
@@ -139,6 +142,16 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
     )
     words = f"spread of the {load}: 0 in one direction, 1 all around (1 less mean vector over mean magnitude)"
     yield Summary(f"{pair.name}.load_spread_of_{link}", words, "1", spread, may_be_undefined=True)
+
+    def unloaded(which: str) -> Expression:
+        force = m.reactions.in_axes[pair.name, link]
+        return UnloadedArc(force, force.dot(force), which)
+
+    words = f"widest arc never pointed to by the {load}"
+    yield Summary(f"{pair.name}.unloaded_arc_of_{link}", words, "rad", lambda: unloaded("arc"))
+    words = f"middle of the arc never pointed to by the {load}"
+    name = f"{pair.name}.unloaded_middle_of_{link}"
+    yield Summary(name, words, "rad", lambda: unloaded("middle"), may_be_undefined=True)
 
 
 def _defined_direction(x: Measured, y: Measured) -> Measured:

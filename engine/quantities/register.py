@@ -5,25 +5,20 @@ from typing import NamedTuple
 
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
-from engine.mechanism.vectors import Vector
 from engine.quantities.expressions import (
+    Average,
     Expression,
+    Followed,
     Integral,
     Place,
     greatest,
     least,
     length_of_range,
     peak,
+    place_of_greatest,
     sqrt,
 )
 from engine.quantities.quantity import STATISTICS, InputUnits
-
-
-class Angle(NamedTuple):
-    """A direction as an angle, continuous over the range, and its rate by the input."""
-
-    direction: Vector
-    rate: Node
 
 
 class Field(NamedTuple):
@@ -33,7 +28,7 @@ class Field(NamedTuple):
     ----------
     name, long_name, units : str
     curve : callable
-        Makes the node, or the angle, when it is asked for.
+        Makes the node, or what is followed, when it is asked for.
     symbol : str
         As textbooks write it.
     """
@@ -41,7 +36,7 @@ class Field(NamedTuple):
     name: str
     long_name: str
     units: str
-    curve: Callable[[], Node | Angle]
+    curve: Callable[[], Node | Followed]
     symbol: str = ""
 
 
@@ -70,9 +65,16 @@ class Summary(NamedTuple):
 Declared = Iterator[Field | Summary]
 
 
-def mean(mechanics: Mechanics, curve: Node) -> Expression:
+def mean(mechanics: Mechanics, curve: Node | Followed) -> Expression:
     """Mean of a curve over the range of the input."""
+    if isinstance(curve, Followed):
+        return Average(curve, 1)
     return Integral(curve) / length_of_range(mechanics.first, mechanics.last)
+
+
+def mean_square(mechanics: Mechanics, curve: Node | Followed) -> Expression:
+    """Mean of the square of a curve over the range of the input."""
+    return Average(curve, 2) if isinstance(curve, Followed) else mean(mechanics, curve * curve)
 
 
 def statistics_of(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
@@ -85,9 +87,9 @@ def statistics_of(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
         "range": ("range of", field.units, lambda: greatest(curve) - least(curve)),
         "peak": ("greatest magnitude of", field.units, lambda: peak(curve)),
         "mean": ("mean of", field.units, lambda: mean(mechanics, curve)),
-        "rms": ("root mean square of", field.units, lambda: sqrt(mean(mechanics, curve * curve))),
+        "rms": ("root mean square of", field.units, lambda: sqrt(mean_square(mechanics, curve))),
         "min_at": ("crank angle of the least value of", q, lambda: Place(curve, "least")),
-        "max_at": ("crank angle of the greatest value of", q, lambda: Place(curve, "greatest")),
+        "max_at": ("crank angle of the greatest value of", q, lambda: place_of_greatest(curve)),
     }
     return [
         Summary(f"{field.name}.{key}", f"{words} the {field.long_name}", units, expression)

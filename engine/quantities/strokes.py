@@ -5,10 +5,19 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.cycle.measured import Measured, atan2
+from engine.cycle.measured import Measured
 from engine.mechanism.kinematics import Turning
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import FULL_TURN, AtFirst, Expression, Formula, Integral, RunningExtreme, StrokeEnd
+from engine.quantities.expressions import (
+    FULL_TURN,
+    Angle,
+    Expression,
+    Extreme,
+    Formula,
+    Integral,
+    Place,
+    StrokeEnd,
+)
 from engine.quantities.register import Declared, InputUnits, Summary
 
 
@@ -31,11 +40,8 @@ def swinging_links(mechanics: Mechanics) -> list[str]:
 
 def _swing_end(mechanics: Mechanics, link: Turning, which: str) -> Expression:
     """End of the swing of a link, or the position there; undefined for a link that turns all the way round."""
-    if which.endswith("_at"):
-        found: Expression = RunningExtreme(link.w, "least_at" if which == "low_at" else "greatest_at")
-    else:
-        begin = Formula(atan2, (AtFirst(link.u.y), AtFirst(link.u.x)))
-        found = begin + RunningExtreme(link.w, "least" if which == "low" else "greatest")
+    angle, sense = Angle(link.u), "least" if which.startswith("low") else "greatest"
+    found = Place(angle, sense) if which.endswith("_at") else Extreme(angle, sense)
     return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found
 
 
