@@ -35,13 +35,15 @@ def _follow(values: Memory, of_x: int, of_y: int, panels: Memory, step: int, ang
     for j in range(POSITIONS):
         for lane in range(LANES):
             x, y, x_before, y_before = values[of_x, j, lane], values[of_y, j, lane], state[_X, lane], state[_Y, lane]
+            reached, shortest, size = state[_REACHED, lane], state[_SHORTEST, lane], np.sqrt(x * x + y * y)
             turned = angle_of(x_before * x + y_before * y, x_before * y - y_before * x)
-            reached, shortest = state[_REACHED, lane], state[_SHORTEST, lane]
-            taken = panels[step, HALF, lane] != 0.0
+            # A vector without length doesn't turn.
+            turned = 0.0 if size == 0.0 else turned
+            taken = (panels[step, HALF, lane] != 0.0) & (size != 0.0)
             values[angle, j, lane] = reached + turned
             state[_REACHED, lane] = reached + turned if taken else reached
             state[_X, lane], state[_Y, lane] = x if taken else x_before, y if taken else y_before
-            state[_SHORTEST, lane] = smaller(np.sqrt(x * x + y * y), shortest)
+            state[_SHORTEST, lane] = smaller(size, shortest)
 
 
 @routine

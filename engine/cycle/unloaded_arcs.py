@@ -5,8 +5,8 @@ place that is pressed; in those of the link with the journal it points away from
 `LEAST_LOAD` of its greatest it counts as none.
 
 Over each panel the force, where it counts, sweeps stretches of directions. The widest gap between all of these is found
-from the positions; then the directions on either side of it are found between the positions, too, until those of the
-widest gap are known.
+from the positions; then the directions on either side of it are found between the positions, too, until no other
+may reach into the widest gap.
 
 Source: any course of machine elements, chapter on plain bearings (polar diagrams of bearing load; place of the oil
 hole).
@@ -162,6 +162,43 @@ def extend(
 
 
 @routine
+def margin_of(record: Record, x: int, y: int, lane: int, side: int, stretch: np.ndarray) -> float:
+    """How far one end of a stretch may be beyond its position: as far as the force turns to its neighbours."""
+    slot, j, most = int(stretch[STEP]) * record.curves, int(stretch[LOW_PLACE + side]), 0.0
+    fx, fy = record.values[slot + x, j, lane], record.values[slot + y, j, lane]
+    for beside in range(max(j - 1, 0), min(j + 1, DEGREE) + 1):
+        gx, gy = record.values[slot + x, beside, lane], record.values[slot + y, beside, lane]
+        most = max(most, abs(turn_to(fx, fy, gx, gy)))
+    return most
+
+
+@routine
+def extend_near(
+    record: Record,
+    matrix: np.ndarray,
+    x: int,
+    y: int,
+    lane: int,
+    least: float,
+    edge: float,
+    side: int,
+    count: int,
+    stretches: np.ndarray,
+) -> bool:
+    """Extend the ends of stretches that may reach beyond an edge of the widest gap; whether there were any."""
+    any_extended = False
+    for i in range(count):
+        if stretches[i, LOW_KNOWN + side] > 0.0:
+            continue
+        short = (edge - stretches[i, LOW + side]) * (2.0 * side - 1.0)
+        short -= math.floor(short / TURN + 0.5) * TURN
+        if short <= margin_of(record, x, y, lane, side, stretches[i]):
+            extend(record, matrix, x, y, lane, least, side, stretches[i])
+            any_extended = True
+    return any_extended
+
+
+@routine
 def widest_gap(count: int, stretches: np.ndarray, order: np.ndarray) -> tuple[float, int, int]:
     """Widest gap between stretches on the circle: its width, the stretch before it and the one after."""
     for i in range(count):
@@ -228,11 +265,10 @@ def find_unloaded_arcs(
         if count == 0 or count > stretches.shape[0]:
             continue
         arc, before, after = widest_gap(count, stretches, order)
-        while arc > 0.0 and stretches[before, HIGH_KNOWN] * stretches[after, LOW_KNOWN] == 0.0:
-            if stretches[before, HIGH_KNOWN] == 0.0:
-                extend(record, matrix, x, y, lane, least, 1, stretches[before])
-            if stretches[after, LOW_KNOWN] == 0.0:
-                extend(record, matrix, x, y, lane, least, 0, stretches[after])
+        going = arc > 0.0
+        while going:
+            going = extend_near(record, matrix, x, y, lane, least, stretches[before, HIGH], 1, count, stretches)
+            going |= extend_near(record, matrix, x, y, lane, least, stretches[after, LOW], 0, count, stretches)
             arc, before, after = widest_gap(count, stretches, order)
         error = stretches[before, HIGH_ERROR] + stretches[after, LOW_ERROR] + 2.0 * ROUNDING * TURN
         middle = stretches[before, HIGH] + 0.5 * arc

@@ -11,12 +11,12 @@ from engine.equal_positions.rows_machine import RowsMachine
 from engine.graph.nodes import Node, Number
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
+from engine.machine.kept_fields import NONE, KeptFields, fill_found
 from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
-from engine.quantities.expressions import Angle, Followed, Speed, Work
+from engine.quantities.expressions import Followed
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -175,12 +175,12 @@ class Machine:
         return {name: field.curve() for name, field in self._fields.items()}
 
     @cached_property
-    def _followed(self) -> dict[str, Work | Speed]:
+    def _followed(self) -> dict[str, Followed]:
         """Kept fields that are taken off the cycle as it was measured."""
-        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Work | Speed)}
+        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Followed)}
 
     @cached_property
-    def _computed(self) -> dict[str, Node | Angle]:
+    def _computed(self) -> dict[str, Node]:
         """Kept fields that are computed position by position."""
         return {name: curve for name, curve in self._curves.items() if name not in self._followed}
 
@@ -193,8 +193,8 @@ class Machine:
         sines = self.mechanics.kinematics.sines
         return self._filling([sines[group] for group in self.measuring.groups], np.dtype(float))
 
-    def _filling(self, curves: list[Node | Angle], dtype: np.dtype) -> KeptFields:
-        return KeptFields(curves, self.measuring.functions, self.measuring.machine.levels, dtype, self._title)
+    def _filling(self, nodes: list[Node], dtype: np.dtype) -> KeptFields:
+        return KeptFields(nodes, self.measuring.functions, self.measuring.machine.levels, dtype, self._title)
 
     @property
     def _title(self) -> str:
@@ -204,7 +204,7 @@ class Machine:
     def measuring(self) -> Measuring:
         """Functions and plan for all that is measured."""
         expressions = [summary.expression() for summary in self._summaries.values()]
-        nodes = [field_node(curve) for curve in self._computed.values()]
+        nodes = list(self._computed.values())
         followed, grid = self._followed.values(), (self.positions, self.nodes.size)
         return Measuring(self.mechanics, expressions, nodes, followed, grid, self.accuracy)
 

@@ -4,6 +4,7 @@ Summaries are expressions whose leaves are measurements. From these follow the c
 the plan of the cycle that measures them; its answers are put back in their places, as numbers with error figures.
 """
 
+import dataclasses
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -101,9 +102,13 @@ class Measuring:
         self.groups = self._taking_part([*curves, *fields, *(a.coordinate for a in of[StrokeEnd])])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
         self.margins = self._margins([*curves, *fields])
-        curves = list(dict.fromkeys([*curves, *self._sines, *self.margins.values()]))
+        # Pressing forces stop being finite where a group jams first.
+        settlings = mechanics.reactions.settlings if self.margins else {}
+        pressing = [settlings[group].pressing[0] for group in self.margins]
+        curves = list(dict.fromkeys([*curves, *self._sines, *self.margins.values(), *pressing]))
         self._kinks = mechanics.graph.kinks_behind(curves)
         curves = list(dict.fromkeys([*curves, *self._kinks]))
+        self._beside = [*self._kinks, *pressing]
         self.curves = list(dict.fromkeys([*curves, *fields]))
         shared = dict.fromkeys(_shared(a) for a in cycles)
         self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
@@ -156,7 +161,7 @@ class Measuring:
         self._fluctuations = [s.fluctuation for s in self._steady if s.fluctuation is not None]
         self._speeds = [s for s in self._followed if isinstance(s, Speed)]
         self._averages = list(dict.fromkeys(a.curve for a in of[Average]))
-        unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._kinks)
+        unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._beside)
         unresolved -= self._resolved(of)
         self.plan = cycle.Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
@@ -239,6 +244,13 @@ class Measuring:
         table : ndarray (numbers, variants)
             From `numbers`.
         """
+        answers = Answers(self, table, self.machine.evaluate(table, self.functions.memory))
+        unknown = [steady for steady in self._steady if steady.unknown_wheel is not None]
+        if not unknown:
+            return answers
+        for steady in unknown:
+            found = answers.value_of(dataclasses.replace(steady.of, result="flywheel_used"))
+            table[self.functions.rows[steady.unknown_wheel]] = found.value
         return Answers(self, table, self.machine.evaluate(table, self.functions.memory))
 
 
@@ -270,9 +282,7 @@ def _parts(curve: Followed) -> list[Node]:
 
 def _shared(steady: SteadyCycle) -> SteadyCycle:
     """The steady cycle without the result that is asked of it."""
-    return SteadyCycle(
-        steady.inertia, steady.moment, steady.speed, steady.fluctuation, steady.first_kind, steady.wheel, ""
-    )
+    return dataclasses.replace(steady, result="")
 
 
 class _Steady:
@@ -280,13 +290,12 @@ class _Steady:
 
     def __init__(self, of: SteadyCycle, results: set[str], mechanics: Mechanics) -> None:
         self.of = of
-        half_square, nothing = (
-            0.5 * mechanics.speed_squared,
-            mechanics.graph.derived("no flywheel", lambda n: 0.0, "load"),
-        )
-        exact = "flywheel_wittenbauer" in results or (
-            of.wheel is None and not results <= {*_OF_WORKS, "flywheel_merzalov"}
-        )
+        half_square = 0.5 * mechanics.speed_squared
+        nothing = mechanics.graph.derived("flywheel used", lambda n: 0.0, "load")
+        # The speed depends on the flywheel, also on one that follows from the cycle.
+        self.unknown_wheel = nothing if "" in results and of.wheel is None else None
+        others = {*_OF_WORKS, "flywheel_merzalov"}
+        exact = "flywheel_wittenbauer" in results or (of.wheel is None and not results <= others)
         merzalov = "flywheel_merzalov" in results
         self.asks_works = bool(results & set(_OF_WORKS))
         self.slopes: tuple[Node, ...] = ()

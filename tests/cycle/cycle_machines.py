@@ -169,3 +169,33 @@ def peak_curve(P, T, q, cos_q, sin_q, tile):
         for lane in range(LANES):
             along = cos_q[i, lane] * P[3, lane] + sin_q[i, lane] * P[4, lane]
             tile[i, lane] = 1.0 / (P[2, lane] + (1.0 - along))
+
+
+@njit(TILE_SIGNATURE, **COMPILED)
+def force_curves(P, T, q, cos_q, sin_q, tile):
+    count, room = q.shape[0], tile.shape[1]
+    P, q, tile = in_lanes(P), in_lanes(q), in_lanes(tile)
+    for i in range(count):
+        for lane in range(LANES):
+            x = q[i, lane] - P[3, lane]
+            angle, size = P[2, lane] * math.sin(x), 1.0 + 0.5 * math.cos(x)
+            tile[i, lane], tile[room + i, lane] = size * math.cos(angle), size * math.sin(angle)
+            tile[2 * room + i, lane] = size * size
+            fading = 0.25 * (1.0 + math.cos(x)) ** 2
+            tile[3 * room + i, lane], tile[4 * room + i, lane] = fading * math.cos(x), fading * math.sin(x)
+            tile[5 * room + i, lane] = fading * fading
+            tile[6 * room + i, lane] = P[2, lane] * math.cos(x)
+
+
+def forces(**asked):
+    """A force that swings by ± a, numbers 2, about the x axis, and one that turns and fades behind it; squares of both.
+
+    Both with a phase, number 3; the last curve is the rate of the first one's angle.
+    """
+    return Machine(Plan(ends=(0, 1), curves=7, **asked), force_curves)
+
+
+def force_numbers(swing, phase):
+    """P of the forces over a whole turn."""
+    swing, phase = np.broadcast_arrays(swing, phase)
+    return np.array([np.zeros(swing.size), np.full(swing.size, 2.0 * np.pi), swing, phase], dtype=float)

@@ -119,7 +119,6 @@ def test_machine_without_loads__bears_nothing():
     of = ReactionValues({**chain(0, 1, True), "gravity": 0.0})
     assert not np.any(of.values(list(of.reactions.checks.values()), places(of)))
     assert of.reactions.settlings == {}
-    assert of.reactions.kinks == []
 
 
 def test_gravity_alone__frame_bears_the_weight():

@@ -20,9 +20,8 @@ def test_study__asks_one_question_and_gives_finite_numbers(name):
     assert all(np.isfinite(v).all() for v in (*found.summaries.values(), *found.errors.values()))
     assert s.best.goal in s.summaries
     assert set(parse(s.best.where, any_quantity).names) <= {*s.parameters, *s.summaries}
-    # Far from jamming, and settled in a few passes.
+    # Far from jamming.
     assert (found.summaries["jamming_margin"] > 0.5).all()
-    assert (found.summaries["friction_passes"] <= 6).all()
 
 
 def test_toggle_press_study__has_the_force_of_leaning_bars():
