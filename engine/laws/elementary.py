@@ -260,6 +260,12 @@ def angle_of(x: float, y: float) -> float:
 
 
 @in_order
+def angle_or_zero(x: float, y: float) -> float:
+    """Angle of a vector as of `angle_of`, and 0 of one of length zero: a force that isn't there has no direction."""
+    return angle_of(1.0 if (x == 0.0) & (y == 0.0) else x, y)
+
+
+@in_order
 def arcsine(x: float) -> float:
     """Arcsine [rad], −π/2 … π/2, to 3 ulp.
 

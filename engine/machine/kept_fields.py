@@ -15,10 +15,19 @@ from engine.compiling.tiles import FILLS_TILE, LANES, TypedFunction, field_signa
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node
-from engine.laws.elementary import direction_of
+from engine.laws.elementary import angle_or_zero, direction_of
+from engine.quantities.expressions import Angle
 
 # Rows of the table with the ends of each variant's own range, where positions are the same for all variants.
 NONE = (-1, -1)
+
+
+def field_node(curve: Node | Angle) -> Node:
+    """What is computed at a position: the curve; of an angle that between −π and π."""
+    if isinstance(curve, Angle):
+        x, y = curve.direction
+        return x.graph.apply(angle_or_zero, x, y)
+    return curve
 
 
 class KeptFields:
@@ -26,21 +35,28 @@ class KeptFields:
 
     Parameters
     ----------
-    nodes : sequence of Node
+    curves : sequence of Node or Angle
     functions : Functions
-        Of the machine, the numbers of these nodes laid out.
+        Of the machine, the numbers of these curves' `field_node` laid out.
     levels : callable
         The machine's function of that name.
     dtype : float64 or float32
     title : str
         Of the machine.
+
+    Attributes
+    ----------
+    count : int
+        How many curves there are.
     """
 
     def __init__(
-        self, nodes: Sequence[Node], functions: Functions, levels: Callable, dtype: np.dtype, title: str
+        self, curves: Sequence[Node | Angle], functions: Functions, levels: Callable, dtype: np.dtype, title: str
     ) -> None:
         self._functions, self._levels, self._dtype = functions, levels, np.dtype(dtype)
-        self.text = field_function(title, nodes, functions.rows, self._dtype)
+        self.count = len(curves)
+        self._followed = np.array([i for i, curve in enumerate(curves) if isinstance(curve, Angle)], np.intp)
+        self.text = field_function(title, [field_node(curve) for curve in curves], functions.rows, self._dtype)
 
     @cached_property
     def _function(self) -> TypedFunction:
@@ -72,8 +88,8 @@ class KeptFields:
         finite = np.empty(table.shape[1], np.bool_)
         positions = np.stack([q, np.cos(q), np.sin(q)])
         level_rows = np.array(self._functions.level_rows, np.intp)
-        table, memory = np.ascontiguousarray(table), self._functions.memory
-        given = (level_rows, table, memory, places, positions, ends, fields, finite)
+        memory, followed = self._functions.memory, self._followed
+        given = (level_rows, np.ascontiguousarray(table), memory, places, positions, ends, followed, fields, finite)
         function = types.FunctionType(field_signature(self._dtype))
         prepare(_fill, [types.intp, types.intp, function, FILLS_TILE, *(numba.typeof(a) for a in given)])
         spread(_fill, -(-table.shape[1] // LANES), lambda: (self._function, self._levels, *given))
@@ -99,6 +115,26 @@ def fill_found(functions: Functions, table: np.ndarray, landmarks: Extremes) -> 
 
 
 @routine
+def _follow(row: np.ndarray) -> None:
+    """Make angles between −π and π those of a direction that turns by less than π from each position to the next."""
+    jumps = False
+    for k in range(1, row.shape[0]):
+        jumps |= abs(row[k] - row[k - 1]) > math.pi
+    if not jumps:
+        return
+    before, turns = row[0], 0.0
+    for k in range(1, row.shape[0]):
+        here = row[k]
+        step = here - before
+        if step > math.pi:
+            turns -= 1.0
+        elif step < -math.pi:
+            turns += 1.0
+        row[k] = here + turns * (2.0 * math.pi)
+        before = here
+
+
+@routine
 def _is_finite(row: np.ndarray) -> bool:
     """Whether all numbers of a row are finite."""
     lost = False
@@ -119,6 +155,7 @@ def _fill(
     places: np.ndarray,
     positions: np.ndarray,
     ends: tuple[int, int],
+    followed: np.ndarray,
     fields: np.ndarray,
     finite: np.ndarray,
 ) -> None:
@@ -149,6 +186,8 @@ def _fill(
                     q[k] = here
                     cos_q[k], sin_q[k] = direction_of(here)
             function(p, memory, q, cos_q, sin_q, place, fields)
+            for i in followed:
+                _follow(fields[i, place])
             every = True
             for i in range(fields.shape[0]):
                 every &= _is_finite(fields[i, place])

@@ -11,12 +11,13 @@ from engine.equal_positions.rows_machine import RowsMachine
 from engine.graph.nodes import Node, Number
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.kept_fields import NONE, KeptFields, fill_found
+from engine.machine.first_failure import first_failure
+from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import Answers, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
-from engine.quantities.expressions import Followed
+from engine.quantities.expressions import Angle, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -26,8 +27,6 @@ from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
-# Equally spaced positions at which variants that fail are looked at, to say where.
-LOOKED_AT = 720
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -175,26 +174,21 @@ class Machine:
         return {name: field.curve() for name, field in self._fields.items()}
 
     @cached_property
-    def _followed(self) -> dict[str, Followed]:
+    def _followed(self) -> dict[str, Work | Speed]:
         """Kept fields that are taken off the cycle as it was measured."""
-        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Followed)}
+        return {name: curve for name, curve in self._curves.items() if isinstance(curve, Work | Speed)}
 
     @cached_property
-    def _computed(self) -> dict[str, Node]:
+    def _kept_curves(self) -> dict[str, Node | Angle]:
         """Kept fields that are computed position by position."""
         return {name: curve for name, curve in self._curves.items() if name not in self._followed}
 
     @cached_property
     def _kept(self) -> KeptFields:
-        return self._filling(list(self._computed.values()), self.dtype)
+        return self._filling(list(self._kept_curves.values()), self.dtype)
 
-    @cached_property
-    def _sines(self) -> KeptFields:
-        sines = self.mechanics.kinematics.sines
-        return self._filling([sines[group] for group in self.measuring.groups], np.dtype(float))
-
-    def _filling(self, nodes: list[Node], dtype: np.dtype) -> KeptFields:
-        return KeptFields(nodes, self.measuring.functions, self.measuring.machine.levels, dtype, self._title)
+    def _filling(self, curves: list[Node | Angle], dtype: np.dtype) -> KeptFields:
+        return KeptFields(curves, self.measuring.functions, self.measuring.machine.levels, dtype, self._title)
 
     @property
     def _title(self) -> str:
@@ -204,9 +198,9 @@ class Machine:
     def measuring(self) -> Measuring:
         """Functions and plan for all that is measured."""
         expressions = [summary.expression() for summary in self._summaries.values()]
-        nodes = list(self._computed.values())
-        followed, grid = self._followed.values(), (self.positions, self.nodes.size)
-        return Measuring(self.mechanics, expressions, nodes, followed, grid, self.accuracy)
+        followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
+        kept = [field_node(c) for c in self._kept_curves.values()]
+        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -216,7 +210,7 @@ class Machine:
     def source(self) -> str:
         """The printed functions, to be read."""
         text = self.measuring.functions.text
-        return f"{text}\n\n{self._kept.text}" if self._computed else text
+        return f"{text}\n\n{self._kept.text}" if self._kept_curves else text
 
     @property
     def numbers_kept(self) -> int:
@@ -290,9 +284,7 @@ class Machine:
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         # The rest is filled in of variants alone that are well so far.
         room[:, slice(None) if self._rest_fields else status != Verdict.OK] = np.nan
-        # Those computed position by position lie together, in front.
-        names = dict.fromkeys([*self._computed, *self.asked_fields])
-        outcome = blank(status, self.asked_summaries, dict(zip(names, room, strict=False)))
+        outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
             numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
             self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
@@ -312,8 +304,9 @@ class Machine:
             undefined |= nothing & (not summary.may_be_undefined)
             value[nothing] = error[nothing] = np.nan
             outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
+        fill_found(self.measuring.functions, table, answers.outcome.landmarks)
         if self._fields:
-            undefined |= ~self._keep(outcome, room, keep, table, answers)
+            undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
         failed = keep[outcome.status[keep] != Verdict.OK]
         for name in self._summaries:
@@ -321,17 +314,17 @@ class Machine:
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
 
-    def _keep(
-        self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers
-    ) -> np.ndarray:
+    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
         """Fill the kept fields; of which variants all values are finite."""
-        finite = np.ones(keep.size, bool)
-        if self._computed:
-            fill_found(self.measuring.functions, table, answers.outcome.landmarks)
-            own = room[: len(self._computed)]
-            finite &= self._kept.fill(table, self._positions_kept, own, keep, self._ends if self._ranges_vary else NONE)
+        places = {name: row for row, name in enumerate(self.asked_fields)}
+        rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
+        if rows:
+            own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
+            finite = self._kept.fill(table, self._positions_kept, own, keep, self._ends if self._ranges_vary else NONE)
+            if own is not room:
+                room[rows] = own
         for name, curve in self._followed.items():
-            outcome.fields[name][keep] = values = answers.spaced(curve)
+            room[places[name]][keep] = values = answers.spaced(curve)
             finite &= np.isfinite(values).all(axis=1)
         return finite
 
@@ -357,52 +350,50 @@ class Machine:
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, undefined: np.ndarray
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
-        broken = answers.outcome.broken_at
+        broken, groups = answers.outcome.broken_at, self.measuring.groups
         singular = np.zeros(keep.size, bool)
-        for group, (least, place) in zip(self.measuring.groups, answers.sines(), strict=True):
+        for group, (least, place) in zip(groups, answers.sines(), strict=True):
             fails = (least < SINGULAR_SINE) & ~singular & np.isnan(broken)
             self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
             singular |= fails
         lost = np.flatnonzero(np.isfinite(broken) & ~singular)
-        if lost.size:
-            self._blame_assembly(outcome, keep, table, answers, lost)
-        for group, (margin, place) in answers.least_margins().items():
-            jams = (outcome.status[keep] == Verdict.OK) & (margin <= 0.0)
-            # Where it jams first, curves stop being finite.
-            at = np.where(np.isfinite(broken), broken, place)
-            self._blame(outcome, keep[jams], Verdict.JAMS, group, at[jams])
+        if lost.size and groups:
+            sines = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
+            at, place = first_failure(sines, table[:, lost], self._ends, np.isnan)
+            for k, group in enumerate(groups):
+                # A hair beside the place where links still reach, positions differ by rounding.
+                hidden = (at < 0) & np.isnan(answers.sines()[k][0][lost])
+                here = (at == k) | hidden
+                at[hidden] = k
+                where = np.where(hidden, broken[lost], place)
+                self._blame(outcome, keep[lost[here]], Verdict.CANNOT_ASSEMBLE, group, where[here])
+        self._blame_jams(outcome, keep, table, answers)
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
+
+    def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> None:
+        """Give the verdict on variants in which a group jams."""
+        margins = answers.least_margins()
+        jams = np.zeros(keep.size, bool)
+        for margin, _ in margins.values():
+            jams |= margin <= 0.0
+        jams = np.flatnonzero(jams & (outcome.status[keep] == Verdict.OK))
+        if not jams.size:
+            return
+        fields = self._filling([self.measuring.margins[group] for group in margins], np.dtype(float))
+        at, place = first_failure(fields, table[:, jams], self._ends, lambda values: ~(values > 0.0))
+        for k, (group, (margin, least_at)) in enumerate(margins.items()):
+            # One that jams between positions alone is known by the least margin.
+            hidden = (at < 0) & (margin[jams] <= 0.0)
+            here = (at == k) | hidden
+            at[hidden] = k
+            where = np.where(hidden, least_at[jams], place)
+            self._blame(outcome, keep[jams[here]], Verdict.JAMS, group, where[here])
 
     def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
         outcome.status[who] = verdict
         outcome.status_group[who] = self.groups.index(group)
         outcome.status_at[who] = at
-
-    def _blame_assembly(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, lost: np.ndarray
-    ) -> None:
-        """Say which group can't be assembled, and where first, of variants with curves that aren't finite."""
-        groups, broken = self.measuring.groups, answers.outcome.broken_at
-        share, (first, last) = np.arange(LOOKED_AT + 1) / LOOKED_AT, self._ends
-        values = np.empty((len(groups), lost.size, share.size))
-        self._sines.fill(table[:, lost], share, values, np.arange(lost.size), self._ends)
-        q = table[first, lost] + (table[last, lost] - table[first, lost]) * share[:, None]
-        missing = np.isnan(values)
-        for i, v in enumerate(lost):
-            here = missing[:, i]
-            if here.any():
-                at = here.any(axis=0).argmax()
-                group, place = groups[here[:, at].argmax()], q[at, i]
-            else:
-                at_break = np.empty((len(groups), 1, 1))
-                self._sines.fill(table[:, v : v + 1], broken[v : v + 1], at_break, np.zeros(1, np.intp))
-                # A hair beside the place where links still reach, positions differ by rounding.
-                gone = np.isnan(at_break[:, 0, 0]) | np.array([np.isnan(least[v]) for least, _ in answers.sines()])
-                if not gone.any():
-                    continue
-                group, place = groups[gone.argmax()], broken[v]
-            self._blame(outcome, keep[v : v + 1], Verdict.CANNOT_ASSEMBLE, group, np.array([place]))
 
     # Accuracy
 

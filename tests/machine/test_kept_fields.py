@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numba import njit
 
 from engine import Machine, Scene, set_threads
-from engine.machine.kept_fields import _is_finite
+from engine.machine.kept_fields import _follow, _is_finite
 from engine.verdicts import Verdict
 
 EPS = np.finfo(float).eps
@@ -88,10 +90,13 @@ def test_angles__go_on_through_all_turns(dtype, revolutions):
     close = {"rtol": 0, "atol": 4 * np.finfo(dtype).eps * 2 * np.pi * revolutions}
     np.testing.assert_allclose(f["crank.angle"], machine.nodes, **close)
     along = np.arctan2(f["B.y"] - f["A.y"], f["B.x"] - f["A.x"])
-    # Angles are taken off the cycle's panels, which leave up to 1e-9 of a curve beyond their series; joints at a
-    # distance of 0.2 are known to some roundings of 0.4.
-    allowed = 1e-9 + 64 * np.finfo(dtype).eps
-    np.testing.assert_allclose(f["rod.angle"], np.unwrap(along.astype(float)), rtol=0, atol=allowed)
+    # Joints at a distance of 0.2 known to some roundings of 0.4.
+    np.testing.assert_allclose(f["rod.angle"], np.unwrap(along.astype(float)), rtol=0, atol=64 * np.finfo(dtype).eps)
+
+
+@njit
+def followed(row):
+    _follow(row)
 
 
 @njit
@@ -107,6 +112,17 @@ def test_what_is_not_finite__is_found_at_any_position(dtype, wrong):
         assert finite(row)
         row[place] = wrong
         assert not finite(row)
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(-3.1, 3.1), min_size=1, max_size=40), st.floats(-9.0, 9.0))
+def test_followed_angle__is_the_sum_of_its_steps(steps, first):
+    true = first + np.concatenate(([0.0], np.cumsum(steps)))
+    row = np.arctan2(np.sin(true), np.cos(true))
+    begin = row[0]
+    followed(row)
+    # Of each position the rounding of up to 130 rad, of its sine and its cosine.
+    np.testing.assert_allclose(row - begin, true - first, rtol=0, atol=300 * EPS)
 
 
 def test_ranges_of_variants_own__are_those_of_the_slide():
@@ -153,6 +169,7 @@ def test_variant_that_cannot_be_assembled__keeps_what_there_is_and_spoils_no_oth
     q = machine.nodes
     apart = np.hypot(0.22 - 0.13 * np.cos(q), 0.01 - 0.13 * np.sin(q))
     assert (np.isnan(outcome.fields["B.x"][1]) == ((apart > 0.35) | (apart < 0.05))).all()
+    assert (np.isnan(outcome.fields["rod.angle"][1]) == np.isnan(outcome.fields["B.x"][1])).all()
 
 
 def test_force_that_is_not_there__has_the_direction_zero():
