@@ -19,10 +19,10 @@ import numpy as np
 
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE, PLACES, POSITIONS
-from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import Memory
-from engine.cycle.record import HALF, SCALE, TAIL, Record, known_slot
+from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import Memory
+from engine.cycle.panels.record import HALF, SCALE, TAIL, Record, known_slot
 
 # Share of the greatest load below which a bearing counts as unloaded.
 LEAST_LOAD = 1e-3

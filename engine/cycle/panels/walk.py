@@ -13,9 +13,9 @@ import numpy as np
 
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE, PLACES
-from engine.cycle.lanes import Memory, any_positive, memory
-from engine.cycle.series import FLAT, MAGNITUDE, MISSING, SUM, TAIL, TINY, larger, smaller
+from engine.cycle.panels.chebyshev import DEGREE, PLACES
+from engine.cycle.panels.lanes import Memory, any_positive, memory
+from engine.cycle.panels.series import FLAT, MAGNITUDE, MISSING, SUM, TAIL, TINY, larger, smaller
 
 # Rows of a walk. Along it, input positions count in the direction in which the input runs: BEGIN and END of the panel,
 # the EDGE ahead, the LAST position, the length of the RANGE; edges nearer than CLOSE are one.

@@ -2,8 +2,8 @@
 
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES
-from engine.cycle.lanes import Memory
+from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
+from engine.cycle.panels.lanes import Memory
 from engine.laws.elementary import direction_near_zero, direction_of
 
 

@@ -16,12 +16,12 @@ import numpy as np
 
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
-from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import Memory, any_positive, memory
-from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
-from engine.cycle.record import MIDDLE as PANEL_MIDDLE
-from engine.cycle.series import TINY, larger, smaller
+from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import Memory, any_positive, memory
+from engine.cycle.panels.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
+from engine.cycle.panels.record import MIDDLE as PANEL_MIDDLE
+from engine.cycle.panels.series import TINY, larger, smaller
 
 # Rows of an extreme: its value, its place, what they may be off by, b − b₀ there.
 VALUE, VALUE_ERROR, AT, AT_ERROR, OTHER = range(5)

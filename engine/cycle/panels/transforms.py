@@ -9,8 +9,8 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE, MIDDLE, PLACES
-from engine.cycle.lanes import Memory
+from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
+from engine.cycle.panels.lanes import Memory
 
 # Tiles used meanwhile.
 FOLDED, PRODUCT, SHIFTED = range(3)

@@ -2,12 +2,12 @@
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import Memory
-from engine.cycle.record import HALF, OFFSET, SCALE, TAIL, Record
-from engine.cycle.series import MISSING, SUM, panel_figures
-from engine.cycle.transforms import SHIFTED
+from engine.cycle.panels.chebyshev import POSITIONS
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import Memory
+from engine.cycle.panels.record import HALF, OFFSET, SCALE, TAIL, Record
+from engine.cycle.panels.series import MISSING, SUM, panel_figures
+from engine.cycle.panels.transforms import SHIFTED
 
 # Rows of the result: mean, what it may be off by, the same of the square; the length of the range.
 MEAN, MEAN_ERROR, SQUARE, SQUARE_ERROR, LENGTH = range(5)

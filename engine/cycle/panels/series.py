@@ -10,8 +10,8 @@ import math
 
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
-from engine.cycle.lanes import Memory, memory
+from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
+from engine.cycle.panels.lanes import Memory, memory
 
 # Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
 # of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).

@@ -7,11 +7,11 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import Memory
-from engine.cycle.record import HALF, SCALE, TAIL, Record, keep_derived
-from engine.cycle.series import TINY, larger, smaller
+from engine.cycle.panels.chebyshev import POSITIONS
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import Memory
+from engine.cycle.panels.record import HALF, SCALE, TAIL, Record, keep_derived
+from engine.cycle.panels.series import TINY, larger, smaller
 from engine.laws.elementary import angle_of
 
 # Rows used meanwhile: the angle reached and the vector there; the shortest vector of a panel.

@@ -8,11 +8,11 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE, PLACES, POSITIONS
-from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import Memory
-from engine.cycle.record import FIRST, HALF, MISSING, OFFSET, SCALE, TAIL, Record
-from engine.cycle.transforms import SHIFTED, to_integrals
+from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import Memory
+from engine.cycle.panels.record import FIRST, HALF, MISSING, OFFSET, SCALE, TAIL, Record
+from engine.cycle.panels.transforms import SHIFTED, to_integrals
 
 # Rows used meanwhile: integral of the curve less its first value, length of the range, integral reached, mean less the
 # first value.

@@ -10,15 +10,15 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
-from engine.cycle.panels import ACCEPTED, TAKEN
-from engine.cycle.panels import HALF as PANEL_HALF
-from engine.cycle.panels import MIDDLE as PANEL_MIDDLE
-from engine.cycle.series import MAGNITUDE, SUM, larger, panel_figures
-from engine.cycle.series import MISSING as FIGURE_MISSING
-from engine.cycle.series import TAIL as FIGURE_TAIL
-from engine.cycle.transforms import to_coefficients
+from engine.cycle.panels.chebyshev import POSITIONS
+from engine.cycle.panels.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
+from engine.cycle.panels.series import MAGNITUDE, SUM, larger, panel_figures
+from engine.cycle.panels.series import MISSING as FIGURE_MISSING
+from engine.cycle.panels.series import TAIL as FIGURE_TAIL
+from engine.cycle.panels.transforms import to_coefficients
+from engine.cycle.panels.walk import ACCEPTED, TAKEN
+from engine.cycle.panels.walk import HALF as PANEL_HALF
+from engine.cycle.panels.walk import MIDDLE as PANEL_MIDDLE
 
 # Rows of a curve in a step: what lies beyond the series, and what the sum over the positions misses of the integral.
 TAIL, MISSING = range(2)

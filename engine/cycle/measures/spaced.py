@@ -4,9 +4,9 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE
-from engine.cycle.lanes import Memory
-from engine.cycle.record import HALF, MIDDLE, Record, known_slot
+from engine.cycle.panels.chebyshev import DEGREE
+from engine.cycle.panels.lanes import Memory
+from engine.cycle.panels.record import HALF, MIDDLE, Record, known_slot
 
 # A position beyond the end of a panel by no more than this share of it is at its end.
 BEYOND = 1e-9

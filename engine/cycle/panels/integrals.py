@@ -4,10 +4,10 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import DEGREE
-from engine.cycle.lanes import Memory, memory
-from engine.cycle.panels import ACCEPTED, CLOSE, HALF, OPENED
-from engine.cycle.series import MAGNITUDE, MISSING, SUM
+from engine.cycle.panels.chebyshev import DEGREE
+from engine.cycle.panels.lanes import Memory, memory
+from engine.cycle.panels.series import MAGNITUDE, MISSING, SUM
+from engine.cycle.panels.walk import ACCEPTED, CLOSE, HALF, OPENED
 
 # Rows of an integral; the last one is the curve's value at the end of the last panel.
 VALUE, ERROR, END = range(3)

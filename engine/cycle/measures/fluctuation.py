@@ -17,12 +17,12 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import POSITIONS
-from engine.cycle.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
-from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import Memory
-from engine.cycle.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, keep_derived
-from engine.cycle.series import larger, smaller
+from engine.cycle.measures.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
+from engine.cycle.panels.chebyshev import POSITIONS
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import Memory
+from engine.cycle.panels.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, keep_derived
+from engine.cycle.panels.series import larger, smaller
 
 # Rows of the result: δ and its error; places of the least and the greatest speed with errors; max[W − ½ω_max² (I −
 # I_1)] and its error. Then rows used meanwhile: ½ω² at the greatest and the least speed, length of the last step.

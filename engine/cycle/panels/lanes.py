@@ -22,7 +22,7 @@ from numba.extending import intrinsic, lower_builtin, models, register_model
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.chebyshev import POSITIONS
+from engine.cycle.panels.chebyshev import POSITIONS
 
 _PAGE = 4096
 # Half a row, in numbers.
