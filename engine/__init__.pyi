@@ -52,12 +52,13 @@ from engine.laws.tables import TableError
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
-from engine.machine.model import Model
-from engine.machine.quantities.reactions import acting_fields, friction_in_pairs
 from engine.machine.results import AskError, Outcome
+from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history
+from engine.quantities.friction import friction_in_pairs
 from engine.quantities.quantity import InputUnits, Quantity, has_cycle
+from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
 from engine.scene.inertia import body_mass, centre_along
@@ -110,7 +111,7 @@ __all__ = [
     "InputUnits",
     "Machine",
     "MasterRod",
-    "Model",
+    "Mechanics",
     "Move",
     "Outcome",
     "Pair",

@@ -1,44 +1,59 @@
 """Running of drivers: compiled once for the types of their parameters, spread over all threads."""
 
 from collections.abc import Callable, Sequence
+from functools import wraps
 
 from numba import types
 
+from engine.compiling.decorators import driver
 from engine.compiling.kept_code import BROKEN, COMPILING, empty_cache
 from engine.compiling.threads import on_all_threads, pieces_of
 
 
-def prepare(driver: Callable, parameters: Sequence[types.Type]) -> None:
+def prepare(compiled: Callable, parameters: Sequence[types.Type]) -> None:
     """Compile a `driver` for the types of its parameters, or load it, once.
 
     Types are stated because a function is otherwise a type of its own: the driver would be compiled for every machine.
 
     Parameters
     ----------
-    driver : callable
+    compiled : callable
         Returns nothing.
     parameters : sequence of Type
     """
     with COMPILING:
-        if tuple(parameters) in driver.overloads:
+        if tuple(parameters) in compiled.overloads:
             return
-        driver.disable_compile(False)
+        compiled.disable_compile(False)
         try:
-            driver.compile(types.void(*parameters))
+            compiled.compile(types.void(*parameters))
         except BROKEN:
             empty_cache()
-            driver.compile(types.void(*parameters))
-        driver.disable_compile()
+            compiled.compile(types.void(*parameters))
+        compiled.disable_compile()
 
 
-def spread(driver: Callable, count: int, arguments: Callable) -> None:
+def spread(compiled: Callable, count: int, arguments: Callable) -> None:
     """Run a `driver` over a range 0 … count − 1 in pieces on all threads; its first two parameters are the range.
 
     Parameters
     ----------
-    driver : callable
+    compiled : callable
     count : int
     arguments : callable
         Returns what follows the range, for one piece.
     """
-    on_all_threads(lambda piece: driver(*piece, *arguments()), pieces_of(count))
+    on_all_threads(lambda piece: compiled(*piece, *arguments()), pieces_of(count))
+
+
+def over_variants(function: Callable) -> Callable:
+    """Compile a function over a range of variants; called with their number, it runs in pieces on all threads."""
+    kernel = driver(function)
+
+    @wraps(function)
+    def run(count: int, *arguments: object) -> None:
+        with COMPILING:
+            kernel(0, 0, *arguments)
+        on_all_threads(lambda piece: kernel(*piece, *arguments), pieces_of(count))
+
+    return run

@@ -11,10 +11,6 @@ import numpy as np
 
 from engine.compiling.decorators import driver, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.angles import ANGLE_ROWS, add_angle
-from engine.cycle.averages import AVERAGES, find_averages
-from engine.cycle.chebyshev import MIDDLE, POSITIONS
-from engine.cycle.directions import panel_positions
 from engine.cycle.events import (
     LANDMARKS,
     MOST_ROOTS,
@@ -26,7 +22,9 @@ from engine.cycle.events import (
     of_landmarks,
     scan_positions,
 )
-from engine.cycle.extremes import (
+from engine.cycle.measures.angles import ANGLE_ROWS, add_angle
+from engine.cycle.measures.averages import AVERAGES, find_averages
+from engine.cycle.measures.extremes import (
     CANDIDATE,
     EXTREME,
     GREATEST,
@@ -37,10 +35,17 @@ from engine.cycle.extremes import (
     find_extreme,
     of_candidates,
 )
-from engine.cycle.fluctuation import FLUCTUATION, add_speed, find_fluctuation
-from engine.cycle.integrals import INTEGRAL, add_panels, of_integrals
-from engine.cycle.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
-from engine.cycle.panels import (
+from engine.cycle.measures.fluctuation import FLUCTUATION, add_speed, find_fluctuation
+from engine.cycle.measures.spaced import fill_spaced
+from engine.cycle.measures.unloaded_arcs import ARCS, MOST_STRETCHES, STRETCH, find_unloaded_arcs
+from engine.cycle.measures.works import WORK_ROWS, add_work
+from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
+from engine.cycle.panels.directions import panel_positions
+from engine.cycle.panels.integrals import INTEGRAL, add_panels, of_integrals
+from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
+from engine.cycle.panels.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
+from engine.cycle.panels.series import FIGURES, of_figures, panel_figures
+from engine.cycle.panels.walk import (
     ACCEPTED,
     EDGES,
     LEARNT,
@@ -56,14 +61,9 @@ from engine.cycle.panels import (
     of_scales,
     set_out,
 )
-from engine.cycle.panels import HALF as PANEL_HALF
-from engine.cycle.panels import MIDDLE as PANEL_MIDDLE
-from engine.cycle.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
+from engine.cycle.panels.walk import HALF as PANEL_HALF
+from engine.cycle.panels.walk import MIDDLE as PANEL_MIDDLE
 from engine.cycle.roots import PARTS, SampleRoom, new_samples, of_roots, sample, samples_in, solve_roots
-from engine.cycle.series import FIGURES, of_figures, panel_figures
-from engine.cycle.spaced import fill_spaced
-from engine.cycle.unloaded_arcs import ARCS, MOST_STRETCHES, STRETCH, find_unloaded_arcs
-from engine.cycle.works import WORK_ROWS, add_work
 
 
 class Task(NamedTuple):
@@ -99,7 +99,7 @@ class Task(NamedTuple):
         Which fluctuations' speeds are the record's last curves.
     extremes : ndarray (extremes, 4) of int
         Curves a and b of the record, the row of P with the factor c and what is looked for, as of
-        `engine.cycle.extremes`, of a − c (b − b₀); the row is −1 where only a is meant.
+        `engine.cycle.measures.extremes`, of a − c (b − b₀); the row is −1 where only a is meant.
     fluctuations : ndarray (fluctuations, 4) of int
         Curves of the record with the work and the inertia, rows of P with the mean speed and the flywheel's inertia.
     averages : ndarray of int
@@ -154,7 +154,7 @@ class Answers(NamedTuple):
     extremes : ndarray (extremes × 2 × 4, variants)
         Of the least and the greatest value: value, its error, place, its error.
     fluctuations : ndarray (fluctuations × RESULTS, variants)
-        As of `engine.cycle.fluctuation`.
+        As of `engine.cycle.measures.fluctuation`.
     averages : ndarray (averages × 4, variants)
         Mean, its error, mean square, its error.
     arcs : ndarray (arcs × 4, variants)
@@ -490,7 +490,7 @@ def evaluate_blocks(
     tables : ndarray
         Handed on to the machine's functions.
     to_coefficients, to_integrals : ndarray
-        The matrices of `engine.cycle.chebyshev`.
+        The matrices of `engine.cycle.panels.chebyshev`.
     answers : Answers
     work : Workspace
     """

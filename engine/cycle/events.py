@@ -10,9 +10,10 @@ import numpy as np
 
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.integrals import ROUNDING
-from engine.cycle.lanes import Memory, any_positive, memory
-from engine.cycle.panels import DIRECTION, PLACE, PLACE_ERROR, RANGE
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import Memory, any_positive, memory
+from engine.cycle.panels.series import larger, smaller
+from engine.cycle.panels.walk import DIRECTION, PLACE, PLACE_ERROR, RANGE
 from engine.cycle.roots import (
     AT_HIGH,
     AT_LOW,
@@ -31,7 +32,6 @@ from engine.cycle.roots import (
     Samples,
     X,
 )
-from engine.cycle.series import larger, smaller
 
 # Rows of a function's landmarks: its least and greatest value, their places, what values and either place may be off
 # by; its greatest magnitude.

@@ -28,7 +28,6 @@ from numba import types
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.cycle.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
 from engine.cycle.driver import Answers, Task, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,
@@ -40,8 +39,9 @@ from engine.cycle.events import (
     LEAST_AT_ERROR,
     VALUE_ERROR,
 )
-from engine.cycle.extremes import BOTH
-from engine.cycle.fluctuation import (
+from engine.cycle.measured import Measured, maximum
+from engine.cycle.measures.extremes import BOTH
+from engine.cycle.measures.fluctuation import (
     DELTA,
     DELTA_ERROR,
     FASTEST_AT,
@@ -52,7 +52,7 @@ from engine.cycle.fluctuation import (
     TOP,
     TOP_ERROR,
 )
-from engine.cycle.measured import Measured, maximum
+from engine.cycle.panels.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
 
 # Steps of the walk that there is room for to begin with; blocks that need more are evaluated again.
 _STEPS = 24
@@ -84,7 +84,7 @@ class Plan:
         Curves to integrate over the cycle.
     extremes : sequence of int or tuples
         Curves whose least and greatest values are asked; with one of LEAST, GREATEST and LEAST_MAGNITUDE of
-        `engine.cycle.extremes` after it that alone.
+        `engine.cycle.measures.extremes` after it that alone.
     works : sequence of int
         Moments whose work about their mean is asked.
     combinations : sequence of tuples

@@ -13,8 +13,8 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.directions import directions
-from engine.cycle.lanes import Memory, any_positive, in_lanes, memory, rows
+from engine.cycle.panels.directions import directions
+from engine.cycle.panels.lanes import Memory, any_positive, in_lanes, memory, rows
 
 # Parts of a root: its interval, and f less the level, or f′, at the interval's ends; its place X; the place BEFORE and
 # what was to vanish there; LENGTH of the last step, and that which is short enough; a MARK.

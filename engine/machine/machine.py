@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.equal_positions.rows_machine import RowsMachine
 from engine.graph.nodes import Node, Number
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
@@ -104,48 +103,41 @@ class Machine:
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
-        own = {*self._elements.names, *OF_ACCURACY}
-        measured = [n for n in self.asked_summaries if n not in own and self._is_measured(n)]
-        self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
         self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions)
-        own |= {*self._summaries, *self.regimes.asked}
-        self._rest = [n for n in self.asked_summaries if n not in own]
-        self._fields: dict[str, Field] = {n: self.register.fields[n] for n in self.asked_fields if self._is_kept(n)}
-        self._rest_fields = [n for n in self.asked_fields if n not in self._fields and n not in own]
-        for name, message in kept_from(self.mechanics, (*self._rest, *self._rest_fields)):
+        self._check_asked()
+        others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
+        measured = [name for name in self.asked_summaries if name not in others]
+        self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
+        self._fields: dict[str, Field] = {
+            name: self.register.fields[name] for name in self.asked_fields if name not in others
+        }
+
+    def _check_asked(self) -> None:
+        """Refuse what doesn't exist, with the names that are near."""
+        for name, message in kept_from(self.mechanics, (*self.asked_summaries, *self.asked_fields)):
             raise AskError(f"{name}: {message}")
-        if self._rest or self._rest_fields:
-            self._rows.check()
-
-    def _is_measured(self, name: str) -> bool:
-        """Whether a summary is measured on the cycle; those of regimes aren't."""
-        return self.register.summary(name) is not None
-
-    def _is_kept(self, name: str) -> bool:
-        return name in self.register.fields
-
-    @cached_property
-    def _rows(self) -> "_RowsPart":
-        """What isn't measured on the cycle yet."""
-        return _RowsPart(self)
+        check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
+        known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
+        unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
+        if unknown:
+            check_names(unknown, self.available_summaries, "summary")
 
     # What may be asked
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        own = {name: Quantity(*field[:3]) for name, field in self.register.fields.items()}
-        return own | {n: q for n, q in self._rows.available_fields.items() if n not in own} | self.regimes.fields
+        return {name: Quantity(*field[:3]) for name, field in self.register.fields.items()} | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
         own = {name: Quantity(*summary[:3]) for name, summary in self.register.summaries.items()}
-        own |= {name: Quantity(*summary[:3]) for name, summary in self._summaries.items()}
-        others = {n: q for n, q in self._rows.available_summaries.items() if n not in own}
+        statistics = {name: self.register.summary(name) for name in self.asked_summaries}
+        own |= {name: Quantity(*summary[:3]) for name, summary in statistics.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
         of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
-        return own | others | self.regimes.summaries | elements | of_accuracy
+        return own | self.regimes.summaries | elements | of_accuracy
 
     # Positions of the kept fields
 
@@ -205,7 +197,8 @@ class Machine:
         expressions = [summary.expression() for summary in self._summaries.values()]
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
         kept = [field_node(c) for c in self._kept_curves.values()]
-        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self.regimes.nodes)
+        moving = self.regimes.nodes
+        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, moving)
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -288,14 +281,11 @@ class Machine:
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         # The rest is filled in of variants alone that are well so far.
-        apart = self._rest_fields or self.schedule is not None
-        room[:, slice(None) if apart else status != Verdict.OK] = np.nan
+        room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
             numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
             self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
-            if self._rest or self._rest_fields:
-                self._rows.fill(outcome, keep, arrays)
         return outcome
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
@@ -454,49 +444,3 @@ class Machine:
             return np.abs(outcome.summaries[name][keep])
         asked = [n for n in self._summaries if n.rpartition(".")[0] == field and not n.endswith("_at")]
         return np.max([np.abs(outcome.summaries[n][keep]) for n in asked], axis=0)
-
-
-class _RowsPart:
-    """What a machine is asked that isn't measured on the cycle yet: evaluated over equally spaced positions."""
-
-    def __init__(self, whole: Machine) -> None:
-        self._whole = whole
-
-    @cached_property
-    def machine(self) -> RowsMachine:
-        """The machine over equally spaced positions."""
-        w = self._whole
-        return RowsMachine(w.scene, w._rest, w._rest_fields, w.varied, w.positions, w.dtype)
-
-    @property
-    def available_fields(self) -> dict[str, Quantity]:
-        return self.machine.available_fields
-
-    @property
-    def available_summaries(self) -> dict[str, Quantity]:
-        return self.machine.available_summaries
-
-    def check(self) -> None:
-        """Refuse what doesn't exist, with the names of all that does."""
-        w = self._whole
-        plain = RowsMachine(w.scene, (), (), w.varied, w.positions)
-        fields = {**plain.available_fields, **w.register.fields, **w.regimes.fields}
-        known = {**plain.available_summaries, **w.register.summaries, **w.regimes.summaries}
-        check_names(w._rest_fields, fields, "field")
-        statistics = [n for n in w._rest if n.rpartition(".")[2] in STATISTICS and n.rpartition(".")[0] in fields]
-        check_names([n for n in w._rest if n not in statistics], known, "summary")
-
-    def fill(self, outcome: Outcome, keep: np.ndarray, arrays: dict[str, np.ndarray]) -> None:
-        """Evaluate the variants `keep` that are well so far."""
-        well = keep[outcome.status[keep] == Verdict.OK]
-        if not well.size:
-            return
-        found = self.machine.evaluate({path: values[well] for path, values in arrays.items()})
-        for name in self._whole._rest:
-            outcome.summaries[name][well], outcome.errors[name][well] = found.summaries[name], found.errors[name]
-        for name in self._whole._rest_fields:
-            outcome.fields[name][well] = found.fields[name]
-        fails = found.status != Verdict.OK
-        outcome.status[well[fails]], outcome.status_at[well[fails]] = found.status[fails], found.status_at[fails]
-        names = np.array([*(self._whole.groups.index(g) for g in self.machine.groups), -1])
-        outcome.status_group[well[fails]] = names[found.status_group[fails]]

@@ -11,8 +11,8 @@ import numpy as np
 
 from engine.compiling.printed import load_printed
 from engine.cycle import machine as cycle
-from engine.cycle.extremes import BOTH, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.cycle.measured import Measured, maximum, where
+from engine.cycle.measures.extremes import BOTH, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.mechanism.mechanics import Mechanics

@@ -160,7 +160,7 @@ class Unbalanced(Measurement):
 
 @dataclass(frozen=True)
 class UnloadedArc(Measurement):
-    """Widest arc that a force never points to, or its middle: see `engine.cycle.unloaded_arcs`.
+    """Widest arc that a force never points to, or its middle: see `engine.cycle.measures.unloaded_arcs`.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class StrokeEnd(Measurement):
 
 @dataclass(frozen=True)
 class SteadyCycle(Measurement):
-    """A result of the steady cycle under the constant moment that closes it: see `engine.cycle.flywheel`.
+    """A result of the steady cycle under the constant moment that closes it: see `engine.cycle.measures.fluctuation`.
 
     Attributes
     ----------

@@ -16,6 +16,13 @@ from engine.quantities.expressions import (
 )
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import pairs
+from engine.scene.scene import Scene
+
+
+def friction_in_pairs(scene: Scene) -> dict[str, str]:
+    """Field of the friction in each pair that has it: a moment or a force on the pair's link."""
+    kinds = {pair.name: "moment" if pair.kind == "revolute" else "force" for pair in pairs(scene)}
+    return {friction.pair: f"{friction.pair}.friction_{kinds[friction.pair]}" for friction in scene.friction.values()}
 
 
 def declare(mechanics: Mechanics) -> Declared:

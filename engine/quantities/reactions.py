@@ -18,9 +18,11 @@ from engine.quantities.expressions import (
     share,
     unresolved_peak,
 )
+from engine.quantities.quantity import Quantity
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.actions import Brake, DCMotor, InductionMotor
 from engine.scene.pairs import Pair, pairs
+from engine.scene.scene import Scene
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -40,7 +42,8 @@ def declare(mechanics: Mechanics) -> Declared:
     yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link", unit)
     words = f"{kept}, by virtual power of all forces{rubbing} (Zhukovsky's lever)"
     yield _variable(m, "input_moment_by_power", words, unit)
-    yield from _acting(m)
+    for field in acting_fields(m.scene):
+        yield _variable(m, *field)
     yield from _checks(m)
 
 
@@ -73,16 +76,15 @@ def _direction(m: Mechanics, pair: Pair) -> Angle:
     return Angle(m.reactions.force_in(pair.name))
 
 
-def _acting(m: Mechanics) -> Declared:
-    """Forces and moments of the scene as they act on its links; the drive and released brakes are none of them."""
-    scene = m.scene
+def acting_fields(scene: Scene) -> list[Quantity]:
+    """Forces and moments of a scene as they act on its links; the drive and released brakes are none of them."""
+    found = []
     for name in (*scene.forces, *scene.springs, *scene.cylinders):
         on = f" on point {scene.springs[name].between[1]}" if name in scene.springs else ""
-        for axis in "xy":
-            yield _variable(m, f"{name}.force_{axis}", f"{axis} component of the force {name}{on}", "N")
-    for name, moment in scene.moments.items():
-        if not isinstance(moment, (Brake, DCMotor, InductionMotor)):
-            yield _variable(m, f"{name}.acting_moment", f"moment {name} on link {moment.on}", "N m")
+        found += [Quantity(f"{name}.force_{axis}", f"{axis} component of the force {name}{on}", "N") for axis in "xy"]
+    driving = (Brake, DCMotor, InductionMotor)
+    acting = {name: moment.on for name, moment in scene.moments.items() if not isinstance(moment, driving)}
+    return found + [Quantity(f"{n}.acting_moment", f"moment {n} on link {on}", "N m") for n, on in acting.items()]
 
 
 def _checks(m: Mechanics) -> Declared:

@@ -11,7 +11,6 @@ from engine import (
     ElementsAlone,
     InputUnits,
     Machine,
-    Model,
     Outcome,
     Scene,
     Verdict,
@@ -88,8 +87,7 @@ def _elements_text(scene: Scene) -> str:
 
 def regimes_text(scene: Scene, positions: int) -> str:
     """What each regime is, by which method it is computed, and what the machine as it is does in it."""
-    model = Model(scene)
-    machine = Machine(scene, telling_summaries(model), positions=positions)
+    machine = Machine(scene, telling_summaries(scene), positions=positions)
     outcome = machine.evaluate({})
     asked = by_regime(scene, machine.asked_summaries)
     lines = []

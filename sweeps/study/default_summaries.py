@@ -1,6 +1,6 @@
 """What is asked of a machine where a study names nothing, and what is worth asking of its regimes."""
 
-from engine import ACCURACY_SUMMARIES, Machine, Model, Regime, RunRegime, Scene, made_ready
+from engine import ACCURACY_SUMMARIES, Machine, Mechanics, RunRegime, Scene, made_ready
 
 
 def default_summaries(scene: Scene) -> tuple[str, ...]:
@@ -16,22 +16,18 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
         for name, owner in names.items()
         if owner in scene.elements or (owner not in scene.regimes and ("." not in name or name.endswith(telling)))
     )
-    return (*kept, *telling_summaries(Model(scene)))
+    return (*kept, *telling_summaries(scene))
 
 
-def telling_summaries(model: Model) -> tuple[str, ...]:
-    """Summaries of all regimes that say something: works only of what acts, no speed that is given anyway.
-
-    Parameters
-    ----------
-    model : Model
-    """
-    scene, found = model.scene, []
+def telling_summaries(scene: Scene) -> tuple[str, ...]:
+    """Summaries of all regimes that say something: works only of what acts, no speed that is given anyway."""
+    loads, found = Mechanics(scene).loads, []
     for name, regime in scene.regimes.items():
         keys = _run_keys(regime) if isinstance(regime, RunRegime) else ["mean_speed", *_SPEEDS, "speed_fluctuation"]
-        keys += _work_keys(model, regime)
+        motors = [motor for motor in loads.motors if motor not in regime.off]
+        roles = {term.role for term in loads.terms if term.action not in regime.off}
+        keys += _work_keys(bool(motors), roles)
         if not isinstance(regime, RunRegime):
-            motors = (m for m in model.moments.motors if m not in regime.off)
             keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
             keys.append("multiplier")
             if scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation:
@@ -48,11 +44,9 @@ def _run_keys(regime: RunRegime) -> list[str]:
     return ["time", "angle", *(() if given else ("final_speed", *_SPEEDS))]
 
 
-def _work_keys(model: Model, regime: Regime) -> list[str]:
+def _work_keys(has_motors: bool, roles: set[str]) -> list[str]:
     """Works of what is at work."""
-    roles = {term.role for term in model.moments.terms if term.action not in regime.off}
-    motors = set(model.moments.motors) - set(regime.off)
-    keys = ["motor_moment_peak", "motor_moment_rms", "motor_power", "motor_work"] if motors else []
+    keys = ["motor_moment_peak", "motor_moment_rms", "motor_power", "motor_work"] if has_motors else []
     channels = {"driving": "driving_work", "useful": "useful_work", "harmful": "harmful_work", "braking": "brake_heat"}
     keys += [key for role, key in channels.items() if role in roles]
-    return [*keys, "efficiency"] if "useful" in roles and (motors or "driving" in roles) else keys
+    return [*keys, "efficiency"] if "useful" in roles and (has_motors or "driving" in roles) else keys

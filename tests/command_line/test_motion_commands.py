@@ -10,7 +10,6 @@ from commands import refused, said
 from press_texts import PRESS
 
 from engine import Machine, Scene, Verdict
-from engine.machine.model import Model
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run import cost
@@ -371,19 +370,19 @@ def test_regime_words__tell_begin_end_and_what_is_off(folder):
 
 
 def test_telling_summaries__exist_and_leave_out_what_does_not_act(folder):
-    model = Model(read_scene("press.toml"))
-    names = telling_summaries(model)
-    assert set(names) <= set(Machine(model.scene).available_summaries)
-    of = by_regime(model.scene, names)
+    scene = read_scene("press.toml")
+    names = telling_summaries(scene)
+    assert set(names) <= set(Machine(scene).available_summaries)
+    of = by_regime(scene, names)
     assert list(of) == ["start", "work", "stop"]
     assert not any("useful" in name or "brake" in name or "final" in name for name in of["start"])
     assert {"work.useful_work", "work.efficiency", "work.multiplier"} <= set(of["work"])
     assert of["stop"] == ["stop.time", "stop.angle", "stop.brake_heat"]
-    assert by_regime(model.scene, ["ram.stroke", "stop.time"]) == {"": ["ram.stroke"], "stop": ["stop.time"]}
+    assert by_regime(scene, ["ram.stroke", "stop.time"]) == {"": ["ram.stroke"], "stop": ["stop.time"]}
 
 
 def test_telling_summaries__ask_for_the_flywheel_where_none_is_given(folder):
     asked = 'speed_fluctuation = "1/20"'
     for wheel, told in ((asked, True), (f'{asked}\ninertia = "30 kg m2"', False)):
         changed('inertia = "30 kg m2"', wheel)
-        assert ("work.flywheel" in telling_summaries(Model(read_scene("press.toml")))) == told
+        assert ("work.flywheel" in telling_summaries(read_scene("press.toml"))) == told

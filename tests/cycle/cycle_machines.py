@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 
 from engine.compiling.tiles import LANES, TILE_OPTIONS, TILE_SIGNATURE
-from engine.cycle.lanes import in_lanes
 from engine.cycle.machine import Machine, Plan
+from engine.cycle.panels.lanes import in_lanes
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
 # inertia of the crank; a force on the slider between two levels of its stroke as it approaches the crank's axis,

@@ -7,7 +7,7 @@ from cycle_machines import press, press_numbers, smooth, smooth_numbers
 from engine.compiling.threads import set_threads
 from engine.compiling.tiles import LANES
 from engine.cycle.driver import evaluate_blocks
-from engine.cycle.lanes import ASIDE, rows, tiles
+from engine.cycle.panels.lanes import ASIDE, rows, tiles
 
 
 def test_all_machines_share_one_driver():

@@ -6,7 +6,7 @@ import numpy as np
 from cycle_machines import SPEED as SPEED_ROW
 from cycle_machines import WHEEL, force_numbers, forces, press, press_numbers, smooth, smooth_numbers
 
-from engine.cycle.unloaded_arcs import LEAST_LOAD
+from engine.cycle.measures.unloaded_arcs import LEAST_LOAD
 
 TURN = 2.0 * math.pi
 EPS = np.finfo(float).eps

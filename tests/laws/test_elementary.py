@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numba import njit
 from packed import assert_packed
 
-from engine.compiling.jit import KERNEL_OPTIONS
+from engine.compiling.tiles import TILE_OPTIONS
 from engine.laws.elementary import angle_of, arcsine, direction_of, exponential, logarithm, power
 
 LEAST, GREATEST = 2.0**-1021, float(np.finfo(float).max)
@@ -216,7 +216,7 @@ def test_float32__is_computed_in_float64():
 
 
 def test_a_loop_over_each__is_compiled_to_packed_instructions():
-    @njit(**{**KERNEL_OPTIONS, "cache": False})
+    @njit(**{**TILE_OPTIONS, "cache": False})
     def loops(x, y, out):
         for i in range(x.size):
             out[0, i] = exponential(x[i])

@@ -11,7 +11,7 @@ from numba import njit
 from numpy.testing import assert_allclose
 from packed import assert_packed
 
-from engine.compiling.jit import KERNEL_OPTIONS
+from engine.compiling.tiles import TILE_OPTIONS
 from engine.laws.loads import (
     acts_in_direction,
     constant_against_motion,
@@ -124,7 +124,7 @@ def test_unknown_velocity__gives_nan():
 
 
 def test_a_loop_over_speeds__is_compiled_to_packed_instructions():
-    @njit(**{**KERNEL_OPTIONS, "cache": False})
+    @njit(**{**TILE_OPTIONS, "cache": False})
     def loop(x, out):
         for i in range(x.size):
             out[i] = power_law_drag(3.0, 1.4, x[i])

@@ -10,7 +10,7 @@ from press import actions, bodies, press
 from scipy.special import ellipe
 
 from engine import Machine, Scene, Verdict
-from engine.cycle.unloaded_arcs import LEAST_LOAD
+from engine.cycle.measures.unloaded_arcs import LEAST_LOAD
 from engine.scene.pairs import Pair, pairs
 
 EPS = np.finfo(float).eps

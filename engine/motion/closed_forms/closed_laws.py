@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import scalar
-from engine.compiling.jit import over_variants
+from engine.compiling.running import over_variants
 from engine.laws.motor_characteristics import induction_motor
 from engine.motion.cases import Law
 from engine.motion.closed_forms.closed_forms import (

@@ -15,7 +15,7 @@ from engine.compiling.decorators import driver, inlined
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES
 from engine.cycle.driver import gather, hand_out
-from engine.cycle.lanes import Memory, in_lanes, rows
+from engine.cycle.panels.lanes import Memory, in_lanes, rows
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 

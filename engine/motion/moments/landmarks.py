@@ -13,9 +13,9 @@ from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
 from engine.cycle.events import MOST_ROOTS
-from engine.cycle.lanes import in_lanes
 from engine.cycle.machine import Machine, Plan
-from engine.cycle.panels import of_edges, set_out
+from engine.cycle.panels.lanes import in_lanes
+from engine.cycle.panels.walk import of_edges, set_out
 from engine.cycle.roots import FUNCTION, LEVEL, X
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load

@@ -16,8 +16,8 @@ from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.cycle.driver import gather, hand_out
-from engine.cycle.lanes import in_lanes
-from engine.cycle.lanes import rows as lane_rows
+from engine.cycle.panels.lanes import in_lanes
+from engine.cycle.panels.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given
 from engine.laws.elementary import direction_of

@@ -12,8 +12,8 @@ import numpy as np
 from engine.compiling.decorators import driver, inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.driver import fill, gather
-from engine.cycle.lanes import ASIDE, Memory, in_lanes, lane_of, rows
-from engine.cycle.series import larger, smaller
+from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, lane_of, rows
+from engine.cycle.panels.series import larger, smaller
 from engine.motion.moments.at_speed import (
     FALL,
     KLOSS,

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from packed import assert_packed
 from scipy.optimize import brentq
 
-from engine.compiling.jit import KERNEL_OPTIONS
+from engine.compiling.tiles import TILE_OPTIONS
 from engine.laws.brakes import long_block_factor
 from engine.laws.friction.coefficients import (
     NEW,
@@ -190,7 +190,7 @@ def test_friction_circle__is_the_radius_times_the_sine_of_the_friction_angle(rad
 
 
 def test_a_loop_over_speeds__is_compiled_to_packed_instructions():
-    @njit(**{**KERNEL_OPTIONS, "cache": False})
+    @njit(**{**TILE_OPTIONS, "cache": False})
     def loop(x, out):
         for i in range(x.size):
             out[i] = stribeck(0.5, 0.2, x[i], 0.3, 0.5)

@@ -1,0 +1,81 @@
+"""The Chebyshev series of a curve within a panel: its integral, what is missing beyond degree 16, its values anywhere.
+
+The coefficients of a smooth curve fall by a constant factor in the end. By how much the last three are below those
+eight degrees before them tells what the next ones would be. Those also tell how far the integral is off, of which far
+less is missed: the rule for degree 16 is nearly exact for the next few. Where coefficients don't fall, as what is left
+is rounding or something within the panel bends or jumps, they are taken to fall by SLOWEST.
+"""
+
+import math
+
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.tiles import LANES
+from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
+from engine.cycle.panels.lanes import Memory, memory
+
+# Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
+# of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).
+SUM, TAIL, MISSING, MAGNITUDE, FLAT = range(5)
+FIGURES = 5
+of_figures = memory(FIGURES, LANES)
+
+# Share by which each coefficient is taken to fall at least.
+SLOWEST = 0.85
+# The last coefficients are level where they are no less than this share of those eight degrees before: those of a kink
+# are a fifth of them, those of a jump two fifths.
+LEVEL = 0.5
+# By how much what is left may exceed what the fall makes of it, of random curves, in one case of a thousand.
+MARGIN = 3.0
+TINY = 1e-300
+
+
+@inlined
+def larger(a: float, b: float) -> float:
+    """The larger of two numbers in one instruction; b where either is NaN."""
+    return a if a > b else b
+
+
+@inlined
+def smaller(a: float, b: float) -> float:
+    """The smaller of two numbers in one instruction; b where either is NaN."""
+    return a if a < b else b
+
+
+@routine
+def panel_figures(tile: Memory, curve: int, figures: Memory, row: int) -> None:
+    """Figures of a curve in each lane's panel.
+
+    Parameters
+    ----------
+    tile : panels (curves, positions, LANES)
+    curve : int
+    figures : rows (rows, FIGURES, LANES)
+        Receives them.
+    row : int
+        Where.
+    """
+    for lane in range(LANES):
+        middle = tile[curve, MIDDLE, lane]
+        low = high = middle
+        total = six = seven = eight = thirteen = fourteen = fifteen = sixteen = 0.0
+        for j in range(MIDDLE):
+            left, right = tile[curve, j, lane], tile[curve, DEGREE - j, lane]
+            both, apart = (left - middle) + (right - middle), left - right
+            total += WEIGHTS[j] * both
+            six, seven, eight = six + EVEN[3, j] * both, seven + ODD[3, j] * apart, eight + EVEN[4, j] * both
+            thirteen, fourteen = thirteen + ODD[6, j] * apart, fourteen + EVEN[7, j] * both
+            fifteen, sixteen = fifteen + ODD[7, j] * apart, sixteen + EVEN[8, j] * both
+            low, high = smaller(smaller(left, right), low), larger(larger(left, right), high)
+        before = larger(larger(abs(six), abs(seven)), abs(eight))
+        last = larger(larger(abs(fourteen), abs(fifteen)), abs(sixteen))
+        square = math.sqrt(math.sqrt(smaller(last / larger(before, TINY), SLOWEST**8)))
+        fall = math.sqrt(square)
+        level = larger(abs(sixteen), fall * larger(abs(fifteen), fall * larger(abs(fourteen), fall * abs(thirteen))))
+        missing = 0.0
+        for i in range(MISSED.shape[0]):
+            missing = square * (MISSED[MISSED.shape[0] - 1 - i] + missing)
+        figures[row, SUM, lane] = middle + middle + total
+        figures[row, TAIL, lane] = MARGIN * level * fall / (1.0 - fall)
+        figures[row, MISSING, lane] = MARGIN * level * missing
+        figures[row, MAGNITUDE, lane] = larger(abs(low), abs(high))
+        figures[row, FLAT, lane] = 1.0 if last >= LEVEL * before else 0.0

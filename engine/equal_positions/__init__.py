@@ -1,1 +1,0 @@
-"""Curves at equally spaced positions: sums, extremes, strokes, flywheels."""

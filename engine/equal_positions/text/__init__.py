@@ -1,1 +1,0 @@
-"""Kernels over equally spaced positions, written as text."""

@@ -1,1 +1,0 @@
-"""The register of quantities: what may be asked, in words and units."""

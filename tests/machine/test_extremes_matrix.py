@@ -1,0 +1,253 @@
+"""Extremes of every number against 50 digits: near dead centres, tiny and huge, fast and slow; and the laws of scale.
+
+Tolerances of the slider-crank are those of its closed form, see `extreme_slider_crank`.
+"""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from extreme_slider_crank import (
+    CASES,
+    EPS,
+    FIELDS,
+    NUMBERS,
+    POSITIONS,
+    SLIDER_CRANK,
+    SUMMARIES,
+    Closed,
+    paths,
+    usual,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Machine, Scene, Verdict
+from engine.compiling.threads import set_threads, threads
+from engine.machine.checks import MOST_POSITIONS
+from engine.machine.results import AskError
+
+
+@pytest.fixture(scope="module")
+def machines() -> dict[type, Machine]:
+    scene, fields = Scene.model_validate(SLIDER_CRANK), [name for name, _ in FIELDS.values()]
+    return {
+        dtype: Machine(scene, SUMMARIES, fields, [path for path, _, _ in NUMBERS.values()], POSITIONS, dtype)
+        for dtype in EPS
+    }
+
+
+@pytest.mark.parametrize("dtype", EPS)
+@pytest.mark.parametrize("name", CASES)
+def test_extreme__is_the_closed_form(machines, name, dtype):
+    numbers = usual(**CASES[name])
+    outcome = machines[dtype].evaluate(paths([numbers]))
+    if dtype(numbers["r"]) == dtype(numbers["l"]):
+        assert outcome.status[0] == Verdict.SINGULAR
+        return
+    assert outcome.status[0] == Verdict.OK
+    with mp.workdps(50):
+        closed = Closed(machines[dtype].nodes, numbers, dtype)
+        for key, (field, _) in FIELDS.items():
+            for got, true, slack in zip(outcome.fields[field][0], closed.rows[key], closed.slack[key], strict=True):
+                assert abs(mp.mpf(float(got)) - true) <= slack * EPS[dtype], (field, got, true)
+        for key, (true, slack) in closed.summaries().items():
+            got = mp.mpf(float(outcome.summaries[key][0]))
+            assert (mp.isnan(true) and mp.isnan(got)) or abs(got - true) <= slack * EPS[dtype], (key, got, true)
+    # The difference of two places as far off as the rod is long.
+    places = 4 * EPS[dtype] * (numbers["r"] + numbers["l"])
+    assert abs(outcome.summaries["ram.stroke"][0] - 2 * numbers["r"]) <= outcome.errors["ram.stroke"][0] + places
+
+
+# Numbers without a machine
+
+
+@pytest.mark.parametrize("dtype", EPS)
+@pytest.mark.parametrize(
+    ("changes", "verdict"),
+    [
+        ({"l": 0.05}, Verdict.SINGULAR),
+        ({"l": 0.0499999}, Verdict.CANNOT_ASSEMBLE),
+        ({"r": 0.0}, Verdict.OUTSIDE_LIMITS),
+        ({"m": -1e-12}, Verdict.OUTSIDE_LIMITS),
+        ({"d": 2.0}, Verdict.OUTSIDE_LIMITS),
+        ({"w": math.inf}, Verdict.OUTSIDE_LIMITS),
+        ({"F": math.nan}, Verdict.OUTSIDE_LIMITS),
+        ({"m": 1e300, "w": 1e200}, Verdict.NOT_FINITE),
+        ({"l": "overflows"}, Verdict.NOT_FINITE),
+        ({"F": 1e308, "r": 1e3, "l": 4e3}, Verdict.NOT_FINITE),
+    ],
+)
+def test_every_variant_impossible__says_why_and_gives_no_summary(machines, changes, verdict, dtype):
+    # A length whose square is beyond the greatest number.
+    huge = {name: 1e25 if dtype is np.float32 else 1e200 for name, value in changes.items() if value == "overflows"}
+    outcome = machines[dtype].evaluate(paths([usual(**changes | huge)] * 7))
+    assert (outcome.status == verdict).all()
+    for name in ("excess_work", "flywheel_wittenbauer", "speed_fluctuation"):
+        assert np.isnan(outcome.summaries[name]).all(), name
+        assert np.isnan(outcome.errors[name]).all(), name
+
+
+# Change points
+
+
+FOUR_BAR = {
+    "points": {"O": {"x": 0.0, "y": 0.0}, "D": {"x": 1.0, "y": 0.0}},
+    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.3, "speed": 1.0},
+    "groups": {
+        "bars": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "coupler", "joint": "A", "length": 1.0},
+            "second": {"link": "rocker", "joint": "D", "length": 0.3},
+        }
+    },
+}
+LENGTHS = ("points.O.x", "points.D.x", "input.length", "groups.bars.first.length", "groups.bars.second.length")
+
+
+@pytest.mark.parametrize("dtype", EPS)
+@pytest.mark.parametrize("kind", ["parallelogram", "kite", "stretched", "folded"])
+def test_change_point_of_decimal_lengths__is_singular_with_a_finite_position(kind, dtype):
+    rng = np.random.default_rng(3)
+    origin, crank = rng.uniform(-0.2, 0.2, 300).round(2), rng.uniform(0.1, 0.4, 300).round(3)
+    ground, rocker = rng.uniform(1.0, 1.5, 300).round(3), rng.uniform(0.5, 0.9, 300).round(3)
+    first, second = {
+        "parallelogram": (ground, crank),
+        "kite": (crank, ground),
+        # In line at 180°, where the crank's pin is farthest from the rocker's pivot, and at 0°, where it is nearest.
+        "stretched": (ground + crank - rocker, rocker),
+        "folded": (ground - crank + rocker, rocker),
+    }[kind]
+    machine = Machine(Scene.model_validate(FOUR_BAR), [], ["B.x", "B.y"], LENGTHS, 8, dtype)
+    outcome = machine.evaluate(dict(zip(LENGTHS, (origin, origin + ground, crank, first, second), strict=True)))
+    assert (outcome.status == Verdict.SINGULAR).all()
+    assert set(outcome.status_at) <= {0.0, machine.nodes[4]}
+    assert all(np.isfinite(row).all() for row in outcome.fields.values())
+
+
+@pytest.mark.parametrize(("miss", "verdict"), [(1e-12, Verdict.CANNOT_ASSEMBLE), (-1e-12, Verdict.OK)])
+def test_four_bar_off_its_change_point_by_1e_12__is_judged_by_the_side(miss, verdict):
+    machine = Machine(Scene.model_validate(FOUR_BAR), [], ["B.x"], LENGTHS, 8)
+    outcome = machine.evaluate(
+        dict(zip(LENGTHS, map(np.array, ([0.0], [1.0 + miss], [0.3], [0.7], [0.6])), strict=True))
+    )
+    assert outcome.status == verdict
+
+
+# Laws of scale
+
+decades = {"lengths": st.floats(-6, 6), "masses": st.floats(-12, 9), "speeds": st.floats(-9, 5)}
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.floats(0.05, 0.9), st.floats(-2, 2), st.floats(-3, 0), *decades.values())
+def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, lengths, masses, speeds):
+    base = usual(l=0.05 / ratio, m=3.0 * 10**mass, d=10**fluctuation)
+    scale = [10.0**power for power in (lengths, masses, speeds)]
+
+    def factor(powers: tuple) -> float:
+        return math.prod(s**p for s, p in zip(scale, powers, strict=True))
+
+    other = {name: base[name] * factor(powers) for name, (_, _, powers) in NUMBERS.items()}
+    outcome = machines[np.float64].evaluate(paths([base, other]))
+    assert (outcome.status == Verdict.OK).all()
+    # Numbers scaled and results scaled back are off by some EPS; 1/cos² of the rod's angle makes more of it, once for
+    # each of the three powers of the root in an acceleration.
+    grown = 40 * EPS[np.float64] / (1 - ratio**2) ** 1.5
+    for field, powers in FIELDS.values():
+        one, two = outcome.fields[field]
+        atol = POSITIONS * grown * np.abs(one).max()
+        np.testing.assert_allclose(two / factor(powers), one, rtol=0, atol=atol, err_msg=field)
+    sizes = {name: outcome.summaries[name] for name in SUMMARIES}
+    # Loads and inertia forces may cancel in a sum: what rounding does to either is left.
+    largest = abs(sizes["flywheel_excess_work"][0]) + np.abs(outcome.fields["reduced_inertia"][0]).max() / base["d"]
+    scales = {name: largest for name in sizes if name.startswith("flywheel")}
+    scales |= {"speed_fluctuation": 2.0, "ram.stroke": 0.05 / ratio}
+    for name, (one, two) in sizes.items():
+        atol = POSITIONS * grown * scales.get(name, np.abs(outcome.fields["work"][0]).max() * base["w"])
+        np.testing.assert_allclose(two / factor(SUMMARIES[name]), one, rtol=0, atol=atol, err_msg=name)
+
+
+# Regimes
+
+MOTOR = {"dc": {"type": "dc_motor", "on": "crank", "stall_moment": 60.0, "no_load_speed": 20.0}}
+REGIMES = {
+    "go": {"type": "run", "cycles": 3.0},
+    "on": {"type": "steady"},
+    "stop": {"type": "run", "rest": True, "off": ["dc", "push"]},
+}
+OF_REGIMES = {
+    **{f"go.{name}": powers for name, powers in {"time": (0, 0, -1), "final_speed": (0, 0, 1)}.items()},
+    **{f"on.{name}": (0, 0, 1) for name in ("mean_speed", "speed_min", "speed_max")},
+    **{"on.period": (0, 0, -1), "on.multiplier": (0, 0, 0), "on.motor_moment_peak": (2, 1, 2)},
+    **{"stop.time": (0, 0, -1), "stop.angle": (0, 0, 0), "stop.energy_change": (2, 1, 2)},
+}
+
+
+@pytest.fixture(scope="module")
+def moving() -> Machine:
+    moments = {**MOTOR, "rub": {"type": "against_motion", "on": "crank", "moment": 3.0}}
+    scene = SLIDER_CRANK | {"moments": moments, "regimes": REGIMES, "flywheel": {"inertia": 0.5}}
+    varied = [path for path, _, _ in NUMBERS.values() if path != "flywheel.speed_fluctuation"]
+    return Machine(Scene.model_validate(scene), OF_REGIMES, [], [*varied, *OF_MOTION], 48)
+
+
+OF_MOTION = {
+    "moments.dc.stall_moment": (60.0, (2, 1, 2)),
+    "moments.dc.no_load_speed": (20.0, (0, 0, 1)),
+    "moments.rub.moment": (3.0, (2, 1, 2)),
+    "flywheel.inertia": (0.5, (2, 1, 0)),
+}
+SCALES = [(1e-6, 1, 1), (1e6, 1, 1), (1, 1e-12, 1), (1, 1e9, 1), (1, 1, 1e-9), (1, 1, 1e4), (1e-6, 1e-12, 1e4)]
+
+
+def test_scaled_motion__goes_the_same_way(moving):
+    scales = np.array([(1, 1, 1), *SCALES], float).T
+    numbers = {path: (value, powers) for path, value, powers in NUMBERS.values()} | OF_MOTION
+
+    def factors(powers: tuple) -> np.ndarray:
+        return np.prod([s**p for s, p in zip(scales, powers, strict=True)], axis=0)
+
+    outcome = moving.evaluate({path: numbers[path][0] * factors(numbers[path][1]) for path in moving.varied})
+    assert (outcome.status == Verdict.OK).all(), outcome.status
+    for name, powers in OF_REGIMES.items():
+        found = outcome.summaries[name] / factors(powers)
+        # The same steps, each of some hundred roundings, some two hundred of them.
+        np.testing.assert_allclose(found, found[0], rtol=2e4 * EPS[np.float64], err_msg=name)
+
+
+# How many
+
+
+def test_positions__that_cannot_be_are_refused():
+    scene = Scene.model_validate(SLIDER_CRANK)
+    for positions in (0, 1, 7, 9, 8.0):
+        with pytest.raises(AskError, match="even number"):
+            Machine(scene, positions=positions)
+    with pytest.raises(AskError, match="at most 1048576 are allowed"):
+        Machine(scene, positions=MOST_POSITIONS + 2)
+
+
+@pytest.mark.parametrize("shapes", [1, 60])
+def test_threads_and_chunks__change_no_bit(machines, shapes):
+    rng = np.random.default_rng(5)
+    variants = [usual(m=rng.uniform(0.1, 9), F=rng.uniform(-900, 900), l=0.1 + 0.01 * (i % shapes)) for i in range(60)]
+    machine, varied = machines[np.float64], paths(variants)
+    before = threads()
+    try:
+        found = []
+        for count in (1, 2, 3, 5):
+            set_threads(count)
+            outcome = machine.evaluate(varied)
+            found.append({k: v.copy() for k, v in (outcome.summaries | outcome.errors | outcome.fields).items()})
+    finally:
+        set_threads(before if before != threads() else 0)
+    for other in found[1:]:
+        for name, row in other.items():
+            assert row.tobytes() == found[0][name].tobytes(), name
+    for cut in (slice(0, 20), slice(20, 31), slice(31, 60)):
+        part = machine.evaluate({path: values[cut] for path, values in varied.items()})
+        for name, row in (part.summaries | part.errors | part.fields).items():
+            assert row.tobytes() == found[0][name][cut].tobytes(), name
