@@ -292,12 +292,13 @@ class Machine:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
-        undefined = np.zeros(keep.size, bool)
+        undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
             value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
+            error = np.where(error > 0.0, error + spread * np.abs(value), error)
             nothing = ~np.isfinite(value)
             undefined |= nothing & (not summary.may_be_undefined)
             value[nothing] = error[nothing] = np.nan
@@ -313,6 +314,17 @@ class Machine:
         if self.schedule is not None:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
+
+    @staticmethod
+    def _spread(answers: Answers, variants: int) -> np.ndarray:
+        """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
+
+        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves.
+        """
+        least = np.ones(variants)
+        for sine, _ in answers.sines():
+            least = np.fmin(least, np.where(sine > 0.0, sine, 1.0))
+        return 2.0 * np.finfo(float).eps / least**2
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Compute the regimes of those of the variants `keep` that are well so far."""
