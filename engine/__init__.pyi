@@ -3,9 +3,7 @@
 An import with `as` offers a name under one that says enough away from its module.
 """
 
-from engine.balancing.counterweights import Balanced as BalancedMachine
-from engine.balancing.counterweights import BalanceError, balance
-from engine.balancing.counterweights import Place as CounterweightPlace
+from engine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.balancing.engines.engine_columns import ROUNDED as ROUNDED_ORDERS
 from engine.balancing.engines.engine_columns import engine_numbers, engine_torque, made_engine
 from engine.balancing.engines.engine_element import EngineElement
@@ -22,7 +20,7 @@ from engine.balancing.engines.hodograph import Hodograph
 from engine.balancing.engines.shafts import counterweights as crankshaft_counterweights
 from engine.balancing.engines.shafts import remaining as remaining_shaking
 from engine.balancing.engines.shaking import ORDERS as SHAKING_ORDERS
-from engine.balancing.engines.shaking import shaking as engine_shaking
+from engine.balancing.engines.shaking import engine_shaking
 from engine.balancing.engines.torque_orders import firing_sums
 from engine.balancing.rotors.correction import corrected as corrected_unbalance
 from engine.balancing.rotors.grades import permissible_unbalance, tolerance_shares

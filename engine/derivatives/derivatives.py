@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 
-from engine.derivatives.extrapolation import Estimate, Samples, derivative_of
+from engine.derivatives.extrapolation import Differences, Estimate, derivative_of
 from engine.elements.elements_alone import ElementsAlone
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome
@@ -213,7 +213,7 @@ def _tables(outcome: Outcome, shape: tuple[int, ...]) -> tuple[dict[str, np.ndar
 def _estimate(
     machine: Machine | ElementsAlone, around: _Neighbours, name: str, here: np.ndarray, doubt: np.ndarray
 ) -> Estimate:
-    samples = Samples(around.steps, around.width, here, doubt, around.summaries[name], around.errors[name])
+    samples = Differences(around.steps, around.width, here, doubt, around.summaries[name], around.errors[name])
     return derivative_of(samples, ROUNDING * float(np.finfo(machine.dtype).eps))
 
 

@@ -147,7 +147,7 @@ class Given(Node):
     __slots__ = ()
 
 
-class Memory(Node):
+class TableMemory(Node):
     """The flat memory of all tables, which laws that look something up take as their first argument."""
 
     __slots__ = ()
@@ -186,7 +186,7 @@ class Application(Node):
         self.law = law
 
 
-class Result(Node):
+class LawResult(Node):
     """One of the results of an application.
 
     Attributes
@@ -277,7 +277,7 @@ class Graph:
     ----------
     zero, one : Constant
     q, cos_q, sin_q : Position
-    memory : Memory
+    memory : TableMemory
         Of all tables.
     tables : list of ndarray
         Contents of the memory, in order.
@@ -287,7 +287,7 @@ class Graph:
         self._made: dict[tuple, Node] = {}
         self.zero, self.one = self.constant(0.0), self.constant(1.0)
         self.q, self.cos_q, self.sin_q = (Position(self, which) for which in ("q", "cos_q", "sin_q"))
-        self.memory = Memory(self, Stage.VARIANT, label="memory")
+        self.memory = TableMemory(self, Stage.VARIANT, label="memory")
         self.tables: list[np.ndarray] = []
         self._crossings: dict[tuple[Node, Node], Crossing] = {}
         self._bends: dict[Node, set[Node]] = {}
@@ -393,7 +393,7 @@ class Graph:
         return len(get_args(_annotated(law))) or None
 
     def _result(self, applied: Application, index: int | None) -> Node:
-        return self._once(("result", applied, index), lambda: Result(self, applied, index))
+        return self._once(("result", applied, index), lambda: LawResult(self, applied, index))
 
     def held(self, node: Node) -> Node:
         """The value of a node in the middle of a panel, throughout it."""

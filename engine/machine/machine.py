@@ -12,7 +12,7 @@ from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
 from engine.machine.first_failure import first_failure
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
-from engine.machine.measuring import Answers, Measuring
+from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
@@ -324,7 +324,7 @@ class Machine:
         for name, rows in answers.fields.items():
             outcome.fields[name][moved] = rows
 
-    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
+    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
         """Fill the kept fields; of which variants all values are finite."""
         places = {name: row for row, name in enumerate(self.asked_fields)}
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
@@ -357,7 +357,7 @@ class Machine:
     # Verdicts
 
     def _judge(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, undefined: np.ndarray
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, undefined: np.ndarray
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
         broken, groups = answers.outcome.broken_at, self.measuring.groups
@@ -381,7 +381,7 @@ class Machine:
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 
-    def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> None:
+    def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> None:
         """Give the verdict on variants in which a group jams."""
         margins = answers.least_margins()
         jams = np.zeros(keep.size, bool)
@@ -407,7 +407,7 @@ class Machine:
 
     # Accuracy
 
-    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: Answers) -> None:
+    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: MeasuredCycles) -> None:
         """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
         failed = outcome.status[keep] != Verdict.OK
         if POSITIONS_USED.name in self.asked_summaries:

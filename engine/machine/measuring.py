@@ -22,11 +22,11 @@ from engine.quantities.expressions import (
     Evaluation,
     Expression,
     Extreme,
+    ExtremePosition,
     Followed,
     Integral,
     LeastMagnitude,
     Measurement,
-    Place,
     Speed,
     SteadyCycle,
     StrokeEnd,
@@ -91,8 +91,8 @@ class Measuring:
         self._spaced, self._grid = list(dict.fromkeys(followed)), grid
         self._asked = measurements(expressions)
         of = {kind: [a for a in self._asked if isinstance(a, kind)] for kind in _KINDS}
-        extremes = [a for a in (*of[Extreme], *of[Place]) if isinstance(a.curve, Node)]
-        asked = [a.curve for a in (*of[Extreme], *of[Place], *of[Average]) if not isinstance(a.curve, Node)]
+        extremes = [a for a in (*of[Extreme], *of[ExtremePosition]) if isinstance(a.curve, Node)]
+        asked = [a.curve for a in (*of[Extreme], *of[ExtremePosition], *of[Average]) if not isinstance(a.curve, Node)]
         self._followed = list(dict.fromkeys([*self._spaced, *asked]))
         cycles = [*of[SteadyCycle], *(f.steady for f in self._followed if isinstance(f, Speed))]
         curves = [a.curve for a in (*of[Integral], *extremes, *of[LeastMagnitude])]
@@ -144,7 +144,7 @@ class Measuring:
         settlings = self.mechanics.reactions.settlings
         return {g: s.margin for g, s in settlings.items() if behind.intersection((s.margin, *s.margin.operands))}
 
-    def _plan(self, of: dict[type, list], extremes: list[Extreme | Place], accuracy: float | None) -> None:
+    def _plan(self, of: dict[type, list], extremes: list[Extreme | ExtremePosition], accuracy: float | None) -> None:
         f = self.functions
         row, curve = f.rows, f.curves
         self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
@@ -189,11 +189,11 @@ class Measuring:
             arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],
             tolerance=[self._tolerance(c, accuracy, unresolved) for c in curve],
         )
-        self._machine: cycle.Machine | None = None
+        self._machine: cycle.CycleMachine | None = None
 
     def _resolved(self, of: dict[type, list]) -> set[Node]:
         """Curves that panels are made as short for as they need."""
-        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[Place])]
+        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition])]
         found += [a.curve for a in of[Extreme] if a.resolved]
         found += [node for steady in self._steady for node in (steady.of.moment, steady.of.inertia)]
         found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
@@ -223,11 +223,11 @@ class Measuring:
         return min(asked, FINELY) if curve in self._sines else asked
 
     @property
-    def machine(self) -> cycle.Machine:
+    def machine(self) -> cycle.CycleMachine:
         """The compiled functions with their plan."""
         if self._machine is None:
             module = load_printed(self.functions.text)
-            self._machine = cycle.Machine(self.plan, module.curves, module.events, module.levels, module.states)
+            self._machine = cycle.CycleMachine(self.plan, module.curves, module.events, module.levels, module.states)
         return self._machine
 
     def numbers(self, numbers: Numbers, variants: int) -> np.ndarray:
@@ -239,7 +239,7 @@ class Measuring:
                 table[self.functions.rows[node]] = node.value if isinstance(node, Constant) else node.compute(numbers)
         return table
 
-    def __call__(self, table: np.ndarray) -> "Answers":
+    def __call__(self, table: np.ndarray) -> "MeasuredCycles":
         """Measure all variants.
 
         Parameters
@@ -247,20 +247,20 @@ class Measuring:
         table : ndarray (numbers, variants)
             From `numbers`.
         """
-        answers = Answers(self, table, self.machine.evaluate(table, self.functions.memory))
+        answers = MeasuredCycles(self, table, self.machine.evaluate(table, self.functions.memory))
         unknown = [steady for steady in self._steady if steady.unknown_wheel is not None]
         if not unknown:
             return answers
         for steady in unknown:
             found = answers.value_of(dataclasses.replace(steady.of, result="flywheel_used"))
             table[self.functions.rows[steady.unknown_wheel]] = found.value
-        return Answers(self, table, self.machine.evaluate(table, self.functions.memory))
+        return MeasuredCycles(self, table, self.machine.evaluate(table, self.functions.memory))
 
 
 _KINDS = (
     Integral,
     Extreme,
-    Place,
+    ExtremePosition,
     LeastMagnitude,
     Average,
     Unbalanced,
@@ -319,21 +319,21 @@ class _Steady:
         self.numbers += [of.fluctuation] if of.fluctuation is not None else []
 
 
-class Answers:
+class MeasuredCycles:
     """What was measured on the cycles of some variants.
 
     Parameters
     ----------
     measuring : Measuring
     table : ndarray (numbers, variants)
-    outcome : engine.cycle.machine.Outcome
+    outcome : engine.cycle.machine.CycleOutcome
 
     Attributes
     ----------
     outcome : as given
     """
 
-    def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.Outcome) -> None:
+    def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.CycleOutcome) -> None:
         self._m, self._table, self.outcome = measuring, table, outcome
         self.value_of = Evaluation(self._measured)
 
@@ -379,7 +379,7 @@ class Answers:
                 return outcome.integrals[m._integrals.index(curve)]
             case Extreme(curve, sense):
                 return getattr(self._extremes_of(curve)[0], sense)[self._extremes_of(curve)[1]]
-            case Place(curve, sense):
+            case ExtremePosition(curve, sense):
                 return getattr(self._extremes_of(curve)[0], f"{sense}_at")[self._extremes_of(curve)[1]]
             case LeastMagnitude(curve):
                 return self._least_magnitude(curve)

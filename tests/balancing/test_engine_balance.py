@@ -19,7 +19,7 @@ from engine.balancing.engines.engine_columns import ROUNDED
 from engine.balancing.engines.engine_layout import Engine, MasterRod, boxer, in_line, radial, usual_throws, v, w
 from engine.balancing.engines.harmonics import crank_masses, piston_harmonics, rod_harmonics
 from engine.balancing.engines.shafts import counterweights, remaining
-from engine.balancing.engines.shaking import ORDERS, shaking
+from engine.balancing.engines.shaking import ORDERS, engine_shaking
 
 ratios = st.floats(0.02, 0.6)
 
@@ -127,7 +127,7 @@ def newton(engine, phi, arms):
 @few
 @given(engines(), angles)
 def test_shaking__is_the_sum_of_all_orders_of_newtons_forces(engine, phi):
-    found = shaking(engine, ALL)
+    found = engine_shaking(engine, ALL)
     for vector, arms, terms in (
         (found.forces, np.ones(5), found.force_terms),
         (found.couples, engine.layout.positions, found.couple_terms),
@@ -163,22 +163,22 @@ def test_shaking_with_a_master_rod__is_newtons(cylinders, ratio, knuckle, mass, 
                 total -= mpf(mass) * mpmath.diff(lambda t, k=k: pin(t, k) - mpmath.expj(t), mpf(phi), 2)
         expected = complex(total)
     # a > 1.6 for λ < 0.35 (link rods lean a little more): 25² exp(−25·1.2) at the most.
-    assert abs(shaking(engine, ALL).forces.at(np.array([phi]))[0] - expected) <= 1e-9 * cylinders
+    assert abs(engine_shaking(engine, ALL).forces.at(np.array([phi]))[0] - expected) <= 1e-9 * cylinders
 
 
 def test_master_rod__leaves_a_circle_of_the_first_order_and_a_second_order_that_turns():
     plain = Engine(radial(9).layout(), 1.0, 1 / 0.3, 1.0, 0.4)
     with_rods = plain._replace(master=MasterRod(0, 0.8, 1 / 0.3 - 0.8))
-    first, second = shaking(with_rods).forces.major[:2]
+    first, second = engine_shaking(with_rods).forces.major[:2]
     # Of the knuckle pins' swing the first order holds nothing: it is odd there where the pistons' share is even.
     assert_allclose(first, 4.5 + 9 * 0.4, rtol=64 * EPS)
-    assert abs(shaking(plain).forces.major[1]) <= ROUNDED * EPS * 9
+    assert abs(engine_shaking(plain).forces.major[1]) <= ROUNDED * EPS * 9
     assert 0.5 < second < 1.5
-    forward, backward = shaking(with_rods).forces.of(2)
+    forward, backward = engine_shaking(with_rods).forces.of(2)
     # Aero engines of this kind have a counterweight that turns with the crank at twice its speed.
     assert abs(backward) < 0.02 * abs(forward)
     weights = counterweights(with_rods, 1.0, 0.5)
-    left = remaining(shaking(with_rods), [weights])
+    left = remaining(engine_shaking(with_rods), [weights])
     assert left.forces.major[0] <= 64 * EPS * 9
 
 
@@ -187,7 +187,7 @@ def test_master_rod__leaves_a_circle_of_the_first_order_and_a_second_order_that_
 
 def force_and_couple(layout):
     """Half axes of forces and couples as multiples of m r ω² A_n and m r ω² A_n a."""
-    found = shaking(Engine(layout, 1.0, 1 / 0.3))
+    found = engine_shaking(Engine(layout, 1.0, 1 / 0.3))
     units = np.abs(piston_harmonics(0.3, ORDERS))
     return [(vector.major / units, vector.minor / units) for vector in (found.forces, found.couples)]
 
@@ -229,7 +229,7 @@ def test_known_engine__keeps_the_forces_and_couples_of_the_tables(name):
 def test_first_order__turns_with_the_crank_and_counterweights_take_it(name):
     layout = TABLE[name][0]
     engine = Engine(layout, 0.04, 0.13, 0.5, 0.7)
-    found = shaking(engine)
+    found = engine_shaking(engine)
     left = remaining(found, [counterweights(engine, 1.0, 0.5)])
     for before, after in zip(found[:2], left[:2], strict=True):
         assert abs(before.of(1)[1]) <= 1e-15
@@ -242,7 +242,7 @@ def test_split_crankpin_of_a_v_twin__balances_the_first_order_at_any_bank_angle(
     # An offset of 180° less twice the bank angle: 76° at 52°, as motorcycles have it.
     layout = v(2).layout(math.radians(degrees), math.radians(180 - 2 * degrees))
     engine = Engine(layout, 1.0, 4.0)
-    left = remaining(shaking(engine), [counterweights(engine, 1.0, 0.5)])
+    left = remaining(engine_shaking(engine), [counterweights(engine, 1.0, 0.5)])
     assert left.forces.major[0] <= 8 * EPS
 
 
@@ -250,7 +250,7 @@ def test_split_crankpin_of_a_v_twin__balances_the_first_order_at_any_bank_angle(
 @given(st.integers(2, 6), st.floats(0.1, 0.5))
 def test_boxer_and_in_line_six__leave_no_force(pairs, ratio):
     for layout, orders in ((boxer(2 * pairs).layout(), (1, 2, 4, 6)), (in_line(6).layout(), (1, 2, 4))):
-        found = shaking(Engine(layout, 1.0, 1 / ratio), orders)
+        found = engine_shaking(Engine(layout, 1.0, 1 / ratio), orders)
         assert (found.forces.major <= ROUNDED * EPS * found.force_terms).all()
     assert (found.couples.major <= ROUNDED * EPS * found.couple_terms).all()
 
@@ -258,7 +258,7 @@ def test_boxer_and_in_line_six__leave_no_force(pairs, ratio):
 def test_in_line_four__shakes_with_four_times_the_second_order_of_a_cylinder():
     r, rod, m = 0.043, 0.144, 0.55
     k = r / rod
-    found = shaking(Engine(in_line(4).layout(spacing=0.09), r, rod, m)).forces
+    found = engine_shaking(Engine(in_line(4).layout(spacing=0.09), r, rod, m)).forces
     # Three terms of A₂; the next is 0.06 λ⁷ and so.
     assert_allclose(found.major[1], 4 * m * r * (k + k**3 / 4 + 15 * k**5 / 128), rtol=k**6)
 
@@ -267,7 +267,7 @@ def test_problem_of_four_cranks_at_right_angles__has_no_forces_and_the_couples_o
     # Cranks 1-4-2-3 at 90°, r = 50 mm, l = 200 mm, 0.2 m apart, 2 kg, 2000 rpm (a textbook problem).
     layout = in_line(4, [math.radians(x) for x in (0, 180, 270, 90)]).layout(spacing=0.2)
     omega = 2000 * math.pi / 30
-    found = shaking(Engine(layout, 0.05, 0.2, 2.0), (1, 2))
+    found = engine_shaking(Engine(layout, 0.05, 0.2, 2.0), (1, 2))
     assert (found.forces.major <= ROUNDED * EPS * found.force_terms).all()
     # Σ z cos: −0.3 + 0.1 = −0.2 along, 0.3 − 0.1 = 0.2 across; twice the angles: −0.3 − 0.1 − 0.1 − 0.3 = −0.8.
     unit = 2.0 * 0.05 * omega**2
@@ -285,9 +285,9 @@ def test_cylinders__stand_about_the_cranks_middle_with_their_rods_side_by_side()
 
 
 def test_slider_cranks_in_antiphase__leave_the_even_orders_or_a_couple():
-    single = shaking(Engine(in_line(1).layout(), 1.0, 4.0)).forces.major
-    beside = shaking(Engine(in_line(2).layout(), 1.0, 4.0))
-    opposed = shaking(Engine(boxer(2).layout(), 1.0, 4.0))
+    single = engine_shaking(Engine(in_line(1).layout(), 1.0, 4.0)).forces.major
+    beside = engine_shaking(Engine(in_line(2).layout(), 1.0, 4.0))
+    opposed = engine_shaking(Engine(boxer(2).layout(), 1.0, 4.0))
     assert_allclose(beside.forces.major, [0, *(2 * single[1:])], rtol=8 * EPS, atol=8 * EPS)
     assert_allclose(opposed.forces.major, 0, atol=8 * EPS)
     assert_allclose(opposed.couples.major, single, rtol=8 * EPS)
@@ -295,9 +295,9 @@ def test_slider_cranks_in_antiphase__leave_the_even_orders_or_a_couple():
 
 def test_variants__are_those_computed_one_by_one():
     angle, radius, mass = np.linspace(0.5, 2, 7), np.linspace(0.03, 0.06, 7), np.linspace(0.2, 1, 7)
-    together = shaking(Engine(v(6).layout(angle, 0.1, 0.08, 0.02), radius, 0.15, mass[:, None], 0.3))
+    together = engine_shaking(Engine(v(6).layout(angle, 0.1, 0.08, 0.02), radius, 0.15, mass[:, None], 0.3))
     for k in range(7):
-        alone = shaking(Engine(v(6).layout(angle[k], 0.1, 0.08, 0.02), radius[k], 0.15, mass[k], 0.3))
+        alone = engine_shaking(Engine(v(6).layout(angle[k], 0.1, 0.08, 0.02), radius[k], 0.15, mass[k], 0.3))
         for one, all_ in zip(alone[:2], together[:2], strict=True):
             assert_allclose(all_.forward[k], one.forward, rtol=0, atol=1e-16)
             assert_allclose(all_.backward[k], one.backward, rtol=0, atol=1e-16)
@@ -306,7 +306,7 @@ def test_variants__are_those_computed_one_by_one():
 @few
 @given(engines(), st.floats(0, 6))
 def test_hodograph__has_its_half_axes_and_direction(engine, phi):
-    vector = shaking(engine, (2,)).forces
+    vector = engine_shaking(engine, (2,)).forces
     drawn = vector.at(np.linspace(0, math.pi, 2001))
     # 2000 positions over the ellipse: extremes to (π/2000)²/2 of the larger half axis, beside a line's rounding.
     assert_allclose(np.abs(drawn).max(), vector.major[0], rtol=2e-6)

@@ -23,7 +23,7 @@ from engine.balancing.engines.engine_layout import Engine, MasterRod, in_line, r
 from engine.balancing.engines.firing import firing_angles
 from engine.balancing.engines.harmonics import crank_radius
 from engine.balancing.engines.shafts import counterweights, remaining
-from engine.balancing.engines.shaking import shaking
+from engine.balancing.engines.shaking import engine_shaking
 from engine.balancing.engines.torque_orders import Indicator, gas_torque, inertia_torque, superposed, torque_harmonics
 
 GAS = {"bore": 0.08, "clearance": 1 / 8.5, "intake": 0.9e5, "exhaust": 1.05e5, "peak": 50e5}
@@ -144,9 +144,11 @@ def test_made_engine_with_link_rods__is_the_one_of_the_functions():
     rotating = [0.5 * 0.2 / 0.24 if k == 1 else at_knuckle for k in range(5)]
     plain = Engine(radial(5).layout(), 0.04, 0.24, pistons, rotating, master=MasterRod(1, 0.06, 0.18, at_knuckle))
     for one, other in ((made, plain), (made._replace(rod_correction=0.0), plain)):
-        for a, b in zip(shaking(one, (1, 2, 3)).forces[1:], shaking(other, (1, 2, 3)).forces[1:], strict=True):
+        for a, b in zip(
+            engine_shaking(one, (1, 2, 3)).forces[1:], engine_shaking(other, (1, 2, 3)).forces[1:], strict=True
+        ):
             assert_allclose(a.reshape(-1), b.reshape(-1), rtol=0, atol=1e-13)
-    left = remaining(shaking(plain, (1, 2)), [counterweights(plain)])
+    left = remaining(engine_shaking(plain, (1, 2)), [counterweights(plain)])
     outcome = results(**STAR)
     # Roundings of the first order and of the transform.
     assert value(outcome, "secondary_force")[0] == pytest.approx(float(left.forces.major[1]) * 300**2, abs=1e-9)

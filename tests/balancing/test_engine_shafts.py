@@ -11,12 +11,12 @@ from numpy.testing import assert_allclose
 from engine.balancing.engines.engine_layout import Engine, in_line, v
 from engine.balancing.engines.harmonics import piston_harmonics
 from engine.balancing.engines.shafts import counterweights, lanchester, proposed_shafts, remaining
-from engine.balancing.engines.shaking import ORDERS, shaking
+from engine.balancing.engines.shaking import ORDERS, engine_shaking
 
 
 def test_counterweights_of_half_the_mass__halve_the_first_order_of_a_single_cylinder():
     engine = Engine(in_line(1).layout(), 0.04, 0.14, 0.5, 0.8)
-    left = remaining(shaking(engine), [counterweights(engine, 1.0, 0.5)])
+    left = remaining(engine_shaking(engine), [counterweights(engine, 1.0, 0.5)])
     forward, backward = left.forces.of(1)
     assert abs(forward) <= 4 * EPS
     assert_allclose(abs(backward), 0.5 * 0.04 / 2, rtol=8 * EPS)
@@ -25,7 +25,7 @@ def test_counterweights_of_half_the_mass__halve_the_first_order_of_a_single_cyli
 @pytest.mark.parametrize("order", [1, 2])
 def test_lanchester_shafts__leave_no_force_of_their_order(order):
     engine = Engine(in_line(1).layout(), 0.04, 0.14, 0.5)
-    found = shaking(engine)
+    found = engine_shaking(engine)
     shafts = lanchester(found, order)
     left = remaining(found, shafts)
     assert left.forces.major[ORDERS.index(order)] <= 4 * EPS * found.forces.major.max()
@@ -38,7 +38,7 @@ def test_lanchester_shafts__leave_no_force_of_their_order(order):
 
 
 def test_lanchester_shafts_of_an_in_line_four__have_half_a_cylinders_second_order_each():
-    found = shaking(Engine(in_line(4).layout(), 0.04, 0.14, 0.5))
+    found = engine_shaking(Engine(in_line(4).layout(), 0.04, 0.14, 0.5))
     # 4 m r A₂ ω² = 2 U (2 ω)².
     a2 = piston_harmonics(0.04 / 0.14, (2,)).real[0]
     assert_allclose([abs(s.unbalances[0]) for s in lanchester(found, 2)], 0.5 * 0.04 * a2 / 2, rtol=16 * EPS)
@@ -47,7 +47,7 @@ def test_lanchester_shafts_of_an_in_line_four__have_half_a_cylinders_second_orde
 def test_proposed_shafts__are_as_few_as_the_engine_needs():
     def proposed(pattern, orders=(1, 2), planes=(-1.0, 1.0), **sizes):
         engine = Engine(pattern.layout(**sizes), 1.0, 4.0)
-        return [(s.order, s.sense) for s in proposed_shafts(shaking(engine, orders), planes)]
+        return [(s.order, s.sense) for s in proposed_shafts(engine_shaking(engine, orders), planes)]
 
     assert proposed(in_line(4)) == [(2, 1), (2, -1)]
     assert proposed(in_line(6)) == []
@@ -60,7 +60,7 @@ def test_proposed_shafts__are_as_few_as_the_engine_needs():
 @few
 @given(engines(), st.floats(-3, -0.5), st.floats(0.5, 3))
 def test_proposed_shafts__leave_neither_force_nor_couple(engine, first, second):
-    found = shaking(engine)
+    found = engine_shaking(engine)
     left = remaining(found, proposed_shafts(found, (first, second)))
     # Parts below the tolerance of 1e-9 have no shaft.
     assert (left.forces.major <= 1e-8 * left.force_terms).all()

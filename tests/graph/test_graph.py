@@ -15,11 +15,11 @@ from engine.graph.nodes import (
     Constant,
     Graph,
     Held,
+    LawResult,
     Node,
     Number,
     Operation,
     Position,
-    Result,
     Stage,
     Sum,
     depends_on_loads,
@@ -116,7 +116,7 @@ def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) 
                 known[node] = sum(known[c] * known[b] for c, b in node.terms)
             case Held():
                 known[node] = of[0]
-            case Result():
+            case LawResult():
                 known[node] = of[0] if node.index is None else of[0][node.index]
             case _:
                 known[node] = laws[node.law.py_func.__name__](*of)

@@ -19,15 +19,15 @@ import numpy as np
 
 from engine.balancing.engines.engine_element import SIZES, EngineElement
 from engine.balancing.engines.engine_layout import Engine, MasterRod
-from engine.balancing.engines.engine_torque import Moving, Torque, cylinder_torque
+from engine.balancing.engines.engine_torque import CylinderParts, Torque, cylinder_torque
 from engine.balancing.engines.firing import FOUR_STROKE, firing_sequence
 from engine.balancing.engines.harmonics import CrankMasses, crank_masses, crank_radius
 from engine.balancing.engines.hodograph import Hodograph
 from engine.balancing.engines.master_rod import POSITIONS
 from engine.balancing.engines.shafts import counterweights, remaining
-from engine.balancing.engines.shaking import Shaking, shaking
+from engine.balancing.engines.shaking import EngineShaking, engine_shaking
 from engine.balancing.engines.torque_orders import Indicator, firing_sums
-from engine.elements.element_laws import LawOfArrays, Result
+from engine.elements.element_laws import ElementResult, LawOfArrays
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
@@ -55,21 +55,21 @@ def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
     return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
 
 
-def _results(engine: EngineElement) -> Iterator[Result]:
+def _results(engine: EngineElement) -> Iterator[ElementResult]:
     orders = shaking_orders(engine)
     for kind, units, needs in (("force", "N", None), ("couple", "N m", "spacing")):
         for word in (_WORDS[n] for n in orders):
             said = word.replace("_", " ")
-            yield Result(f"{word}_{kind}", f"greatest {said} {kind}", units, needs)
-            yield Result(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
+            yield ElementResult(f"{word}_{kind}", f"greatest {said} {kind}", units, needs)
+            yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
         listed = ", ".join(map(str, orders))
-        yield Result(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
-    yield Result("crank_unbalance", "unbalance of all counterweights together, each as a size", "kg m")
+        yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
+    yield ElementResult("crank_unbalance", "unbalance of all counterweights together, each as a size", "kg m")
     if engine.gas is not None:
-        yield Result("mean_torque", "mean torque of the gas", "N m")
-        yield Result("mean_power", "mean power of the gas", "W")
+        yield ElementResult("mean_torque", "mean torque of the gas", "N m")
+        yield ElementResult("mean_power", "mean power of the gas", "W")
         for n in TORQUE_ORDERS:
-            yield Result(torque_name(n), f"torque of gas and inertia, order {n:g}", "N m", may_be_undefined=True)
+            yield ElementResult(torque_name(n), f"torque of gas and inertia, order {n:g}", "N m", may_be_undefined=True)
 
 
 def torque_name(order: float) -> str:
@@ -131,7 +131,7 @@ def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Co
     made = made_engine(engine, numbers)
     weights = counterweights(made, *(numbers[key] for key in _SHARES))
     orders = shaking_orders(engine)
-    left = remaining(shaking(made, orders), [weights])
+    left = remaining(engine_shaking(made, orders), [weights])
     square = np.square(numbers["speed"])
     columns = {"crank_unbalance": np.abs(weights.unbalances).sum(axis=-1)}
     sizes = {"crank_unbalance": ROUNDED * columns["crank_unbalance"]}
@@ -193,7 +193,7 @@ def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray,
 
 
 def _couples_carry(
-    engine: EngineElement, n: Numbers, made: Engine, left: Shaking, orders: tuple[int, ...]
+    engine: EngineElement, n: Numbers, made: Engine, left: EngineShaking, orders: tuple[int, ...]
 ) -> np.ndarray:
     """As `_carried`, of couples: arms are sums of two lengths."""
     places, shifts = np.abs(np.array(engine.pattern(), float)).T[4:]
@@ -227,7 +227,7 @@ def engine_torque(
     gas = {key: n[f"gas.{key}"] for key in _GAS}
     bore, outside = gas.pop("bore"), gas.pop("ambient")
     mass = made.reciprocating_mass[..., 0]
-    moving = Moving(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
+    moving = CylinderParts(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
     one = cylinder_torque(Indicator(**gas, outside=outside), bore, moving, orders)
     angles, taken = firing_sequence(made.layout, engine.order_of_firing)
     with np.errstate(invalid="ignore"):

@@ -41,7 +41,7 @@ class Torque(NamedTuple):
     sizes: np.ndarray
 
 
-class Moving(NamedTuple):
+class CylinderParts(NamedTuple):
     """What moves in a cylinder.
 
     Attributes
@@ -60,7 +60,7 @@ class Moving(NamedTuple):
     speed: np.ndarray
 
 
-def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: Moving, orders: Sequence[float]) -> Torque:
+def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: CylinderParts, orders: Sequence[float]) -> Torque:
     """Torque of one cylinder by orders, over its four strokes.
 
     Parameters
@@ -69,7 +69,7 @@ def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: Moving, orde
         With numbers (...).
     bore : ndarray (...)
         [m].
-    moving : Moving
+    moving : CylinderParts
     orders : sequence of float
         Multiples of ½, above 0.
     """
@@ -83,10 +83,10 @@ def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: Moving, orde
 
 @np.errstate(invalid="ignore", divide="ignore")
 def _by_quadrature(
-    indicator: Indicator, bore: np.ndarray, moving: Moving, orders: Sequence[float], nodes: int
+    indicator: Indicator, bore: np.ndarray, moving: CylinderParts, orders: Sequence[float], nodes: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean, harmonics and their sizes by a rule of so many nodes in each stroke."""
-    m = Moving(*(np.asarray(x, float)[..., None, None] for x in moving))
+    m = CylinderParts(*(np.asarray(x, float)[..., None, None] for x in moving))
     lines = Indicator(*(np.asarray(x, float)[..., None, None] for x in indicator))
     outer = np.sqrt((m.rod + m.radius) ** 2 - m.offset**2)
     stroke = outer - np.sqrt((m.rod - m.radius) ** 2 - m.offset**2)

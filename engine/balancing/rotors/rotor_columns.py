@@ -19,9 +19,9 @@ from engine.balancing.rotors.grades import grade_needed, grade_reached, permissi
 from engine.balancing.rotors.hole_pattern import PatternError, best_holes
 from engine.balancing.rotors.knife_edges import residual_unbalance
 from engine.balancing.rotors.rotor_element import CorrectionPlane, RotorElement
-from engine.balancing.rotors.rotor_rounding import Balanced, rotor_sizes
+from engine.balancing.rotors.rotor_rounding import BalancedRotor, rotor_sizes
 from engine.balancing.rotors.unbalance import Resultant, about, in_two_planes, kind, resultant, unbalance
-from engine.elements.element_laws import LawOfArrays, Result
+from engine.elements.element_laws import ElementResult, LawOfArrays
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
@@ -30,31 +30,33 @@ Columns = dict[str, np.ndarray]
 WHOLE = 1e-6
 
 _RESULTS = (
-    Result("unbalance", "resultant unbalance", "kg m"),
-    Result("couple", "moment unbalance about the centre of mass", "kg m2"),
-    Result(
+    ElementResult("unbalance", "resultant unbalance", "kg m"),
+    ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
+    ElementResult(
         "kind", "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)", "1", exact=True
     ),
-    Result("permissible_unbalance", "permissible residual unbalance", "kg m"),
-    Result("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
-    Result("second_permissible", "permissible residual unbalance in the plane of the second bearing", "kg m"),
-    Result("quality_before", "balance quality e ω before balancing", "m s-1"),
-    Result("quality_after", "balance quality e ω after balancing", "m s-1"),
-    Result("quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1"),
-    Result("grade_before", "finest grade G held before balancing", "m s-1", None, True, True),
-    Result("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
-    Result("grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True),
-    Result("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
-    Result("first_force_before", "turning force on the first bearing before balancing", "N"),
-    Result("second_force_before", "turning force on the second bearing before balancing", "N"),
-    Result("first_force_after", "turning force on the first bearing after balancing", "N"),
-    Result("second_force_after", "turning force on the second bearing after balancing", "N"),
-    Result("first_peak_before", "force on the first bearing with the weight before balancing", "N"),
-    Result("second_peak_before", "force on the second bearing with the weight before balancing", "N"),
-    Result("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
-    Result("second_peak_after", "force on the second bearing with the weight after balancing", "N"),
-    Result("correction_mass", "mass added in all planes", "kg"),
-    Result("knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"),
+    ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
+    ElementResult("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
+    ElementResult("second_permissible", "permissible residual unbalance in the plane of the second bearing", "kg m"),
+    ElementResult("quality_before", "balance quality e ω before balancing", "m s-1"),
+    ElementResult("quality_after", "balance quality e ω after balancing", "m s-1"),
+    ElementResult("quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1"),
+    ElementResult("grade_before", "finest grade G held before balancing", "m s-1", None, True, True),
+    ElementResult("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
+    ElementResult("grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True),
+    ElementResult("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
+    ElementResult("first_force_before", "turning force on the first bearing before balancing", "N"),
+    ElementResult("second_force_before", "turning force on the second bearing before balancing", "N"),
+    ElementResult("first_force_after", "turning force on the first bearing after balancing", "N"),
+    ElementResult("second_force_after", "turning force on the second bearing after balancing", "N"),
+    ElementResult("first_peak_before", "force on the first bearing with the weight before balancing", "N"),
+    ElementResult("second_peak_before", "force on the second bearing with the weight before balancing", "N"),
+    ElementResult("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
+    ElementResult("second_peak_after", "force on the second bearing with the weight after balancing", "N"),
+    ElementResult("correction_mass", "mass added in all planes", "kg"),
+    ElementResult(
+        "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
+    ),
 )
 
 
@@ -68,8 +70,8 @@ def rotor_law(rotor: RotorElement) -> LawOfArrays:
     keys = tuple(_keys(rotor))
     results = [*_RESULTS]
     for name, plane in rotor.planes.items():
-        results.append(Result(f"{name}.mass", f"mass added in plane {name}", "kg"))
-        results.append(Result(f"{name}.angle", f"angle of the mass added in plane {name}", "rad"))
+        results.append(ElementResult(f"{name}.mass", f"mass added in plane {name}", "kg"))
+        results.append(ElementResult(f"{name}.angle", f"angle of the mass added in plane {name}", "rad"))
         if plane.holes is not None:
             results += _hole_results(name, plane)
     return LawOfArrays(
@@ -79,11 +81,13 @@ def rotor_law(rotor: RotorElement) -> LawOfArrays:
     )
 
 
-def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[Result]:
-    yield Result(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
+def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
+    yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
     for k in range(1, plane.used + 1):
-        yield Result(f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True)
-        yield Result(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
+        yield ElementResult(
+            f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True
+        )
+        yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
 
 
 def rotor_numbers(rotor: RotorElement) -> dict[str, np.ndarray]:
@@ -122,7 +126,7 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
     weights = static_forces(n["mass"], n["centre"], *bearings)
     permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
     shares = np.array(tolerance_shares(n["centre"], *bearings))
-    off = misplaced(rotor, n)
+    off = correction_errors(rotor, n)
     qualities, carried = _qualities(n, (before, after), made, planes, permissible, shares, off)
     columns = added | {
         "unbalance": np.abs(before.unbalance),
@@ -143,11 +147,11 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
     }
     radii = np.stack([n[f"planes.{name}.radius"] for name in rotor.planes], axis=-1)
     return columns, rotor_sizes(
-        rotor, n, Balanced(unbalances, places, made, planes, radii, shares, carried, off), columns
+        rotor, n, BalancedRotor(unbalances, places, made, planes, radii, shares, carried, off), columns
     )
 
 
-def misplaced(rotor: RotorElement, n: Numbers) -> np.ndarray:
+def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
     """By how much of itself each plane's correction may be off (planes, variants)."""
     at = [f"planes.{name}" for name in rotor.planes]
     return np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])

@@ -23,7 +23,7 @@ Columns = dict[str, np.ndarray]
 FEW, SOME = 8.0, 32.0
 
 
-class Balanced(NamedTuple):
+class BalancedRotor(NamedTuple):
     """What a rotor's results are made of.
 
     Attributes
@@ -49,7 +49,7 @@ class Balanced(NamedTuple):
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) -> Columns:
+def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Columns) -> Columns:
     """Roundings that the results of a rotor carry.
 
     Parameters
@@ -58,7 +58,7 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) 
         Which unbalances and planes there are.
     n : mapping of str to ndarray (variants,)
         Its numbers.
-    b : Balanced
+    b : BalancedRotor
     columns : dict of str to ndarray (variants,)
         Its results.
 
@@ -104,12 +104,12 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) 
     return sizes
 
 
-def _room(size: np.ndarray, carried_size: np.ndarray, b: Balanced, room: np.ndarray) -> np.ndarray:
+def _room(size: np.ndarray, carried_size: np.ndarray, b: BalancedRotor, room: np.ndarray) -> np.ndarray:
     """Roundings of the errors that are allowed: of a difference over what the corrections carry."""
     return ((size + np.abs(room) * carried_size) / b.carried).max(axis=0) + FEW * np.abs(room)
 
 
-def _corrections(rotor: RotorElement, n: Numbers, b: Balanced, own: np.ndarray) -> np.ndarray:
+def _corrections(rotor: RotorElement, n: Numbers, b: BalancedRotor, own: np.ndarray) -> np.ndarray:
     """Roundings of what is added in the planes (variants, planes)."""
     if len(rotor.planes) == 1:
         wanted = own.sum(axis=-1)[:, None]

@@ -23,41 +23,41 @@ NEW = math.pi / 2
 GAUSS = 2.0
 
 
-class Sliding(NamedTuple):
+class CoefficientRange(NamedTuple):
     """Least and greatest usual coefficient of sliding friction of two materials."""
 
     low: float
     high: float
 
 
-class Pair(NamedTuple):
+class FrictionCoefficients(NamedTuple):
     """Static and kinetic coefficient of friction of two materials."""
 
     static: float
     kinetic: float
 
 
-SLIDING: Mapping[str, Sliding] = MappingProxyType(
+SLIDING: Mapping[str, CoefficientRange] = MappingProxyType(
     {
-        "steel on steel": Sliding(0.18, 0.18),
-        "cast iron on steel": Sliding(0.20, 0.20),
-        "steel on wood": Sliding(0.40, 0.40),
-        "wood on wood": Sliding(0.4, 0.7),
-        "brake lining on metal": Sliding(0.3, 0.8),
-        "rubber on steel": Sliding(0.6, 0.8),
+        "steel on steel": CoefficientRange(0.18, 0.18),
+        "cast iron on steel": CoefficientRange(0.20, 0.20),
+        "steel on wood": CoefficientRange(0.40, 0.40),
+        "wood on wood": CoefficientRange(0.4, 0.7),
+        "brake lining on metal": CoefficientRange(0.3, 0.8),
+        "rubber on steel": CoefficientRange(0.6, 0.8),
     }
 )
 
-STATIC_AND_KINETIC: Mapping[str, Pair] = MappingProxyType(
+STATIC_AND_KINETIC: Mapping[str, FrictionCoefficients] = MappingProxyType(
     {
-        "steel on steel, dry": Pair(0.6, 0.3),
-        "steel on steel, oiled": Pair(0.05, 0.03),
-        "PTFE on steel": Pair(0.04, 0.04),
-        "wood on wood": Pair(0.5, 0.3),
-        "metal on wood": Pair(0.5, 0.3),
-        "rubber on concrete, dry": Pair(1.0, 0.7),
-        "rubber on concrete, wet": Pair(0.7, 0.5),
-        "steel on ice": Pair(0.4, 0.02),
+        "steel on steel, dry": FrictionCoefficients(0.6, 0.3),
+        "steel on steel, oiled": FrictionCoefficients(0.05, 0.03),
+        "PTFE on steel": FrictionCoefficients(0.04, 0.04),
+        "wood on wood": FrictionCoefficients(0.5, 0.3),
+        "metal on wood": FrictionCoefficients(0.5, 0.3),
+        "rubber on concrete, dry": FrictionCoefficients(1.0, 0.7),
+        "rubber on concrete, wet": FrictionCoefficients(0.7, 0.5),
+        "steel on ice": FrictionCoefficients(0.4, 0.02),
     }
 )
 
