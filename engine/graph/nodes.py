@@ -9,7 +9,7 @@ stroke belongs to the variant's cycle; which segment of a table holds, to the pa
 """
 
 import operator
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
 from functools import cache
 from typing import Literal, get_args, get_type_hints
@@ -464,11 +464,3 @@ def reached(nodes: Iterable[Node], down_to: Callable[[Node], bool] = lambda node
             if not down_to(node):
                 pending.extend((o, False) for o in reversed(node.operands))
     return order
-
-
-def depends_on_loads(node: Node) -> bool:
-    """Whether a node depends on a load other than as a coefficient of its own sum."""
-    inner: Sequence[Node] = node.operands
-    if isinstance(node, Sum):
-        inner = [curve for _, curve in node.terms]
-    return any(isinstance(n, Number) and n.role == "load" for n in reached(inner))

@@ -266,19 +266,6 @@ def angle_or_zero(x: float, y: float) -> float:
 
 
 @in_order
-def arcsine(x: float) -> float:
-    """Arcsine [rad], −π/2 … π/2, to 3 ulp.
-
-    Parameters
-    ----------
-    x : float
-        −1 … 1; NaN beyond.
-    """
-    x = np.float64(x)
-    return angle_of(math.sqrt((1.0 - x) * (1.0 + x)), x)
-
-
-@in_order
 def direction_near_zero(r: float) -> tuple[float, float]:
     """Cosine and sine of an angle of at most π/4 [rad], to 1 ulp or so."""
     z = r * r

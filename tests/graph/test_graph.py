@@ -22,7 +22,6 @@ from engine.graph.nodes import (
     Position,
     Stage,
     Sum,
-    depends_on_loads,
     reached,
 )
 
@@ -78,15 +77,6 @@ def test_stages__are_the_latest_of_what_a_node_depends_on():
     # What doesn't change within a cycle isn't found, nor held.
     assert g.found(a, g.zero, "high") is a
     assert g.held(low) is low
-
-
-def test_linearity__is_seen_in_the_graph():
-    g = Graph()
-    mass, length = g.number("mass", "load"), g.number("length")
-    curve = g.cos_q * length
-    assert not depends_on_loads(curve)
-    assert not depends_on_loads(g.combination([(mass, curve)]))
-    assert depends_on_loads(g.cos_q * mass)
 
 
 def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) -> list[np.ndarray]:
