@@ -123,7 +123,7 @@ def test_names_at_the_door__are_those_of_their_modules():
     for name in engine.__all__:
         assert getattr(engine, name) is not None
     assert engine.Scene is importlib.import_module("engine.scene.scene").Scene
-    assert engine.v_engine is importlib.import_module("engine.balancing.engines.engine_layout").v
+    assert engine.v_engine is importlib.import_module("engine.balancing.engines.engine_layout").v_engine
 
 
 def test_name_that_the_engine_does_not_offer__is_no_attribute():

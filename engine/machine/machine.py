@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.graph.nodes import Node, Number
+from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
 from engine.machine.first_failure import first_failure
@@ -226,22 +226,6 @@ class Machine:
         everything, kept = all_levels(self.mechanics), self.computed
         missing = {s: [level for level in levels if level not in kept.get(s, ())] for s, levels in everything.items()}
         return {subject: levels for subject, levels in missing.items() if levels}
-
-    def decides_shape(self, path: str) -> bool:
-        """Whether a number decides the shape of the motion, not only masses and loads.
-
-        Parameters
-        ----------
-        path : str
-            Of a number of the scene.
-        """
-        as_it_is = Numbers(self._limits, {})
-        changed = Numbers(self._limits, {path: np.array([1.1 * as_it_is[path] + 0.01])})
-        shape = [n for n in self.measuring.functions.numbers if isinstance(n, Number) and n.role == "shape"]
-        with np.errstate(all="ignore"):
-            return any(
-                not np.allclose(n.compute(as_it_is), n.compute(changed), rtol=0, atol=0, equal_nan=True) for n in shape
-            )
 
     @property
     def schedule(self) -> Schedule | None:

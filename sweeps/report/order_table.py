@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import (
-    FOUR_STROKE,
     SHAKING_ORDERS,
     Engine,
     EngineElement,
@@ -161,7 +160,7 @@ def remaining_orders(row: EngineRow) -> Remaining:
     angles = firing_angles(row.layout, order)
     orders = np.arange(1, 2 * HIGHEST_TORQUE_ORDER + 1) / 2
     left = orders[np.abs(firing_sums(orders, angles)) > BALANCED * len(order)]
-    return Remaining(forces, couples, tuple(left.tolist()), firing_intervals(angles, FOUR_STROKE))
+    return Remaining(forces, couples, tuple(left.tolist()), firing_intervals(angles))
 
 
 def order_table(rows: Sequence[EngineRow] | None = None, markdown: bool = True) -> str:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import (
+    PatternError,
     UnitError,
     base_powers,
     four_runs,
@@ -20,6 +21,7 @@ from engine import (
     influence_correction,
     recognised,
     residual_confidence,
+    split_on_neighbours,
 )
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError
@@ -140,27 +142,36 @@ def correction_of(path: Path, runs: Runs, noise: str | None = None) -> Correctio
     return _by_coefficients(path, runs, noise) if runs.phases else _by_amplitudes(path, runs, noise)
 
 
-def trial_runs_text(path: Path, noise: str | None = None) -> str:
+def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = None) -> str:
     """The balance of a rotor from its trial runs, in words.
 
     Parameters
     ----------
     path : Path
-        As of `read_runs`.
+        As for `read_runs`.
     noise : str, optional
-        As of `correction_of`.
+        As for `correction_of`.
+    holes : int, optional
+        Number of equally spaced holes in every plane, at the radius of the trial weights; the first is at the mark.
 
     Raises
     ------
     InputError
-        As of both.
+        As from both; fewer than three holes.
     """
     runs = read_runs(path)
     found = correction_of(path, runs, noise)
-    rows = [("plane", "add", "at", *(("noise leaves at most",) if found.radii is not None else ()))]
-    for i, plane in enumerate(found.planes):
-        row = [f"{plane}", f"{abs(found.weights[i]):.4g} {runs.weight_unit}", _degrees(found.weights[i])]
-        rows.append((*row, *([] if found.radii is None else [f"{found.radii[i]:.2g} {runs.weight_unit}"])))
+    unit = runs.weight_unit
+    columns = [
+        ("plane", *(str(plane) for plane in found.planes)),
+        ("add", *(f"{abs(weight):.4g} {unit}" for weight in found.weights)),
+        ("at", *(_degrees(weight) for weight in found.weights)),
+    ]
+    if holes is not None:
+        columns.append((f"or in two of {holes} holes", *_in_holes(found.weights, holes, unit)))
+    if found.radii is not None:
+        columns.append(("noise leaves at most", *(f"{radius:.2g} {unit}" for radius in found.radii)))
+    rows = list(zip(*columns, strict=True))
     per = f"{runs.unit} per {runs.weight_unit}".strip()
     heads = ("sensor", "as it is", *(f"plane {plane}, {per}" for plane in found.planes), "left")
     effects = [heads]
@@ -170,9 +181,21 @@ def trial_runs_text(path: Path, noise: str | None = None) -> str:
         rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
         effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
     notes = ["Weights go to the radius of the trial weights, angles count as theirs; the trial weights are taken off."]
+    if holes is not None:
+        notes.append("Hole 1 is at the mark; holes count in the sense of the angles.")
     if found.radii is not None:
         notes.append(f"With a probability of {PROBABILITY:.0%} noise leaves no more of a plane's unbalance than that.")
     return "\n".join([table(rows), "", table(effects), "", *notes])
+
+
+def _in_holes(weights: np.ndarray, holes: int, unit: str) -> list[str]:
+    """Every weight as two, in the holes beside it, counted from 1."""
+    try:
+        split = split_on_neighbours(weights, holes)
+    except PatternError as error:
+        raise InputError("--holes", [(None, "", str(error))]) from None
+    parts = zip(split.hole + 1, split.amount, split.next_hole + 1, split.next_amount, strict=True)
+    return [f"{first:.4g} {unit} in {hole}, {second:.4g} {unit} in {beside}" for hole, first, beside, second in parts]
 
 
 def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:

@@ -19,14 +19,13 @@ import numpy as np
 
 from engine.balancing.engines.engine_element import SIZES, EngineElement
 from engine.balancing.engines.engine_layout import Engine, MasterRod
-from engine.balancing.engines.engine_torque import CylinderParts, Torque, cylinder_torque
-from engine.balancing.engines.firing import FOUR_STROKE, firing_sequence
+from engine.balancing.engines.engine_torque import CylinderParts, Indicator, Torque, cylinder_torque
+from engine.balancing.engines.firing import FOUR_STROKE, firing_sequence, firing_sums
 from engine.balancing.engines.harmonics import CrankMasses, crank_masses, crank_radius
 from engine.balancing.engines.hodograph import Hodograph
 from engine.balancing.engines.master_rod import POSITIONS
-from engine.balancing.engines.shafts import counterweights, remaining
+from engine.balancing.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.balancing.engines.shaking import EngineShaking, engine_shaking
-from engine.balancing.engines.torque_orders import Indicator, firing_sums
 from engine.elements.element_laws import ElementResult, LawOfArrays
 
 Numbers = Mapping[str, np.ndarray]
@@ -34,7 +33,7 @@ Columns = dict[str, np.ndarray]
 
 # Roundings of a sum over cylinders, relative to the sum of the sizes of its terms: phases up to 6 · 2π, products, sums,
 # and masses, shares and the speed as they are given.
-ROUNDED = 64
+ROUNDED_ORDERS = 64
 # An error figure is made of 16 roundings of a result's size.
 _SIZE = 1 / 16
 EPS = float(np.finfo(float).eps)
@@ -129,17 +128,17 @@ def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Co
         Of what each is made of: how many roundings of 1 it is off.
     """
     made = made_engine(engine, numbers)
-    weights = counterweights(made, *(numbers[key] for key in _SHARES))
+    weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
     orders = shaking_orders(engine)
-    left = remaining(engine_shaking(made, orders), [weights])
+    left = remaining_shaking(engine_shaking(made, orders), [weights])
     square = np.square(numbers["speed"])
     columns = {"crank_unbalance": np.abs(weights.unbalances).sum(axis=-1)}
-    sizes = {"crank_unbalance": ROUNDED * columns["crank_unbalance"]}
+    sizes = {"crank_unbalance": ROUNDED_ORDERS * columns["crank_unbalance"]}
     for kind, vector, terms, carried in (
         ("force", left.forces, left.force_terms, _carried(engine, numbers, made, left.force_terms, orders)),
         ("couple", left.couples, left.couple_terms, _couples_carry(engine, numbers, made, left, orders)),
     ):
-        least = ROUNDED * EPS * terms
+        least = ROUNDED_ORDERS * EPS * terms
         columns[f"rms_{kind}"] = _settled(vector, least).rms * square
         sizes[f"rms_{kind}"] = np.sqrt(np.square(carried).sum(axis=-1)) * square
         for i, word in enumerate(_WORDS[n] for n in orders):
@@ -189,7 +188,7 @@ def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray,
     phases = (steps + 1) * lean * bank + steps * lead * offset
     # A transform gives every harmonic with the rounding of the whole motion.
     whole = steps**2 * (1.0 if made.master is None else 1.0 + (made.rod / made.radius)[..., None])
-    return (ROUNDED + phases) * terms + 4 * whole * terms[..., :1]
+    return (ROUNDED_ORDERS + phases) * terms + 4 * whole * terms[..., :1]
 
 
 def _couples_carry(
@@ -241,10 +240,10 @@ def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns
     one, all_together, angles = engine_torque(engine, n)
     count, steps, found = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
     phases = np.abs(one.orders) * (steps * (2 * FOUR_STROKE + np.abs(angles).max(axis=-1)[..., None]) + count)
-    carried = count * (ROUNDED * one.sizes[..., 1:] + phases)
-    found = np.where(found <= ROUNDED * EPS * count * np.abs(one.orders), 0.0, found)
+    carried = count * (ROUNDED_ORDERS * one.sizes[..., 1:] + phases)
+    found = np.where(found <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, found)
     columns = {"mean_torque": count * one.mean, "mean_power": count * one.mean * n["speed"]}
-    mean_size = count * ROUNDED * one.sizes[..., 0]
+    mean_size = count * ROUNDED_ORDERS * one.sizes[..., 0]
     sizes = {"mean_torque": mean_size, "mean_power": mean_size * n["speed"]}
     for i, order in enumerate(TORQUE_ORDERS):
         columns[torque_name(order)], sizes[torque_name(order)] = found[..., i], carried[..., i]

@@ -6,7 +6,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.balancing.engines.engine_layout import Layout, Pattern, boxer, in_line, radial, v, w
+from engine.balancing.engines.engine_layout import (
+    EngineLayout,
+    Pattern,
+    boxer_engine,
+    in_line_engine,
+    radial_engine,
+    v_engine,
+    w_engine,
+)
 from engine.balancing.engines.firing import even_firing_order, firing_angles
 from engine.scene.parts import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, quantity
 
@@ -117,11 +125,13 @@ class EngineElement(Part):
             This layout doesn't have so many cylinders or throws.
         """
         if self.layout == "radial":
-            return radial(self.cylinders)
-        return {"in-line": in_line, "V": v, "W": _w, "boxer": boxer}[self.layout](self.cylinders, self.throws)
+            return radial_engine(self.cylinders)
+        return {"in-line": in_line_engine, "V": v_engine, "W": _w, "boxer": boxer_engine}[self.layout](
+            self.cylinders, self.throws
+        )
 
     @cached_property
-    def nominal_layout(self) -> Layout:
+    def nominal_layout(self) -> EngineLayout:
         """The layout with the element's own sizes; without `spacing` with one of 1."""
         return self.pattern().layout(**{key: getattr(self, key) for key in SIZES if getattr(self, key) is not None})
 
@@ -146,4 +156,4 @@ class EngineElement(Part):
 
 
 def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
-    return w(cylinders, throws=throws)
+    return w_engine(cylinders, throws=throws)

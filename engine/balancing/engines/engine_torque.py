@@ -4,7 +4,7 @@ Over each stroke torque and kinetic energy are smooth, so a Gauss rule of each o
 to rounding, where evenly spaced positions would feel the kinks at the dead centres. With theta from the outer dead
 centre at which a cylinder fires, the torque of its gas is (p − p_0) A dx/dtheta, x being the piston's way from it, and
 that of its inertia −d/dtheta ½ (m x'² + K psi'²), m being the reciprocating mass and K the rod's J_S − m a b. Cylinders
-that fire at f_k add up to the harmonics of one times Σ exp(−i n f_k), as in `engine.balancing.engines.torque_orders`.
+that fire at f_k add up to the harmonics of one times Σ exp(−i n f_k), `engine.balancing.engines.firing.firing_sums`.
 
 How far a rule of half the nodes is off tells how far this one may be: singular points of the motion lie near for rods
 hardly longer than the crank, those of the gas for small clearances.
@@ -17,10 +17,31 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.balancing.engines.engine_layout import TURN
-from engine.balancing.engines.torque_orders import Indicator
 
 NODES = 48
 EPS = float(np.finfo(float).eps)
+
+
+class Indicator(NamedTuple):
+    """Ideal diagram of a four-stroke engine, as in `engine.laws.indicator_diagrams`.
+
+    Attributes
+    ----------
+    clearance : float
+        1/(compression ratio − 1).
+    intake, exhaust, peak, outside : float
+        Pressures, absolute; outside that below the piston [Pa].
+    n_compression, n_expansion : float
+        Polytropic exponents.
+    """
+
+    clearance: float
+    intake: float
+    exhaust: float
+    peak: float
+    n_compression: float
+    n_expansion: float
+    outside: float = 101325.0
 
 
 class Torque(NamedTuple):

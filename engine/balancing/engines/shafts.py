@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from engine.balancing.engines.engine_layout import Engine
 from engine.balancing.engines.hodograph import Hodograph
 from engine.balancing.engines.shaking import EngineShaking
-from engine.balancing.rotors.unbalance import Resultant, in_two_planes
+from engine.balancing.rotors.unbalance import Resultant, unbalance_in_two_planes
 
 
 class BalanceShaft(NamedTuple):
@@ -59,7 +59,9 @@ class BalanceShaft(NamedTuple):
         return self.order**2 * (self.unbalances * self.planes).sum(axis=-1)
 
 
-def counterweights(engine: Engine, rotating: ArrayLike = 1.0, reciprocating: ArrayLike = 0.0) -> BalanceShaft:
+def crankshaft_counterweights(
+    engine: Engine, rotating: ArrayLike = 1.0, reciprocating: ArrayLike = 0.0
+) -> BalanceShaft:
     """Counterweights opposite each throw.
 
     Parameters
@@ -80,15 +82,15 @@ def counterweights(engine: Engine, rotating: ArrayLike = 1.0, reciprocating: Arr
     return BalanceShaft(1, 1, -mass * throws, engine.layout.positions)
 
 
-def proposed_shafts(found: EngineShaking, planes: tuple[float, float], tolerance: float = 1e-9) -> list[BalanceShaft]:
-    """Shafts that leave no force and no couple of all orders given.
+def balance_shafts(found: EngineShaking, planes: tuple[float, float], tolerance: float = 1e-9) -> list[BalanceShaft]:
+    """Shafts that leave no force and no couple of any order given.
 
     Parameters
     ----------
     found : EngineShaking
         Of an engine, or what already remains with counterweights and other shafts.
     planes : tuple of float
-        Where the shafts carry their unbalances [m]: twice the same where no couple remains.
+        Where the shafts carry their unbalances [m]; of twice the same plane, couples are left as they are.
     tolerance : float
         What is no greater than this share of the sizes of all that the cylinders contribute needs no shaft.
 
@@ -98,13 +100,13 @@ def proposed_shafts(found: EngineShaking, planes: tuple[float, float], tolerance
         For each order the one that turns with the crank and the one against it, where there is something to balance.
         For the first order and with the crank it is the crank itself.
     """
-    shafts = []
+    shafts, apart = [], planes[0] != planes[1]
     for i, order in enumerate(found.forces.orders):
         parts = zip((1, -1), found.forces.of(order), found.couples.of(order), strict=True)
         for sense, force, couple in parts:
             pulls = np.abs(force) > tolerance * found.force_terms[..., i]
             tilts = np.abs(couple) > tolerance * found.couple_terms[..., i]
-            if np.any(pulls | tilts):
+            if np.any(pulls | (tilts & apart)):
                 shafts.append(_shaft(order, sense, force, couple, planes))
     return shafts
 
@@ -112,31 +114,11 @@ def proposed_shafts(found: EngineShaking, planes: tuple[float, float], tolerance
 def _shaft(order: int, sense: int, force: np.ndarray, couple: np.ndarray, planes: tuple[float, float]) -> BalanceShaft:
     if planes[0] == planes[1]:
         return BalanceShaft(order, sense, -force[..., None] / order**2, np.array(planes[:1]))
-    first, second = in_two_planes(Resultant(force, couple, np.zeros(())), *planes)
+    first, second = unbalance_in_two_planes(Resultant(force, couple, np.zeros(())), *planes)
     return BalanceShaft(order, sense, -np.stack([first, second], axis=-1) / order**2, np.array(planes))
 
 
-def lanchester(found: EngineShaking, order: int, plane: float = 0.0) -> list[BalanceShaft]:
-    """Lanchester's balancer: a pair of shafts that leave no force of one order.
-
-    Parameters
-    ----------
-    found : EngineShaking
-    order : int
-    plane : float
-        Where the shafts carry their unbalances [m].
-
-    Returns
-    -------
-    list of BalanceShaft
-    """
-    return [
-        BalanceShaft(order, sense, -np.asarray(force)[..., None] / order**2, np.array([plane]))
-        for sense, force in zip((1, -1), found.forces.of(order), strict=True)
-    ]
-
-
-def remaining(found: EngineShaking, shafts: Iterable[BalanceShaft]) -> EngineShaking:
+def remaining_shaking(found: EngineShaking, shafts: Iterable[BalanceShaft]) -> EngineShaking:
     """What remains with counterweights and shafts.
 
     Parameters

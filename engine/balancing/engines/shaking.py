@@ -27,7 +27,7 @@ from engine.balancing.engines.harmonics import piston_harmonics
 from engine.balancing.engines.hodograph import Hodograph
 from engine.balancing.engines.master_rod import master_rod_harmonics
 
-ORDERS = (1, 2, 4, 6)
+SHAKING_ORDERS = (1, 2, 4, 6)
 
 
 class EngineShaking(NamedTuple):
@@ -47,7 +47,7 @@ class EngineShaking(NamedTuple):
     couple_terms: np.ndarray
 
 
-def engine_shaking(engine: Engine, orders: Sequence[int] = ORDERS) -> EngineShaking:
+def engine_shaking(engine: Engine, orders: Sequence[int] = SHAKING_ORDERS) -> EngineShaking:
     """Inertia forces and couples on the engine's frame.
 
     Parameters

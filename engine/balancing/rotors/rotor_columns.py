@@ -14,13 +14,21 @@ from functools import partial, reduce
 import numpy as np
 
 from engine.balancing.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
-from engine.balancing.rotors.correction import correct, corrected, misplaced_share
+from engine.balancing.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.balancing.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.balancing.rotors.hole_pattern import PatternError, best_holes
-from engine.balancing.rotors.knife_edges import residual_unbalance
+from engine.balancing.rotors.knife_edges import residual_unbalance, resting_angle
 from engine.balancing.rotors.rotor_element import CorrectionPlane, RotorElement
 from engine.balancing.rotors.rotor_rounding import BalancedRotor, rotor_sizes
-from engine.balancing.rotors.unbalance import Resultant, about, in_two_planes, kind, resultant, unbalance
+from engine.balancing.rotors.unbalance import (
+    Resultant,
+    about,
+    kind,
+    resultant_unbalance,
+    single_plane,
+    unbalance,
+    unbalance_in_two_planes,
+)
 from engine.elements.element_laws import ElementResult, LawOfArrays
 
 Numbers = Mapping[str, np.ndarray]
@@ -34,6 +42,9 @@ _RESULTS = (
     ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
     ElementResult(
         "kind", "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)", "1", exact=True
+    ),
+    ElementResult(
+        "single_plane", "position at which a single correction leaves the least couple", "m", may_be_undefined=True
     ),
     ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
     ElementResult("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
@@ -56,6 +67,12 @@ _RESULTS = (
     ElementResult("correction_mass", "mass added in all planes", "kg"),
     ElementResult(
         "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
+    ),
+    ElementResult(
+        "knife_edge_angle",
+        "greatest angle between the heavy side and the lowest position at rest on knife edges",
+        "rad",
+        "rolling_arm",
     ),
 )
 
@@ -117,21 +134,23 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
         As of `rotor_sizes`; none of what is exact.
     """
     n = numbers
-    unbalances, places = unbalances_of(rotor, n)
-    before = resultant(unbalances, places, n["centre"])
-    made, planes, added = corrections_of(rotor, n, before)
-    after = corrected(before, made, planes)
+    unbalances, places = rotor_unbalances(rotor, n)
+    before = resultant_unbalance(unbalances, places, n["centre"])
+    made, planes, added = rotor_corrections(rotor, n, before)
+    after = corrected_unbalance(before, made, planes)
     bearings = n["first_bearing"], n["second_bearing"]
     forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
     weights = static_forces(n["mass"], n["centre"], *bearings)
     permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
     shares = np.array(tolerance_shares(n["centre"], *bearings))
     off = correction_errors(rotor, n)
+    rolling_arm = n.get("rolling_arm", np.full_like(permissible, math.nan))
     qualities, carried = _qualities(n, (before, after), made, planes, permissible, shares, off)
     columns = added | {
         "unbalance": np.abs(before.unbalance),
         "couple": np.abs(about(before, n["centre"]).moment),
         "kind": kind(before, n["centre"], permissible, permissible * np.abs(bearings[1] - bearings[0])).astype(float),
+        "single_plane": single_plane(before),
         "permissible_unbalance": permissible,
         "first_permissible": shares[0] * permissible,
         "second_permissible": shares[1] * permissible,
@@ -141,9 +160,8 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
         **_named(peak_forces(forces[0], weights), "peak_before"),
         **_named(peak_forces(forces[1], weights), "peak_after"),
         "correction_mass": sum(added[f"{name}.mass"] for name in rotor.planes),
-        "knife_edge_unbalance": residual_unbalance(
-            n["mass"], n.get("rolling_arm", np.full_like(permissible, math.nan))
-        ),
+        "knife_edge_unbalance": residual_unbalance(n["mass"], rolling_arm),
+        "knife_edge_angle": resting_angle(np.abs(before.unbalance), n["mass"], rolling_arm),
     }
     radii = np.stack([n[f"planes.{name}.radius"] for name in rotor.planes], axis=-1)
     return columns, rotor_sizes(
@@ -168,7 +186,7 @@ def _qualities(
 ) -> tuple[Columns, np.ndarray]:
     """Quality and grade before, after, and with all errors adding up; what all corrections add in bearings' planes."""
     first, second = n["first_bearing"], n["second_bearing"]
-    before, after = (np.abs(in_two_planes(state, first, second)) for state in states)
+    before, after = (np.abs(unbalance_in_two_planes(state, first, second)) for state in states)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         levers = np.stack([planes.T - second, first - planes.T]) / (first - second)
         # What each plane's correction amounts to in the bearings' planes: (bearings, planes, variants).
@@ -205,14 +223,14 @@ def _keys(rotor: RotorElement) -> Iterator[str]:
         yield from (f"planes.{name}.{key}" for key in ("position", "radius", "mass_error", "angle_error", *holes))
 
 
-def unbalances_of(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
+def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
     """Unbalances of a rotor, complex, and their positions: (variants, unbalances) [kg·m] and [m]."""
     at = [f"unbalances.{name}" for name in rotor.unbalances]
     parts = [unbalance(n[f"{u}.mass"], n[f"{u}.radius"], n[f"{u}.angle"]) for u in at]
     return np.stack(parts, axis=-1), np.stack([n[f"{u}.position"] for u in at], axis=-1)
 
 
-def corrections_of(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, Columns]:
+def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, Columns]:
     """Corrections of a rotor.
 
     Parameters

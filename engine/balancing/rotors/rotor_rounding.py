@@ -86,7 +86,9 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Colu
         "couple": (own * (np.abs(b.positions) + centre[:, None])).sum(axis=-1),
         "permissible_unbalance": FEW * columns["permissible_unbalance"],
         "error_allowance": _room(allowed + after, each.sum(axis=-1), b, columns["error_allowance"]),
+        "single_plane": _plane_size(own, np.abs(b.positions) + 2 * centre[:, None], centre, columns),
         "knife_edge_unbalance": FEW * columns["knife_edge_unbalance"],
+        "knife_edge_angle": _resting_size(own.sum(axis=-1), columns),
     }
     worst = after + (each * b.off.T).sum(axis=-1)
     for word, size in (("before", before), ("after", after), ("at_worst", worst)):
@@ -102,6 +104,21 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Colu
         sizes[f"{name}.angle"] = added[:, k] / np.abs(b.made[:, k]) + SOME
     sizes["correction_mass"] = sum(sizes[f"{name}.mass"] for name in rotor.planes)
     return sizes
+
+
+def _plane_size(own: np.ndarray, arms: np.ndarray, centre: np.ndarray, columns: Columns) -> np.ndarray:
+    """Roundings of the position c + Re(P/U) of a single correction plane."""
+    moment, whole = (own * arms).sum(axis=-1), own.sum(axis=-1)
+    arm = np.abs(columns["single_plane"]) + centre
+    return (moment + arm * whole) / columns["unbalance"] + FEW * (arm + centre)
+
+
+def _resting_size(own: np.ndarray, columns: Columns) -> np.ndarray:
+    """Roundings of arcsin(m k/D): as m k nears D a little more of it does ever more to the angle."""
+    sine = columns["knife_edge_unbalance"] / columns["unbalance"]
+    angle = FEW * columns["knife_edge_angle"]
+    grows = sine * (own / columns["unbalance"] + FEW) / np.sqrt(np.maximum(1.0 - sine * sine, 0.0))
+    return np.where(sine < 1.0, grows + angle, angle)
 
 
 def _room(size: np.ndarray, carried_size: np.ndarray, b: BalancedRotor, room: np.ndarray) -> np.ndarray:
