@@ -28,7 +28,7 @@ LADDERS = (tuple(2.0**-k for k in (2, 3, 4, 5, 6, 7)), tuple(2.0**-k for k in (9
 EVALUATIONS = 2 * len(LADDERS[0])
 # Shorter steps are tried where longer ones leave more than this share open.
 GOOD = 1e-8
-# A place known to a position only moves in jumps.
+# The place of an extreme may jump from one peak to another.
 PLACES = (".min_at", ".max_at")
 
 
@@ -141,7 +141,9 @@ def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivativ
     """
     for name in machine.asked_summaries:
         if name.endswith(PLACES):
-            raise AskError(f"{name!r} is known to a position only, and moves in jumps: it has no derivative")
+            raise AskError(
+                f"{name!r} is the place of an extreme, which may jump from peak to peak: it has no derivative"
+            )
     here = machine.evaluate(move.varied(move.at, np.arange(move.at.size)))
     names, status = machine.asked_summaries, here.status.copy()
     values, errors = ({name: np.full(move.at.shape, np.nan) for name in names} for _ in range(2))

@@ -85,7 +85,7 @@ class ElementColumns:
         return TileFunction(load_printed(self.text).numbers)
 
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
-        """Write what is asked of the variants `keep`, and the verdict on those of them that are well so far.
+        """Write what is asked of the variants `keep`, and the verdict on those of them without a complaint so far.
 
         JAMS where a force or moment would have to be infinite, NOT_FINITE where a law has no value.
 

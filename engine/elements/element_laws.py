@@ -91,7 +91,7 @@ class LawOfArrays(NamedTuple):
         From the numbers of all variants (numbers, variants) it gives their results (results, variants) and, of the same
         shape, the magnitudes whose rounding these carry, that of the numbers with it.
     arguments, results
-        As of `ElementLaw`.
+        As for `ElementLaw`.
     block : int
         For how many variants at a time it is called.
     """
@@ -106,7 +106,7 @@ class LawOfArrays(NamedTuple):
 def screw(
     load: float, diameter: float, lead: float, angle: float, friction: float, collar_diameter: float, collar: float
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """Screw with its thrust collar: results as of `LAWS`."""
+    """Screw with its thrust collar: results as listed in `LAWS`."""
     radius, collar_radius, slope = diameter / 2, collar_diameter / 2, thread_slope(lead, diameter)
     reduced = flank_friction(friction, angle / 2)
     held = collar_moment(load, collar_radius, collar)
@@ -129,7 +129,7 @@ def screw(
 def belt(
     diameter: float, wrap: float, friction: float, groove: float, tension: float, moment: float, q: float, speed: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Belt of a given tension, or moment where the tension is NaN: results as of `LAWS`."""
+    """Belt of a given tension, or moment where the tension is NaN: results as listed in `LAWS`."""
     radius, reduced = diameter / 2, vee_friction(friction, groove / 2)
     centrifugal = centrifugal_tension(q, speed)
     tight = tight_tension(moment, centrifugal, reduced, wrap, radius) if math.isnan(tension) else tension
@@ -150,7 +150,7 @@ def belt(
 
 @scalar
 def wedge(load: float, angle: float, friction: float, base: float, guide: float) -> tuple[float, float, float, float]:
-    """Wedge: results as of `LAWS`."""
+    """Wedge: results as listed in `LAWS`."""
     slope = math.tan(angle)
     drive, withdraw = (
         wedge_drive(load, slope, friction, base, guide),
@@ -163,7 +163,7 @@ def wedge(load: float, angle: float, friction: float, base: float, guide: float)
 def incline(
     load: float, angle: float, friction: float, static: float, pull_angle: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Incline: results as of `LAWS`."""
+    """Incline: results as listed in `LAWS`."""
     up = incline_up(load, angle, friction, pull_angle)
     return (
         math.atan(friction),
@@ -177,7 +177,7 @@ def incline(
 
 @scalar
 def journal(load: float, diameter: float, friction: float, factor: float, speed: float) -> tuple[float, float, float]:
-    """Journal: results as of `LAWS`."""
+    """Journal: results as listed in `LAWS`."""
     moment = journal_moment(load, diameter / 2, friction, factor)
     return friction_circle(diameter / 2, friction, factor), moment, moment * abs(speed)
 
@@ -186,7 +186,7 @@ def journal(load: float, diameter: float, friction: float, factor: float, speed:
 def guide(
     load: float, resistance: float, overhang: float, length: float, friction: float, vee: float, factor: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Slider on its guide: results as of `LAWS`."""
+    """Slider on its guide: results as listed in `LAWS`."""
     half, reduced = length / 2, factor * vee_friction(friction, vee / 2)
     drive = overhung_drive(resistance, load, overhang, half, reduced)
     front, rear = edge_forces(load, drive * overhang, half)
@@ -206,7 +206,7 @@ def guide(
 def roller(
     load: float, diameter: float, arm: float, friction: float, height: float, mate: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Roller on a plane or on a second roller: results as of `LAWS`."""
+    """Roller on a plane or on a second roller: results as listed in `LAWS`."""
     radius = diameter / 2
     return (
         rolling_moment(load, arm),
@@ -250,12 +250,14 @@ LAWS = {
         _screw_arguments,
         (
             ElementResult("lead_angle", "lead angle of the thread", "rad"),
-            ElementResult("friction_angle", "angle of friction of the thread, its flanks reckoned in", "rad"),
+            ElementResult(
+                "friction_angle", "angle of friction of the thread, with the inclination of its flanks", "rad"
+            ),
             ElementResult("raise_moment", "moment that raises the load", "N m"),
             ElementResult("lower_moment", "moment that lowers the load, negative where the load drives", "N m"),
             ElementResult("collar_moment", "moment of friction at the thrust collar", "N m"),
             ElementResult("raise_efficiency", "efficiency of raising the load", "1"),
-            ElementResult("lower_efficiency", "share of the sinking load's work that the screw gives away", "1"),
+            ElementResult("lower_efficiency", "share of the sinking load's work that the screw passes on", "1"),
             _flag("self_locking", "the load stays by itself (1 or 0)"),
             ElementResult("locking_friction", "least coefficient of friction with which the load stays by itself", "1"),
         ),

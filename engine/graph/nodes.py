@@ -409,7 +409,7 @@ class Graph:
         return self._once(("sum", kept), lambda: Sum(self, kept))
 
     def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0) -> None:
-        """Say that something switches where a curve crosses a level; `kink` as of `Crossing`."""
+        """Say that something switches where a curve crosses a level; `kink` as for `Crossing`."""
         if curve.stage == Stage.POSITION:
             level = level if isinstance(level, Node) else self.constant(level)
             known = self._crossings.setdefault((curve, level), Crossing(curve, rate, level, kink))

@@ -251,7 +251,7 @@ def over_positions(
     """Print a function that fills rows over the positions of one variant.
 
     Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the place of the
-    variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as of `in_lanes`.
+    variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as for `in_lanes`.
     """
     body = Statements(outputs, Stage.POSITION, True, dtype)
     used = dict.fromkeys(body.positions)

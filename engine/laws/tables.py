@@ -32,7 +32,7 @@ HEAD = 3
 
 
 class TableError(ValueError):
-    """Rows from which no table can be made; the text names the row, the value and the mend."""
+    """Rows from which no table can be made; the text names the row, the value and the remedy."""
 
 
 class Table(NamedTuple):

@@ -55,7 +55,7 @@ class Machine:
         Of the kept fields; summaries are always computed in float64.
     accuracy : float, optional
         Allowed error of every summary, as a share of its magnitude; of a statistic of a field, of the field's peak.
-        Without it summaries are as accurate as costs next to nothing.
+        Without it summaries are as accurate as they can be at next to no cost.
 
     Raises
     ------
@@ -264,7 +264,7 @@ class Machine:
         variants = status.size
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
-        # The rest is filled in of variants alone that are well so far.
+        # The rest is filled in only for variants without a complaint so far.
         room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
@@ -297,7 +297,7 @@ class Machine:
         self._note_accuracy(outcome, keep, answers)
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Compute the regimes of those of the variants `keep` that are well so far."""
+        """Compute the regimes of those of the variants `keep` that have no complaint so far."""
         ready = np.flatnonzero(outcome.status[keep] == Verdict.OK)
         if not ready.size:
             return
@@ -309,7 +309,7 @@ class Machine:
             outcome.fields[name][moved] = rows
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
-        """Fill the kept fields; of which variants all values are finite."""
+        """Fill the kept fields; returns which variants have finite values alone."""
         places = {name: row for row, name in enumerate(self.asked_fields)}
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
@@ -355,7 +355,7 @@ class Machine:
             sines = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
             at, place = first_failure(sines, table[:, lost], self._ends, np.isnan)
             for k, group in enumerate(groups):
-                # A hair beside the place where links still reach, positions differ by rounding.
+                # Just beside the limit of the links' reach, positions differ by rounding.
                 hidden = (at < 0) & np.isnan(answers.sines()[k][0][lost])
                 here = (at == k) | hidden
                 at[hidden] = k

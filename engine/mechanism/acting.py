@@ -60,7 +60,7 @@ class Load(NamedTuple):
 
 
 class Characteristic(NamedTuple):
-    """How large a load is: `coefficient` (a number of the variant) × `value`; `order` as of `Load`."""
+    """How large a load is: `coefficient` (a number of the variant) × `value`; `order` as for `Load`."""
 
     coefficient: Node
     value: Node

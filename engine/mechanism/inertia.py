@@ -104,7 +104,7 @@ class BodyInertiaForces(NamedTuple):
 
 
 def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
-    """Inertia forces of a body, whatever stands for it.
+    """Inertia forces of a body, even where point masses replace it.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
 
 
 def inertia_of(scene: Scene, name: str, numbers: Numbers) -> float | np.ndarray:
-    """Moment of inertia about a body's centre of mass that is computed with: its own, or that of its point masses.
+    """Moment of inertia about a body's centre of mass that the dynamics uses: its own, or that of its point masses.
 
     Parameters
     ----------

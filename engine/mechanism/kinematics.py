@@ -58,7 +58,7 @@ class Kinematics(Assembly):
         return self._centre(name, self.masses[name])
 
     def body_centre(self, name: str) -> MovingPoint:
-        """Centre of mass of a body, whatever stands for it."""
+        """Centre of mass of a body, even where point masses replace it."""
         return self._centre(name, whole_body(self.scene, name, self.varied))
 
     def _centre(self, name: str, mass: LinkMass) -> MovingPoint:

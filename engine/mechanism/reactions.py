@@ -32,7 +32,7 @@ from engine.scene.pairs import Pair, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure import Structure
 
-# What rubs, and how it is told.
+# What friction causes in each kind of pair, as the names of fields have it.
 _FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force"}
 
 

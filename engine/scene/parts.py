@@ -338,7 +338,7 @@ class Body(Part):
 
 
 class Balance(Part):
-    """How the machine's shaking is reckoned: the point of the frame about which its moment is taken."""
+    """What the shaking of the machine refers to: the point of the frame about which its moment is taken."""
 
     about: Name
 

@@ -8,8 +8,8 @@ size of a force or couple of one order are the half axes of its ellipse: the lea
 equal to the greatest where it circles.
 
 Error figures: numbers of an engine act in proportion or turn a phase, so that what their rounding does is known from
-the sizes of the terms. That of the ratio of crank and rod does more as the rod gets hardly longer than the crank, but
-less than the room there is: 0.9 of it at a ratio of 0.99999.
+the sizes of the terms. That of the ratio of crank to rod does more as the rod becomes hardly longer than the crank,
+but stays within what is allowed for: 0.9 of it at a ratio of 0.99999.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -63,7 +63,7 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
             yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
         listed = ", ".join(map(str, orders))
         yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
-    yield ElementResult("crank_unbalance", "unbalance of all counterweights together, each as a size", "kg m")
+    yield ElementResult("crank_unbalance", "sum of the magnitudes of all counterweights' unbalances", "kg m")
     if engine.gas is not None:
         yield ElementResult("mean_torque", "mean torque of the gas", "N m")
         yield ElementResult("mean_power", "mean power of the gas", "W")
@@ -125,7 +125,7 @@ def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Co
     columns : dict of str to ndarray (variants,)
         NaN where the crank can't turn.
     sizes : dict of str to ndarray (variants,)
-        Of what each is made of: how many roundings of 1 it is off.
+        Magnitudes whose rounding each of them carries.
     """
     made = made_engine(engine, numbers)
     weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
@@ -157,7 +157,7 @@ def made_engine(engine: EngineElement, numbers: Numbers) -> Engine:
     Parameters
     ----------
     engine, numbers
-        As of `engine_columns`.
+        As for `engine_columns`.
     """
     n = numbers
     layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
@@ -209,7 +209,7 @@ def engine_torque(
     Parameters
     ----------
     engine, n
-        As of `engine_columns`; with gas.
+        As for `engine_columns`; with gas.
     orders : sequence of float
         Multiples of ½, above 0.
 
@@ -251,7 +251,7 @@ def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns
 
 
 def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:
-    """Without what is rounding alone."""
+    """With parts that are nothing but rounding set to 0."""
     parts = (np.where(np.abs(part) <= least, 0.0, part) for part in (found.forward, found.backward))
     return Hodograph(found.orders, *parts)
 

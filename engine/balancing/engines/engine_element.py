@@ -26,7 +26,7 @@ SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
 
 
 class EngineGas(Part):
-    """Ideal four-stroke diagram of every cylinder, as of a cylinder of the type "four_stroke"."""
+    """Ideal four-stroke diagram of every cylinder, as for a cylinder of type "four_stroke"."""
 
     bore: Positive
     clearance: Annotated[Number, Field(gt=0)]
@@ -45,13 +45,13 @@ class EngineElement(Part):
     of the pair, or row across, that works on it; usual ones where not given. By `pin_offset` a split crankpin of a V
     leads for the second bank. `spacing` is that of the throws, `rod_distance` that of the rods on one throw: without
     `spacing` there are no couples. `rod_centre` is the distance of the rod's centre of mass from the crankpin,
-    `throw_mass` is reckoned at the crankpin. Counterweights balance the shares `balanced_rotating` and
+    `throw_mass` is reduced to the crankpin. Counterweights balance the shares `balanced_rotating` and
     `balanced_reciprocating` of the masses at each throw.
 
-    `gudgeon_offset` is the distance of the gudgeon pins' ways from the crank's axis, to the left of each cylinder as it
-    points outwards: of an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod` the rod is that of
-    `master_cylinder`; the others have link rods, with their centres of mass at `link_rod_centre` from the knuckle pins.
-    `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
+    `gudgeon_offset` is the distance of the gudgeon pins' lines of motion from the crank's axis, to the left of each
+    cylinder as it points outwards: of an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod` the rod
+    is that of `master_cylinder`; the others have link rods, with their centres of mass at `link_rod_centre` from the
+    knuckle pins. `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
     """
 
     type: Literal["engine"]

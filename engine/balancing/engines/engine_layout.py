@@ -9,7 +9,7 @@ theta = 0.
 Cylinders are numbered bank by bank, and within a bank along the crank; in a radial engine as the crank passes them.
 
 A `Pattern` is a layout whose sizes are still open: bank angle, offset of the crankpins of one throw (a split pin),
-spacing of the throws, distance of the rods on one throw. With numbers for these it is a `EngineLayout`.
+spacing of the throws, distance of the rods on one throw. With numbers for these it is an `EngineLayout`.
 """
 
 import math

@@ -2,9 +2,9 @@
 
 Over each stroke torque and kinetic energy are smooth, so a Gauss rule of each of the four strokes has their harmonics
 to rounding, where evenly spaced positions would feel the kinks at the dead centres. With theta from the outer dead
-centre at which a cylinder fires, the torque of its gas is (p − p_0) A dx/dtheta, x being the piston's way from it, and
-that of its inertia −d/dtheta ½ (m x'² + K psi'²), m being the reciprocating mass and K the rod's J_S − m a b. Cylinders
-that fire at f_k add up to the harmonics of one times Σ exp(−i n f_k), `engine.balancing.engines.firing.firing_sums`.
+centre at which a cylinder fires, the torque of its gas is (p − p_0) A dx/dtheta, x being the piston's travel from
+there, and that of its inertia −d/dtheta ½ (m x'² + K psi'²), m being the reciprocating mass and K the rod's
+J_S − m a b. Cylinders that fire at f_k add up to the harmonics of one times Σ exp(−i n f_k).
 
 How far a rule of half the nodes is off tells how far this one may be: singular points of the motion lie near for rods
 hardly longer than the crank, those of the gas for small clearances.
@@ -98,7 +98,7 @@ def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: CylinderPart
         _by_quadrature(indicator, bore, moving, orders, nodes) for nodes in (NODES, NODES // 2)
     )
     off = np.concatenate([np.abs(mean - half_mean)[..., None], np.abs(found - half)], axis=-1)
-    # Convergence is geometric: the whole rule is off by the square of what half of it is, beside 1. Some room is left.
+    # Convergence is geometric: relative to 1 the whole rule errs by the square of half of it; 1.5 leaves some room.
     return Torque(mean, found, sizes * (1 + (off / sizes) ** 1.5 / EPS))
 
 

@@ -83,7 +83,7 @@ def firing_intervals(angles: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     angles : ndarray (cylinders,)
-        As of `firing_angles`, in any order.
+        As for `firing_angles`, in any order.
 
     Returns
     -------

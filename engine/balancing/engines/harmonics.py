@@ -67,7 +67,7 @@ def crank_masses(
     rod_inertia : array_like (...), optional
         J_S of the rod [kg·m²]; without it the rod counts as its two masses and the correction is 0.
     throw : array_like (...)
-        Mass of the throw, reckoned at the crankpin [kg].
+        Mass of the throw, reduced to the crankpin [kg].
     """
     piston, rod_mass, rod, arm, throw = (np.asarray(x, dtype=float) for x in (piston, rod_mass, rod, rod_centre, throw))
     shares = static_two(rod_mass, (-arm, 0.0), (rod - arm, 0.0))

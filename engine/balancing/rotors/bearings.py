@@ -71,5 +71,5 @@ def static_forces(
 
 
 def peak_forces(rotating: BearingForces, static: BearingForces) -> BearingForces:
-    """Greatest magnitudes over a turn, where the turning force points the way of the weight [N]."""
+    """Greatest magnitudes over a turn, where the rotating force points along the weight [N]."""
     return BearingForces(*(np.abs(r) + np.abs(s) for r, s in zip(rotating, static, strict=True)))

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-# Smallest of a rotor's singular values over its largest: below it nothing but rounding tells planes apart.
+# Smallest of a rotor's singular values over its largest: below it only rounding distinguishes the planes.
 LEAST_CONDITION = 1e-13
 
 

@@ -56,10 +56,10 @@ _RESULTS = (
     ElementResult("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
     ElementResult("grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True),
     ElementResult("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
-    ElementResult("first_force_before", "turning force on the first bearing before balancing", "N"),
-    ElementResult("second_force_before", "turning force on the second bearing before balancing", "N"),
-    ElementResult("first_force_after", "turning force on the first bearing after balancing", "N"),
-    ElementResult("second_force_after", "turning force on the second bearing after balancing", "N"),
+    ElementResult("first_force_before", "rotating force on the first bearing before balancing", "N"),
+    ElementResult("second_force_before", "rotating force on the second bearing before balancing", "N"),
+    ElementResult("first_force_after", "rotating force on the first bearing after balancing", "N"),
+    ElementResult("second_force_after", "rotating force on the second bearing after balancing", "N"),
     ElementResult("first_peak_before", "force on the first bearing with the weight before balancing", "N"),
     ElementResult("second_peak_before", "force on the second bearing with the weight before balancing", "N"),
     ElementResult("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
@@ -131,7 +131,7 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
     columns : dict of str to ndarray (variants,)
         As named in `rotor_law`; NaN where there is no such rotor or correction.
     sizes : dict of str to ndarray (variants,)
-        As of `rotor_sizes`; none of what is exact.
+        As for `rotor_sizes`; exact results have none.
     """
     n = numbers
     unbalances, places = rotor_unbalances(rotor, n)
@@ -170,7 +170,7 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
 
 
 def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
-    """By how much of itself each plane's correction may be off (planes, variants)."""
+    """How far each plane's correction may be off, as a share of it (planes, variants)."""
     at = [f"planes.{name}" for name in rotor.planes]
     return np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])
 

@@ -35,7 +35,7 @@ class BalancedRotor(NamedTuple):
     shares, carried : ndarray (2, variants)
         Of the permissible unbalance, and what the sizes of all corrections add up to, in the bearings' planes [kg·m].
     off : ndarray (planes, variants)
-        By how much of itself every correction may be misplaced.
+        How far every correction may be off, as a share of it.
     """
 
     unbalances: np.ndarray
@@ -70,7 +70,7 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Colu
     bearings = np.abs(n["first_bearing"]) + np.abs(n["second_bearing"])
     span, centre = np.abs(n["second_bearing"] - n["first_bearing"]), np.abs(n["centre"])
     stretched = 1 + bearings / span
-    # What a unit of unbalance at a place is felt as in a bearing's plane, with the sizes of all lengths.
+    # What a unit of unbalance at a place amounts to in a bearing's plane, with the magnitudes of all lengths.
     reach = ((np.abs(z) + (centre + bearings)[:, None]) / span[:, None] for z in (b.positions, b.planes))
     at_masses, at_planes = (r * stretched[:, None] for r in reach)
     added = _corrections(rotor, n, b, own)

@@ -107,7 +107,7 @@ def raise_efficiency(load: float, radius: float, slope: float, moment: float) ->
 
 @scalar
 def lower_efficiency(load: float, radius: float, slope: float, moment: float) -> float:
-    """Share of the sinking load's work that the screw gives away: -M/(Q r tan(beta)), 0 where it locks by itself.
+    """Share of the sinking load's work that the screw passes on: -M/(Q r tan(beta)), 0 where it locks by itself.
 
     Parameters
     ----------
