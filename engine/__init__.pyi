@@ -40,8 +40,7 @@ from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVA
 from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elements.elements_alone import ElementsAlone, made_ready
-from engine.flywheels.turning_moment import TurningMoment
-from engine.flywheels.turning_moment import from_table as turning_moment_from_table
+from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -190,6 +189,7 @@ __all__ = [
     "split_on_neighbours",
     "threads",
     "tolerance_shares",
+    "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",
     "unit_over",

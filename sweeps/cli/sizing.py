@@ -12,12 +12,20 @@ from sweeps.cli.shared import errors_as_messages, names_in, write_text
 @click.option("--speed", required=True, help="Mean speed, such as '250 rpm'.")
 @click.option("--fluctuation", required=True, help="Coefficient of speed fluctuation asked for, such as 1/50 or 2 %.")
 @click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
+@click.option("--inertia", default="0", help="Inertia that the machine has already, such as '0.4 kg m2'.")
+@click.option("--area-energy", help="Energy that a unit of area stands for, '4.5 J': TABLE has areas then.")
 @errors_as_messages
-def flywheel(table: Path, speed: str, fluctuation: str, interpolation: str) -> None:
-    """Size a flywheel from a turning-moment table: a CSV with the columns `phi [deg]` and `moment [N m]`."""
+def flywheel(
+    table: Path, speed: str, fluctuation: str, interpolation: str, inertia: str, area_energy: str | None
+) -> None:
+    """Size a flywheel from a turning-moment diagram.
+
+    TABLE is a CSV with the columns `phi [deg]` and `moment [N m]`. With --area-energy it has one column, `area [mm2]`:
+    the areas between the diagram and its mean line in order, positive above the line.
+    """
     from sweeps.report.flywheel_table import flywheel_text
 
-    click.echo(flywheel_text(table, speed, fluctuation, interpolation))
+    click.echo(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
 
 
 @click.command("balance")
