@@ -37,6 +37,8 @@ def test_inertia_that_is_there__is_taken_off():
     # Half a turn at 100 N·m: 100 π J = I δ ω².
     asked = 100 * math.pi / (0.02 * (20 * math.pi) ** 2)
     assert inertia_in(said("flywheel", "moments.csv", *ASKED).stdout) == pytest.approx(asked, rel=1e-4)
+    scale = ("--area-energy", f"{250 * math.radians(3)!r} J", "--inertia", "2.7 kg m2")
+    assert inertia_in(said("flywheel", "areas.csv", *ASKED, *scale).stdout) == pytest.approx(30.0, abs=0.05)
     less = said("flywheel", "moments.csv", *ASKED, "--inertia", "1.5 kg m2").stdout
     assert inertia_in(less) == pytest.approx(asked - 1.5, rel=1e-4)
 
