@@ -23,11 +23,11 @@ from engine.quantities.expressions import (
     Evaluation,
     Expression,
     Extreme,
+    ExtremePosition,
     Followed,
     Integral,
     LeastMagnitude,
     Measurement,
-    Place,
     Speed,
     SteadyCycle,
     StrokeEnd,
@@ -92,8 +92,8 @@ class Measuring:
         self._spaced, self._grid = list(dict.fromkeys(followed)), grid
         self._asked = measurements(expressions)
         of = {kind: [a for a in self._asked if isinstance(a, kind)] for kind in _KINDS}
-        extremes = [a for a in (*of[Extreme], *of[Place]) if isinstance(a.curve, Node)]
-        asked = [a.curve for a in (*of[Extreme], *of[Place], *of[Average]) if not isinstance(a.curve, Node)]
+        extremes = [a for a in (*of[Extreme], *of[ExtremePosition]) if isinstance(a.curve, Node)]
+        asked = [a.curve for a in (*of[Extreme], *of[ExtremePosition], *of[Average]) if not isinstance(a.curve, Node)]
         self._followed = list(dict.fromkeys([*self._spaced, *asked]))
         cycles = [*of[SteadyCycle], *(f.steady for f in self._followed if isinstance(f, Speed))]
         curves = [a.curve for a in (*of[Integral], *extremes, *of[LeastMagnitude])]
@@ -145,7 +145,7 @@ class Measuring:
         settlings = self.mechanics.reactions.settlings
         return {g: s.margin for g, s in settlings.items() if behind.intersection((s.margin, *s.margin.operands))}
 
-    def _plan(self, of: dict[type, list], extremes: list[Extreme | Place], accuracy: float | None) -> None:
+    def _plan(self, of: dict[type, list], extremes: list[Extreme | ExtremePosition], accuracy: float | None) -> None:
         f = self.functions
         row, curve = f.rows, f.curves
         self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
@@ -193,7 +193,7 @@ class Measuring:
 
     def _resolved(self, of: dict[type, list]) -> set[Node]:
         """Curves that panels are made as short for as they need."""
-        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[Place])]
+        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition])]
         found += [a.curve for a in of[Extreme] if a.resolved]
         found += [node for steady in self._steady for node in (steady.of.moment, steady.of.inertia)]
         found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
@@ -223,13 +223,13 @@ class Measuring:
         return min(asked, FINELY) if curve in self._sines else asked
 
     @cached_property
-    def machine(self) -> cycle.Machine:
+    def machine(self) -> cycle.CycleMachine:
         """The compiled functions with their plan."""
         module = load_printed(self.functions.text)
-        return cycle.Machine(self.plan, module.curves, module.events, module.levels, module.states)
+        return cycle.CycleMachine(self.plan, module.curves, module.events, module.levels, module.states)
 
     @cached_property
-    def _first_pass(self) -> cycle.Machine:
+    def _first_pass(self) -> cycle.CycleMachine:
         """The same without speed fluctuations, where these need flywheels that follow from the cycle."""
         if any(steady.fluctuation is not None and steady.of.wheel is not None for steady in self._steady):
             return self.machine
@@ -246,7 +246,7 @@ class Measuring:
                 table[self.functions.rows[node]] = node.value if isinstance(node, Constant) else node.compute(numbers)
         return table
 
-    def __call__(self, table: np.ndarray) -> "Answers":
+    def __call__(self, table: np.ndarray) -> "MeasuredCycles":
         """Measure all variants.
 
         Parameters
@@ -254,7 +254,7 @@ class Measuring:
         table : ndarray (numbers, variants)
             From `numbers`.
         """
-        answers = Answers(self, table, self._first_pass.evaluate(table, self.functions.memory))
+        answers = MeasuredCycles(self, table, self._first_pass.evaluate(table, self.functions.memory))
         unknown = [steady for steady in self._steady if steady.unknown_wheel is not None]
         again = False
         for steady in unknown:
@@ -263,13 +263,13 @@ class Measuring:
             table[self.functions.rows[steady.unknown_wheel]] = found.value
             # With the flywheel that is asked for the fluctuation is known, but where the machine needs none.
             again |= steady.speed_asked or not (found.value > 0.0).all()
-        return Answers(self, table, self.machine.evaluate(table, self.functions.memory)) if again else answers
+        return MeasuredCycles(self, table, self.machine.evaluate(table, self.functions.memory)) if again else answers
 
 
 _KINDS = (
     Integral,
     Extreme,
-    Place,
+    ExtremePosition,
     LeastMagnitude,
     Average,
     Unbalanced,
@@ -329,21 +329,21 @@ class _Steady:
         self.numbers += [of.fluctuation] if of.fluctuation is not None else []
 
 
-class Answers:
+class MeasuredCycles:
     """What was measured on the cycles of some variants.
 
     Parameters
     ----------
     measuring : Measuring
     table : ndarray (numbers, variants)
-    outcome : engine.cycle.machine.Outcome
+    outcome : engine.cycle.machine.CycleOutcome
 
     Attributes
     ----------
     outcome : as given
     """
 
-    def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.Outcome) -> None:
+    def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.CycleOutcome) -> None:
         self._m, self._table, self.outcome = measuring, table, outcome
         self.value_of = Evaluation(self._measured)
 
@@ -389,7 +389,7 @@ class Answers:
                 return outcome.integrals[m._integrals.index(curve)]
             case Extreme(curve, sense):
                 return getattr(self._extremes_of(curve)[0], sense)[self._extremes_of(curve)[1]]
-            case Place(curve, sense):
+            case ExtremePosition(curve, sense):
                 return getattr(self._extremes_of(curve)[0], f"{sense}_at")[self._extremes_of(curve)[1]]
             case LeastMagnitude(curve):
                 return self._least_magnitude(curve)

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from engine.equal_positions.rows_machine import RowsMachine
 from machines import compare, crank, evaluated, frame, rrp, variants_of
 from oracle import EPS, Motion
 from oracle_dynamics import moments, reduced_inertia, reduced_inertia_phi
@@ -15,7 +16,6 @@ from press import actions, bodies, forces, press
 
 from engine import Machine, Scene, Verdict
 from engine.compiling.threads import set_threads
-from engine.equal_positions.rows_machine import RowsMachine
 
 I_FIELDS = ("reduced_inertia", "reduced_inertia_phi")
 

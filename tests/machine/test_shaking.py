@@ -5,6 +5,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+from engine.equal_positions.shaking import order_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import changed, crank, evaluated, four_bar, frame, on, rpr, rrp, rrr
@@ -12,7 +13,6 @@ from oracle import EPS, Motion
 from oracle_dynamics import body_of
 
 from engine import Machine, Scene, SceneError, Verdict
-from engine.equal_positions.shaking import order_of
 
 SHAKING = ["shaking_force_x", "shaking_force_y", "shaking_moment"]
 # The motions' harmonics fall below rounding before half of it.
