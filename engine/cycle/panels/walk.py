@@ -50,6 +50,8 @@ AIM = 0.2
 LAST_ONES = 0.1
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on in long ones.
 FLOOR, MOST = 1e-7, 200
+# A panel may be longer than wanted by this share, so as not to leave a sliver of the distance to the next edge.
+STRETCH = 1e-9
 # Coefficients are level for what is narrower than the panel, or for rounding. For the former, so many panels in
 # a row are refused before it is taken for the latter; then MARGIN times what was left is tolerated.
 PATIENCE, MARGIN = 8.0, 4.0
@@ -111,7 +113,7 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
         # A lane that has taken as many as it may goes on in a few long ones.
         wanted = walk[WANTED, lane] if walk[TAKEN, lane] < MOST else LAST_ONES * walk[RANGE, lane]
-        pieces = np.ceil((edge - begin) / wanted * (1.0 - 1e-9))
+        pieces = np.ceil((edge - begin) / wanted * (1.0 - STRETCH))
         at_once = pieces <= 1.0
         end = edge if at_once else begin + (edge - begin) / pieces
         direction, end_before = walk[DIRECTION, lane], walk[END, lane]
@@ -210,7 +212,8 @@ def judge(longest: float, walk: Memory) -> bool:
         length, active, patient = end - begin, walk[ACTIVE, lane] > 0.0, walk[REFUSED, lane] < PATIENCE
         least, excess = FLOOR * walk[RANGE, lane], larger(falling, level)
         good = (falling <= 1.0) & ((level <= 1.0) | (not patient))
-        enough = good | (length <= least) | (walk[TAKEN, lane] >= MOST)
+        shortest = length <= least * (1.0 + 2.0 * STRETCH)
+        enough = good | shortest | (walk[TAKEN, lane] >= MOST)
         factor = larger(smaller(sixteenth_root(AIM / larger(excess, 1e-9)), LONGER), SHORTER)
         wanted = larger(length * factor, least)
         # Where it isn't good enough for a kink inside, the next one ends there.
