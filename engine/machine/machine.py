@@ -26,8 +26,9 @@ from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
-# A group whose transmission quality falls below this is singular: about the root of the rounding error.
-SINGULAR_SINE = 1e-7
+# A group whose transmission quality falls below this is singular: velocities have lost all but three digits there, and
+# a dip as narrow as that is hardly wider than the shortest panel.
+SINGULAR_SINE = 1e-6
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -294,7 +295,9 @@ class Machine:
         answers = self.measuring(table)
         undefined = np.zeros(keep.size, bool)
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
-            found = answers.value_of(expression)
+            # An overflow ends as a status, not as a warning.
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = answers.value_of(expression)
             value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
             nothing = ~np.isfinite(value)
             undefined |= nothing & (not summary.may_be_undefined)
@@ -334,7 +337,10 @@ class Machine:
             if own is not room:
                 room[rows] = own
         for name, curve in self._followed.items():
-            room[places[name]][keep] = values = answers.spaced(curve)
+            # In single precision a value may become infinite here.
+            with np.errstate(over="ignore"):
+                values = answers.spaced(curve).astype(self.dtype, copy=False)
+            room[places[name]][keep] = values
             finite &= np.isfinite(values).all(axis=1)
         return finite
 
@@ -361,18 +367,20 @@ class Machine:
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
         broken, groups = answers.outcome.broken_at, self.measuring.groups
-        singular = np.zeros(keep.size, bool)
-        for group, (least, place) in zip(groups, answers.sines(), strict=True):
-            fails = (least < SINGULAR_SINE) & ~singular & np.isnan(broken)
+        singular, sines = np.zeros(keep.size, bool), answers.sines()
+        # Where all groups can be assembled, what isn't finite may be so because of a dead centre itself.
+        assembled = ~np.isnan([least for least, _ in sines]).any(axis=0)
+        for group, (least, place) in zip(groups, sines, strict=True):
+            fails = (least < SINGULAR_SINE) & ~singular & assembled
             self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
             singular |= fails
         lost = np.flatnonzero(np.isfinite(broken) & ~singular)
         if lost.size and groups:
-            sines = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
-            at, place = first_failure(sines, table[:, lost], self._ends, np.isnan)
+            fields = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
+            at, place = first_failure(fields, table[:, lost], self._ends, np.isnan)
             for k, group in enumerate(groups):
                 # A hair beside the place where links still reach, positions differ by rounding.
-                hidden = (at < 0) & np.isnan(answers.sines()[k][0][lost])
+                hidden = (at < 0) & np.isnan(sines[k][0][lost])
                 here = (at == k) | hidden
                 at[hidden] = k
                 where = np.where(hidden, broken[lost], place)
