@@ -42,20 +42,18 @@ from engine.cycle.measures.works import WORK_ROWS, add_work
 from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.panels.directions import panel_positions
 from engine.cycle.panels.integrals import INTEGRAL, add_panels, of_integrals
-from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
+from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
 from engine.cycle.panels.series import FIGURES, of_figures, panel_figures
 from engine.cycle.panels.walk import (
     ACCEPTED,
     EDGES,
-    LEARNT,
     SCALES,
     TAKEN,
     WALK,
     compare_with_tolerance,
     find_kink,
     judge,
-    learn_rounding,
     next_panels,
     of_edges,
     of_scales,
@@ -441,9 +439,6 @@ def follow(
             find_kink(tile, task.kinks[k], walk)
         if not judge(task.longest[0], walk):
             continue
-        if any_positive(walk[LEARNT]):
-            for c in range(count):
-                learn_rounding(figures, c, task.tolerances[c], scales, walk)
         if broken:
             mark_broken(count, tile, q, walk, broken_at)
         for k in range(task.integrals.shape[0]):
@@ -453,7 +448,8 @@ def follow(
                 return step + 1
             keep_panels(walk, step, record.panels)
             for k in range(kept):
-                keep_curve(tile, task.kept[k], figures, walk, record, k, step)
+                c = task.kept[k]
+                keep_curve(tile, c, task.tolerances[c], figures, walk, record, k, step)
         step += 1
     return step
 

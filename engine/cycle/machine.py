@@ -333,6 +333,11 @@ class Machine:
         object.__setattr__(self, "_kept", tuple(kept))
         object.__setattr__(self, "_task", task)
 
+    @property
+    def task(self) -> Task:
+        """The plan as the driver takes it."""
+        return self._task
+
     def evaluate(self, numbers: np.ndarray, tables: np.ndarray | None = None) -> Outcome:
         """Evaluate variants, on all threads.
 

@@ -295,8 +295,8 @@ class Machine:
         answers = self.measuring(table)
         undefined = np.zeros(keep.size, bool)
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
-            # An overflow ends as a status, not as a warning.
-            with np.errstate(over="ignore", invalid="ignore"):
+            # An overflow on the way to a number ends as a status, not as a warning.
+            with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
             value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
             nothing = ~np.isfinite(value)

@@ -252,7 +252,8 @@ class Measuring:
         if not unknown:
             return answers
         for steady in unknown:
-            found = answers.value_of(dataclasses.replace(steady.of, result="flywheel_used"))
+            with np.errstate(all="ignore"):
+                found = answers.value_of(dataclasses.replace(steady.of, result="flywheel_used"))
             table[self.functions.rows[steady.unknown_wheel]] = found.value
         return Answers(self, table, self.machine.evaluate(table, self.functions.memory))
 
@@ -423,7 +424,6 @@ class Answers:
         if asked.fluctuation is not None:
             delta = self.number(asked.fluctuation)
             energy = delta * speed_squared
-            first = self.outcome.firsts[self._m.functions.curves[asked.inertia]]
             if asked.result == "flywheel_excess_work":
                 return self._works(asked.moment) / energy
             slow, middle, fast = steady.slopes
@@ -431,6 +431,7 @@ class Answers:
                 found = self._combination(asked, middle, BOTH)
                 return found.range[0] / energy - self.number(asked.first_kind)
             if asked.wheel is None or asked.result == "flywheel_wittenbauer":
+                first = self.outcome.firsts[self._m.functions.curves[asked.inertia]]
                 top, bottom = self._combination(asked, fast, GREATEST), self._combination(asked, slow, LEAST)
                 exact = (top.greatest[0] - bottom.least[0]) / energy - Measured(first)
             if asked.result == "flywheel_wittenbauer":

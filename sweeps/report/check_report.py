@@ -31,6 +31,8 @@ from sweeps.text.tables import table
 
 # Up to so many variants `check` tells what each condition drops by looking at all of them.
 MOST_COUNTED = 16 * LARGEST_BLOCK
+# A field whose greatest magnitude exceeds that at its kept positions by this share hides something between them.
+MISSED = 0.02
 
 
 def structure_text(scene: Scene) -> str:
@@ -76,6 +78,26 @@ def nominal_text(study: Study) -> str:
     return "\n".join([*lines, table(rows)] if rows else lines)
 
 
+def between_positions_text(study: Study) -> str:
+    """Which of the kept fields, of the scene as it is, reach far beyond their values at the kept positions."""
+    if not study.fields or study.scene.input is None:
+        return ""
+    of_cycle = [name for name in study.fields if name.partition(".")[0] not in study.scene.regimes]
+    peaks = {name: f"{name}.peak" for name in of_cycle}
+    machine = Machine(study.scene, peaks.values(), of_cycle, positions=study.positions)
+    outcome = machine.evaluate({})
+    if outcome.status[0] != Verdict.OK:
+        return ""
+    lines, units = [], machine.available_fields
+    for name, peak in peaks.items():
+        true, kept = float(outcome.summaries[peak][0]), float(np.abs(outcome.fields[name][0]).max())
+        if true > (1.0 + MISSED) * kept:
+            shown = [quantity_text(value, units[name].units) for value in (true, kept)]
+            lines.append(f"{name}: greatest magnitude {shown[0]}, at the {study.positions} kept positions {shown[1]}")
+    hint = "a load acts between two kept positions: its fields don't show it, summaries do; ask for more positions"
+    return "\n".join([hint, *lines]) if lines else ""
+
+
 def _elements_text(scene: Scene) -> str:
     """Results of machine elements alone as they are."""
     machine = made_ready(scene, made_ready(scene).available_summaries)
@@ -118,12 +140,13 @@ def plan_text(machine: Machine) -> tuple[str, str]:
 
 def check_text(study: Study, out: Path) -> str:
     """Everything `sweeps check` says of a study."""
-    machine = study.machine()
+    machine, missed = study.machine(), between_positions_text(study)
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
         ("Machine as it is", nominal_text(study)),
         *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes else []),
+        *([("Warning", missed)] if missed else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),

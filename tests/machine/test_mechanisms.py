@@ -210,7 +210,8 @@ def test_position_out_of_reach__nan_there_and_verdict():
     assert 0 < missing.sum() < 24
     assert list(outcome.status) == [Verdict.OK, Verdict.CANNOT_ASSEMBLE]
     assert machine.groups[outcome.status_group[1]] == "bars"
-    there = Motion(reference.scene, outcome.status_at[1:]).field("B.x").astype(float)
+    # The place is known to rounding; a hair beyond it links don't reach.
+    there = Motion(reference.scene, outcome.status_at[1:] + 1e-9).field("B.x").astype(float)
     assert np.isnan(there).all()
     for row in outcome.fields.values():
         np.testing.assert_array_equal(np.isnan(row), [np.zeros(24, bool), missing])

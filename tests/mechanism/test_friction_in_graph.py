@@ -364,7 +364,9 @@ def in_panels(of: ReactionValues, cuts: np.ndarray) -> tuple[float, float]:
 def test_friction_between_cuts__is_smooth_to_the_ends(scene):
     of = ReactionValues(scene)
     cuts = of.values.cuts()
-    kinks = np.concatenate([of.values.roots(curve, also=cuts) for curve in of.reactions.kinks])
+    kinks = np.concatenate(
+        [of.values.roots(curve, also=cuts) for curve in of.graph.kinks_behind(of.reactions.checks.values())]
+    )
     # Cuts closer than rounding are one.
     every = np.unique(np.concatenate([cuts, kinks]))
     every = every[np.append(True, np.diff(every) > 1e-9)]

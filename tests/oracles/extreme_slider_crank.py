@@ -1,7 +1,7 @@
 """A slider-crank whose every number goes to extremes, and its closed form in mpmath from the same numbers.
 
-It has an eccentric crank, a drag and a constant force. Each field comes with what rounding may do to it: a data error of
-EPS moves the rod's projection √(l² − y²) by EPS/cos² of the rod's angle; every term is allowed ROUNDINGS of that.
+It has an eccentric crank, a drag and a constant force. Each field comes with what rounding may do to it: a data error
+of EPS moves the rod's projection √(l² − y²) by EPS/cos² of its angle; every term is allowed ROUNDINGS of that.
 Summaries are those of the continuous cycle, from float64 numbers.
 """
 

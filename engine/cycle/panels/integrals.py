@@ -14,7 +14,7 @@ VALUE, ERROR, END = range(3)
 INTEGRAL = 3
 of_integrals = memory(INTEGRAL, LANES)
 # What values of a curve and weighted sums of them are off by, as a share of the greatest magnitude.
-ROUNDING = 4.0 * np.finfo(np.float64).eps
+ROUNDING = 12.0 * np.finfo(np.float64).eps
 
 
 @routine

@@ -12,7 +12,7 @@ from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
-from engine.cycle.panels.series import MAGNITUDE, SUM, larger, panel_figures
+from engine.cycle.panels.series import FLAT, MAGNITUDE, SUM, larger, panel_figures, smaller
 from engine.cycle.panels.series import MISSING as FIGURE_MISSING
 from engine.cycle.panels.series import TAIL as FIGURE_TAIL
 from engine.cycle.panels.transforms import to_coefficients
@@ -127,8 +127,17 @@ def keep_panels(walk: Memory, step: int, panels: Memory) -> None:
 
 
 @routine
-def keep_curve(tile: Memory, curve: int, figures: Memory, walk: Memory, record: Record, kept: int, step: int) -> None:
-    """Enter a curve of a tile as a curve of a step."""
+def keep_curve(
+    tile: Memory,
+    curve: int,
+    tolerance: float,
+    figures: Memory,
+    walk: Memory,
+    record: Record,
+    kept: int,
+    step: int,
+) -> None:
+    """Enter a curve of a tile as a curve of a step; `tolerance` is the share of its scale that may be left of it."""
     values, errors, whole = record.values, record.errors, record.whole
     slot = step * record.curves + kept
     for j in range(POSITIONS):
@@ -141,6 +150,10 @@ def keep_curve(tile: Memory, curve: int, figures: Memory, walk: Memory, record: 
         finite = abs(figures[curve, SUM, lane]) < math.inf
         scale = larger(figures[curve, MAGNITUDE, lane] if finite else math.inf, whole[kept, SCALE, lane])
         whole[kept, SCALE, lane] = scale if accepted else whole[kept, SCALE, lane]
+        # What is level below the tolerance is rounding, of the values at the positions too.
+        rounding = smaller(figures[curve, FIGURE_TAIL, lane], tolerance * scale)
+        offset = larger(rounding if figures[curve, FLAT, lane] > 0.0 else 0.0, whole[kept, OFFSET, lane])
+        whole[kept, OFFSET, lane] = offset if accepted else whole[kept, OFFSET, lane]
         whole[kept, FIRST, lane] = tile[curve, 0, lane] if accepted & first else whole[kept, FIRST, lane]
 
 

@@ -24,18 +24,18 @@ BEGIN, END, EDGE, LAST, RANGE, CLOSE = range(6)
 # machine's functions see them.
 WANTED, TAKEN, DIRECTION, MIDDLE, HALF = range(6, 11)
 # Whether the lane is still on its way; whether its panel is ACCEPTED; what is left over what is tolerated, at most, of
-# curves whose coefficients fall (EXCESS) and of those whose last ones are LEVEL; how many panels were REFUSED for
-# these, and whether this one was accepted though, so that something is LEARNT of rounding.
-ACTIVE, ACCEPTED, EXCESS, LEVEL, REFUSED, LEARNT = range(11, 17)
+# curves whose coefficients fall (EXCESS), and of those whose last ones are LEVEL.
+ACTIVE, ACCEPTED, EXCESS, LEVEL = range(11, 15)
 # What the place may be off by of the edges where this panel begins, where the next one does, and of the edge AHEAD.
-OPENED, NEXT_OPENED, AHEAD = range(17, 20)
+OPENED, NEXT_OPENED, AHEAD = range(15, 18)
 # Where the next KINK is that a refused panel had inside, and how many panels in a row were refused for one. In the
 # panel under way, the first place where a curve of kinks changes its SIGN, on [−1, 1], else infinity.
-KINK, TRIED, SIGN = range(20, 23)
-WALK = 23
-# Of a curve: the greatest magnitude so far, and what has turned out to be left of it by rounding.
-GREATEST, ROUNDING = range(2)
-SCALES = 2
+KINK, TRIED, SIGN = range(18, 21)
+WALK = 21
+# Of a curve: the greatest magnitude so far; what has turned out to be left of it by rounding; what was LEFT in the last
+# panel that was refused for its level coefficients, and in how many such panels in a row as much was left (SAME).
+GREATEST, ROUNDING, LEFT, SAME = range(4)
+SCALES = 4
 of_scales = memory(SCALES, LANES)
 # Parts of an edge: its place, and what that may be off by.
 PLACE, PLACE_ERROR = range(2)
@@ -50,17 +50,20 @@ AIM = 0.2
 LAST_ONES = 0.1
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on in long ones.
 FLOOR, MOST = 1e-7, 200
+# Coefficients are level for what is narrower than the panel, or for rounding. Of the former less is left in a shorter
+# panel, or another amount; of the latter as much: so many panels in a row, it is taken for rounding, and then MARGIN
+# times what was left is tolerated.
+PATIENCE, MARGIN = 6.0, 4.0
+# As much is left if it is so many times what was left before, at most, or the reciprocal of that at least.
+AS_MUCH = 2.5
 # A panel may be longer than wanted by this share, so as not to leave a sliver of the distance to the next edge.
 STRETCH = 1e-9
-# Coefficients are level for what is narrower than the panel, or for rounding. For the former, so many panels in
-# a row are refused before it is taken for the latter; then MARGIN times what was left is tolerated.
-PATIENCE, MARGIN = 8.0, 4.0
 # So many panels in a row are made to end at a kink, told more and more closely, before they are made shorter instead.
 TRIES = 4.0
 # Share of the greatest magnitude that rounding leaves of a smooth curve.
 NOTHING = 2e-15
 # Edges that are closer than this share of the greatest position are one.
-SAME = 2e-15
+ONE_EDGE = 2e-15
 
 
 @routine
@@ -72,9 +75,9 @@ def set_out(first: Memory, last: Memory, longest: float, walk: Memory) -> None:
         walk[DIRECTION, lane], walk[BEGIN, lane], walk[LAST, lane] = direction, begin, end
         walk[WANTED, lane], walk[TAKEN, lane], walk[END, lane] = longest, 0.0, begin
         walk[RANGE, lane] = end - begin
-        walk[CLOSE, lane] = SAME * larger(abs(begin), abs(end))
+        walk[CLOSE, lane] = ONE_EDGE * larger(abs(begin), abs(end))
         walk[MIDDLE, lane], walk[HALF, lane] = first[lane], 0.0
-        walk[REFUSED, lane] = walk[TRIED, lane] = 0.0
+        walk[TRIED, lane] = 0.0
         walk[KINK, lane] = math.inf
         walk[ACCEPTED, lane] = walk[OPENED, lane] = walk[NEXT_OPENED, lane] = 0.0
         walk[ACTIVE, lane] = 1.0 if end - begin < math.inf and end > begin else 0.0
@@ -148,7 +151,7 @@ def find_kink(tile: Memory, curve: int, walk: Memory) -> None:
 def compare_with_tolerance(
     figures: Memory, curve: int, tolerance: float, only_integral: float, scales: Memory, walk: Memory
 ) -> bool:
-    """Widen each lane's excess, or that which is level, by that of a curve.
+    """Widen each lane's excess by that of a curve, unless that turns out to be its rounding.
 
     Parameters
     ----------
@@ -171,25 +174,24 @@ def compare_with_tolerance(
         scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, GREATEST, lane])
         scales[curve, GREATEST, lane] = scale
         # What is nothing but rounding doesn't tell how long a panel may be.
-        tail = figures[curve, TAIL, lane] - larger(NOTHING * scale, scales[curve, ROUNDING, lane])
+        whole, known = figures[curve, TAIL, lane], scales[curve, ROUNDING, lane]
         of_mean = figures[curve, MISSING, lane] * abs(walk[HALF, lane]) * (2.0 / walk[RANGE, lane])
+        tail = whole - larger(NOTHING * scale, known)
         left = smaller(of_mean, tail) if only_integral > 0.0 else tail
         excess = larger(left, 0.0) / larger(tolerance * scale, TINY)
-        level = figures[curve, FLAT, lane] > 0.0
-        walk[EXCESS, lane] = larger(0.0 if level else excess, walk[EXCESS, lane])
-        walk[LEVEL, lane] = larger(excess if level else 0.0, walk[LEVEL, lane])
+        before, same = scales[curve, LEFT, lane], scales[curve, SAME, lane]
+        flat = figures[curve, FLAT, lane] > 0.0
+        level = flat & (excess > 1.0) & (walk[ACTIVE, lane] > 0.0)
+        as_much = (whole <= AS_MUCH * before) & (before <= AS_MUCH * whole)
+        same_now = (same + 1.0 if as_much else 0.0) if level else same
+        learnt = level & (same_now >= PATIENCE)
+        scales[curve, LEFT, lane] = whole if level else before
+        scales[curve, SAME, lane] = 0.0 if learnt else same_now
+        scales[curve, ROUNDING, lane] = MARGIN * whole if learnt else known
+        walk[EXCESS, lane] = larger(0.0 if flat else excess, walk[EXCESS, lane])
+        walk[LEVEL, lane] = larger(excess if flat & (not learnt) else 0.0, walk[LEVEL, lane])
         broken |= not abs(figures[curve, SUM, lane]) < math.inf
     return broken
-
-
-@routine
-def learn_rounding(figures: Memory, curve: int, tolerance: float, scales: Memory, walk: Memory) -> None:
-    """Take what is left of a curve for its rounding where it is level and its panel was accepted nevertheless."""
-    for lane in range(LANES):
-        tail, known = figures[curve, TAIL, lane], scales[curve, ROUNDING, lane]
-        too_much = tail > larger(tolerance * scales[curve, GREATEST, lane], known)
-        learnt = (walk[ACCEPTED, lane] > 0.0) & (figures[curve, FLAT, lane] > 0.0) & too_much
-        scales[curve, ROUNDING, lane] = MARGIN * tail if learnt else known
 
 
 @inlined
@@ -209,11 +211,11 @@ def judge(longest: float, walk: Memory) -> bool:
     """
     for lane in range(LANES):
         begin, end, falling, level = walk[BEGIN, lane], walk[END, lane], walk[EXCESS, lane], walk[LEVEL, lane]
-        length, active, patient = end - begin, walk[ACTIVE, lane] > 0.0, walk[REFUSED, lane] < PATIENCE
-        least, excess = FLOOR * walk[RANGE, lane], larger(falling, level)
-        good = (falling <= 1.0) & ((level <= 1.0) | (not patient))
+        length, active, least = end - begin, walk[ACTIVE, lane] > 0.0, FLOOR * walk[RANGE, lane]
         shortest = length <= least * (1.0 + 2.0 * STRETCH)
-        enough = good | shortest | (walk[TAKEN, lane] >= MOST)
+        enough = ((falling <= 1.0) & (level <= 1.0)) | shortest | (walk[TAKEN, lane] >= MOST)
+        # What is level where that is little enough is rounding, and tells nothing of how long a panel may be.
+        excess = falling if level <= 1.0 else larger(falling, level)
         factor = larger(smaller(sixteenth_root(AIM / larger(excess, 1e-9)), LONGER), SHORTER)
         wanted = larger(length * factor, least)
         # Where it isn't good enough for a kink inside, the next one ends there.
@@ -222,18 +224,13 @@ def judge(longest: float, walk: Memory) -> bool:
         kink = walk[KINK, lane]
         walk[KINK, lane] = begin + 0.5 * (1.0 + sign) * length if bent & active else kink
         walk[TRIED, lane] = tries + 1.0 if bent else (0.0 if enough else tries)
-        # A short panel before an edge says little of how long the next may be, rounding nothing at all.
-        wanted = larger(wanted, walk[WANTED, lane]) if excess <= AIM else wanted
-        wanted = longest if enough & (falling <= 1.0) & (level > 1.0) else smaller(wanted, longest)
+        # A short panel before an edge says little of how long the next may be.
+        wanted = smaller(larger(wanted, walk[WANTED, lane]) if excess <= AIM else wanted, longest)
         accepted, wanted_before, opened_before = active & enough, walk[WANTED, lane], walk[OPENED, lane]
         wanted = wanted_before if bent else wanted
         walk[WANTED, lane] = wanted if active else wanted_before
         walk[ACCEPTED, lane] = 1.0 if accepted else 0.0
         walk[TAKEN, lane] += 1.0 if accepted else 0.0
-        refused = walk[REFUSED, lane] + (1.0 if (not enough) & (falling <= 1.0) else 0.0)
-        # What is learnt of rounding says nothing of what exceeds it in turn; beside a jump panels are smooth.
-        walk[REFUSED, lane] = 0.0 if accepted else refused
-        walk[LEARNT, lane] = 1.0 if accepted & (level > 1.0) else 0.0
         walk[BEGIN, lane] = end if accepted else begin
         opened = walk[AHEAD, lane] if end == walk[EDGE, lane] else 0.0
         walk[NEXT_OPENED, lane] = opened if accepted else opened_before

@@ -7,11 +7,13 @@ import numpy as np
 from numba import types
 
 from engine.compiling.decorators import driver
+from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
 from engine.cycle.events import MOST_ROOTS
+from engine.cycle.machine import Machine, Plan
 from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.walk import of_edges, set_out
 from engine.cycle.roots import FUNCTION, LEVEL, X
@@ -57,31 +59,9 @@ class Landmarks:
         functions = self.tabulation.functions
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
         crossings = [(events[w.crossing.curve], functions.rows[w.crossing.level]) for w in self.watches]
-        marks, levels = [mark[1:] for mark in functions.landmarks], functions.level_rows
-
-        def integers(values: Sequence, *shape: int) -> np.ndarray:
-            return np.array(values, np.int64).reshape(-1, *shape)
-
-        nothing = integers([])
-        return Task(
-            sizes=integers([2 * len(marks), len(levels), 0, 0]),
-            ends=integers([0, 1]),
-            landmark_rows=integers(marks, 4),
-            level_rows=integers(levels),
-            state_rows=nothing,
-            crossings=integers(crossings, 2),
-            cuts=nothing,
-            scan=scan,
-            integrals=nothing,
-            kept=nothing,
-            works=nothing,
-            extremes=integers([], 3),
-            fluctuations=integers([], 4),
-            values=integers([], 2),
-            zeros=nothing,
-            tolerances=np.zeros(0),
-            longest=np.ones(1),
-        )
+        marks = [mark[1:] for mark in functions.landmarks]
+        plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, scan=scan)
+        return Machine(plan, nothing).task
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
         """Ends of strokes that something depends on, and the breaks of all actions.
