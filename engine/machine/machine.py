@@ -26,9 +26,8 @@ from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
-# A group whose transmission quality falls below this is singular: velocities have lost all but three digits there, and
-# a dip as narrow as that is hardly wider than the shortest panel.
-SINGULAR_SINE = 1e-6
+# A group whose transmission quality falls below this is singular: about the root of the rounding error.
+SINGULAR_SINE = 1e-7
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
