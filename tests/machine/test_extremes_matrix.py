@@ -25,6 +25,7 @@ from extreme_slider_crank import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import changed
 
 from engine import Machine, Scene, Verdict
 from engine.compiling.threads import set_threads, threads
@@ -104,9 +105,11 @@ def test_summaries_of_an_extreme__are_those_of_the_continuous_cycle(machines, cy
             assert mp.isnan(got), key
             continue
         assert abs(got - true) <= figure + ROUNDINGS * of_rod, (key, got, true, figure)
-    # The figures aren't large because nothing is known.
-    for key in ("excess_work", "flywheel_excess_work", "ram.stroke"):
-        assert outcome.errors[key][0] <= 1e-9 * abs(outcome.summaries[key][0]), key
+    # The figures aren't large because nothing is known; of a stroke as of places as far off as the rod is long.
+    numbers = usual(**CASES[name])
+    of_places = 16 * EPS[np.float64] * (numbers["r"] + numbers["l"])
+    for key, least in (("excess_work", 0.0), ("flywheel_excess_work", 0.0), ("ram.stroke", of_places)):
+        assert outcome.errors[key][0] <= 1e-9 * abs(outcome.summaries[key][0]) + least, key
 
 
 def test_summaries_beside_fields_in_single_precision__are_in_double(machines):
@@ -205,6 +208,58 @@ def test_four_bar_off_its_change_point_by_1e_12__is_judged_by_the_side(miss, ver
     assert outcome.status == verdict
 
 
+# Links of most unequal lengths, and far away
+
+
+def swing(ground: mp.mpf, crank: float, coupler: float, rocker: float) -> mp.mpf:
+    """Between crank and coupler in line, stretched and folded."""
+
+    def at_pivot(side: mp.mpf) -> mp.mpf:
+        return mp.acos((ground**2 + mp.mpf(rocker) ** 2 - side**2) / (2 * ground * rocker))
+
+    return at_pivot(mp.mpf(coupler) + crank) - at_pivot(mp.mpf(coupler) - crank)
+
+
+@pytest.mark.parametrize(("crank", "coupler", "rocker"), [(1e-3, 1.0, 0.8), (1e-3, 1.0, 1.0), (0.3, 1.0, 0.8)])
+@pytest.mark.parametrize("origin", [0.0, 1e6, -3e6])
+def test_links_one_to_a_thousand_and_origins_far_away__swing_as_their_triangles(origin, crank, coupler, rocker):
+    machine = Machine(Scene.model_validate(FOUR_BAR), ["rocker.swing"], [], LENGTHS)
+    lengths = (origin, origin + 1.0, crank, coupler, rocker)
+    outcome = machine.evaluate({path: np.array([value]) for path, value in zip(LENGTHS, lengths, strict=True)})
+    assert outcome.status[0] == Verdict.OK
+    with mp.workdps(50):
+        true = swing(mp.mpf(origin + 1.0) - mp.mpf(origin), crank, coupler, rocker)
+        off = abs(mp.mpf(float(outcome.summaries["rocker.swing"][0])) - true)
+    # Coordinates are rounded as they are far away, and the rocker's length makes angles of them.
+    assert off <= outcome.errors["rocker.swing"][0] + 16 * EPS[np.float64] * (1.0 + abs(origin)) / rocker
+    assert outcome.errors["rocker.swing"][0] <= 1e-8 * float(true) + 32 * EPS[np.float64] * abs(origin)
+
+
+def far_slider_crank() -> dict:
+    return SLIDER_CRANK | {"points": {"O": {"x": 1e6, "y": 0.0}}, "guides": {"way": {"x": 1e6}}}
+
+
+def far_four_bar() -> dict:
+    places = {"points.O.x": 1e6, "points.D.x": 1e6 + 1.0, "groups.bars.second.length": 0.8}
+    return changed(FOUR_BAR, places)
+
+
+KNOWN = pytest.mark.xfail(strict=True, reason="single precision keeps a coordinate of 1e6 m to six centimetres")
+
+
+@pytest.mark.parametrize(
+    ("scene", "field"),
+    [(far_slider_crank(), "B.x_phi"), pytest.param(far_four_bar(), "rocker.angle_phi", marks=KNOWN)],
+)
+def test_coordinates_of_a_thousand_kilometres_in_single_precision__leave_rates_right(scene, field):
+    single, double = (
+        Machine(Scene.model_validate(scene), [], [field], [], POSITIONS, dtype).evaluate({}) for dtype in EPS
+    )
+    if (single.status == Verdict.OK).all():
+        row = double.fields[field][0]
+        np.testing.assert_allclose(single.fields[field][0], row, rtol=0, atol=1e-5 * np.abs(row).max())
+
+
 # Laws of scale
 
 decades = {"lengths": st.floats(-6, 6), "masses": st.floats(-12, 9), "speeds": st.floats(-9, 5)}
@@ -225,9 +280,10 @@ def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, 
     # Numbers scaled and results scaled back are off by some EPS; 1/cos² of the rod's angle makes more of it, once for
     # each of the three powers of the root in an acceleration.
     grown = 40 * EPS[np.float64] / (1 - ratio**2) ** 1.5
+    moment = np.abs(outcome.fields["reduced_moment"][0]).max()
     for field, powers in FIELDS.values():
         one, two = outcome.fields[field]
-        atol = POSITIONS * grown * np.abs(one).max()
+        atol = POSITIONS * grown * np.abs(one).max() + (4 * math.pi * CLOSELY * moment if field == "work" else 0.0)
         np.testing.assert_allclose(two / factor(powers), one, rtol=0, atol=atol, err_msg=field)
     sizes = {name: outcome.summaries[name] for name in SUMMARIES}
     # Loads and inertia forces may cancel in a sum: what rounding does to either is left.
@@ -235,7 +291,8 @@ def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, 
     scales = {name: largest for name in sizes if name.startswith("flywheel")}
     scales |= {"speed_fluctuation": 2.0, "ram.stroke": 0.05 / ratio}
     for name, (one, two) in sizes.items():
-        atol = POSITIONS * grown * scales.get(name, np.abs(outcome.fields["work"][0]).max() * base["w"])
+        of_one, of_two = outcome.errors[name] / [1.0, factor(SUMMARIES[name])]
+        atol = of_one + of_two + grown * scales.get(name, 2 * math.pi * moment * max(1.0, base["w"]))
         np.testing.assert_allclose(two / factor(SUMMARIES[name]), one, rtol=0, atol=atol, err_msg=name)
 
 
