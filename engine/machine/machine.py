@@ -332,7 +332,10 @@ class Machine:
             if own is not room:
                 room[rows] = own
         for name, curve in self._followed.items():
-            room[places[name]][keep] = values = answers.spaced(curve)
+            # In single precision a value may become infinite here.
+            with np.errstate(over="ignore"):
+                values = answers.spaced(curve).astype(self.dtype, copy=False)
+            room[places[name]][keep] = values
             finite &= np.isfinite(values).all(axis=1)
         return finite
 
@@ -359,18 +362,20 @@ class Machine:
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
         broken, groups = answers.outcome.broken_at, self.measuring.groups
-        singular = np.zeros(keep.size, bool)
-        for group, (least, place) in zip(groups, answers.sines(), strict=True):
-            fails = (least < SINGULAR_SINE) & ~singular & np.isnan(broken)
+        singular, sines = np.zeros(keep.size, bool), answers.sines()
+        # Where all groups can be assembled, what isn't finite may be so because of a dead centre itself.
+        assembled = ~np.isnan([least for least, _ in sines]).any(axis=0)
+        for group, (least, place) in zip(groups, sines, strict=True):
+            fails = (least < SINGULAR_SINE) & ~singular & assembled
             self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
             singular |= fails
         lost = np.flatnonzero(np.isfinite(broken) & ~singular)
         if lost.size and groups:
-            sines = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
-            at, place = first_failure(sines, table[:, lost], self._ends, np.isnan)
+            fields = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
+            at, place = first_failure(fields, table[:, lost], self._ends, np.isnan)
             for k, group in enumerate(groups):
                 # Just beside the limit of the links' reach, positions differ by rounding.
-                hidden = (at < 0) & np.isnan(answers.sines()[k][0][lost])
+                hidden = (at < 0) & np.isnan(sines[k][0][lost])
                 here = (at == k) | hidden
                 at[hidden] = k
                 where = np.where(hidden, broken[lost], place)

@@ -1,6 +1,7 @@
-"""Extremes of every number against 50 digits: near dead centres, tiny and huge, fast and slow; and the laws of scale.
+"""Extremes of every number against 80 digits: near dead centres, tiny and huge, fast and slow; and the laws of scale.
 
-Tolerances of the slider-crank are those of its closed form, see `extreme_slider_crank`.
+Tolerances of the slider-crank's fields are those of its closed form, see `extreme_slider_crank`. Summaries are within
+their own error figures, and what a few roundings of the rod's length make of them: near a dead centre that is more.
 """
 
 import math
@@ -14,19 +15,23 @@ from extreme_slider_crank import (
     FIELDS,
     NUMBERS,
     POSITIONS,
+    ROUNDINGS,
     SLIDER_CRANK,
     SUMMARIES,
     Closed,
+    Cycle,
     paths,
     usual,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import changed
 
 from engine import Machine, Scene, Verdict
 from engine.compiling.threads import set_threads, threads
 from engine.machine.checks import MOST_POSITIONS
-from engine.machine.results import AskError
+from engine.machine.measuring import CLOSELY
+from engine.machine.results import AskError, Outcome
 
 
 @pytest.fixture(scope="module")
@@ -38,26 +43,82 @@ def machines() -> dict[type, Machine]:
     }
 
 
+@pytest.fixture(scope="module")
+def cycles() -> dict[str, dict[str, tuple[mp.mpf, mp.mpf]]]:
+    """True summaries of every case, each with what a rounding of the rod's length makes of it."""
+    found = {}
+    # At a ratio of 1e-6 the closed form of the drag's work loses 24 digits.
+    with mp.workdps(80):
+        for name, changes in CASES.items():
+            numbers = usual(**changes)
+            longer = numbers | {"l": math.nextafter(numbers["l"], math.inf)}
+            true, other = Cycle(numbers).summaries(), Cycle(longer).summaries()
+            found[name] = {key: (true[key], abs(other[key] - true[key])) for key in true}
+    return found
+
+
 @pytest.mark.parametrize("dtype", EPS)
 @pytest.mark.parametrize("name", CASES)
-def test_extreme__is_the_closed_form(machines, name, dtype):
+def test_fields_of_an_extreme__are_the_closed_form(machines, name, dtype):
     numbers = usual(**CASES[name])
     outcome = machines[dtype].evaluate(paths([numbers]))
-    if dtype(numbers["r"]) == dtype(numbers["l"]):
-        assert outcome.status[0] == Verdict.SINGULAR
+    if dtype(numbers["l"]) <= dtype(dtype(numbers["r"]) + dtype(abs(numbers["h"]))):
+        # In single precision the rod is no longer than what it must span.
+        assert outcome.status[0] == Verdict.NOT_FINITE
         return
     assert outcome.status[0] == Verdict.OK
-    with mp.workdps(50):
+    with mp.workdps(80):
         closed = Closed(machines[dtype].nodes, numbers, dtype)
-        for key, (field, _) in FIELDS.items():
-            for got, true, slack in zip(outcome.fields[field][0], closed.rows[key], closed.slack[key], strict=True):
-                assert abs(mp.mpf(float(got)) - true) <= slack * EPS[dtype], (field, got, true)
-        for key, (true, slack) in closed.summaries().items():
-            got = mp.mpf(float(outcome.summaries[key][0]))
-            assert (mp.isnan(true) and mp.isnan(got)) or abs(got - true) <= slack * EPS[dtype], (key, got, true)
-    # The difference of two places as far off as the rod is long.
-    places = 4 * EPS[dtype] * (numbers["r"] + numbers["l"])
-    assert abs(outcome.summaries["ram.stroke"][0] - 2 * numbers["r"]) <= outcome.errors["ram.stroke"][0] + places
+        for key, true_row in closed.rows.items():
+            row = outcome.fields[FIELDS[key][0]][0]
+            for got, true, slack in zip(row, true_row, closed.slack[key], strict=True):
+                assert abs(mp.mpf(float(got)) - true) <= slack * EPS[dtype], (key, got, true)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_work_in_an_extreme__is_the_closed_form(machines, name):
+    numbers = usual(**CASES[name])
+    kept = {dtype: machine.evaluate(paths([numbers])) for dtype, machine in machines.items()}
+    figure = kept[np.float64].errors["excess_work"][0]
+    for dtype, outcome in kept.items():
+        if outcome.status[0] != Verdict.OK:
+            continue
+        with mp.workdps(80):
+            cycle = Cycle(numbers)
+            true = [cycle.work(mp.mpf(float(phi))) for phi in machines[dtype].nodes]
+            # A position of its own is rounded, too, and moves the work by the moment there.
+            moved = [abs(cycle.moment(mp.mpf(float(phi)))) * float(phi) for phi in machines[dtype].nodes]
+        # Between the positions of panels it is off by what their series leave of the moment.
+        series = 2 * math.pi * CLOSELY * np.abs(outcome.fields["reduced_moment"]).max()
+        for got, value, of_place in zip(outcome.fields["work"][0], true, moved, strict=True):
+            room = EPS[dtype] * abs(value) + ROUNDINGS * EPS[np.float64] * of_place
+            assert abs(mp.mpf(float(got)) - value) <= figure + series + room, (got, value)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_summaries_of_an_extreme__are_those_of_the_continuous_cycle(machines, cycles, name):
+    outcome = machines[np.float64].evaluate(paths([usual(**CASES[name])]))
+    assert outcome.status[0] == Verdict.OK
+    for key, (true, of_rod) in cycles[name].items():
+        got, figure = mp.mpf(float(outcome.summaries[key][0])), outcome.errors[key][0]
+        if mp.isnan(true):
+            assert mp.isnan(got), key
+            continue
+        assert abs(got - true) <= figure + ROUNDINGS * of_rod, (key, got, true, figure)
+    # The figures aren't large because nothing is known; of a stroke as of places as far off as the rod is long.
+    numbers = usual(**CASES[name])
+    of_places = 16 * EPS[np.float64] * (numbers["r"] + numbers["l"])
+    for key, least in (("excess_work", 0.0), ("flywheel_excess_work", 0.0), ("ram.stroke", of_places)):
+        assert outcome.errors[key][0] <= 1e-9 * abs(outcome.summaries[key][0]) + least, key
+
+
+def test_summaries_beside_fields_in_single_precision__are_in_double(machines):
+    varied = paths([usual(**changes) for changes in CASES.values()])
+    single, double = (machines[dtype].evaluate(varied) for dtype in (np.float32, np.float64))
+    well = single.status == Verdict.OK
+    for name in SUMMARIES:
+        np.testing.assert_array_equal(single.summaries[name][well], double.summaries[name][well], err_msg=name)
+        np.testing.assert_array_equal(single.errors[name][well], double.errors[name][well], err_msg=name)
 
 
 # Numbers without a machine
@@ -75,14 +136,23 @@ def test_extreme__is_the_closed_form(machines, name, dtype):
         ({"w": math.inf}, Verdict.OUTSIDE_LIMITS),
         ({"F": math.nan}, Verdict.OUTSIDE_LIMITS),
         ({"m": 1e300, "w": 1e200}, Verdict.NOT_FINITE),
-        ({"l": "overflows"}, Verdict.NOT_FINITE),
         ({"F": 1e308, "r": 1e3, "l": 4e3}, Verdict.NOT_FINITE),
     ],
 )
 def test_every_variant_impossible__says_why_and_gives_no_summary(machines, changes, verdict, dtype):
-    # A length whose square is beyond the greatest number.
-    huge = {name: 1e25 if dtype is np.float32 else 1e200 for name, value in changes.items() if value == "overflows"}
-    outcome = machines[dtype].evaluate(paths([usual(**changes | huge)] * 7))
+    assert_fails(machines[dtype].evaluate(paths([usual(**changes)] * 7)), verdict)
+
+
+@pytest.mark.parametrize(
+    ("dtype", "length", "verdict"),
+    # Of squares that are infinite it isn't known whether links reach.
+    [(np.float32, 1e25, Verdict.NOT_FINITE), (np.float64, 1e200, Verdict.CANNOT_ASSEMBLE)],
+)
+def test_length_whose_square_overflows__gives_no_summary(machines, dtype, length, verdict):
+    assert_fails(machines[dtype].evaluate(paths([usual(l=length)] * 7)), verdict)
+
+
+def assert_fails(outcome: Outcome, verdict: Verdict) -> None:
     assert (outcome.status == verdict).all()
     for name in ("excess_work", "flywheel_wittenbauer", "speed_fluctuation"):
         assert np.isnan(outcome.summaries[name]).all(), name
@@ -123,7 +193,9 @@ def test_change_point_of_decimal_lengths__is_singular_with_a_finite_position(kin
     machine = Machine(Scene.model_validate(FOUR_BAR), [], ["B.x", "B.y"], LENGTHS, 8, dtype)
     outcome = machine.evaluate(dict(zip(LENGTHS, (origin, origin + ground, crank, first, second), strict=True)))
     assert (outcome.status == Verdict.SINGULAR).all()
-    assert set(outcome.status_at) <= {0.0, machine.nodes[4]}
+    # Within a few of the shortest panels.
+    off = np.abs(outcome.status_at[:, None] - np.array([0.0, math.pi, 2 * math.pi])).min(axis=1)
+    assert off.max() < 4e-6
     assert all(np.isfinite(row).all() for row in outcome.fields.values())
 
 
@@ -136,12 +208,64 @@ def test_four_bar_off_its_change_point_by_1e_12__is_judged_by_the_side(miss, ver
     assert outcome.status == verdict
 
 
+# Links of most unequal lengths, and far away
+
+
+def swing(ground: mp.mpf, crank: float, coupler: float, rocker: float) -> mp.mpf:
+    """Between crank and coupler in line, stretched and folded."""
+
+    def at_pivot(side: mp.mpf) -> mp.mpf:
+        return mp.acos((ground**2 + mp.mpf(rocker) ** 2 - side**2) / (2 * ground * rocker))
+
+    return at_pivot(mp.mpf(coupler) + crank) - at_pivot(mp.mpf(coupler) - crank)
+
+
+@pytest.mark.parametrize(("crank", "coupler", "rocker"), [(1e-3, 1.0, 0.8), (1e-3, 1.0, 1.0), (0.3, 1.0, 0.8)])
+@pytest.mark.parametrize("origin", [0.0, 1e6, -3e6])
+def test_links_one_to_a_thousand_and_origins_far_away__swing_as_their_triangles(origin, crank, coupler, rocker):
+    machine = Machine(Scene.model_validate(FOUR_BAR), ["rocker.swing"], [], LENGTHS)
+    lengths = (origin, origin + 1.0, crank, coupler, rocker)
+    outcome = machine.evaluate({path: np.array([value]) for path, value in zip(LENGTHS, lengths, strict=True)})
+    assert outcome.status[0] == Verdict.OK
+    with mp.workdps(50):
+        true = swing(mp.mpf(origin + 1.0) - mp.mpf(origin), crank, coupler, rocker)
+        off = abs(mp.mpf(float(outcome.summaries["rocker.swing"][0])) - true)
+    # Coordinates are rounded as they are far away, and the rocker's length makes angles of them.
+    assert off <= outcome.errors["rocker.swing"][0] + 16 * EPS[np.float64] * (1.0 + abs(origin)) / rocker
+    assert outcome.errors["rocker.swing"][0] <= 1e-8 * float(true) + 32 * EPS[np.float64] * abs(origin)
+
+
+def far_slider_crank() -> dict:
+    return SLIDER_CRANK | {"points": {"O": {"x": 1e6, "y": 0.0}}, "guides": {"way": {"x": 1e6}}}
+
+
+def far_four_bar() -> dict:
+    places = {"points.O.x": 1e6, "points.D.x": 1e6 + 1.0, "groups.bars.second.length": 0.8}
+    return changed(FOUR_BAR, places)
+
+
+KNOWN = pytest.mark.xfail(strict=True, reason="single precision keeps a coordinate of 1e6 m to six centimetres")
+
+
+@pytest.mark.parametrize(
+    ("scene", "field"),
+    [(far_slider_crank(), "B.x_phi"), pytest.param(far_four_bar(), "rocker.angle_phi", marks=KNOWN)],
+)
+def test_coordinates_of_a_thousand_kilometres_in_single_precision__leave_rates_right(scene, field):
+    single, double = (
+        Machine(Scene.model_validate(scene), [], [field], [], POSITIONS, dtype).evaluate({}) for dtype in EPS
+    )
+    if (single.status == Verdict.OK).all():
+        row = double.fields[field][0]
+        np.testing.assert_allclose(single.fields[field][0], row, rtol=0, atol=1e-5 * np.abs(row).max())
+
+
 # Laws of scale
 
 decades = {"lengths": st.floats(-6, 6), "masses": st.floats(-12, 9), "speeds": st.floats(-9, 5)}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(st.floats(0.05, 0.9), st.floats(-2, 2), st.floats(-3, 0), *decades.values())
 def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, lengths, masses, speeds):
     base = usual(l=0.05 / ratio, m=3.0 * 10**mass, d=10**fluctuation)
@@ -156,9 +280,10 @@ def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, 
     # Numbers scaled and results scaled back are off by some EPS; 1/cos² of the rod's angle makes more of it, once for
     # each of the three powers of the root in an acceleration.
     grown = 40 * EPS[np.float64] / (1 - ratio**2) ** 1.5
+    moment = np.abs(outcome.fields["reduced_moment"][0]).max()
     for field, powers in FIELDS.values():
         one, two = outcome.fields[field]
-        atol = POSITIONS * grown * np.abs(one).max()
+        atol = POSITIONS * grown * np.abs(one).max() + (4 * math.pi * CLOSELY * moment if field == "work" else 0.0)
         np.testing.assert_allclose(two / factor(powers), one, rtol=0, atol=atol, err_msg=field)
     sizes = {name: outcome.summaries[name] for name in SUMMARIES}
     # Loads and inertia forces may cancel in a sum: what rounding does to either is left.
@@ -166,7 +291,8 @@ def test_scaled_machine__has_scaled_results(machines, ratio, mass, fluctuation, 
     scales = {name: largest for name in sizes if name.startswith("flywheel")}
     scales |= {"speed_fluctuation": 2.0, "ram.stroke": 0.05 / ratio}
     for name, (one, two) in sizes.items():
-        atol = POSITIONS * grown * scales.get(name, np.abs(outcome.fields["work"][0]).max() * base["w"])
+        of_one, of_two = outcome.errors[name] / [1.0, factor(SUMMARIES[name])]
+        atol = of_one + of_two + grown * scales.get(name, 2 * math.pi * moment * max(1.0, base["w"]))
         np.testing.assert_allclose(two / factor(SUMMARIES[name]), one, rtol=0, atol=atol, err_msg=name)
 
 

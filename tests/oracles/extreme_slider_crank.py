@@ -1,8 +1,8 @@
-"""A slider-crank whose every number goes to extremes, and its closed form in mpmath from the same float64 numbers.
+"""A slider-crank whose every number goes to extremes, and its closed form in mpmath from the same numbers.
 
-In line, with an eccentric crank, a drag and a constant force. Each result comes with what rounding may do to it: a data
-error of EPS moves the rod's projection √(l² − r² s²) by EPS/cos² of the rod's angle; every term is allowed ROUNDINGS of
-that.
+It has an eccentric crank, a drag and a constant force. Each field comes with what rounding may do to it: a data error
+of EPS moves the rod's projection √(l² − y²) by EPS/cos² of its angle; every term is allowed ROUNDINGS of that.
+Summaries are those of the continuous cycle, from float64 numbers.
 """
 
 import math
@@ -31,6 +31,7 @@ SLIDER_CRANK = slider_crank(
 NUMBERS = {
     "r": ("input.length", 0.05, (1, 0, 0)),
     "l": ("groups.g.first.length", 0.2, (1, 0, 0)),
+    "h": ("groups.g.second.offset", 0.0, (1, 0, 0)),
     "e": ("bodies.eccentric.x", 0.01, (1, 0, 0)),
     "me": ("bodies.eccentric.mass", 2.0, (0, 1, 0)),
     "J": ("bodies.eccentric.inertia", 0.02, (2, 1, 0)),
@@ -101,6 +102,10 @@ CASES = {
     "no load": {"F": 0.0, "c": 0.0, "g": 0.0},
     "drag alone, 1e-12 N·s/m": {"F": 0.0, "g": 0.0, "c": 1e-12},
     "force of 1e12 N": {"F": 1e12},
+    "crank of a millimetre, rod of a metre": {"r": 1e-3, "l": 1.0, "e": 1e-4},
+    "guide a fifth of the rod off": {"h": 0.04, "c": 0.0},
+    "rod longer than crank and offset by 1e-8": {"h": 0.03, "l": 0.08 * (1 + 1e-8), "c": 0.0},
+    "rod longer than crank and offset by 1e-4, the other way": {"h": -0.03, "l": 0.08 * (1 + 1e-4), "c": 0.0},
 }
 
 
@@ -108,39 +113,55 @@ def paths(variants: list[dict]) -> dict[str, np.ndarray]:
     return {NUMBERS[name][0]: np.array([v[name] for v in variants]) for name in NUMBERS}
 
 
-class Closed:
-    """Rows and summaries of the slider-crank in mpmath, with what rounding may do to each, in units of EPS."""
+class SliderCrank:
+    """The slider-crank of some numbers; angles are mpmath's."""
+
+    def __init__(self, numbers: dict[str, float], dtype: type = np.float64) -> None:
+        self.v = {name: mp.mpf(float(dtype(value))) for name, value in numbers.items()}
+        self.first_kind = self.v["J"] + self.v["me"] * self.v["e"] ** 2
+        self.weight = self.v["me"] * self.v["g"] * self.v["e"]
+
+    def transfer(self, phi: mp.mpf) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
+        """Place of the ram, and its first two derivatives by the crank's angle."""
+        r, rod, c, s = self.v["r"], self.v["l"], mp.cos(phi), mp.sin(phi)
+        y = r * s - self.v["h"]
+        root = mp.sqrt(rod**2 - y**2)
+        bend = (r * c * c - y * s) / root + y**2 * r * c * c / root**3
+        return r * c + root, -r * s - y * r * c / root, -r * c - r * bend
+
+    def moment(self, phi: mp.mpf) -> mp.mpf:
+        x1 = self.transfer(phi)[1]
+        return self.v["F"] * x1 - self.v["c"] * self.v["w"] * x1**2 - self.weight * mp.cos(phi)
+
+
+class Closed(SliderCrank):
+    """Fields of the slider-crank at some positions, with what rounding may do to each, in units of EPS."""
 
     def __init__(self, nodes: np.ndarray, numbers: dict[str, float], dtype: type) -> None:
-        self.v = {name: mp.mpf(float(dtype(value))) for name, value in numbers.items()}
-        self.rows = {name: [] for name in FIELDS}
-        self.slack = {name: [] for name in FIELDS}
+        super().__init__(numbers, dtype)
+        self.rows = {name: [] for name in FIELDS if name != "W"}
+        self.slack = {name: [] for name in self.rows}
         for phi in nodes:
             self._position(float(phi))
-        h, moments = 2 * mp.pi / len(nodes), self.rows["M"]
-        self.mean = mp.fsum(moments) / len(nodes)
-        steps = [h / 2 * (a + b - 2 * self.mean) for a, b in pairwise(moments)]
-        self.rows["W"] = [mp.fsum(steps[:k]) for k in range(len(nodes))]
-        self.of_moments = max(self.slack["M"]) + ROUNDINGS * max(abs(m) for m in moments)
-        self.slack["W"] = [len(nodes) * h * self.of_moments] * len(nodes)
 
     def _position(self, phi: float) -> None:
-        r, rod, mass, speed, drag = (self.v[name] for name in ("r", "l", "m", "w", "c"))
+        r, rod, h, mass, speed, drag = (self.v[name] for name in ("r", "l", "h", "m", "w", "c"))
         c, s = mp.cos(mp.mpf(phi)), mp.sin(mp.mpf(phi))
-        root = mp.sqrt(rod**2 - (r * s) ** 2)
+        y = r * s - h
+        root = mp.sqrt(rod**2 - y**2)
         # Where the crank is square to the guide, the height of its pin is the crank's length, without rounding.
-        grown = ROUNDINGS * (1 if abs(math.sin(phi)) == 1.0 else (rod / root) ** 2)
+        exact = abs(math.sin(phi)) == 1.0 and h == 0
+        grown = ROUNDINGS * (1 if exact else (rod / root) ** 2)
         # Zeros of cosine and sine are off by EPS of 1, so sizes are those of terms without them.
-        size1, size2 = r + r**2 / root, r + r**2 / root + (r**2 * s * c) ** 2 / root**3
-        x1 = -r * s - r**2 * s * c / root
-        x2 = -r * c - r**2 * (c * c - s * s) / root - (r**2 * s * c) ** 2 / root**3
-        fixed, weight = self.v["J"] + self.v["me"] * self.v["e"] ** 2, self.v["me"] * self.v["g"] * self.v["e"]
-        inertia, slope = fixed + mass * x1**2, 2 * mass * x1 * x2
-        moment = self.v["F"] * x1 - drag * speed * x1**2 - weight * c
+        whole = r + abs(h)
+        size1, size2 = r + r * whole / root, r + r * whole / root + (y * r * c) ** 2 / root**3
+        x, x1, x2 = self.transfer(mp.mpf(phi))
+        inertia, slope = self.first_kind + mass * x1**2, 2 * mass * x1 * x2
+        moment = self.moment(mp.mpf(phi))
         of_slope = 2 * mass * grown * (abs(x2) * size1 + abs(x1) * size2)
-        of_moment = grown * size1 * (abs(self.v["F"]) + 2 * abs(drag * speed * x1)) + ROUNDINGS * abs(weight)
+        of_moment = grown * size1 * (abs(self.v["F"]) + 2 * abs(drag * speed * x1)) + ROUNDINGS * abs(self.weight)
         for name, value, slack in (
-            ("x", r * c + root, grown * (r + root)),
+            ("x", x, grown * (r + root)),
             ("x1", x1, grown * size1),
             ("x2", x2, grown * size2),
             ("rod1", -r * c / root, grown * r / root),
@@ -152,43 +173,103 @@ class Closed:
             self.rows[name].append(value)
             self.slack[name].append(slack)
 
-    def summaries(self) -> dict[str, tuple[mp.mpf, mp.mpf]]:
-        """Value, and what rounding may do to it in units of EPS."""
-        w2, delta, pairs = self.v["w"] ** 2, self.v["d"], list(zip(self.rows["W"], self.rows["I"], strict=True))
-        of_work, of_inertia, fixed = max(self.slack["W"]), max(self.slack["I"]), pairs[0][1]
-        slow, middle, fast = (w2 / 2 * (1 + sign * delta / 2) ** 2 for sign in (-1, 0, 1))
-        excess, loop = max(self.rows["W"]) - min(self.rows["W"]), [w - middle * i for w, i in pairs]
-        by_excess, merzalov = excess / (delta * w2), (max(loop) - min(loop)) / (delta * w2)
-        wittenbauer = (max(w - fast * i for w, i in pairs) - min(w - slow * i for w, i in pairs)) / (delta * w2)
-        of_size = 2 * (of_work + fast * of_inertia) / (delta * w2) + ROUNDINGS * (by_excess + merzalov + fixed)
-        wheel = max(wittenbauer, mp.mpf(0))
-        # Of the speeds √(2 E/I), through E and I, and through the wheel where there is one.
-        of_speed = (2 * of_work / w2 + of_inertia + (of_size if wheel else 0)) / (wheel + min(i for _, i in pairs))
-        first_kind = self.v["J"] + self.v["me"] * self.v["e"] ** 2
+
+class Cycle(SliderCrank):
+    """Summaries of the slider-crank's continuous cycle.
+
+    A drag is allowed for without an offset of the guide alone: its work is elementary then.
+    """
+
+    def __init__(self, numbers: dict[str, float]) -> None:
+        super().__init__(numbers)
+        assert not (self.v["h"] and self.v["c"])
+        self.turn = 2 * mp.pi
+        self.mean = -self.v["c"] * self.v["w"] * self._square(self.turn) / self.turn
+        self.first = self.inertia(mp.mpf(0))
+        # Closer and closer about the places where the rod may stand across the guide.
+        steep = [at + sign * mp.mpf(10) ** (-k / mp.mpf(4)) for at in (mp.pi / 2, 3 * mp.pi / 2) for sign in (-1, 1)
+                 for k in range(36)]  # fmt: skip
+        self.grid = sorted([*(self.turn * k / 96 for k in range(97)), *steep])
+        self._slopes = [self._rates(phi) for phi in self.grid]
+
+    def _square(self, phi: mp.mpf) -> mp.mpf:
+        """∫₀^φ x′² dφ = r² ∫ (s² + 2 r s² c/√(l² − r² s²) + r² s² c²/(l² − r² s²)) dφ, term by term."""
+        if not self.v["c"]:
+            return mp.mpf(0)
+        r, rod, c, s = self.v["r"], self.v["l"], mp.cos(phi), mp.sin(phi)
+        ratio = r / rod
+        sines = phi / 2 - s * c / 2
+        second = rod**2 / (2 * r**3) * mp.asin(ratio * s) - s * mp.sqrt(rod**2 - (r * s) ** 2) / (2 * r**2)
+        # With y = s², (y − y²)/(1 − λ² y) = y/λ² + k − k/(1 − λ² y).
+        k, across = (1 - ratio**2) / ratio**4, mp.sqrt((1 - ratio) * (1 + ratio))
+        turned = phi + mp.atan2((across - 1) * s * c, c * c + across * s * s)
+        third = (sines / ratio**2 + k * (phi - turned / across)) / rod**2
+        return r**2 * (sines + 2 * r * second + r**2 * third)
+
+    def work(self, phi: mp.mpf) -> mp.mpf:
+        """W(φ) about the mean moment."""
+        of_force = self.v["F"] * (self.transfer(phi)[0] - self.transfer(mp.mpf(0))[0])
+        of_drag = -self.v["c"] * self.v["w"] * self._square(phi)
+        return of_force - self.weight * mp.sin(phi) + of_drag - self.mean * phi
+
+    def inertia(self, phi: mp.mpf) -> mp.mpf:
+        return self.first_kind + self.v["m"] * self.transfer(phi)[1] ** 2
+
+    def _rates(self, phi: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
+        """dW/dφ and dI/dφ."""
+        _, x1, x2 = self.transfer(phi)
+        return self.moment(phi) - self.mean, 2 * self.v["m"] * x1 * x2
+
+    def extremes(self, slope: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
+        """Least and greatest value of W − slope (I − I_1): where its rate changes sign, and at the first position."""
+        rates = [w - slope * i for w, i in self._slopes]
+        places = [mp.mpf(0)]
+        for (a, b), (before, after) in zip(pairwise(self.grid), pairwise(rates), strict=True):
+            if before * after <= 0:
+                places.append(self._turning(a, b, before, slope))
+        values = [self.work(phi) - slope * (self.inertia(phi) - self.first) for phi in places]
+        return min(values), max(values)
+
+    def _turning(self, a: mp.mpf, b: mp.mpf, before: mp.mpf, slope: mp.mpf) -> mp.mpf:
+        """Between two positions of the grid; the value is off by no more than the square of what the place is."""
+        for _ in range(40):
+            middle = (a + b) / 2
+            w, i = self._rates(middle)
+            a, b = (middle, b) if (w - slope * i) * before > 0 else (a, middle)
+        return (a + b) / 2
+
+    def summaries(self) -> dict[str, mp.mpf]:
+        """NaN: a speed fluctuation of a machine that would stop."""
+        square, delta = self.v["w"] ** 2, self.v["d"]
+        low, high = self.extremes(mp.mpf(0))
+        bottom, top = self.extremes(square / 2)
+        wheel = self._excess(delta) / (delta * square) - self.first
+        near, far = (mp.sqrt((self.v["l"] + sign * self.v["r"]) ** 2 - self.v["h"] ** 2) for sign in (-1, 1))
         return {
-            "required_drive_moment": (-self.mean, self.of_moments),
-            "required_power": (-self.mean * self.v["w"], self.of_moments * abs(self.v["w"])),
-            "excess_work": (excess, 2 * of_work),
-            "flywheel_excess_work": (by_excess, of_size),
-            "flywheel_merzalov": (merzalov - first_kind, of_size),
-            "flywheel_wittenbauer": (wittenbauer, of_size),
-            "speed_fluctuation": (true_fluctuation(pairs, wheel, abs(self.v["w"])), 4 + 2 * of_speed),
+            "required_drive_moment": -self.mean,
+            "required_power": -self.mean * self.v["w"],
+            "excess_work": high - low,
+            "flywheel_excess_work": (high - low) / (delta * square),
+            "flywheel_merzalov": (top - bottom) / (delta * square) - self.first_kind,
+            "flywheel_wittenbauer": wheel,
+            "speed_fluctuation": delta if wheel > 0 else self._fluctuation(),
+            "ram.stroke": far - near,
         }
 
+    def _excess(self, delta: mp.mpf) -> mp.mpf:
+        """max(W − ½ω_max² (I − I_1)) − min(W − ½ω_min² (I − I_1)), which is δ ω_m² (I_1 + I_F)."""
+        slow, fast = (self.v["w"] ** 2 / 2 * (1 + sign * delta / 2) ** 2 for sign in (-1, 1))
+        return self.extremes(fast)[1] - self.extremes(slow)[0]
 
-def true_fluctuation(pairs: list[tuple], wheel: mp.mpf, mean: mp.mpf) -> mp.mpf:
-    """δ of rows (W, I) with a flywheel: the initial energy by bisection; NaN where the machine would stop."""
+    def _fluctuation(self) -> mp.mpf:
+        """δ without a flywheel."""
 
-    def speeds(energy: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
-        squares = [2 * (energy + w) / (i + wheel) for w, i in pairs]
-        return mp.sqrt(max(min(squares), 0)), mp.sqrt(max(squares))
+        def beyond(delta: mp.mpf) -> mp.mpf:
+            return self._excess(delta) / (self.v["w"] ** 2 * self.first) - delta
 
-    low = -min(w for w, _ in pairs)
-    if sum(speeds(low)) / 2 > mean:
-        return mp.nan
-    high = low + max(w for w, _ in pairs) + 2 * (max(i for _, i in pairs) + wheel) * mean**2
-    for _ in range(160):
-        middle = (low + high) / 2
-        low, high = (low, middle) if sum(speeds(middle)) / 2 > mean else (middle, high)
-    slowest, fastest = speeds(low)
-    return (fastest - slowest) / mean
+        if beyond(mp.mpf(2)) > 0:
+            return mp.nan
+        if self._excess(mp.mpf(0)) == 0:
+            return mp.mpf(0)
+        guess = beyond(mp.mpf(0))
+        return mp.findroot(beyond, (guess / 2, guess), tol=mp.mpf(10) ** -60, maxsteps=50)

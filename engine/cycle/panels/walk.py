@@ -56,6 +56,8 @@ FLOOR, MOST = 1e-7, 200
 PATIENCE, MARGIN = 6.0, 4.0
 # As much is left if it is so many times what was left before, at most, or the reciprocal of that at least.
 AS_MUCH = 2.5
+# A panel may be longer than wanted by this share, so as not to leave a sliver of the distance to the next edge.
+STRETCH = 1e-9
 # So many panels in a row are made to end at a kink, told more and more closely, before they are made shorter instead.
 TRIES = 4.0
 # Share of the greatest magnitude that rounding leaves of a smooth curve.
@@ -114,7 +116,7 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
         # A lane that has taken as many as it may goes on in a few long ones.
         wanted = walk[WANTED, lane] if walk[TAKEN, lane] < MOST else LAST_ONES * walk[RANGE, lane]
-        pieces = np.ceil((edge - begin) / wanted * (1.0 - 1e-9))
+        pieces = np.ceil((edge - begin) / wanted * (1.0 - STRETCH))
         at_once = pieces <= 1.0
         end = edge if at_once else begin + (edge - begin) / pieces
         direction, end_before = walk[DIRECTION, lane], walk[END, lane]
@@ -210,7 +212,8 @@ def judge(longest: float, walk: Memory) -> bool:
     for lane in range(LANES):
         begin, end, falling, level = walk[BEGIN, lane], walk[END, lane], walk[EXCESS, lane], walk[LEVEL, lane]
         length, active, least = end - begin, walk[ACTIVE, lane] > 0.0, FLOOR * walk[RANGE, lane]
-        enough = ((falling <= 1.0) & (level <= 1.0)) | (length <= least) | (walk[TAKEN, lane] >= MOST)
+        shortest = length <= least * (1.0 + 2.0 * STRETCH)
+        enough = ((falling <= 1.0) & (level <= 1.0)) | shortest | (walk[TAKEN, lane] >= MOST)
         # What is level where that is little enough is rounding, and tells nothing of how long a panel may be.
         excess = falling if level <= 1.0 else larger(falling, level)
         factor = larger(smaller(sixteenth_root(AIM / larger(excess, 1e-9)), LONGER), SHORTER)
