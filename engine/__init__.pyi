@@ -3,49 +3,44 @@
 An import with `as` offers a name under one that says enough away from its module.
 """
 
-from engine.balancing.counterweights import Balanced as BalancedMachine
-from engine.balancing.counterweights import BalanceError, balance
-from engine.balancing.counterweights import Place as CounterweightPlace
-from engine.balancing.engines.engine_columns import ROUNDED as ROUNDED_ORDERS
-from engine.balancing.engines.engine_columns import engine_numbers, engine_torque, made_engine
+from engine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
+from engine.balancing.engines.engine_columns import ROUNDED_ORDERS, engine_numbers, engine_torque, made_engine
 from engine.balancing.engines.engine_element import EngineElement
-from engine.balancing.engines.engine_layout import Engine, MasterRod, usual_throws
-from engine.balancing.engines.engine_layout import Layout as EngineLayout
-from engine.balancing.engines.engine_layout import boxer as boxer_engine
-from engine.balancing.engines.engine_layout import in_line as in_line_engine
-from engine.balancing.engines.engine_layout import radial as radial_engine
-from engine.balancing.engines.engine_layout import v as v_engine
-from engine.balancing.engines.engine_layout import w as w_engine
-from engine.balancing.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals
+from engine.balancing.engines.engine_layout import (
+    Engine,
+    EngineLayout,
+    MasterRod,
+    boxer_engine,
+    in_line_engine,
+    radial_engine,
+    usual_throws,
+    v_engine,
+    w_engine,
+)
+from engine.balancing.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 from engine.balancing.engines.harmonics import crank_radius, piston_harmonics
 from engine.balancing.engines.hodograph import Hodograph
-from engine.balancing.engines.shafts import counterweights as crankshaft_counterweights
-from engine.balancing.engines.shafts import remaining as remaining_shaking
-from engine.balancing.engines.shaking import ORDERS as SHAKING_ORDERS
-from engine.balancing.engines.shaking import shaking as engine_shaking
-from engine.balancing.engines.torque_orders import firing_sums
-from engine.balancing.rotors.correction import corrected as corrected_unbalance
+from engine.balancing.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
+from engine.balancing.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
+from engine.balancing.rotors.correction import corrected_unbalance
 from engine.balancing.rotors.grades import permissible_unbalance, tolerance_shares
+from engine.balancing.rotors.hole_pattern import PatternError, split_on_neighbours
 from engine.balancing.rotors.influence import (
     four_runs,
     influence_coefficients,
     influence_correction,
     residual_confidence,
 )
-from engine.balancing.rotors.rotor_columns import corrections_of as rotor_corrections
-from engine.balancing.rotors.rotor_columns import rotor_numbers
-from engine.balancing.rotors.rotor_columns import unbalances_of as rotor_unbalances
+from engine.balancing.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
 from engine.balancing.rotors.rotor_element import RotorElement
-from engine.balancing.rotors.unbalance import in_two_planes as unbalance_in_two_planes
-from engine.balancing.rotors.unbalance import resultant as resultant_unbalance
+from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elements.elements_alone import ElementsAlone, made_ready
-from engine.flywheels.turning_moment import TurningMoment
-from engine.flywheels.turning_moment import from_table as turning_moment_from_table
+from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -104,6 +99,7 @@ __all__ = [
     "Engine",
     "EngineElement",
     "EngineLayout",
+    "EngineShaking",
     "Hinged",
     "History",
     "Hodograph",
@@ -115,6 +111,7 @@ __all__ = [
     "Move",
     "Outcome",
     "Pair",
+    "PatternError",
     "PlainNumber",
     "Quantity",
     "Regime",
@@ -136,6 +133,7 @@ __all__ = [
     "any_quantity",
     "assembly_ranges",
     "balance",
+    "balance_shafts",
     "base_powers",
     "bearer_of",
     "body_mass",
@@ -188,8 +186,10 @@ __all__ = [
     "slider_tilts",
     "sliders_of",
     "sources_digest",
+    "split_on_neighbours",
     "threads",
     "tolerance_shares",
+    "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",
     "unit_over",

@@ -40,7 +40,7 @@ SENTENCES = {
     ),
     Verdict.RUNS_AWAY: "the machine runs away: at no speed do the loads hold the drive; check signs, or add a load",
     Verdict.NO_END: (
-        "a regime doesn't come to its end: what it is to end at is never reached; change the end or the drive, or "
+        "a regime doesn't end: the state at which it should end is never reached; change the end or the drive, or "
         "raise at_most"
     ),
     Verdict.JAMS: (

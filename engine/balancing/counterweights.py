@@ -40,7 +40,7 @@ class BalanceError(ValueError):
     """A balance that can't be reached or asked for."""
 
 
-class Place(NamedTuple):
+class CounterweightPlace(NamedTuple):
     """A place for a counterweight, fixed on a link in the link's axes [m]; the mass is to be found, `most` [kg]."""
 
     link: str
@@ -63,7 +63,7 @@ class Counterweight(NamedTuple):
         return self.mass * math.hypot(self.x, self.y)
 
 
-class Balanced(NamedTuple):
+class BalancedMachine(NamedTuple):
     """A machine with its counterweights.
 
     Attributes
@@ -87,13 +87,13 @@ class Balanced(NamedTuple):
 def balance(
     scene: Scene,
     links: Sequence[str] = (),
-    places: Sequence[Place] = (),
+    places: Sequence[CounterweightPlace] = (),
     criterion: Criterion = "full",
     radius: float | None = None,
     most: Mapping[str, float] | None = None,
     moment_weight: float = 0.0,
     positions: int = 360,
-) -> Balanced:
+) -> BalancedMachine:
     """Find the counterweights that balance a machine at the uniform speed of its crank.
 
     Parameters
@@ -102,7 +102,7 @@ def balance(
         With a crank that turns fully.
     links : sequence of str
         Links that turn about fixed axes and get a counterweight in the best direction.
-    places : sequence of Place
+    places : sequence of CounterweightPlace
         Places on any links for counterweights whose masses are found.
     criterion : {"full", "rms", "peak"}
         No shaking force at all; least root mean square over the cycle; least peak over the positions.
@@ -144,7 +144,7 @@ def balance(
         _check_full(found, rows, effects, names)
     radius = _radius(scene, radius)
     weights = _weights(found.unknowns, links, places, radius)
-    return Balanced(_with(scene, weights), weights, before, found.value, found.bound)
+    return BalancedMachine(_with(scene, weights), weights, before, found.value, found.bound)
 
 
 # What may be asked
@@ -153,7 +153,7 @@ def balance(
 def _check(
     machine: Machine,
     links: Sequence[str],
-    places: Sequence[Place],
+    places: Sequence[CounterweightPlace],
     criterion: str,
     most: dict[str, float],
     moment_weight: float,
@@ -173,9 +173,9 @@ def _check(
     fixed = [n for n in known if turning[n].w is not zero and set(turning[n].origin.v) == {zero}]
     for link in links:
         if link not in fixed:
-            raise BalanceError(f"{link!r} doesn't turn about a fixed axis: give a Place on it; or {_listed(fixed)}")
+            raise BalanceError(f"{link!r} doesn't turn about a fixed axis: give a place on it; or {_listed(fixed)}")
         if moment_weight and turning[link].e is not zero:
-            raise BalanceError(f"the moment of a counterweight on {link!r} depends on its radius: give a Place on it")
+            raise BalanceError(f"the moment of a counterweight on {link!r} depends on its radius: give a place on it")
     for link, value in most.items():
         if link not in links or not value > 0:
             raise BalanceError(f"most[{link!r}] = {value!r}: a positive mass times radius on one of {list(links)}")
@@ -215,7 +215,9 @@ def _rows(machine: Machine, varied: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.stack([outcome.fields[name] for name in machine.asked_fields], axis=-1)
 
 
-def _probes(scene: Scene, links: Sequence[str], places: Sequence[Place]) -> tuple[Scene, dict[str, np.ndarray]]:
+def _probes(
+    scene: Scene, links: Sequence[str], places: Sequence[CounterweightPlace]
+) -> tuple[Scene, dict[str, np.ndarray]]:
     """The mechanism with nothing but a mass for each unknown, and those masses: in each variant one of 1 kg."""
     at = [(link, *way) for link in links for way in ((1.0, 0.0), (0.0, 1.0))]
     at += [(place.link, place.x, place.y) for place in places]
@@ -241,7 +243,7 @@ def _size(rows: np.ndarray, criterion: str) -> float:
 
 
 def _weights(
-    unknowns: np.ndarray, links: Sequence[str], places: Sequence[Place], radius: float
+    unknowns: np.ndarray, links: Sequence[str], places: Sequence[CounterweightPlace], radius: float
 ) -> tuple[Counterweight, ...]:
     found = []
     for i, link in enumerate(links):

@@ -107,7 +107,7 @@ def least_peak(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> Opt
     Parameters
     ----------
     a, b, unknowns
-        As of `least_rms`.
+        As for `least_rms`.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def least_peak(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> Opt
     """
     p = _scaled(a, b, unknowns)
     best = least_rms(a, b, unknowns).unknowns / p.unit
-    # Whoever does no worse than the first guess lies within this radius.
+    # Unknowns that do no worse than the first guess lie within this radius.
     rms = np.sqrt((p.b**2).sum() / len(p.b))
     peak = _sizes(p, best).max()
     radius = (peak + rms) / np.linalg.svd(p.a.reshape(-1, best.size) / np.sqrt(len(p.b)), compute_uv=False)[-1]

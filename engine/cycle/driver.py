@@ -142,7 +142,7 @@ class Task(NamedTuple):
     longest: np.ndarray
 
 
-class Answers(NamedTuple):
+class DriverAnswers(NamedTuple):
     """What the driver fills in.
 
     Attributes
@@ -468,7 +468,7 @@ def evaluate_blocks(
     tables: np.ndarray,
     to_coefficients: np.ndarray,
     to_integrals: np.ndarray,
-    answers: Answers,
+    answers: DriverAnswers,
     work: Workspace,
 ) -> None:
     """Evaluate blocks of variants.
@@ -487,7 +487,7 @@ def evaluate_blocks(
         Handed on to the machine's functions.
     to_coefficients, to_integrals : ndarray
         The matrices of `engine.cycle.panels.chebyshev`.
-    answers : Answers
+    answers : DriverAnswers
     work : Workspace
     """
     kept, integrated, count = task.kept.shape[0], task.integrals.shape[0], task.sizes[3]

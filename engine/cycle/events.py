@@ -29,7 +29,7 @@ from engine.cycle.roots import (
     LOW,
     PARTS,
     TURN,
-    Samples,
+    SampledFunctions,
     X,
 )
 
@@ -69,7 +69,13 @@ def open_row(row: int, used: int, function: int, level: int, sought: np.ndarray,
 
 @routine
 def find_turns(
-    function: int, samples: Samples, used: int, sought: np.ndarray, roots: Memory, marks: Memory, counts: Memory
+    function: int,
+    samples: SampledFunctions,
+    used: int,
+    sought: np.ndarray,
+    roots: Memory,
+    marks: Memory,
+    counts: Memory,
 ) -> int:
     """Enter the intervals in which a function turns as new rows of roots.
 
@@ -78,7 +84,7 @@ def find_turns(
     Parameters
     ----------
     function : int
-    samples : Samples
+    samples : SampledFunctions
         All functions at the positions scanned.
     used : int
         Rows of roots in use.
@@ -120,10 +126,10 @@ def find_turns(
 @routine
 def find_landmarks(
     function: int,
-    samples: Samples,
+    samples: SampledFunctions,
     count: int,
     sought: np.ndarray,
-    turned: Samples,
+    turned: SampledFunctions,
     roots: Memory,
     steepest: Memory,
     landmarks: Memory,
@@ -133,12 +139,12 @@ def find_landmarks(
     Parameters
     ----------
     function : int
-    samples : Samples
+    samples : SampledFunctions
         All functions at the positions scanned.
     count : int
         Number of rows of turns.
     sought : ndarray (rows, 2) of int
-    turned : Samples
+    turned : SampledFunctions
         All functions where they turn.
     roots : rows (rows, PARTS, LANES)
     steepest : row (LANES,)
@@ -250,10 +256,10 @@ def find_crossings(
     level_row: int,
     level: Memory,
     scale: Memory,
-    samples: Samples,
+    samples: SampledFunctions,
     turns: int,
     turn_sought: np.ndarray,
-    turned: Samples,
+    turned: SampledFunctions,
     turn_roots: Memory,
     used: int,
     sought: np.ndarray,
@@ -269,7 +275,7 @@ def find_crossings(
         Number of the function, row of P with the level.
     level, scale : row (LANES,)
         The level; greatest magnitude of the function.
-    samples : Samples
+    samples : SampledFunctions
         All functions at the positions scanned.
     turns : int
         Rows of turns.
@@ -322,7 +328,7 @@ def find_crossings(
 def lay_edges(
     count: int,
     sought: np.ndarray,
-    samples: Samples,
+    samples: SampledFunctions,
     roots: Memory,
     landmarks: Memory,
     cut_rows: np.ndarray,

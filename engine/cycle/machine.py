@@ -28,7 +28,7 @@ from numba import types
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.cycle.driver import Answers, Task, evaluate_blocks, new_workspace
+from engine.cycle.driver import DriverAnswers, Task, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,
     GREATEST_AT,
@@ -195,7 +195,7 @@ class Fluctuations:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CycleOutcome:
     """What was asked of a machine, per variant in the last dimension.
 
     Attributes
@@ -260,7 +260,7 @@ def _extremes(answers: np.ndarray) -> Extremes:
 
 
 @dataclass(frozen=True)
-class Machine:
+class CycleMachine:
     """A machine's functions and what is asked of them.
 
     Attributes
@@ -338,7 +338,7 @@ class Machine:
         """The plan as the driver takes it."""
         return self._task
 
-    def evaluate(self, numbers: np.ndarray, tables: np.ndarray | None = None) -> Outcome:
+    def evaluate(self, numbers: np.ndarray, tables: np.ndarray | None = None) -> CycleOutcome:
         """Evaluate variants, on all threads.
 
         Parameters
@@ -365,17 +365,19 @@ class Machine:
             (1,),
         )
         spaced = np.full((len(plan.spaced), variants, plan.positions), np.nan)
-        answers = Answers(*(np.empty((math.prod(s), variants)) for s in shapes), spaced, np.zeros(blocks, np.bool_))
+        answers = DriverAnswers(
+            *(np.empty((math.prod(s), variants)) for s in shapes), spaced, np.zeros(blocks, np.bool_)
+        )
         self._run(numbers, tables, answers, range(blocks), _STEPS)
         steps = _STEPS
         while answers.short_of_room.any():
             steps *= 2
             self._run(numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)
         parts = (part.reshape(*shape, variants) for part, shape in zip(answers, shapes, strict=False))
-        return self._outcome(numbers, Answers(*parts, spaced, answers.short_of_room))
+        return self._outcome(numbers, DriverAnswers(*parts, spaced, answers.short_of_room))
 
     def _run(
-        self, numbers: np.ndarray, tables: np.ndarray, answers: Answers, blocks: Sequence[int], steps: int
+        self, numbers: np.ndarray, tables: np.ndarray, answers: DriverAnswers, blocks: Sequence[int], steps: int
     ) -> None:
         functions = (self.events, self.levels, self.states, self.curves)
         matrices = (TO_COEFFICIENTS, TO_INTEGRALS)
@@ -390,12 +392,12 @@ class Machine:
         prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
         spread(evaluate_blocks, len(chosen), arguments)
 
-    def _outcome(self, numbers: np.ndarray, answers: Answers) -> Outcome:
+    def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
         plan, marks, wheels = self.plan, answers.landmarks, answers.fluctuations
         kinds = (plan.extremes, plan.works, plan.combinations, plan.runs, plan.compared, plan.angles, plan.speeds)
         extremes = np.split(answers.extremes, np.cumsum([len(kind) for kind in kinds])[:-1])
         first, last = (numbers[row] for row in plan.ends)
-        return Outcome(
+        return CycleOutcome(
             _pair(answers.integrals, 0, 1),
             last - first,
             *(_extremes(of) for of in extremes),

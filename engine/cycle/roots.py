@@ -31,7 +31,7 @@ FOUND = 1e-11
 MOST_STEPS = 60
 
 
-class Samples(NamedTuple):
+class SampledFunctions(NamedTuple):
     """Functions and their derivatives at rows of positions.
 
     Attributes
@@ -55,7 +55,7 @@ class Samples(NamedTuple):
 
 
 class SampleRoom(NamedTuple):
-    """Arrays for `Samples`."""
+    """Arrays for `SampledFunctions`."""
 
     place: np.ndarray
     tile: np.ndarray
@@ -67,13 +67,15 @@ def new_samples(functions: int, room: int) -> SampleRoom:
 
 
 @routine
-def samples_in(given: SampleRoom) -> Samples:
-    """Samples in their room."""
-    return Samples(given.place.shape[1], in_lanes(given.place[0]), in_lanes(given.tile), given.place, given.tile)
+def samples_in(given: SampleRoom) -> SampledFunctions:
+    """The samples in their memory."""
+    return SampledFunctions(
+        given.place.shape[1], in_lanes(given.place[0]), in_lanes(given.tile), given.place, given.tile
+    )
 
 
 @routine
-def sample(functions: Callable, block: np.ndarray, tables: np.ndarray, count: int, samples: Samples) -> None:
+def sample(functions: Callable, block: np.ndarray, tables: np.ndarray, count: int, samples: SampledFunctions) -> None:
     """Evaluate all functions at the first `count` rows of positions."""
     place = samples.place
     q, cos_q, sin_q = place[0, :count], place[1, :count], place[2, :count]
@@ -112,7 +114,7 @@ def improve_roots(count: int, sought: np.ndarray, block: Memory, room: int, valu
         P.
     room : int
     values : rows (2 functions × room, LANES)
-        As of `Samples`, at the X of each row.
+        As of `SampledFunctions`, at the X of each row.
     roots : rows (rows, PARTS, LANES)
 
     Returns
@@ -153,7 +155,7 @@ def solve_roots(
     tables: np.ndarray,
     count: int,
     sought: np.ndarray,
-    samples: Samples,
+    samples: SampledFunctions,
     roots: Memory,
 ) -> None:
     """Find the roots of all rows; `samples` holds all functions at the places found afterwards.
@@ -167,7 +169,7 @@ def solve_roots(
     count : int
         Number of rows used.
     sought : ndarray (rows, 2) of int
-    samples : Samples
+    samples : SampledFunctions
     roots : rows (rows, PARTS, LANES)
     """
     q, found = samples.q, count == 0

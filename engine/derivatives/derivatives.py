@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 
-from engine.derivatives.extrapolation import Estimate, Samples, derivative_of
+from engine.derivatives.extrapolation import Differences, Estimate, derivative_of
 from engine.elements.elements_alone import ElementsAlone
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome
@@ -28,7 +28,7 @@ LADDERS = (tuple(2.0**-k for k in (2, 3, 4, 5, 6, 7)), tuple(2.0**-k for k in (9
 EVALUATIONS = 2 * len(LADDERS[0])
 # Shorter steps are tried where longer ones leave more than this share open.
 GOOD = 1e-8
-# A place known to a position only moves in jumps.
+# The place of an extreme may jump from one peak to another.
 PLACES = (".min_at", ".max_at")
 
 
@@ -141,7 +141,9 @@ def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivativ
     """
     for name in machine.asked_summaries:
         if name.endswith(PLACES):
-            raise AskError(f"{name!r} is known to a position only, and moves in jumps: it has no derivative")
+            raise AskError(
+                f"{name!r} is the place of an extreme, which may jump from peak to peak: it has no derivative"
+            )
     here = machine.evaluate(move.varied(move.at, np.arange(move.at.size)))
     names, status = machine.asked_summaries, here.status.copy()
     values, errors = ({name: np.full(move.at.shape, np.nan) for name in names} for _ in range(2))
@@ -213,7 +215,7 @@ def _tables(outcome: Outcome, shape: tuple[int, ...]) -> tuple[dict[str, np.ndar
 def _estimate(
     machine: Machine | ElementsAlone, around: _Neighbours, name: str, here: np.ndarray, doubt: np.ndarray
 ) -> Estimate:
-    samples = Samples(around.steps, around.width, here, doubt, around.summaries[name], around.errors[name])
+    samples = Differences(around.steps, around.width, here, doubt, around.summaries[name], around.errors[name])
     return derivative_of(samples, ROUNDING * float(np.finfo(machine.dtype).eps))
 
 

@@ -25,7 +25,7 @@ ALIKE = 1e-13
 CENTRAL, ONE_SIDED, OF_JUMP = (2, 4, 6), (1, 2, 3), (1, 3, 5)
 
 
-class Samples(NamedTuple):
+class Differences(NamedTuple):
     """A function beside a place.
 
     Attributes
@@ -81,12 +81,12 @@ def weights(steps: tuple[float, ...], powers: tuple[int, ...]) -> np.ndarray:
     return np.linalg.solve(rows, right)
 
 
-def derivative_of(samples: Samples, rounding: float) -> Estimate:
+def derivative_of(samples: Differences, rounding: float) -> Estimate:
     """Derivative at the place, by differences to both sides, or to one where only that side has values throughout.
 
     Parameters
     ----------
-    samples : Samples
+    samples : Differences
     rounding : float
         Relative rounding error of the function.
     """
@@ -102,7 +102,7 @@ def derivative_of(samples: Samples, rounding: float) -> Estimate:
 
 
 def _best(
-    samples: Samples, quotients: np.ndarray, powers: tuple[int, ...], jumps: np.ndarray | None, rounding: float
+    samples: Differences, quotients: np.ndarray, powers: tuple[int, ...], jumps: np.ndarray | None, rounding: float
 ) -> Estimate:
     """The window with the least figure for each variant; NaN where no two windows have values."""
     length = np.abs(samples.width).mean(axis=2)
@@ -141,7 +141,7 @@ def _sum(columns: np.ndarray, factors: np.ndarray) -> np.ndarray:
 
 
 def _jitter(
-    samples: Samples, quotients: np.ndarray, powers: tuple[int, ...], length: np.ndarray, least: np.ndarray
+    samples: Differences, quotients: np.ndarray, powers: tuple[int, ...], length: np.ndarray, least: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Noise of the function at each level (variants, levels), and what its error figure does to slopes (variants,).
 

@@ -16,7 +16,7 @@ from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.threads import on_all_threads
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
-from engine.elements.element_laws import LAWS, Law, LawOfArrays, Result
+from engine.elements.element_laws import LAWS, ElementLaw, ElementResult, LawOfArrays
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
 from engine.quantities.quantity import Quantity
@@ -70,9 +70,9 @@ class ElementColumns:
         return number_function("Machine elements.", results, rows) if results else ""
 
     @cached_property
-    def _scalar_laws(self) -> dict[str, Law]:
+    def _scalar_laws(self) -> dict[str, ElementLaw]:
         laws = {name: law_of(self.scene.elements[name]) for name in self.elements}
-        return {name: law for name, law in laws.items() if isinstance(law, Law)}
+        return {name: law for name, law in laws.items() if isinstance(law, ElementLaw)}
 
     @cached_property
     def _given(self) -> dict[str, int]:
@@ -85,7 +85,7 @@ class ElementColumns:
         return TileFunction(load_printed(self.text).numbers)
 
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
-        """Write what is asked of the variants `keep`, and the verdict on those of them that are well so far.
+        """Write what is asked of the variants `keep`, and the verdict on those of them without a complaint so far.
 
         JAMS where a force or moment would have to be infinite, NOT_FINITE where a law has no value.
 
@@ -116,7 +116,7 @@ class ElementColumns:
             summaries[name][keep], errors[name][keep] = values[:, places[name]], figures[:, places[name]]
 
     @property
-    def _every(self) -> list[tuple[str, Result]]:
+    def _every(self) -> list[tuple[str, ElementResult]]:
         """Everything that the laws give: element and result."""
         return [(name, r) for name in self.elements for r in law_of(self.scene.elements[name]).results]
 
@@ -202,7 +202,7 @@ def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.
     return np.concatenate(values, axis=1), ROUNDING * EPS * np.concatenate(sizes, axis=1)
 
 
-def law_of(element: MachineElement) -> Law | LawOfArrays:
+def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
     """What is computed of an element; of a rotor or an engine it depends on its unbalances and planes, or cylinders."""
     match element:
         case RotorElement():
@@ -212,7 +212,7 @@ def law_of(element: MachineElement) -> Law | LawOfArrays:
     return LAWS[element.type]
 
 
-def _given(scene: Scene, name: str) -> list[Result]:
+def _given(scene: Scene, name: str) -> list[ElementResult]:
     """Results that an element has with what it is given."""
     element = scene.elements[name]
     return [r for r in law_of(element).results if r.needs is None or getattr(element, r.needs) is not None]

@@ -51,7 +51,7 @@ BUSHES = {"line": 1.0, "new": NEW, "worn in": WORN_IN, "half-round, new": NEW, "
 Given = Callable[[str], float | np.ndarray]
 
 
-class Result(NamedTuple):
+class ElementResult(NamedTuple):
     """A result of a law: its name, meaning and unit, the key it needs to be given, whether it may have no value.
 
     One that is `exact` says yes or no and has no error figure.
@@ -65,7 +65,7 @@ class Result(NamedTuple):
     exact: bool = False
 
 
-class Law(NamedTuple):
+class ElementLaw(NamedTuple):
     """The law of a kind of element.
 
     Attributes
@@ -74,12 +74,12 @@ class Law(NamedTuple):
         A compiled scalar law.
     arguments : callable
         Its arguments, from the element and its numbers by their keys.
-    results : tuple of Result
+    results : tuple of ElementResult
     """
 
     function: Callable
     arguments: Callable[[MachineElement, Given], tuple]
-    results: tuple[Result, ...]
+    results: tuple[ElementResult, ...]
 
 
 class LawOfArrays(NamedTuple):
@@ -91,14 +91,14 @@ class LawOfArrays(NamedTuple):
         From the numbers of all variants (numbers, variants) it gives their results (results, variants) and, of the same
         shape, the magnitudes whose rounding these carry, that of the numbers with it.
     arguments, results
-        As of `Law`.
+        As for `ElementLaw`.
     block : int
         For how many variants at a time it is called.
     """
 
     function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
     arguments: Callable[[MachineElement, Given], tuple]
-    results: tuple[Result, ...]
+    results: tuple[ElementResult, ...]
     block: int = 2048
 
 
@@ -106,7 +106,7 @@ class LawOfArrays(NamedTuple):
 def screw(
     load: float, diameter: float, lead: float, angle: float, friction: float, collar_diameter: float, collar: float
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """Screw with its thrust collar: results as of `LAWS`."""
+    """Screw with its thrust collar: results as listed in `LAWS`."""
     radius, collar_radius, slope = diameter / 2, collar_diameter / 2, thread_slope(lead, diameter)
     reduced = flank_friction(friction, angle / 2)
     held = collar_moment(load, collar_radius, collar)
@@ -129,7 +129,7 @@ def screw(
 def belt(
     diameter: float, wrap: float, friction: float, groove: float, tension: float, moment: float, q: float, speed: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Belt of a given tension, or moment where the tension is NaN: results as of `LAWS`."""
+    """Belt of a given tension, or moment where the tension is NaN: results as listed in `LAWS`."""
     radius, reduced = diameter / 2, vee_friction(friction, groove / 2)
     centrifugal = centrifugal_tension(q, speed)
     tight = tight_tension(moment, centrifugal, reduced, wrap, radius) if math.isnan(tension) else tension
@@ -150,7 +150,7 @@ def belt(
 
 @scalar
 def wedge(load: float, angle: float, friction: float, base: float, guide: float) -> tuple[float, float, float, float]:
-    """Wedge: results as of `LAWS`."""
+    """Wedge: results as listed in `LAWS`."""
     slope = math.tan(angle)
     drive, withdraw = (
         wedge_drive(load, slope, friction, base, guide),
@@ -163,7 +163,7 @@ def wedge(load: float, angle: float, friction: float, base: float, guide: float)
 def incline(
     load: float, angle: float, friction: float, static: float, pull_angle: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Incline: results as of `LAWS`."""
+    """Incline: results as listed in `LAWS`."""
     up = incline_up(load, angle, friction, pull_angle)
     return (
         math.atan(friction),
@@ -177,7 +177,7 @@ def incline(
 
 @scalar
 def journal(load: float, diameter: float, friction: float, factor: float, speed: float) -> tuple[float, float, float]:
-    """Journal: results as of `LAWS`."""
+    """Journal: results as listed in `LAWS`."""
     moment = journal_moment(load, diameter / 2, friction, factor)
     return friction_circle(diameter / 2, friction, factor), moment, moment * abs(speed)
 
@@ -186,7 +186,7 @@ def journal(load: float, diameter: float, friction: float, factor: float, speed:
 def guide(
     load: float, resistance: float, overhang: float, length: float, friction: float, vee: float, factor: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Slider on its guide: results as of `LAWS`."""
+    """Slider on its guide: results as listed in `LAWS`."""
     half, reduced = length / 2, factor * vee_friction(friction, vee / 2)
     drive = overhung_drive(resistance, load, overhang, half, reduced)
     front, rear = edge_forces(load, drive * overhang, half)
@@ -206,7 +206,7 @@ def guide(
 def roller(
     load: float, diameter: float, arm: float, friction: float, height: float, mate: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Roller on a plane or on a second roller: results as of `LAWS`."""
+    """Roller on a plane or on a second roller: results as listed in `LAWS`."""
     radius = diameter / 2
     return (
         rolling_moment(load, arm),
@@ -236,8 +236,8 @@ def _guide_arguments(element: GuideElement, given: Given) -> tuple:
     return *numbers, _or(element, given, "vee_angle", math.pi), BUSHES.get(element.form, 1.0)
 
 
-def _flag(name: str, words: str) -> Result:
-    return Result(name, f"whether {words}", "1", exact=True)
+def _flag(name: str, words: str) -> ElementResult:
+    return ElementResult(name, f"whether {words}", "1", exact=True)
 
 
 def _or(element: MachineElement, given: Given, key: str, other: float | np.ndarray) -> float | np.ndarray:
@@ -245,36 +245,40 @@ def _or(element: MachineElement, given: Given, key: str, other: float | np.ndarr
 
 
 LAWS = {
-    "screw": Law(
+    "screw": ElementLaw(
         screw,
         _screw_arguments,
         (
-            Result("lead_angle", "lead angle of the thread", "rad"),
-            Result("friction_angle", "angle of friction of the thread, its flanks reckoned in", "rad"),
-            Result("raise_moment", "moment that raises the load", "N m"),
-            Result("lower_moment", "moment that lowers the load, negative where the load drives", "N m"),
-            Result("collar_moment", "moment of friction at the thrust collar", "N m"),
-            Result("raise_efficiency", "efficiency of raising the load", "1"),
-            Result("lower_efficiency", "share of the sinking load's work that the screw gives away", "1"),
+            ElementResult("lead_angle", "lead angle of the thread", "rad"),
+            ElementResult(
+                "friction_angle", "angle of friction of the thread, with the inclination of its flanks", "rad"
+            ),
+            ElementResult("raise_moment", "moment that raises the load", "N m"),
+            ElementResult("lower_moment", "moment that lowers the load, negative where the load drives", "N m"),
+            ElementResult("collar_moment", "moment of friction at the thrust collar", "N m"),
+            ElementResult("raise_efficiency", "efficiency of raising the load", "1"),
+            ElementResult("lower_efficiency", "share of the sinking load's work that the screw passes on", "1"),
             _flag("self_locking", "the load stays by itself (1 or 0)"),
-            Result("locking_friction", "least coefficient of friction with which the load stays by itself", "1"),
+            ElementResult("locking_friction", "least coefficient of friction with which the load stays by itself", "1"),
         ),
     ),
-    "belt": Law(
+    "belt": ElementLaw(
         belt,
         _belt_arguments,
         (
-            Result("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
-            Result("tight_tension", "tension of the tight strand", "N"),
-            Result("slack_tension", "tension of the slack strand", "N"),
-            Result("moment", "greatest moment without slip", "N m"),
-            Result("shaft_force", "force of the belt on the shaft", "N"),
-            Result("power", "greatest power without slip", "W", "speed"),
-            Result("centrifugal_tension", "tension that keeps the belt on its circle", "N", "linear_density"),
-            Result("speed_of_most_power", "speed of most power at this tension", "m s-1", "linear_density"),
+            ElementResult(
+                "tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"
+            ),
+            ElementResult("tight_tension", "tension of the tight strand", "N"),
+            ElementResult("slack_tension", "tension of the slack strand", "N"),
+            ElementResult("moment", "greatest moment without slip", "N m"),
+            ElementResult("shaft_force", "force of the belt on the shaft", "N"),
+            ElementResult("power", "greatest power without slip", "W", "speed"),
+            ElementResult("centrifugal_tension", "tension that keeps the belt on its circle", "N", "linear_density"),
+            ElementResult("speed_of_most_power", "speed of most power at this tension", "m s-1", "linear_density"),
         ),
     ),
-    "wedge": Law(
+    "wedge": ElementLaw(
         wedge,
         lambda e, given: (
             *(given(k) for k in ("load", "angle", "friction")),
@@ -282,13 +286,15 @@ LAWS = {
             given("guide_friction"),
         ),
         (
-            Result("drive_force", "force that drives the wedge in", "N"),
-            Result("withdraw_force", "force that withdraws the wedge, negative where the load presses it out", "N"),
-            Result("efficiency", "efficiency of driving the wedge in", "1"),
+            ElementResult("drive_force", "force that drives the wedge in", "N"),
+            ElementResult(
+                "withdraw_force", "force that withdraws the wedge, negative where the load presses it out", "N"
+            ),
+            ElementResult("efficiency", "efficiency of driving the wedge in", "1"),
             _flag("self_locking", "the wedge stays by itself (1 or 0)"),
         ),
     ),
-    "incline": Law(
+    "incline": ElementLaw(
         incline,
         lambda e, given: (
             *(given(k) for k in ("load", "angle", "friction")),
@@ -296,15 +302,15 @@ LAWS = {
             given("pull_angle"),
         ),
         (
-            Result("friction_angle", "angle of friction", "rad"),
-            Result("up_force", "force that moves the load up", "N"),
-            Result("start_force", "force that sets the load going upwards", "N"),
-            Result("down_force", "force that moves the load down, negative where it has to be held", "N"),
-            Result("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True),
+            ElementResult("friction_angle", "angle of friction", "rad"),
+            ElementResult("up_force", "force that moves the load up", "N"),
+            ElementResult("start_force", "force that sets the load going upwards", "N"),
+            ElementResult("down_force", "force that moves the load down, negative where it has to be held", "N"),
+            ElementResult("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True),
             _flag("self_locking", "the load stays by itself (1 or 0)"),
         ),
     ),
-    "journal": Law(
+    "journal": ElementLaw(
         journal,
         lambda e, given: (
             *(given(k) for k in ("load", "diameter", "friction")),
@@ -312,26 +318,30 @@ LAWS = {
             _or(e, given, "speed", 0.0),
         ),
         (
-            Result("friction_circle", "radius of the friction circle", "m"),
-            Result("friction_moment", "moment of friction in the journal", "N m"),
-            Result("friction_power", "power lost in the journal", "W", "speed"),
+            ElementResult("friction_circle", "radius of the friction circle", "m"),
+            ElementResult("friction_moment", "moment of friction in the journal", "N m"),
+            ElementResult("friction_power", "power lost in the journal", "W", "speed"),
         ),
     ),
-    "guide": Law(
+    "guide": ElementLaw(
         guide,
         _guide_arguments,
         (
-            Result("effective_friction", "coefficient of friction in terms of the force that presses the slider", "1"),
-            Result("drive_force", "force that moves the slider", "N"),
-            Result("friction_force", "friction of the slider", "N"),
-            Result("front_edge_force", "force on the front edge of the slider", "N"),
-            Result("rear_edge_force", "force on the rear edge of the slider, negative on the opposite face", "N"),
+            ElementResult(
+                "effective_friction", "coefficient of friction in terms of the force that presses the slider", "1"
+            ),
+            ElementResult("drive_force", "force that moves the slider", "N"),
+            ElementResult("friction_force", "friction of the slider", "N"),
+            ElementResult("front_edge_force", "force on the front edge of the slider", "N"),
+            ElementResult(
+                "rear_edge_force", "force on the rear edge of the slider, negative on the opposite face", "N"
+            ),
             _flag("tilts", "the slider bears on opposite faces of the guide (1 or 0)"),
-            Result("jamming_overhang", "overhang at which the slider jams", "m", may_be_undefined=True),
-            Result("efficiency", "work on the resistance over that of the force that moves the slider", "1"),
+            ElementResult("jamming_overhang", "overhang at which the slider jams", "m", may_be_undefined=True),
+            ElementResult("efficiency", "work on the resistance over that of the force that moves the slider", "1"),
         ),
     ),
-    "roller": Law(
+    "roller": ElementLaw(
         roller,
         lambda e, given: (
             *(given(k) for k in ("load", "diameter", "rolling_arm", "friction")),
@@ -339,13 +349,15 @@ LAWS = {
             _or(e, given, "mate_diameter", math.inf),
         ),
         (
-            Result("rolling_moment", "moment of rolling friction", "N m"),
-            Result("rolling_friction", "rolling friction as a coefficient", "1"),
-            Result("pull_force", "force that moves the roller", "N"),
+            ElementResult("rolling_moment", "moment of rolling friction", "N m"),
+            ElementResult("rolling_friction", "rolling friction as a coefficient", "1"),
+            ElementResult("pull_force", "force that moves the roller", "N"),
             _flag("rolls", "the pulled roller rolls (1) or slides (0)"),
-            Result("traction_moment", "greatest moment that sliding friction passes on", "N m"),
-            Result("reduced_radius", "radius of the roller on a plane that fits as closely", "m", "mate_diameter"),
-            Result(
+            ElementResult("traction_moment", "greatest moment that sliding friction passes on", "N m"),
+            ElementResult(
+                "reduced_radius", "radius of the roller on a plane that fits as closely", "m", "mate_diameter"
+            ),
+            ElementResult(
                 "drive_moment", "moment that overcomes the rolling friction of both rollers", "N m", "mate_diameter"
             ),
         ),

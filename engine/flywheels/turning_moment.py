@@ -50,7 +50,7 @@ class TurningMoment(NamedTuple):
     speed_fluctuation: float
 
 
-def from_table(
+def turning_moment_from_table(
     phi: ArrayLike,
     moment: ArrayLike,
     speed: float,
@@ -92,7 +92,7 @@ def from_table(
     return _sized(mean, places, work, speed, speed_fluctuation, inertia)
 
 
-def from_areas(
+def turning_moment_from_areas(
     areas: ArrayLike,
     energy_per_area: float,
     speed: float,
@@ -108,7 +108,7 @@ def from_areas(
     energy_per_area : float
         Energy that a unit of area stands for [J].
     speed, speed_fluctuation, inertia : float
-        As in `from_table`.
+        As in `turning_moment_from_table`.
 
     Raises
     ------

@@ -20,10 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.quantities.quantity import Quantity
 from engine.scene.inertia import Value, disc_inertia, ring_inertia
 from engine.scene.parts import WheelForm
-from engine.scene.scene import Scene
 
 
 class Material(NamedTuple):
@@ -72,24 +70,6 @@ class _Section(NamedTuple):
     other_inertia: Value = 0.0
 
 
-def wheel_summaries(scene: Scene) -> list[Quantity]:
-    """Summaries of the flywheel as a wheel; none where the scene doesn't say what it is made as."""
-    flywheel = scene.flywheel
-    if flywheel is None or flywheel.wheel is None:
-        return []
-    if flywheel.inertia is None and flywheel.speed_fluctuation is None:
-        return []
-    return [
-        Quantity("wheel_diameter", "outer diameter of the flywheel", "m"),
-        Quantity("wheel_mass", "mass of the flywheel", "kg"),
-        Quantity("wheel_width", "width of the flywheel's rim", "m"),
-        Quantity("wheel_rim_speed", "greatest rim speed of the flywheel", "m s-1"),
-        Quantity("wheel_rim_speed_share", "greatest rim speed of the flywheel over its limit", "1"),
-        Quantity("wheel_hoop_stress", "hoop stress in the flywheel's rim", "Pa"),
-        Quantity("wheel_energy", "kinetic energy of the flywheel at its greatest speed", "J"),
-    ]
-
-
 def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[str, Value]) -> Wheel:
     """The wheel that gives an inertia.
 
@@ -129,37 +109,6 @@ def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[s
         # No number may look right beside a width that doesn't exist.
         defined = np.isfinite(sizes.energy) & np.isfinite(sizes.mass) & (shaft_speed > 0.0)
         return Wheel(*(np.where(inertia <= 0.0, 0.0, np.where(defined, size, np.nan)) for size in sizes))
-
-
-Column = tuple[np.ndarray, np.ndarray]
-
-
-def wheel_columns(
-    scene: Scene, inertia: Column, speed: Column, numbers: Mapping[str, Value]
-) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Summaries of the wheel by name, with their error figures.
-
-    Parameters
-    ----------
-    scene : Scene
-    inertia, speed : tuple of ndarray
-        Flywheel inertia on the input link and its greatest speed, each with its error figure.
-    numbers : mapping of path to float or ndarray (variants,)
-        The scene's numbers.
-
-    Returns
-    -------
-    dict of str to (ndarray, ndarray)
-        Values, and how far they move when inertia and speed move by their error figures.
-    """
-    form = scene.flywheel.wheel
-    wheel = make_wheel(form, inertia[0], speed[0], numbers)
-    heavier = make_wheel(form, inertia[0] + inertia[1], speed[0], numbers)
-    faster = make_wheel(form, inertia[0], np.abs(speed[0]) + speed[1], numbers)
-    return {
-        f"wheel_{key}": (value, np.abs(getattr(heavier, key) - value) + np.abs(getattr(faster, key) - value))
-        for key, value in wheel._asdict().items()
-    }
 
 
 def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) -> tuple[Material, Value, Value]:

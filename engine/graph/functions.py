@@ -24,11 +24,11 @@ from engine.graph.nodes import (
     Given,
     Graph,
     Held,
-    Memory,
+    LawResult,
     Node,
     Number,
-    Result,
     Stage,
+    TableMemory,
     reached,
 )
 from engine.graph.printer import in_lanes, over_positions
@@ -290,7 +290,7 @@ def _read_numbers(nodes: list[Node]) -> list[Node]:
         if node.stage > Stage.CYCLE:
             for operand in node.operands:
                 read(operand)
-    return [node for node in kept if isinstance(node, Result) or node.operands]
+    return [node for node in kept if isinstance(node, LawResult) or node.operands]
 
 
 def _rows(
@@ -300,7 +300,7 @@ def _rows(
     given = [n for n in reached(everything) if isinstance(n, Given)]
     constants = [n for n in levels if isinstance(n, Constant)]
     order = dict.fromkeys([*span, *numbers, *constants, *given, *found, *cycle, *held])
-    return {node: row for row, node in enumerate(n for n in order if not isinstance(n, Memory))}
+    return {node: row for row, node in enumerate(n for n in order if not isinstance(n, TableMemory))}
 
 
 def _landmark(event: int, curve: Node, found: list[Found], rows: dict[Node, int]) -> Landmark:

@@ -9,7 +9,7 @@ stroke belongs to the variant's cycle; which segment of a table holds, to the pa
 """
 
 import operator
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
 from functools import cache
 from typing import Literal, get_args, get_type_hints
@@ -147,7 +147,7 @@ class Given(Node):
     __slots__ = ()
 
 
-class Memory(Node):
+class TableMemory(Node):
     """The flat memory of all tables, which laws that look something up take as their first argument."""
 
     __slots__ = ()
@@ -186,7 +186,7 @@ class Application(Node):
         self.law = law
 
 
-class Result(Node):
+class LawResult(Node):
     """One of the results of an application.
 
     Attributes
@@ -277,7 +277,7 @@ class Graph:
     ----------
     zero, one : Constant
     q, cos_q, sin_q : Position
-    memory : Memory
+    memory : TableMemory
         Of all tables.
     tables : list of ndarray
         Contents of the memory, in order.
@@ -287,7 +287,7 @@ class Graph:
         self._made: dict[tuple, Node] = {}
         self.zero, self.one = self.constant(0.0), self.constant(1.0)
         self.q, self.cos_q, self.sin_q = (Position(self, which) for which in ("q", "cos_q", "sin_q"))
-        self.memory = Memory(self, Stage.VARIANT, label="memory")
+        self.memory = TableMemory(self, Stage.VARIANT, label="memory")
         self.tables: list[np.ndarray] = []
         self._crossings: dict[tuple[Node, Node], Crossing] = {}
         self._bends: dict[Node, set[Node]] = {}
@@ -393,7 +393,7 @@ class Graph:
         return len(get_args(_annotated(law))) or None
 
     def _result(self, applied: Application, index: int | None) -> Node:
-        return self._once(("result", applied, index), lambda: Result(self, applied, index))
+        return self._once(("result", applied, index), lambda: LawResult(self, applied, index))
 
     def held(self, node: Node) -> Node:
         """The value of a node in the middle of a panel, throughout it."""
@@ -409,7 +409,7 @@ class Graph:
         return self._once(("sum", kept), lambda: Sum(self, kept))
 
     def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0) -> None:
-        """Say that something switches where a curve crosses a level; `kink` as of `Crossing`."""
+        """Say that something switches where a curve crosses a level; `kink` as for `Crossing`."""
         if curve.stage == Stage.POSITION:
             level = level if isinstance(level, Node) else self.constant(level)
             known = self._crossings.setdefault((curve, level), Crossing(curve, rate, level, kink))
@@ -464,11 +464,3 @@ def reached(nodes: Iterable[Node], down_to: Callable[[Node], bool] = lambda node
             if not down_to(node):
                 pending.extend((o, False) for o in reversed(node.operands))
     return order
-
-
-def depends_on_loads(node: Node) -> bool:
-    """Whether a node depends on a load other than as a coefficient of its own sum."""
-    inner: Sequence[Node] = node.operands
-    if isinstance(node, Sum):
-        inner = [curve for _, curve in node.terms]
-    return any(isinstance(n, Number) and n.role == "load" for n in reached(inner))

@@ -16,14 +16,14 @@ from engine.graph.nodes import (
     Found,
     Given,
     Held,
-    Memory,
+    LawResult,
     Node,
     Number,
     Operation,
     Position,
-    Result,
     Stage,
     Sum,
+    TableMemory,
     name_of,
     reached,
 )
@@ -42,7 +42,7 @@ _TAKEN = {"P", "T", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "math
 _TAKEN |= {"row", "rows", "sin_q", "t", "tile", "v", *(f"row{c}" for c in range(FEW_ROWS))}
 
 
-class Body:
+class Statements:
     """Statements that compute some nodes at one position.
 
     Parameters
@@ -88,7 +88,7 @@ class Body:
         self.values = [self._texts[node] for node in outputs]
 
     def _is_leaf(self, node: Node) -> bool:
-        if isinstance(node, (Constant, Memory, Position)):
+        if isinstance(node, (Constant, TableMemory, Position)):
             return True
         if isinstance(node, Held):
             return not self._inline_held
@@ -101,7 +101,7 @@ class Body:
         match node:
             case Constant():
                 self._texts[node] = self._literal(node.value)
-            case Memory():
+            case TableMemory():
                 self._texts[node] = "T"
             case Position():
                 self._texts[node] = node.which
@@ -112,9 +112,9 @@ class Body:
                 self._texts[node] = self._texts[node.operands[0]]
             case Application():
                 self._call(node)
-            case Result(index=None):
+            case LawResult(index=None):
                 self._texts[node] = self._texts[node.application]
-            case Result():
+            case LawResult():
                 pass
             case Operation() | Sum():
                 self._compute(node)
@@ -221,7 +221,7 @@ def in_lanes(
     laws : list of callable
         Functions that the text calls.
     """
-    body = Body(outputs, stage, inline_held)
+    body = Statements(outputs, stage, inline_held)
     used = [which for which in ("q", "cos_q", "sin_q") if which in body.positions]
     reads = [f"{text} = p[{rows[node] * LANES} + l]" for node, text in body.reads.items()]
     lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = P.ravel()"]
@@ -251,9 +251,9 @@ def over_positions(
     """Print a function that fills rows over the positions of one variant.
 
     Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the place of the
-    variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as of `in_lanes`.
+    variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as for `in_lanes`.
     """
-    body = Body(outputs, Stage.POSITION, True, dtype)
+    body = Statements(outputs, Stage.POSITION, True, dtype)
     used = dict.fromkeys(body.positions)
     lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
     lines += [f"    {which}_at = {which}" for which in used]

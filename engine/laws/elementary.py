@@ -73,8 +73,8 @@ def _number_of(typing: object, bits: object) -> tuple:
 def chosen(typing: object, condition: object, a: object, b: object) -> tuple:
     """One of two float64, a where the condition is true, both of them read.
 
-    A conditional expression of two numbers in memory becomes one number at either address, which in a loop over
-    positions or lanes is looked up in each for itself, ten times as slowly.
+    A conditional expression on two numbers in memory is compiled to a choice between addresses, which a loop over
+    positions or lanes then looks up one by one, ten times as slowly.
     """
 
     def generate(context: object, builder: object, signature: object, arguments: list) -> object:
@@ -91,7 +91,7 @@ def _cubic(x: float, xx: float, c0: float, c1: float, c2: float, c3: float) -> f
 
 @in_order
 def _logarithm_parts(x: float) -> tuple[float, float]:
-    """Natural logarithm as a sum of two parts, to 4e-20 of itself; of what has none, as told by `logarithm`.
+    """Natural logarithm as a sum of two parts, to 4e-20 of itself; of what has none, as for `logarithm`.
 
     With x = 2^k m, √½ ≤ m < √2, and s = (m − 1)/(m + 1): ln x = k ln 2 + 2 artanh s = k ln 2 + 2 s + s³ (2/3 + …).
     Terms up to s³ are carried on with what their rounding leaves over.
@@ -142,7 +142,7 @@ def _exponential_of_sum(x: float, rest: float) -> float:
     q = _cubic(r, rr, 0.0013888888888883748, 0.00019841269874820627, 2.4801587325547743e-05, 2.7557255400206422e-06)
     q = _fused(r4, _fused(rr, 2.0914686968086876e-09, _fused(r, 2.5105217004720745e-08, 2.75572736431103e-07)), q)
     power = 1.0 + _fused(rr, _fused(r4, q, p), r)
-    # The greatest power of two that is wanted is no number, though half of it is.
+    # The greatest power of two needed is beyond the range of numbers, though half of it is not.
     scale = _number_of((_bits_of(rounded) + (_EXPONENT_OF_ONE - 1)) << _SIGNIFICAND_BITS)
     found = (power + power) * scale
     found = math.inf if x > _GREATEST_LOGARITHM else found
@@ -201,7 +201,7 @@ def power(x: float, n: float) -> float:
     Returns
     -------
     float
-        To 1.5 ulp; 0 and infinite as told by `exponential`. 0^n is 0 for n > 0 and infinite for n < 0, ∞^n the other
+        To 1.5 ulp; 0 and infinite as for `exponential`. 0^n is 0 for n > 0 and infinite for n < 0, ∞^n the other
         way about; x^0 is 1. NaN for negative x.
     """
     x, n = np.float64(x), np.float64(n)
@@ -261,21 +261,8 @@ def angle_of(x: float, y: float) -> float:
 
 @in_order
 def angle_or_zero(x: float, y: float) -> float:
-    """Angle of a vector as of `angle_of`, and 0 of one of length zero: a force that isn't there has no direction."""
+    """Angle of a vector as `angle_of` gives it; 0 for a vector of length zero, such as a force that vanishes."""
     return angle_of(1.0 if (x == 0.0) & (y == 0.0) else x, y)
-
-
-@in_order
-def arcsine(x: float) -> float:
-    """Arcsine [rad], −π/2 … π/2, to 3 ulp.
-
-    Parameters
-    ----------
-    x : float
-        −1 … 1; NaN beyond.
-    """
-    x = np.float64(x)
-    return angle_of(math.sqrt((1.0 - x) * (1.0 + x)), x)
 
 
 @in_order

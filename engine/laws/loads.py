@@ -11,7 +11,6 @@ here (the middle of what it may be).
 import math
 
 from engine.compiling.decorators import scalar
-from engine.laws.elementary import power
 
 
 @scalar
@@ -56,65 +55,6 @@ def direction_of_motion(vx: float, vy: float) -> tuple[float, float]:
     if v == 0.0:
         return vx, vy
     return vx / v, vy / v
-
-
-@scalar
-def linear_drag(c: float, v: float) -> float:
-    """Viscous resistance -c v.
-
-    Parameters
-    ----------
-    c : float
-        [N·s/m or N·m·s].
-    v : float
-        Velocity [m/s or rad/s].
-
-    Returns
-    -------
-    float
-        [N or N·m].
-    """
-    return -c * v
-
-
-@scalar
-def quadratic_drag(c: float, v: float) -> float:
-    """Aerodynamic or hydraulic resistance, fan: -c v |v|.
-
-    Parameters
-    ----------
-    c : float
-        [N·s²/m² or N·m·s²]; in a stream, density · drag coefficient · area / 2.
-    v : float
-        Velocity [m/s or rad/s].
-
-    Returns
-    -------
-    float
-        [N or N·m].
-    """
-    return -c * v * abs(v)
-
-
-@scalar
-def power_law_drag(c: float, exponent: float, v: float) -> float:
-    """Resistance -c sign(v) |v|^exponent.
-
-    Parameters
-    ----------
-    c : float
-        Resistance at v = 1 [N or N·m].
-    exponent : float
-        0 (constant against the motion) and above.
-    v : float
-        Velocity [m/s or rad/s].
-
-    Returns
-    -------
-    float
-        [N or N·m]; 0 at rest.
-    """
-    return constant_against_motion(c * power(abs(v), exponent), v)
 
 
 @scalar

@@ -187,7 +187,7 @@ def nameplate_trouble(
     Returns
     -------
     str or None
-        The reason and the mend in words; None where there is an answer.
+        The reason and the remedy in words; None where there is an answer.
     """
     if not power > 0.0:
         return f"power = {power} W: a motor's rated power is positive"

@@ -32,7 +32,7 @@ HEAD = 3
 
 
 class TableError(ValueError):
-    """Rows from which no table can be made; the text names the row, the value and the mend."""
+    """Rows from which no table can be made; the text names the row, the value and the remedy."""
 
 
 class Table(NamedTuple):
@@ -224,52 +224,6 @@ def entry_from(memory: np.ndarray, index: float, at: float, x: float, before: fl
     x, before : float
     """
     return chosen(memory[int(at)] <= x, memory[int(index)], before)
-
-
-@scalar
-def table_integral(breaks: np.ndarray, coefficients: np.ndarray, x: float) -> float:
-    """Integral of a table that isn't periodic, from its first row to x.
-
-    Parameters
-    ----------
-    breaks : array of float, shape (n + 1,)
-    coefficients : array of float, shape (n, 5)
-        From `integrated`.
-    x : float
-    """
-    piece = piece_of(breaks, coefficients.shape[0], x)
-    t = x - breaks[piece]
-    value = coefficients[piece, 0]
-    for power in range(1, 5):
-        value = value * t + coefficients[piece, power]
-    return value
-
-
-@scalar
-def integral_near(breaks: np.ndarray, coefficients: np.ndarray, x: float, piece: int) -> tuple[float, int]:
-    """The same, and the piece in which x lies, looked for from a piece near it; NaN for NaN."""
-    while piece + 1 < coefficients.shape[0] and breaks[piece + 1] <= x:
-        piece += 1
-    while piece > 0 and breaks[piece] > x:
-        piece -= 1
-    t = x - breaks[piece]
-    value = coefficients[piece, 0]
-    for power in range(1, 5):
-        value = value * t + coefficients[piece, power]
-    return value, piece
-
-
-def integrated(table: Table) -> Table:
-    """The integral of a table that isn't periodic, 0 at its first row: for `table_integral`, of degree four."""
-    pieces = np.zeros((table.coefficients.shape[0], 5))
-    pieces[:, :4] = table.coefficients / np.array([4.0, 3.0, 2.0, 1.0])
-    lengths = np.diff(table.breaks)
-    areas = np.zeros(lengths.size)
-    for power in range(5):
-        areas = areas * lengths + pieces[:, power]
-    # The first piece begins at the first row and reaches to the left of it.
-    pieces[:, 4] = np.concatenate(([0.0], np.cumsum(areas)[:-1]))
-    return Table(table.breaks, pieces, table.start, table.period)
 
 
 def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:

@@ -62,7 +62,7 @@ def given_numbers(
     Raises
     ------
     AskError
-        The paths given are others.
+        The paths given are not these.
     """
     if set(varied) != set(paths):
         raise AskError(f"varied must hold exactly {list(paths)}, got {sorted(varied)}")

@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.machine.kept_fields import KeptFields
 
-# Equally spaced positions at which variants that fail are looked at, and halvings of the step between two of them.
+# Equally spaced positions at which failing variants are examined, and halvings of the step between two of them.
 LOOKED_AT, HALVINGS = 720, 40
 
 
@@ -19,7 +19,7 @@ def first_failure(
     ----------
     curves : KeptFields
     table : ndarray (numbers, variants)
-        As of `KeptFields.fill`.
+        As for `KeptFields.fill`.
     ends : tuple of int
         Rows of the table with the ends of the input's range.
     fails : callable

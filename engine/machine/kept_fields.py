@@ -83,7 +83,7 @@ class KeptFields:
         Returns
         -------
         ndarray (variants,) of bool
-            Of which variants all values are finite.
+            Whether all values of each variant are finite.
         """
         finite = np.empty(table.shape[1], np.bool_)
         positions = np.stack([q, np.cos(q), np.sin(q)])

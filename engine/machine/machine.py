@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.graph.nodes import Node, Number
+from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
 from engine.machine.first_failure import first_failure
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
-from engine.machine.measuring import Answers, Measuring
+from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
@@ -55,7 +55,7 @@ class Machine:
         Of the kept fields; summaries are always computed in float64.
     accuracy : float, optional
         Allowed error of every summary, as a share of its magnitude; of a statistic of a field, of the field's peak.
-        Without it summaries are as accurate as costs next to nothing.
+        Without it summaries are as accurate as they can be at next to no cost.
 
     Raises
     ------
@@ -227,22 +227,6 @@ class Machine:
         missing = {s: [level for level in levels if level not in kept.get(s, ())] for s, levels in everything.items()}
         return {subject: levels for subject, levels in missing.items() if levels}
 
-    def decides_shape(self, path: str) -> bool:
-        """Whether a number decides the shape of the motion, not only masses and loads.
-
-        Parameters
-        ----------
-        path : str
-            Of a number of the scene.
-        """
-        as_it_is = Numbers(self._limits, {})
-        changed = Numbers(self._limits, {path: np.array([1.1 * as_it_is[path] + 0.01])})
-        shape = [n for n in self.measuring.functions.numbers if isinstance(n, Number) and n.role == "shape"]
-        with np.errstate(all="ignore"):
-            return any(
-                not np.allclose(n.compute(as_it_is), n.compute(changed), rtol=0, atol=0, equal_nan=True) for n in shape
-            )
-
     @property
     def schedule(self) -> Schedule | None:
         """The regimes, where anything of them is asked."""
@@ -280,7 +264,7 @@ class Machine:
         variants = status.size
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
-        # The rest is filled in of variants alone that are well so far.
+        # The rest is filled in only for variants without a complaint so far.
         room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
@@ -292,12 +276,13 @@ class Machine:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
-        undefined = np.zeros(keep.size, bool)
+        undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
             value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
+            error = np.where(error > 0.0, error + spread * np.abs(value), error)
             nothing = ~np.isfinite(value)
             undefined |= nothing & (not summary.may_be_undefined)
             value[nothing] = error[nothing] = np.nan
@@ -314,8 +299,19 @@ class Machine:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
 
+    @staticmethod
+    def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
+        """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
+
+        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves.
+        """
+        least = np.ones(variants)
+        for sine, _ in answers.sines():
+            least = np.fmin(least, np.where(sine > 0.0, sine, 1.0))
+        return 2.0 * np.finfo(float).eps / least**2
+
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Compute the regimes of those of the variants `keep` that are well so far."""
+        """Compute the regimes of those of the variants `keep` that have no complaint so far."""
         ready = np.flatnonzero(outcome.status[keep] == Verdict.OK)
         if not ready.size:
             return
@@ -326,8 +322,8 @@ class Machine:
         for name, rows in answers.fields.items():
             outcome.fields[name][moved] = rows
 
-    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: Answers) -> np.ndarray:
-        """Fill the kept fields; of which variants all values are finite."""
+    def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
+        """Fill the kept fields; returns which variants have finite values alone."""
         places = {name: row for row, name in enumerate(self.asked_fields)}
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
@@ -362,7 +358,7 @@ class Machine:
     # Verdicts
 
     def _judge(
-        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers, undefined: np.ndarray
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, undefined: np.ndarray
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
         broken, groups = answers.outcome.broken_at, self.measuring.groups
@@ -378,7 +374,7 @@ class Machine:
             fields = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
             at, place = first_failure(fields, table[:, lost], self._ends, np.isnan)
             for k, group in enumerate(groups):
-                # A hair beside the place where links still reach, positions differ by rounding.
+                # Just beside the limit of the links' reach, positions differ by rounding.
                 hidden = (at < 0) & np.isnan(sines[k][0][lost])
                 here = (at == k) | hidden
                 at[hidden] = k
@@ -388,7 +384,7 @@ class Machine:
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 
-    def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: Answers) -> None:
+    def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> None:
         """Give the verdict on variants in which a group jams."""
         margins = answers.least_margins()
         jams = np.zeros(keep.size, bool)
@@ -414,7 +410,7 @@ class Machine:
 
     # Accuracy
 
-    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: Answers) -> None:
+    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: MeasuredCycles) -> None:
         """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
         failed = outcome.status[keep] != Verdict.OK
         if POSITIONS_USED.name in self.asked_summaries:

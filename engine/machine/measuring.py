@@ -6,6 +6,7 @@ the plan of the cycle that measures them; its answers are put back in their plac
 
 import dataclasses
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -22,11 +23,11 @@ from engine.quantities.expressions import (
     Evaluation,
     Expression,
     Extreme,
+    ExtremePosition,
     Followed,
     Integral,
     LeastMagnitude,
     Measurement,
-    Place,
     Speed,
     SteadyCycle,
     StrokeEnd,
@@ -91,8 +92,8 @@ class Measuring:
         self._spaced, self._grid = list(dict.fromkeys(followed)), grid
         self._asked = measurements(expressions)
         of = {kind: [a for a in self._asked if isinstance(a, kind)] for kind in _KINDS}
-        extremes = [a for a in (*of[Extreme], *of[Place]) if isinstance(a.curve, Node)]
-        asked = [a.curve for a in (*of[Extreme], *of[Place], *of[Average]) if not isinstance(a.curve, Node)]
+        extremes = [a for a in (*of[Extreme], *of[ExtremePosition]) if isinstance(a.curve, Node)]
+        asked = [a.curve for a in (*of[Extreme], *of[ExtremePosition], *of[Average]) if not isinstance(a.curve, Node)]
         self._followed = list(dict.fromkeys([*self._spaced, *asked]))
         cycles = [*of[SteadyCycle], *(f.steady for f in self._followed if isinstance(f, Speed))]
         curves = [a.curve for a in (*of[Integral], *extremes, *of[LeastMagnitude])]
@@ -144,7 +145,7 @@ class Measuring:
         settlings = self.mechanics.reactions.settlings
         return {g: s.margin for g, s in settlings.items() if behind.intersection((s.margin, *s.margin.operands))}
 
-    def _plan(self, of: dict[type, list], extremes: list[Extreme | Place], accuracy: float | None) -> None:
+    def _plan(self, of: dict[type, list], extremes: list[Extreme | ExtremePosition], accuracy: float | None) -> None:
         f = self.functions
         row, curve = f.rows, f.curves
         self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
@@ -189,11 +190,10 @@ class Measuring:
             arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],
             tolerance=[self._tolerance(c, accuracy, unresolved) for c in curve],
         )
-        self._machine: cycle.Machine | None = None
 
     def _resolved(self, of: dict[type, list]) -> set[Node]:
         """Curves that panels are made as short for as they need."""
-        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[Place])]
+        found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition])]
         found += [a.curve for a in of[Extreme] if a.resolved]
         found += [node for steady in self._steady for node in (steady.of.moment, steady.of.inertia)]
         found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
@@ -222,13 +222,20 @@ class Measuring:
         asked = CLOSELY if accuracy is None else min(1e-2 * accuracy, 1e-4)
         return min(asked, FINELY) if curve in self._sines else asked
 
-    @property
-    def machine(self) -> cycle.Machine:
+    @cached_property
+    def machine(self) -> cycle.CycleMachine:
         """The compiled functions with their plan."""
-        if self._machine is None:
-            module = load_printed(self.functions.text)
-            self._machine = cycle.Machine(self.plan, module.curves, module.events, module.levels, module.states)
-        return self._machine
+        module = load_printed(self.functions.text)
+        return cycle.CycleMachine(self.plan, module.curves, module.events, module.levels, module.states)
+
+    @cached_property
+    def _first_pass(self) -> cycle.CycleMachine:
+        """The same without speed fluctuations, where these need flywheels that follow from the cycle."""
+        if any(steady.fluctuation is not None and steady.of.wheel is not None for steady in self._steady):
+            return self.machine
+        without = dict.fromkeys(("fluctuations", "speeds"), ())
+        kept = {part: [of for of in getattr(self.plan, part) if of[0] != "speeds"] for part in ("averages", "spaced")}
+        return dataclasses.replace(self.machine, plan=dataclasses.replace(self.plan, **without, **kept))
 
     def numbers(self, numbers: Numbers, variants: int) -> np.ndarray:
         """P of all variants, (numbers, variants); what is found on the cycle is still missing."""
@@ -239,7 +246,7 @@ class Measuring:
                 table[self.functions.rows[node]] = node.value if isinstance(node, Constant) else node.compute(numbers)
         return table
 
-    def __call__(self, table: np.ndarray) -> "Answers":
+    def __call__(self, table: np.ndarray) -> "MeasuredCycles":
         """Measure all variants.
 
         Parameters
@@ -247,21 +254,22 @@ class Measuring:
         table : ndarray (numbers, variants)
             From `numbers`.
         """
-        answers = Answers(self, table, self.machine.evaluate(table, self.functions.memory))
+        answers = MeasuredCycles(self, table, self._first_pass.evaluate(table, self.functions.memory))
         unknown = [steady for steady in self._steady if steady.unknown_wheel is not None]
-        if not unknown:
-            return answers
+        again = False
         for steady in unknown:
             with np.errstate(all="ignore"):
                 found = answers.value_of(dataclasses.replace(steady.of, result="flywheel_used"))
             table[self.functions.rows[steady.unknown_wheel]] = found.value
-        return Answers(self, table, self.machine.evaluate(table, self.functions.memory))
+            # With the flywheel that is asked for the fluctuation is known, but where the machine needs none.
+            again |= steady.speed_asked or not (found.value > 0.0).all()
+        return MeasuredCycles(self, table, self.machine.evaluate(table, self.functions.memory)) if again else answers
 
 
 _KINDS = (
     Integral,
     Extreme,
-    Place,
+    ExtremePosition,
     LeastMagnitude,
     Average,
     Unbalanced,
@@ -296,8 +304,7 @@ class _Steady:
         self.of = of
         half_square = 0.5 * mechanics.speed_squared
         nothing = mechanics.graph.derived("flywheel used", lambda n: 0.0, "load")
-        # The speed depends on the flywheel, also on one that follows from the cycle.
-        self.unknown_wheel = nothing if "" in results and of.wheel is None else None
+        self.speed_asked = "" in results
         others = {*_OF_WORKS, "flywheel_merzalov"}
         exact = "flywheel_wittenbauer" in results or (of.wheel is None and not results <= others)
         merzalov = "flywheel_merzalov" in results
@@ -316,25 +323,27 @@ class _Steady:
         asked = of.wheel is not None or of.fluctuation is not None
         moving = not results.isdisjoint({"", "speed_fluctuation", "speed_min", "speed_max"})
         self.fluctuation = (of.moment, of.inertia, of.speed, of.wheel or nothing) if asked and moving else None
+        # A flywheel that follows from the cycle, and that the fluctuation is then asked of.
+        self.unknown_wheel = nothing if self.fluctuation is not None and of.wheel is None else None
         self.numbers = [*self.slopes, of.speed, of.wheel or nothing, of.first_kind]
         self.numbers += [of.fluctuation] if of.fluctuation is not None else []
 
 
-class Answers:
+class MeasuredCycles:
     """What was measured on the cycles of some variants.
 
     Parameters
     ----------
     measuring : Measuring
     table : ndarray (numbers, variants)
-    outcome : engine.cycle.machine.Outcome
+    outcome : engine.cycle.machine.CycleOutcome
 
     Attributes
     ----------
     outcome : as given
     """
 
-    def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.Outcome) -> None:
+    def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.CycleOutcome) -> None:
         self._m, self._table, self.outcome = measuring, table, outcome
         self.value_of = Evaluation(self._measured)
 
@@ -380,7 +389,7 @@ class Answers:
                 return outcome.integrals[m._integrals.index(curve)]
             case Extreme(curve, sense):
                 return getattr(self._extremes_of(curve)[0], sense)[self._extremes_of(curve)[1]]
-            case Place(curve, sense):
+            case ExtremePosition(curve, sense):
                 return getattr(self._extremes_of(curve)[0], f"{sense}_at")[self._extremes_of(curve)[1]]
             case LeastMagnitude(curve):
                 return self._least_magnitude(curve)
@@ -439,12 +448,13 @@ class Answers:
         wheel = self.number(asked.wheel) if asked.wheel is not None else maximum(exact, Measured(np.zeros(exact.shape)))
         if asked.result == "flywheel_used":
             return wheel
-        found = self.outcome.fluctuations.delta[self._m._fluctuations.index(steady.fluctuation)]
         if asked.wheel is None:
             # With the flywheel that is asked for the fluctuation is the one asked for; it falls as the inertia grows.
             whole = Measured(first) + wheel
-            kept = Measured(delta.value * np.ones(wheel.shape), delta.value * wheel.error / whole.value)
-            found = where(wheel.value > 0.0, kept, found)
+            found = Measured(delta.value * np.ones(wheel.shape), delta.value * wheel.error / whole.value)
+        if self.outcome.fluctuations.delta.shape[0]:
+            computed = self.outcome.fluctuations.delta[self._m._fluctuations.index(steady.fluctuation)]
+            found = computed if asked.wheel is not None else where(wheel.value > 0.0, found, computed)
         if asked.result == "speed_fluctuation":
             return found
         half = 0.5 * found

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from engine.graph.nodes import Node
-from engine.mechanism.assembly import Moving
+from engine.mechanism.assembly import MovingPoint
 from engine.mechanism.vectors import Vector
 
 
@@ -13,18 +13,18 @@ class Grip(NamedTuple):
     Attributes
     ----------
     link : str
-    at : Moving or None
+    at : MovingPoint or None
         Point of a force; None for a moment.
     direction : Vector or None
         Unit vector of a force; None for a moment.
-    bearer : tuple of (str, Moving) or None
+    bearer : tuple of (str, MovingPoint) or None
         Link and point that bear its counterpart; None where it comes from outside the machine.
     """
 
     link: str
-    at: Moving | None
+    at: MovingPoint | None
     direction: Vector | None
-    bearer: tuple[str, Moving] | None = None
+    bearer: tuple[str, MovingPoint] | None = None
 
 
 class Load(NamedTuple):
@@ -60,7 +60,7 @@ class Load(NamedTuple):
 
 
 class Characteristic(NamedTuple):
-    """How large a load is: `coefficient` (a number of the variant) × `value`; `order` as of `Load`."""
+    """How large a load is: `coefficient` (a number of the variant) × `value`; `order` as for `Load`."""
 
     coefficient: Node
     value: Node

@@ -14,30 +14,30 @@ from engine.scene.parts import FRAME
 from engine.scene.scene import Scene
 
 
-class Moving(NamedTuple):
+class MovingPoint(NamedTuple):
     """A point: its position [m], and its first and second derivative by the input."""
 
     r: Vector
     v: Vector
     a: Vector
 
-    def called(self, name: str) -> "Moving":
+    def called(self, name: str) -> "MovingPoint":
         """The same with names that a reader of the printed function will see."""
-        return Moving(self.r.called(name), self.v.called(f"{name}_phi"), self.a.called(f"{name}_phiphi"))
+        return MovingPoint(self.r.called(name), self.v.called(f"{name}_phi"), self.a.called(f"{name}_phiphi"))
 
 
 class Turning(NamedTuple):
     """A link: its origin, the direction of its x axis, and its angular rates dθ/dq and d²θ/dq²."""
 
-    origin: Moving
+    origin: MovingPoint
     u: Vector
     w: Node
     e: Node
 
-    def at(self, arm: Vector) -> Moving:
+    def at(self, arm: Vector) -> MovingPoint:
         """The motion of the link's point at an arm from its origin, given in the axes of the frame."""
         o, w = self.origin, self.w
-        return Moving(o.r + arm, o.v + w * arm.normal, o.a + self.e * arm.normal - (w * w) * arm)
+        return MovingPoint(o.r + arm, o.v + w * arm.normal, o.a + self.e * arm.normal - (w * w) * arm)
 
     def called(self, name: str) -> "Turning":
         """The same with names that a reader of the printed function will see."""
@@ -54,7 +54,7 @@ class GuideLine(NamedTuple):
     r: Vector
     u: Vector
 
-    def under(self, r: Vector) -> Moving:
+    def under(self, r: Vector) -> MovingPoint:
         """Motion of the carrier's point that lies in a place at the moment."""
         return self.carrier.at(r - self.carrier.origin.r)._replace(r=r)
 
@@ -96,7 +96,7 @@ class Assembly:
     def __init__(self, scene: Scene, graph: Graph) -> None:
         self.scene, self.graph = scene, graph
         self.nowhere = Vector(graph.zero, graph.zero)
-        self.points: dict[str, Moving] = {}
+        self.points: dict[str, MovingPoint] = {}
         frame = Turning(self.at_rest(self.nowhere), Vector(graph.one, graph.zero), graph.zero, graph.zero)
         self.links: dict[str, Turning] = {FRAME: frame}
         self.guides: dict[str, GuideLine] = {}
@@ -104,9 +104,9 @@ class Assembly:
         self.sines: dict[str, Node] = {}
         self.closures: dict[str, Node] = {}
 
-    def at_rest(self, r: Vector) -> Moving:
+    def at_rest(self, r: Vector) -> MovingPoint:
         """A point that doesn't move."""
-        return Moving(r, self.nowhere, self.nowhere)
+        return MovingPoint(r, self.nowhere, self.nowhere)
 
     def number(self, path: str) -> Node:
         """A number of the scene."""
@@ -123,7 +123,7 @@ class Assembly:
         """Add a link of a group."""
         self.links[name] = link.called(name)
 
-    def slider(self, name: str, origin: Moving, guide: GuideLine, slide: Slide) -> None:
+    def slider(self, name: str, origin: MovingPoint, guide: GuideLine, slide: Slide) -> None:
         """Add a link that slides along a guide."""
         self.links[name] = Turning(origin, guide.u, guide.carrier.w, guide.carrier.e)
         self.slides[name] = slide.called(name)

@@ -97,7 +97,9 @@ def relative_motion(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
     return one.w - other.w, one.e - other.e
 
 
-def settle(rubs: Sequence[Rub], free: Sequence[Components], backs: Sequence[Sequence[Components]]) -> Settled:
+def pressing_in_group(
+    rubs: Sequence[Rub], free: Sequence[Components], backs: Sequence[Sequence[Components]]
+) -> Settled:
     """What presses in the rubbing pairs of a group with the friction in them.
 
     Parameters

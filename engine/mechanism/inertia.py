@@ -12,7 +12,7 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.laws.inertia_forces import inertia_offset
-from engine.mechanism.kinematics import Kinematics, Moving
+from engine.mechanism.kinematics import Kinematics, MovingPoint
 from engine.mechanism.vectors import Vector
 from engine.scene.inertia import body_inertia, body_mass
 from engine.scene.masses import replacement
@@ -104,7 +104,7 @@ class BodyInertiaForces(NamedTuple):
 
 
 def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
-    """Inertia forces of a body, whatever stands for it.
+    """Inertia forces of a body, even where point masses replace it.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
 
 
 def inertia_of(scene: Scene, name: str, numbers: Numbers) -> float | np.ndarray:
-    """Moment of inertia about a body's centre of mass that is computed with: its own, or that of its point masses.
+    """Moment of inertia about a body's centre of mass that the dynamics uses: its own, or that of its point masses.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def inertia_of(scene: Scene, name: str, numbers: Numbers) -> float | np.ndarray:
     return replacement(scene, name, numbers).inertia()
 
 
-class Shaking(NamedTuple):
+class FrameShaking(NamedTuple):
     """What shakes the frame at uniform speed: force [N], and moment about a point of the frame [N·m]."""
 
     force: Vector
@@ -155,7 +155,9 @@ def moment_centre(scene: Scene) -> str:
     return scene.input.pivot if isinstance(scene.input, CrankInput) else scene.input.guide
 
 
-def shaking(kinematics: Kinematics, rate: Callable[[Moving], Vector], turning: Callable[[object], Node]) -> Shaking:
+def shaking(
+    kinematics: Kinematics, rate: Callable[[MovingPoint], Vector], turning: Callable[[object], Node]
+) -> FrameShaking:
     """Inertia forces of all masses and shafts together, by a rate that they are proportional to.
 
     Parameters
@@ -183,7 +185,7 @@ def shaking(kinematics: Kinematics, rate: Callable[[Moving], Vector], turning: C
         path = f"shafts.{name}.inertia"
         twist = graph.derived(f"inertia moment of shaft {name}", _by_square(lambda n, path=path: n[path]), "load")
         moment.append((twist, turning(kinematics.links[name])))
-    return Shaking(Vector(graph.combination(x), graph.combination(y)), graph.combination(moment))
+    return FrameShaking(Vector(graph.combination(x), graph.combination(y)), graph.combination(moment))
 
 
 def _by_square(mass: Callable[[Numbers], float | np.ndarray]) -> Callable[[Numbers], float | np.ndarray]:

@@ -5,7 +5,7 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the k
 
 from engine.graph.nodes import Graph
 from engine.laws.elementary import direction_of
-from engine.mechanism.assembly import Assembly, GuideLine, Moving, Slide, Turning
+from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.vectors import Vector
 from engine.scene.masses import LinkMass, masses, whole_body
@@ -53,15 +53,15 @@ class Kinematics(Assembly):
             if element.name not in self.points and element.name not in self.guides:
                 add[element.kind](element.name)
 
-    def mass_centre(self, name: str) -> Moving:
+    def mass_centre(self, name: str) -> MovingPoint:
         """Centre of one of the `masses`: a point known before where it lies in one for every variant."""
         return self._centre(name, self.masses[name])
 
-    def body_centre(self, name: str) -> Moving:
-        """Centre of mass of a body, whatever stands for it."""
+    def body_centre(self, name: str) -> MovingPoint:
+        """Centre of mass of a body, even where point masses replace it."""
         return self._centre(name, whole_body(self.scene, name, self.varied))
 
-    def _centre(self, name: str, mass: LinkMass) -> Moving:
+    def _centre(self, name: str, mass: LinkMass) -> MovingPoint:
         if mass.point is not None:
             return self.points[mass.point]
         link = self.links[mass.link]
@@ -96,7 +96,7 @@ class Kinematics(Assembly):
             self.points[drive.pin] = crank.at(crank.u * self.number("input.length")).called(drive.pin)
             return
         guide = self.guides[drive.guide]
-        point = Moving(guide.r + guide.u * g.q, guide.u, self.nowhere)
+        point = MovingPoint(guide.r + guide.u * g.q, guide.u, self.nowhere)
         self.points[drive.point] = point.called(drive.point)
         self.links[name] = Turning(point, guide.u, g.zero, g.zero)
         self.slides[name] = Slide(g.q, g.one, g.zero)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from engine.graph.nodes import Node
-from engine.mechanism.assembly import Assembly, Moving
+from engine.mechanism.assembly import Assembly, MovingPoint
 from engine.mechanism.vectors import Vector
 
 
@@ -41,7 +41,7 @@ class LinkLoads:
         if not wrench.is_nothing:
             self._of[link].append(wrench)
 
-    def push(self, link: str, at: Moving, force: Vector) -> None:
+    def push(self, link: str, at: MovingPoint, force: Vector) -> None:
         """Add a force at a point."""
         arm = at.r - self._links[link].origin.r
         self.add(link, Wrench(force, arm.cross(force)))

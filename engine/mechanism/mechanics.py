@@ -8,8 +8,8 @@ import numpy as np
 from engine.graph.nodes import Graph, Node, Number
 from engine.mechanism.inertia import (
     BodyInertiaForces,
+    FrameShaking,
     ReducedInertia,
-    Shaking,
     inertia_forces,
     reduced_inertia,
     shaking,
@@ -102,7 +102,7 @@ class Mechanics:
         return Reactions(self.kinematics, self.structure, self.loads.terms, InputMotion.uniform(self.graph))
 
     @cached_property
-    def shaking(self) -> Shaking:
+    def shaking(self) -> FrameShaking:
         """What shakes the frame at uniform speed."""
         return shaking(self.kinematics, lambda point: point.a, lambda link: link.e)
 

@@ -23,7 +23,7 @@ from engine.laws.kinematics.rrr import rrr_reactions
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import Turning
-from engine.mechanism.friction import Components, Settled, rubbing_pairs, settle
+from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
@@ -32,7 +32,7 @@ from engine.scene.pairs import Pair, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure import Structure
 
-# What rubs, and how it is told.
+# What friction causes in each kind of pair, as the names of fields have it.
 _FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force"}
 
 
@@ -256,7 +256,7 @@ class Reactions:
         if not rubbing:
             return free
         backs = [self._solved(name, self._for_a_newton(name, pair)) for _, pair in rubbing]
-        settled = settle(
+        settled = pressing_in_group(
             [self._rubs[pair.name] for _, pair in rubbing],
             [free[i] for i, _ in rubbing],
             [[back[i] for back in backs] for i, _ in rubbing],

@@ -29,7 +29,7 @@ _WORDS = {
 }
 
 
-class Law(IntEnum):
+class MomentLaw(IntEnum):
     """Dependence of M that has a closed form where I is constant."""
 
     CONSTANT = 0
@@ -51,14 +51,14 @@ class Case(NamedTuple):
     method : str
         "closed form", "energy form" or "time form". Runs in the energy form go in time near rest, and where a closed
         form ends (the machine stops or turns round on its way) numerics take over.
-    law : Law or None
+    law : MomentLaw or None
         Which closed form.
     """
 
     number: int
     sentence: str
     method: str
-    law: Law | None
+    law: MomentLaw | None
 
 
 def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
@@ -122,7 +122,7 @@ def _varies(node: Node) -> bool:
     return any(isinstance(behind, Position) for behind in reached([node]))
 
 
-def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> Law | None:
+def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> MomentLaw | None:
     """The closed form of a run with constant I, if there is one for its moments and for the way it ends."""
     orders = {order for _, _, order in dynamics.polynomial}
     if "φ" in arguments or dynamics.laws:
@@ -130,13 +130,13 @@ def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> La
     if "t" in arguments:
         reduction = dynamics.reduction
         timed = [key for key in reduction.keys if key[0] in dynamics.active and reduction.depends_on_time(key)]
-        return Law.TIMED if arguments == {"t"} and len(timed) == 1 and regime.time is not None else None
+        return MomentLaw.TIMED if arguments == {"t"} and len(timed) == 1 and regime.time is not None else None
     scene = dynamics.reduction.mechanics.scene
     if any(isinstance(scene.moments[name], InductionMotor) for name in dynamics.motors):
-        return Law.KLOSS if len(dynamics.motors) == 1 and orders <= {0} and regime.speed is not None else None
+        return MomentLaw.KLOSS if len(dynamics.motors) == 1 and orders <= {0} and regime.speed is not None else None
     if 2 in orders:
-        return None if dynamics.motors or 1 in orders else Law.SQUARE
-    return Law.LINEAR if dynamics.motors or 1 in orders else Law.CONSTANT
+        return None if dynamics.motors or 1 in orders else MomentLaw.SQUARE
+    return MomentLaw.LINEAR if dynamics.motors or 1 in orders else MomentLaw.CONSTANT
 
 
 # In words

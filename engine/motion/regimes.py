@@ -7,7 +7,7 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import cycle_statistics, motion_fields, motion_summaries
-from engine.motion.regimes_in_order import Answers, Schedule
+from engine.motion.regimes_in_order import RegimeAnswers, Schedule
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
@@ -54,7 +54,7 @@ class Regimes:
         """All that the motion is computed from at a position."""
         return [] if self.schedule is None else self.schedule.nodes
 
-    def answers(self, numbers: Numbers, count: int) -> Answers:
+    def answers(self, numbers: Numbers, count: int) -> RegimeAnswers:
         """Everything asked, of a number of variants.
 
         Parameters

@@ -21,7 +21,7 @@ from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
 from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_progress import Ends, Outcome, Progress
+from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
 from engine.motion.sizing import flywheel_for, speed_extremes
 from engine.motion.steady import steady_motion
 from engine.scene.regimes import RunRegime
@@ -63,7 +63,7 @@ class Standing(NamedTuple):
     verdict: np.ndarray
 
 
-class Answers(NamedTuple):
+class RegimeAnswers(NamedTuple):
     """Values and error figures by name, fields by name, and the verdict on each variant."""
 
     values: dict[str, np.ndarray]
@@ -142,7 +142,7 @@ class Schedule:
                 pending = isinstance(regime, RunRegime) and regime.from_speed is None
         return needed[::-1]
 
-    def answers(self, numbers: Numbers, count: int) -> Answers:
+    def answers(self, numbers: Numbers, count: int) -> RegimeAnswers:
         """Everything asked, of a number of variants.
 
         Parameters
@@ -158,7 +158,7 @@ class Schedule:
         cuts = [np.arange(first, min(first + width, count)) for first in range(0, count, width)]
         return _joined(on_all_threads(lambda chosen: self._of_chunk(numbers.of_variants(chosen), chosen.size), cuts))
 
-    def _of_chunk(self, numbers: Numbers, count: int) -> Answers:
+    def _of_chunk(self, numbers: Numbers, count: int) -> RegimeAnswers:
         variants = self.variants(numbers, count)
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
         # What isn't finite ends as a verdict, not as a warning.
@@ -171,7 +171,7 @@ class Schedule:
             change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
             doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
             errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
-        return Answers(values, errors, fine.fields, fine.verdict)
+        return RegimeAnswers(values, errors, fine.fields, fine.verdict)
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
         """A number of variants, with the flywheel that the scene gives them."""
@@ -231,7 +231,7 @@ class Schedule:
         standing: Standing,
         half: bool = False,
         record: bool = False,
-    ) -> tuple[Outcome, Standing]:
+    ) -> tuple[RunOutcome, Standing]:
         """Run a regime from where the machines stand."""
         regime, n, count = self.regimes[name], variants.numbers, variants.count
 
@@ -266,7 +266,7 @@ class Schedule:
         return outcome, after
 
     @staticmethod
-    def _of_run(dynamics: Dynamics, outcome: Outcome, energy: np.ndarray) -> dict[str, np.ndarray]:
+    def _of_run(dynamics: Dynamics, outcome: RunOutcome, energy: np.ndarray) -> dict[str, np.ndarray]:
         state = outcome.state
         found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
         found |= {"speed_min": outcome.slowest, "speed_max": outcome.fastest, "motor_moment_peak": outcome.peak}
@@ -342,13 +342,13 @@ def _work_values(
     return found
 
 
-def _joined(parts: list[Answers]) -> Answers:
+def _joined(parts: list[RegimeAnswers]) -> RegimeAnswers:
     """Answers of several chunks as one."""
 
     def joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
         return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
-    return Answers(
+    return RegimeAnswers(
         joined([part.values for part in parts]),
         joined([part.errors for part in parts]),
         joined([part.fields for part in parts]),
@@ -356,14 +356,14 @@ def _joined(parts: list[Answers]) -> Answers:
     )
 
 
-def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: Outcome) -> np.ndarray:
+def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: RunOutcome) -> np.ndarray:
     """About the greatest kinetic energy of a run: at its ends, or at its greatest speed."""
     inertia = dynamics.rows(variants, angle[None]).inertia[0]
     fastest = np.maximum(np.abs(outcome.fastest), np.abs(outcome.slowest))
     return np.maximum(0.5 * inertia * fastest**2, np.maximum(outcome.started, outcome.ended))
 
 
-def _over_all(outcome: Outcome, ready: np.ndarray, count: int) -> Outcome:
+def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     """An outcome of some variants as one of all, NaN for the others."""
 
     def spread(values: np.ndarray) -> np.ndarray:
@@ -376,4 +376,4 @@ def _over_all(outcome: Outcome, ready: np.ndarray, count: int) -> Outcome:
     verdict[ready] = outcome.verdict
     names = ("slowest", "fastest", "peak", "started", "ended")
     rest = {name: spread(getattr(outcome, name)) for name in names}
-    return Outcome(verdict, state, history=outcome.history, **rest)
+    return RunOutcome(verdict, state, history=outcome.history, **rest)

@@ -128,7 +128,7 @@ class Extreme(Measurement):
 
 
 @dataclass(frozen=True)
-class Place(Measurement):
+class ExtremePosition(Measurement):
     """Position of the input where a curve has its least or greatest value."""
 
     curve: Node | Followed
@@ -237,7 +237,7 @@ def greatest(curve: Node | Followed) -> Expression:
 
 def place_of_greatest(curve: Node | Followed) -> Expression:
     """Position of the input where a curve has its greatest value."""
-    return Place(_square(curve) or curve, "greatest")
+    return ExtremePosition(_square(curve) or curve, "greatest")
 
 
 def peak(curve: Node | Followed) -> Expression:

@@ -8,9 +8,9 @@ from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     Average,
     Expression,
+    ExtremePosition,
     Followed,
     Integral,
-    Place,
     greatest,
     least,
     length_of_range,
@@ -77,7 +77,7 @@ def mean_square(mechanics: Mechanics, curve: Node | Followed) -> Expression:
     return Average(curve, 2) if isinstance(curve, Followed) else mean(mechanics, curve * curve)
 
 
-def statistics_of(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
+def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
     """Summaries that are statistics of a field: FIELD.min, FIELD.max, FIELD.mean and so on."""
     q = InputUnits.of(mechanics.scene).q
     curve = field.curve()
@@ -88,7 +88,7 @@ def statistics_of(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
         "peak": ("greatest magnitude of", field.units, lambda: peak(curve)),
         "mean": ("mean of", field.units, lambda: mean(mechanics, curve)),
         "rms": ("root mean square of", field.units, lambda: sqrt(mean_square(mechanics, curve))),
-        "min_at": ("crank angle of the least value of", q, lambda: Place(curve, "least")),
+        "min_at": ("crank angle of the least value of", q, lambda: ExtremePosition(curve, "least")),
         "max_at": ("crank angle of the greatest value of", q, lambda: place_of_greatest(curve)),
     }
     return [
@@ -128,5 +128,5 @@ class Register:
         if statistic not in STATISTICS or field not in self.fields:
             return None
         if name not in self._statistics:
-            self._statistics |= {s.name: s for s in statistics_of(self.fields[field], self.mechanics)}
+            self._statistics |= {s.name: s for s in statistic_summaries(self.fields[field], self.mechanics)}
         return self._statistics[name]

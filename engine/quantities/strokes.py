@@ -13,9 +13,9 @@ from engine.quantities.expressions import (
     Angle,
     Expression,
     Extreme,
+    ExtremePosition,
     Formula,
     Integral,
-    Place,
     StrokeEnd,
 )
 from engine.quantities.register import Declared, InputUnits, Summary
@@ -41,7 +41,7 @@ def swinging_links(mechanics: Mechanics) -> list[str]:
 def _swing_end(mechanics: Mechanics, link: Turning, which: str) -> Expression:
     """End of the swing of a link, or the position there; undefined for a link that turns all the way round."""
     angle, sense = Angle(link.u), "least" if which.startswith("low") else "greatest"
-    found = Place(angle, sense) if which.endswith("_at") else Extreme(angle, sense)
+    found = ExtremePosition(angle, sense) if which.endswith("_at") else Extreme(angle, sense)
     return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found
 
 

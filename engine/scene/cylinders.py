@@ -45,7 +45,7 @@ class Pump(Cylinder):
     role: Role = "useful"
 
 
-class Engine(Cylinder):
+class EngineCylinder(Cylinder):
     """The cylinder of an engine: polytropic expansion from `peak`, and compression from `intake`."""
 
     clearance: Annotated[Number, Field(gt=0)]
@@ -57,7 +57,7 @@ class Engine(Cylinder):
     role: Role = "driving"
 
 
-class FourStroke(Engine):
+class FourStroke(EngineCylinder):
     """A four-stroke engine: expansion, exhaust, intake, compression.
 
     The power stroke begins at the head-end dead centre that follows φ = `firing_angle` (needs 2 revolutions a cycle).
@@ -67,7 +67,7 @@ class FourStroke(Engine):
     firing_angle: Angle = 0.0
 
 
-class TwoStroke(Engine):
+class TwoStroke(EngineCylinder):
     """A two-stroke engine: expansion until the ports open after the fraction `port` of the stroke."""
 
     type: Literal["two_stroke"]

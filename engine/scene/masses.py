@@ -1,4 +1,4 @@
-"""The masses of a machine as its dynamics take them: each body, or the point masses that stand for it."""
+"""The masses of a machine as its dynamics uses them: each body, or the point masses that stand for it."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -73,7 +73,7 @@ def masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
 
 
 def whole_body(scene: Scene, name: str, varied: frozenset[str]) -> LinkMass:
-    """A body itself, whatever stands for it.
+    """A body itself, even where point masses replace it.
 
     Parameters
     ----------

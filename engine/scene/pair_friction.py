@@ -15,7 +15,7 @@ Positive = Annotated[Length, Field(gt=0)]
 
 
 class PairFriction(Part):
-    """Friction in a pair, dry or of a `coefficient` that stands for what lubrication there is.
+    """Friction in a pair, dry, or with a `coefficient` that accounts for its lubrication.
 
     `pair` is GROUP.first, GROUP.inner or GROUP.second, input, or a shaft with a pivot. A revolute pair has the
     `diameter` of its journal, in `contact` with its bush on a line, or on half of it, new or worn in. A prismatic pair

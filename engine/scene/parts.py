@@ -34,7 +34,7 @@ FRAME = "frame"
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
 
 
-class Dimension(str):
+class DimensionMark(str):
     """Marks a number of a scene with its dimension, a key of `engine.scene.dimensions.DIMENSIONS`."""
 
 
@@ -45,7 +45,7 @@ def quantity(dimension: str) -> type:
         from_text = bool(info.context and info.context.get("text"))
         return in_text(value, dimension) if from_text else to_si(value, dimension)
 
-    return Annotated[float, BeforeValidator(read), Dimension(dimension)]
+    return Annotated[float, BeforeValidator(read), DimensionMark(dimension)]
 
 
 Length = quantity("length")
@@ -338,7 +338,7 @@ class Body(Part):
 
 
 class Balance(Part):
-    """How the machine's shaking is reckoned: the point of the frame about which its moment is taken."""
+    """What the shaking of the machine refers to: the point of the frame about which its moment is taken."""
 
     about: Name
 

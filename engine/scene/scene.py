@@ -17,7 +17,7 @@ from engine.scene.parts import (
     Balance,
     Body,
     CrankInput,
-    Dimension,
+    DimensionMark,
     Flywheel,
     Group,
     Guide,
@@ -115,7 +115,7 @@ def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
                 yield from _walk(inner, f"{here}.{name}")
         elif isinstance(value, (int, float)) and not isinstance(value, bool):
             marks = _marks(field.annotation, field.metadata)
-            dimension = next((str(m) for m in marks if isinstance(m, Dimension)), None)
+            dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
             limits = tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
             if dimension is not None:
                 yield here, SceneNumber(float(value), dimension, limits)

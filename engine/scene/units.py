@@ -27,7 +27,7 @@ __all__ = ["UnitError", "any_quantity", "base_powers", "in_text", "recognised", 
 
 
 class UnitError(ValueError):
-    """A quantity that cannot be read, or whose unit does not fit; the message says how to mend it."""
+    """A quantity that cannot be read, or whose unit does not fit; the message says how to correct it."""
 
 
 _TWO_PI = "6.283185307179586476925286766559005768394"

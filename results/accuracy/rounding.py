@@ -31,7 +31,7 @@ HERE = Path(__file__).parent
 _GROUPS = ("rrr", "rrp", "rpr", "prp", "rpp")
 # Per position, so in float32 too.
 PER_POSITION = tuple(f"laws.kinematics.{name}" for name in (*_GROUPS, "dead_centres", "vectors", "links"))
-PER_POSITION += ("laws.reduction", "laws.loads")
+PER_POSITION += ("laws.loads",)
 MODULES = (
     *PER_POSITION,
     "laws.elementary",

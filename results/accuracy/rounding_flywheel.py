@@ -4,7 +4,6 @@ import inspect
 
 import mpmath as mp
 import numpy as np
-
 from engine.equal_positions.flywheel import fluctuation_with_flywheel, flywheel_sizes
 
 POSITIONS, DIGITS, OMEGA = 720, 50, 10.0

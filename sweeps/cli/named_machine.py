@@ -12,7 +12,7 @@ from sweeps.text.input_files import InputError, is_hdf5
 
 
 def is_result(file: str) -> bool:
-    """Whether a file is a result of a sweep, by its content where it isn't called so."""
+    """Whether a file is a result of a sweep: by its ending, or else by its content."""
     return file.endswith(".h5") or is_hdf5(Path(file))
 
 
@@ -63,7 +63,7 @@ def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
     Raises
     ------
     InputError
-        A part can't be read so.
+        A part is no such position.
     """
     turns = scene.input is None or isinstance(scene.input, CrankInput)
     dimension, mend = ("angle", "0,60,120") if turns else ("length", "'0 mm, 20 mm'")

@@ -34,7 +34,7 @@ def errors_as_messages(command: Callable) -> Callable:
 
 
 def _foreseen() -> tuple[type[Exception], ...]:
-    """Errors whose text is meant for who gave the command; imported only once there is one, as that is slow."""
+    """Errors whose text is meant for whoever gave the command; imported only when one occurs, as that is slow."""
     from engine import AskError, BalanceError, SceneError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
     from sweeps.store import StoreError

@@ -114,11 +114,13 @@ def plot(
 
 @click.command()
 @click.argument("file", required=False)
-@click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf) to draw them too.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf) in which to draw them as well."
+)
 @click.option("--variant", type=int, help="Engines of one variant of a result file.")
 @errors_as_messages
 def orders(file: str | None, out: Path | None, variant: int | None) -> None:
-    """Tell which orders of force, couple and torque remain: of well-known engines, or of those of a scene or result."""
+    """Show which orders of force, couple and torque remain: of well-known engines, or of those in a scene or result."""
     from sweeps.cli.named_machine import machine_of
     from sweeps.pictures.elements.order_picture import order_picture
     from sweeps.report.order_table import engine_rows, order_table, well_known_engines

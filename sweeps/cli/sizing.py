@@ -12,12 +12,20 @@ from sweeps.cli.shared import errors_as_messages, names_in, write_text
 @click.option("--speed", required=True, help="Mean speed, such as '250 rpm'.")
 @click.option("--fluctuation", required=True, help="Coefficient of speed fluctuation asked for, such as 1/50 or 2 %.")
 @click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
+@click.option("--inertia", default="0", help="Inertia that the machine has already, such as '0.4 kg m2'.")
+@click.option("--area-energy", help="Energy that a unit of area stands for, '4.5 J': TABLE has areas then.")
 @errors_as_messages
-def flywheel(table: Path, speed: str, fluctuation: str, interpolation: str) -> None:
-    """Size a flywheel from a turning-moment table: a CSV with the columns `phi [deg]` and `moment [N m]`."""
+def flywheel(
+    table: Path, speed: str, fluctuation: str, interpolation: str, inertia: str, area_energy: str | None
+) -> None:
+    """Size a flywheel from a turning-moment diagram.
+
+    TABLE is a CSV with the columns `phi [deg]` and `moment [N m]`. With --area-energy it has one column, `area [mm2]`:
+    the areas between the diagram and its mean line in order, positive above the line.
+    """
     from sweeps.report.flywheel_table import flywheel_text
 
-    click.echo(flywheel_text(table, speed, fluctuation, interpolation))
+    click.echo(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
 
 
 @click.command("balance")
@@ -31,6 +39,8 @@ def flywheel(table: Path, speed: str, fluctuation: str, interpolation: str) -> N
 @click.option("--out", type=click.Path(path_type=Path), help="Scene to write, the counterweights in it (TOML).")
 @click.option("--trial-runs", type=click.Path(path_type=Path), help="CSV of a rotor's trial runs, instead of FILE.")
 @click.option("--noise", help="Standard deviation of its readings, '0.1 mm/s'.")
+@click.option("--holes", type=int, help="Number of equally spaced holes for its weights, the first at the mark.")
+@click.option("--planes", help="Where an engine's balance shafts have their unbalances, '-80 mm, 80 mm'.")
 @errors_as_messages
 def balance_command(
     file: str | None,
@@ -43,12 +53,15 @@ def balance_command(
     out: Path | None,
     trial_runs: Path | None,
     noise: str | None,
+    holes: int | None,
+    planes: str | None,
 ) -> None:
-    """Find the counterweights of a mechanism, or from trial runs what to add to a rotor.
+    """Find the counterweights of a mechanism, the balance shafts of an engine, or what to add to a rotor.
 
     FILE is a scene, study or result. Counterweights are the best for the shaking force at the crank's uniform speed:
-    least root mean square, least peak, or none of it left. The table of --trial-runs has a row for each run, the first
-    without a trial weight, and a header such as
+    least root mean square, least peak, or none of it left. Of a scene with an engine as its element, balance shafts
+    that leave no primary and secondary force and couple are found. What to add to a rotor follows from trial runs: the
+    table of --trial-runs has a row for each run, the first without a trial weight, and a header such as
     `plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg]`.
     """
     from sweeps.text.input_files import InputError
@@ -59,14 +72,18 @@ def balance_command(
     if trial_runs is not None:
         from sweeps.report.trial_runs import trial_runs_text
 
-        click.echo(trial_runs_text(trial_runs, noise))
+        click.echo(trial_runs_text(trial_runs, noise, holes))
         return
     from sweeps.cli.named_machine import machine_of
+    from sweeps.report.balance_shaft_table import balance_shaft_text, engines_of
     from sweeps.report.counterweight_table import counterweight_text, counterweights_of
     from sweeps.text.scene_text import with_values, write_scene
 
     scene, values, _ = machine_of(file, variant)
     scene = with_values(scene, values)
+    if scene.input is None and engines_of(scene):
+        click.echo(balance_shaft_text(scene, planes))
+        return
     found = counterweights_of(scene, names_in(links), places, criterion, radius, most)
     click.echo(counterweight_text(scene, found, criterion))
     if out is not None:

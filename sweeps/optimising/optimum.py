@@ -23,12 +23,12 @@ class Choice(NamedTuple):
 
 
 def is_front(result: SweepResult) -> bool:
-    """Whether a result file is that of a search with several objectives that has come to its end."""
+    """Whether a result file is that of a search with several objectives that is finished."""
     return is_search(result) and len(objectives(result)) > 1
 
 
 def is_search(result: SweepResult) -> bool:
-    """Whether a result file is that of a search that has come to its end."""
+    """Whether a result file is that of a search that is finished."""
     return "search" in result.record and "front" in result.columns
 
 

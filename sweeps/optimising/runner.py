@@ -1,7 +1,7 @@
 """Searching a study into a result file, which tools read as that of a sweep; resumable at any moment.
 
 While the search runs, every generation is a block of a file of its own. A search that goes on does so from its first
-generation, with the candidates that the file holds instead of evaluating them: the way is the same, bit for bit.
+generation, with the candidates that the file holds instead of evaluating them: its path is the same, bit for bit.
 """
 
 import json
@@ -35,7 +35,7 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     """Search a study for its best variants, or go on with it, into a result file.
 
     The file holds every candidate as a variant, with two columns more than a sweep's: `generation` (the candidates
-    that going downhill at the end passes come as one more), and `front`, the place on the Pareto front from the least
+    passed while going downhill at the end count as one more), and `front`, the place on the Pareto front from the least
     first objective on, 0 off it; of one objective the best candidate is the front.
 
     Parameters
@@ -152,8 +152,8 @@ class _History:
         found = {name: values[:count] for name, values in self.store.read(self.done).items()}
         if not all(np.array_equal(found[name], values) for name, values in varied.items()):
             raise StoreError(
-                f"{self.store.part} can't be gone on with: generation {self.done} would be another now, as other "
-                f"versions of SciPy or pymoo ({_versions()}) search another way. Start over with --restart."
+                f"{self.store.part} can't be continued: generation {self.done} would differ now, as other "
+                f"versions of SciPy or pymoo ({_versions()}) search differently. Start over with --restart."
             )
         return found
 
@@ -171,7 +171,7 @@ def _numbered(found: dict[str, np.ndarray], generation: int) -> dict[str, np.nda
 
 
 def _filled(found: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
-    """Columns of a generation, lengthened by candidates that are none."""
+    """Columns of a generation, padded to a full block by entries that count as not computed."""
     missing = count - found["status"].size
     filled = {name: np.append(values, np.repeat(values[-1:], missing)) for name, values in found.items()}
     filled["status"][count - missing :] = Verdict.NOT_COMPUTED

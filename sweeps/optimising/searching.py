@@ -131,7 +131,7 @@ class _Slope:
         self._known: dict[bytes, tuple] = {}
         cost, _, parts, slopes = self._at(start[self.free])
         self.size = abs(cost) or 1.0
-        # What can't be influenced from here can't be mended either.
+        # What nothing here can influence can't be improved from here either.
         self.parts = np.flatnonzero((slopes != 0).any(axis=1) & np.isfinite(parts))
 
     def go(self, steps: int) -> None:
@@ -142,7 +142,7 @@ class _Slope:
             "jac": lambda x: -self._at(x)[3][self.parts],
         }
         with warnings.catch_warnings():
-            # That a step leaves the ranges by a rounding and is led back.
+            # SciPy warns of steps that leave the ranges by a rounding, and clips them.
             warnings.simplefilter("ignore", RuntimeWarning)
             minimize(
                 lambda x: self._at(x)[0] / self.size,

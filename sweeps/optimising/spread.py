@@ -49,7 +49,7 @@ def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndar
     Returns
     -------
     dict of str to ndarray (candidates,)
-        As of `spread_columns`; NaN for all other candidates.
+        As for `spread_columns`; NaN for all other candidates.
     """
     if not task.tolerances:
         return {}

@@ -95,7 +95,7 @@ def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
         shown[beside[2]] = with_values(*beside[:2])
     elif values:
         shown["scene"] = scene
-    # Of two with the same name the first says that it stands beside.
+    # Where both have the same name, the first is marked as the one beside.
     shown = {f"{other} (beside)" if other == name else other: s for other, s in shown.items()}
     target = path.with_name(f"{path.stem}_hodograph{path.suffix}")
     hodographs({**shown, name: with_values(scene, values)}, target)
@@ -114,7 +114,7 @@ def motion_pictures(scene: Scene, path: Path) -> list[Path]:
     Returns
     -------
     list of Path
-        The files made; none of what a machine that fails doesn't come to.
+        The files made; without regimes that a failing machine doesn't reach.
     """
     seen = history(scene)
     made = [path.with_name(f"{path.stem}_history{path.suffix}")]

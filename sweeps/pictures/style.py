@@ -20,7 +20,7 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
     "#56b4e9",
 )
 GREY = "#8a8f94"
-# What was computed but isn't wanted.
+# Variants that were computed but miss the condition.
 PALE = "#c9cdd1"
 # Map of colours for numbers.
 COLOURS = "cividis"

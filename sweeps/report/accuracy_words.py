@@ -1,4 +1,4 @@
-"""What is said of an accuracy that was asked: before a run by a sample of the variants, after it by all of them."""
+"""How well a required accuracy is reached: judged by a sample of the variants before a run, by all of them after it."""
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def reached_text(reached: np.ndarray, used: np.ndarray, accuracy: float) -> str:
     with_how_many = f"{low:.0f} positions" if low == high else f"{low:.0f} to {high:.0f} positions, mostly {middle:.0f}"
     words = f"accuracy {share_text(accuracy)}: reached by {whole}, with {with_how_many}"
     if got < count:
-        words += "; the others went as far as more positions helped: see their error figures (accuracy_reached = 0)"
+        words += "; for the others more positions did not help: see their error figures (accuracy_reached = 0)"
     return words
 
 

@@ -29,7 +29,7 @@ def counterweight_place(text: str) -> CounterweightPlace:
     Raises
     ------
     InputError
-        It isn't one.
+        The text is not a link and a place on it.
     """
     link, _, place = text.partition(":")
     parts = [part.strip() for part in place.split(",")]
@@ -54,7 +54,7 @@ def counterweights_of(
     links : sequence of str
         Links that turn about fixed axes; the input alone where neither they nor places are named.
     places : sequence of str
-        As of `counterweight_place`.
+        As for `counterweight_place`.
     criterion : {"full", "rms", "peak"}
     radius : str, optional
         Where counterweights of links sit, such as "60 mm"; at the crank's length unless given.
@@ -66,7 +66,7 @@ def counterweights_of(
     InputError
         A text that can't be read, or a scene without a mechanism.
     BalanceError
-        Counterweights that can't be had.
+        There are no such counterweights.
     """
     if scene.input is None:
         raise InputError(scene.title or "scene", [(None, "input", "machine elements alone have no links to balance")])
@@ -82,7 +82,7 @@ def counterweights_of(
 
 
 def counterweight_text(scene: Scene, found: BalancedMachine, criterion: str) -> str:
-    """Counterweights found, what they do, and how near the best of their kind they are proven to come.
+    """The counterweights found, their effect, and the proven bound for any others in these places.
 
     Parameters
     ----------

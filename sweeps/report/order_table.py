@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import (
-    FOUR_STROKE,
     SHAKING_ORDERS,
     Engine,
     EngineElement,
@@ -57,13 +56,13 @@ class EngineRow(NamedTuple):
     layout : EngineLayout
         With a spacing of 1.
     firing_order : tuple of int, optional
-        An even one is looked for where it is not given.
+        Where not given, an even one is sought.
     master : MasterRod, optional
         Its lengths as multiples of the crank's, the rod being 1/λ of it.
     ratio : float
         λ, crank over rod.
     offset : float
-        Of the gudgeon pins' ways, as a multiple of the crank's length.
+        Of the gudgeon pins' lines of motion, as a multiple of the crank's length.
     """
 
     name: str
@@ -81,7 +80,7 @@ class Remaining(NamedTuple):
     ----------
     forces, couples : Hodograph
     torque_orders : tuple of float
-        Those to which all cylinders' firing adds up; None where no firing order is known.
+        Those in which the torques of all cylinders add up; None where no firing order is known.
     intervals : ndarray or None
         Between firings [rad].
     """
@@ -161,7 +160,7 @@ def remaining_orders(row: EngineRow) -> Remaining:
     angles = firing_angles(row.layout, order)
     orders = np.arange(1, 2 * HIGHEST_TORQUE_ORDER + 1) / 2
     left = orders[np.abs(firing_sums(orders, angles)) > BALANCED * len(order)]
-    return Remaining(forces, couples, tuple(left.tolist()), firing_intervals(angles, FOUR_STROKE))
+    return Remaining(forces, couples, tuple(left.tolist()), firing_intervals(angles))
 
 
 def order_table(rows: Sequence[EngineRow] | None = None, markdown: bool = True) -> str:
@@ -202,7 +201,6 @@ _LEGEND = (
 
 
 def subscript_of(n: int) -> str:
-    """A digit as a subscript."""
     """A digit as a subscript."""
     return "₀₁₂₃₄₅₆₇₈₉"[n]
 

@@ -14,7 +14,7 @@ MOTION_VERDICTS = (
 )
 # Positions in a cycle of a history that is made to see where a motion fails.
 STEPS = 240
-# A run given up after so many cycles at least was going; the history of a longer one may be cut.
+# A run abandoned after at least this many cycles was still moving; the history of a longer one may be cut.
 MANY_CYCLES = 1000
 
 
@@ -93,7 +93,7 @@ def _stands(scene: Scene, seen: History) -> str:
 
 
 def _no_end(scene: Scene, name: str, seen: History) -> str:
-    """What a run does in place of ending."""
+    """What a run does instead of ending."""
     regime, key, chosen = scene.regimes[name], f"regimes.{name}", seen.regime == name
     turn = 2 * math.pi * scene.input.revolutions
     angle, speed = np.abs(seen.angle[chosen] - seen.angle[chosen][0]), np.abs(seen.speed[chosen])
@@ -104,7 +104,7 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     if along.min() < 0.0:
         span = " … ".join(quantity_text(float(a), "rad") for a in (seen.angle[chosen].min(), seen.angle[chosen].max()))
         swings = (along[(along < 0.0).argmax() :] > 0.0).any()
-        doing = f"swings to and fro between φ = {span}" if swings else "turns backwards, ever faster"
+        doing = f"swings back and forth between φ = {span}" if swings else "turns backwards, ever faster"
         return f"the machine {doing}: what drives it doesn't carry its loads; a stronger motor or a lower load helps"
     if regime.rest and angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES):
         return "it doesn't come to rest: all that slows it vanishes with the speed; brake it"

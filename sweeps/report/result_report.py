@@ -44,9 +44,9 @@ def varied_text(result: SweepResult) -> str:
 
 
 def undecided_text(result: SweepResult, where: str | None) -> str:
-    """How many variants neither meet nor miss a condition for sure, as the end of a sentence; "" if none."""
+    """How many variants neither meet nor miss a condition for certain, as the end of a sentence; "" if none."""
     count = result.undecided(where).size if where else 0
-    return f", {count} more can't be told to: their error figures reach across its limit" if count else ""
+    return f", {count} more may or may not: their error figures reach across its limit" if count else ""
 
 
 def counts_text(result: SweepResult) -> str:

@@ -52,7 +52,7 @@ class SweepResult:
 
     @cached_property
     def record(self) -> dict[str, Any]:
-        """The study as data, as of `study_record`; of a search also what it was after, as of `search_record`.
+        """The study as data, see `study_record`; for a search also its task, see `search_record`.
 
         Raises
         ------
@@ -164,12 +164,12 @@ class SweepResult:
         Parameters
         ----------
         where : str
-            As of `select`.
+            As for `select`.
 
         Raises
         ------
         InputError
-            As of `select`.
+            As for `select`.
         """
         return np.flatnonzero((self.columns["status"] == Verdict.OK) & self._judged(where).undecided)
 
@@ -187,7 +187,7 @@ class SweepResult:
         return chosen
 
     def missed(self) -> dict[str, np.ndarray]:
-        """For each condition of `require`, which variants fail it (variants,); those not computed yet apart.
+        """For each condition of `require`, which variants fail it (variants,); those not yet computed not counted.
 
         Found anew from the parameters, as the file holds only whether a variant was dropped.
         """

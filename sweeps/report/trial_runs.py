@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import (
+    PatternError,
     UnitError,
     base_powers,
     four_runs,
@@ -20,6 +21,7 @@ from engine import (
     influence_correction,
     recognised,
     residual_confidence,
+    split_on_neighbours,
 )
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError
@@ -111,11 +113,11 @@ def read_runs(path: Path) -> Runs:
     weights = _polar(path, columns, "weight", "weight_angle")
     readings = np.stack([_polar(path, columns, n, f"{n}{PHASE}" if phases else None) for n in names], axis=-1)
     if (first := np.flatnonzero(weights == 0)).size != 1:
-        raise _refusal(path, f"one run is without a trial weight (weight 0); here are {first.size}")
+        raise _refusal(path, f"one run is without a trial weight (weight 0); there are {first.size}")
     trials = np.flatnonzero(weights)
     planes = np.array(columns["plane"][1], float)[trials]
     if not (planes == np.round(planes)).all():
-        raise _refusal(path, "planes have whole numbers, such as 1 and 2")
+        raise _refusal(path, "planes are numbered with whole numbers, such as 1 and 2")
     numbers = tuple(int(plane) for plane in planes)
     return Runs(numbers, weights[trials], readings[first[0]], readings[trials], names, bool(phases), weight_unit, unit)
 
@@ -134,33 +136,42 @@ def correction_of(path: Path, runs: Runs, noise: str | None = None) -> Correctio
     Raises
     ------
     InputError
-        The runs don't tell what is asked: a plane without a trial run or with several, sensors that don't tell planes
+        The runs don't suffice: a plane without a trial run or with several, sensors that don't tell planes
         apart, amplitudes that no linear machine gives.
     """
     return _by_coefficients(path, runs, noise) if runs.phases else _by_amplitudes(path, runs, noise)
 
 
-def trial_runs_text(path: Path, noise: str | None = None) -> str:
+def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = None) -> str:
     """The balance of a rotor from its trial runs, in words.
 
     Parameters
     ----------
     path : Path
-        As of `read_runs`.
+        As for `read_runs`.
     noise : str, optional
-        As of `correction_of`.
+        As for `correction_of`.
+    holes : int, optional
+        Number of equally spaced holes in every plane, at the radius of the trial weights; the first is at the mark.
 
     Raises
     ------
     InputError
-        As of both.
+        As from both; fewer than three holes.
     """
     runs = read_runs(path)
     found = correction_of(path, runs, noise)
-    rows = [("plane", "add", "at", *(("noise leaves at most",) if found.radii is not None else ()))]
-    for i, plane in enumerate(found.planes):
-        row = [f"{plane}", f"{abs(found.weights[i]):.4g} {runs.weight_unit}", _degrees(found.weights[i])]
-        rows.append((*row, *([] if found.radii is None else [f"{found.radii[i]:.2g} {runs.weight_unit}"])))
+    unit = runs.weight_unit
+    columns = [
+        ("plane", *(str(plane) for plane in found.planes)),
+        ("add", *(f"{abs(weight):.4g} {unit}" for weight in found.weights)),
+        ("at", *(_degrees(weight) for weight in found.weights)),
+    ]
+    if holes is not None:
+        columns.append((f"or in two of {holes} holes", *_in_holes(found.weights, holes, unit)))
+    if found.radii is not None:
+        columns.append(("noise leaves at most", *(f"{radius:.2g} {unit}" for radius in found.radii)))
+    rows = list(zip(*columns, strict=True))
     per = f"{runs.unit} per {runs.weight_unit}".strip()
     heads = ("sensor", "as it is", *(f"plane {plane}, {per}" for plane in found.planes), "left")
     effects = [heads]
@@ -169,10 +180,24 @@ def trial_runs_text(path: Path, noise: str | None = None) -> str:
         whole = abs(first)
         rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
         effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
-    notes = ["Weights go to the radius of the trial weights, angles count as theirs; the trial weights are taken off."]
+    notes = [
+        "Weights go at the radius of the trial weights, their angles count the same way; the trial weights come off."
+    ]
+    if holes is not None:
+        notes.append("Hole 1 is at the mark; holes count in the sense of the angles.")
     if found.radii is not None:
         notes.append(f"With a probability of {PROBABILITY:.0%} noise leaves no more of a plane's unbalance than that.")
     return "\n".join([table(rows), "", table(effects), "", *notes])
+
+
+def _in_holes(weights: np.ndarray, holes: int, unit: str) -> list[str]:
+    """Every weight as two, in the holes beside it, counted from 1."""
+    try:
+        split = split_on_neighbours(weights, holes)
+    except PatternError as error:
+        raise InputError("--holes", [(None, "", str(error))]) from None
+    parts = zip(split.hole + 1, split.amount, split.next_hole + 1, split.next_amount, strict=True)
+    return [f"{first:.4g} {unit} in {hole}, {second:.4g} {unit} in {beside}" for hole, first, beside, second in parts]
 
 
 def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:
@@ -180,7 +205,7 @@ def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:
     if len(planes) != len(runs.planes):
         raise _refusal(path, "each plane has one trial run; with phases more of them aren't needed")
     if len(planes) > len(runs.names):
-        raise _refusal(path, f"{len(planes)} planes need as many sensors, or more; here are {len(runs.names)}")
+        raise _refusal(path, f"{len(planes)} planes need as many sensors, or more; there are {len(runs.names)}")
     order = np.argsort(runs.planes)
     weights = runs.weights[order]
     coefficients = influence_coefficients(runs.initial, runs.trials[order], weights)
@@ -208,7 +233,7 @@ def _by_amplitudes(path: Path, runs: Runs, noise: str | None) -> Correction:
     if len(set(runs.planes)) != 1 or len(runs.names) != 1 or not alike or thirds.max() > THIRD_OF_A_TURN:
         raise _refusal(path, needed)
     if noise is not None:
-        raise _refusal(path, "what noise leaves is known for runs with phases only; leave --noise out")
+        raise _refusal(path, "the effect of noise is known only for runs with phases; leave --noise out")
     found = four_runs(abs(runs.initial[0]), np.abs(runs.trials[order, 0]), sizes[0])
     if not np.isfinite(found.unbalance):
         message = "no linear machine gives these amplitudes: read them again, or take a heavier trial weight"
@@ -233,7 +258,7 @@ def _polar(path: Path, columns: dict, size: str, angle: str | None) -> np.ndarra
 def _common_unit(path: Path, columns: dict, names: Iterable[str]) -> str:
     units = {columns[name][0] for name in names}
     if len(units) > 1:
-        raise _refusal(path, f"all sensors are read in one unit; here are {', '.join(sorted(units))}", 1)
+        raise _refusal(path, f"all sensors are read in one unit; these are in {', '.join(sorted(units))}", 1)
     (unit,) = units
     try:
         base_powers(unit or "1")

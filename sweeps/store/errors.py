@@ -14,7 +14,7 @@ _NO_LOCKS = "This file system has no locks: set HDF5_USE_FILE_LOCKING=FALSE and 
 _BUSY = "Another sweep is writing it, or another program has it open. Wait for it, or give another --out."
 _ENOTSUPP = 524  # Linux NFS and Lustre answer with this number, which errno does not name
 
-_MENDS = {
+_REMEDIES = {
     errno.EAGAIN: _BUSY,
     errno.ENOLCK: _NO_LOCKS,
     errno.ENOSYS: _NO_LOCKS,
@@ -36,7 +36,7 @@ class StoreError(Exception):
 
 
 @contextmanager
-def explained(path: Path, action: str, mend: str = "The system refuses.") -> Iterator[None]:
+def explained(path: Path, action: str, remedy: str = "The system refuses.") -> Iterator[None]:
     """Turn what h5py and the operating system raise inside the block into a `StoreError`.
 
     Parameters
@@ -45,18 +45,18 @@ def explained(path: Path, action: str, mend: str = "The system refuses.") -> Ite
         The file worked on.
     action : str
         What fails when something is raised, as in "cannot `write` out.h5".
-    mend : str
+    remedy : str
         What to do about it where the system's error number tells nothing.
 
     Raises
     ------
     StoreError
-        Naming the path, the mend and the system's words.
+        Naming the path, the remedy and the system's words.
     """
     try:
         yield
     except (OSError, RuntimeError, ValueError, KeyError) as error:
-        raise StoreError(f"cannot {action} {path}: {_MENDS.get(_number(error), mend)} ({error})") from error
+        raise StoreError(f"cannot {action} {path}: {_REMEDIES.get(_number(error), remedy)} ({error})") from error
 
 
 def is_busy(error: Exception) -> bool:

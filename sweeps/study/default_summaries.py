@@ -20,7 +20,7 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
 
 
 def telling_summaries(scene: Scene) -> tuple[str, ...]:
-    """Summaries of all regimes that say something: works only of what acts, no speed that is given anyway."""
+    """The informative summaries of all regimes: works only of what acts, no speed that the scene prescribes."""
     loads, found = Mechanics(scene).loads, []
     for name, regime in scene.regimes.items():
         keys = _run_keys(regime) if isinstance(regime, RunRegime) else ["mean_speed", *_SPEEDS, "speed_fluctuation"]
@@ -45,7 +45,7 @@ def _run_keys(regime: RunRegime) -> list[str]:
 
 
 def _work_keys(has_motors: bool, roles: set[str]) -> list[str]:
-    """Works of what is at work."""
+    """Works of what acts."""
     keys = ["motor_moment_peak", "motor_moment_rms", "motor_power", "motor_work"] if has_motors else []
     channels = {"driving": "driving_work", "useful": "useful_work", "harmful": "harmful_work", "braking": "brake_heat"}
     keys += [key for role, key in channels.items() if role in roles]

@@ -386,5 +386,5 @@ def _check_ratio(name: str, low: float, high: float) -> None:
 def between(fraction: np.ndarray, low: float, high: float, is_logarithmic: bool) -> np.ndarray:
     """Numbers at fractions from 0 to 1 of the way from one end to the other, or of that between their logarithms."""
     steps = low * np.exp(fraction * math.log(high / low)) if is_logarithmic else low + fraction * (high - low)
-    # Rounding may lead out by a unit in the last place.
+    # Rounding may overshoot an end by a unit in the last place.
     return np.clip(steps, low, high)

@@ -1,4 +1,4 @@
-"""What a search is after: objectives, conditions, what it may change and where it begins; read from a study."""
+"""The task of a search: objectives, conditions, what it may change and where it begins; read from a study."""
 
 import hashlib
 import json
@@ -28,7 +28,7 @@ EVOLUTION, GENETIC, LOCAL = "differential evolution", "NSGA-II", "local"
 
 
 class Objective(NamedTuple):
-    """What should be small (sign +1) or great (−1): an expression, its SI unit, and the column that holds it."""
+    """What is to be minimised (sign +1) or maximised (−1): an expression, its SI unit, and the column that holds it."""
 
     name: str
     expression: TextExpression
@@ -84,7 +84,7 @@ class SearchTask:
 
 
 def search_record(task: SearchTask) -> dict[str, Any]:
-    """What a search is after, in types that JSON has: for its result file.
+    """The task in types that JSON has, for the result file.
 
     Parameters
     ----------
@@ -241,9 +241,11 @@ class _TaskReader:
             message = f"{LOCAL!r} goes along ranges, but only lists vary: give low and high, or take {EVOLUTION!r}"
             self._problem(keys, message)
         if method == GENETIC and objectives == 1:
-            self._problem(keys, f"{GENETIC!r} weighs several objectives, here is one: take {EVOLUTION!r}")
+            self._problem(keys, f"{GENETIC!r} weighs several objectives, but there is one: take {EVOLUTION!r}")
         if method != GENETIC and objectives > 1:
-            message = f"{method!r} follows one objective, here are {objectives}: take {GENETIC!r}, or join them in one"
+            message = (
+                f"{method!r} follows one objective, but there are {objectives}: take {GENETIC!r}, or join them in one"
+            )
             self._problem(keys, message)
 
     def _start(self, variables: Variables) -> np.ndarray:

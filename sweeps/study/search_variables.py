@@ -38,7 +38,7 @@ class Variables:
 
     @classmethod
     def of(cls, design: Design) -> "Variables":
-        """Coordinates of a study's axes; the counts of ranges are of no influence."""
+        """Coordinates of a study's axes; the counts of ranges have no effect."""
         spans: list[Span] = []
         choices: list[Axis] = []
         for axis in design.axes:

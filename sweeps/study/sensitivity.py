@@ -96,7 +96,9 @@ class Sensitivity:
         if asked.by not in known:
             raise AskError(f"{asked.by!r} is no number of the scene. {unknown_name_message(asked.by, known)}")
         if asked.of.endswith(PLACE_STATISTICS):
-            raise AskError(f"{asked.of!r} is known to a position only, and moves in jumps: it has no derivative")
+            raise AskError(
+                f"{asked.of!r} is the place of an extreme, which may jump from peak to peak: it has no derivative"
+            )
         if asked.by in numbers:
             scale_of(study.scene, {asked.by: np.array([numbers[asked.by].value])}, asked.by)
             made_ready(study.scene, [asked.of], (), [asked.by])
@@ -122,7 +124,7 @@ class Sensitivity:
 
     @cached_property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What is found of each variant, with an error figure each."""
+        """What is found for each variant, each with an error figure."""
         available = self.machine.available_summaries if self.evaluations else {}
         found = []
         for asked in self.study.derivatives:

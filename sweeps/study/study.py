@@ -147,11 +147,11 @@ class Study:
         return values, missed.any(axis=0)
 
     def values_and_misses(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-        """Parameters of the variants start … stop − 1 (SI), and which of them fail which condition, as of `misses`."""
+        """Parameters of the variants start … stop − 1 (SI), and which of them fail which condition, as for `misses`."""
         return self.completed(self.design.values(start, stop), stop - start)
 
     def completed(self, varied: Mapping[str, np.ndarray], count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-        """Varied parameters of `count` variants with those derived from them, and their misses, as of `misses`."""
+        """Varied parameters of `count` variants with those derived from them, and their misses, as for `misses`."""
         values = dict(varied)
         for path, expression in self.derived.items():
             values[path] = np.broadcast_to(expression.evaluate(self.fixed | values), (count,)).astype(float)
@@ -159,7 +159,7 @@ class Study:
 
     @property
     def digest(self) -> str:
-        """Name of the study's content, as of `study_digest`."""
+        """Name of the study's content, as for `study_digest`."""
         return study_digest(self)
 
 

@@ -18,7 +18,7 @@ _WORDS = ("title", "source")
 
 
 def study_record(study: "Study") -> dict[str, Any]:
-    """Everything that a study says, parsed: numbers in SI, nothing to be read out of sentences.
+    """Everything that a study says, parsed: numbers in SI, nothing that has to be parsed again.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ _SOBOL_CHUNK = 2**15
 
 
 def random_points(seed: int, count: int, dimensions: int, indices: np.ndarray) -> np.ndarray:
-    """Points independent and uniform in [0, 1); `count` is of no influence."""
+    """Points independent and uniform in [0, 1); `count` has no effect."""
     return _fractions(_philox(seed, _RANDOM, indices, dimensions))
 
 

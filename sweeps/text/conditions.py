@@ -77,7 +77,7 @@ class Condition:
         ----------
         text : str
         dimensions : mapping of str to UnitsContainer or None
-            As of `check`.
+            As for `check`.
 
         Raises
         ------
@@ -148,7 +148,7 @@ class Condition:
         Parameters
         ----------
         values : mapping of str to float or ndarray (count,)
-            As of `met`.
+            As for `met`.
         errors : mapping of str to float or ndarray (count,)
             Error figures of values; a name without one is exact, NaN is no figure, so that all is possible.
         count : int
@@ -167,7 +167,7 @@ class Condition:
         Parameters
         ----------
         values, errors : mapping of str to float or ndarray (count,)
-            As of `judged`.
+            As for `judged`.
         count : int
             Number of variants.
 
@@ -201,7 +201,7 @@ def value_with_error(tree: Tree, values: Values, errors: Values) -> tuple[np.nda
     tree : float, QuotedQuantity, str or TextOperation
         The structure of an expression that yields a number.
     values, errors : mapping of str to float or ndarray
-        As of `Condition.judged`.
+        As for `Condition.judged`.
     """
     value, error = evaluate_tree(tree, values), np.float64(0.0)
     for name in names_in_tree(tree):

@@ -83,7 +83,7 @@ def check_yields(expression: TextExpression, wanted: UnitsContainer, known: Mapp
     expression : TextExpression
     wanted : UnitsContainer
     known : mapping of str to UnitsContainer
-        As of `dimension_of`.
+        As for `dimension_of`.
 
     Raises
     ------

@@ -201,7 +201,7 @@ def _one_line(text: str) -> str:
 
 
 def evaluate_tree(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
-    """Evaluate a part of an expression, or all of it, in float64; as of `TextExpression.evaluate`."""
+    """Evaluate a part of an expression, or all of it, in float64; as for `TextExpression.evaluate`."""
     if isinstance(tree, float):
         return np.float64(tree)
     if isinstance(tree, QuotedQuantity):
@@ -310,7 +310,7 @@ class _Translator:
         _, fewest, most = FUNCTIONS[name]
         if not fewest <= len(node.args) <= most:
             needed = f"{fewest} or more" if most > fewest else str(fewest)
-            raise self.refusal(node, f"{name} takes {needed} operand(s), here are {len(node.args)}")
+            raise self.refusal(node, f"{name} takes {needed} operand(s), not {len(node.args)}")
         return self.operation(name, (self.number(operand, depth) for operand in node.args), node)
 
     def constant(self, node: ast.Constant) -> float | QuotedQuantity:

@@ -1,4 +1,4 @@
-"""Reading TOML texts into validated models; errors name file, line, key, value, what is allowed and the mend."""
+"""Reading TOML texts into validated models; errors name file, line, key, value, what is allowed and the remedy."""
 
 import re
 import tomllib

@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 
 from engine import Machine, Scene, Verdict, scene_numbers
 from engine.balancing import least_shaking
-from engine.balancing.counterweights import BalanceError, Place, balance
+from engine.balancing.counterweights import BalanceError, CounterweightPlace, balance
 from engine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
 from sweeps.optimising.optimum import front, objectives
 from sweeps.optimising.runner import optimise_study
@@ -247,7 +247,7 @@ def slider_crank(**parts) -> Scene:
 def test_full_balance_of_a_slider_crank__takes_a_place_beyond_the_crank_pin():
     rod = {"link": "rod", "mass": 1.5, "x": 0.4, "inertia": 0.1}
     scene = slider_crank(bodies={"piston_body": {"link": "piston", "mass": 2.0}, "rod_body": rod})
-    found = balance(scene, ["crank"], [Place("rod", -0.5)], radius=0.25)
+    found = balance(scene, ["crank"], [CounterweightPlace("rod", -0.5)], radius=0.25)
     on_crank, on_rod = found.counterweights
     beyond = (2.0 * 1.2 + 1.5 * 0.4) / 0.5
     assert on_rod.mass == pytest.approx(beyond, rel=1e-12)
@@ -304,7 +304,12 @@ def test_limits__are_kept_and_reached():
     found = balance(slider_crank(), ["crank"], criterion="rms", most={"crank": 0.12})
     assert found.counterweights[0].unbalance == pytest.approx(0.12, rel=1e-12)
     assert found.after == pytest.approx(found.bound, rel=1e-9)
-    placed = balance(slider_crank(), [], [Place("crank", -0.3, most=0.5), Place("crank", 0.3, 0.3)], criterion="rms")
+    placed = balance(
+        slider_crank(),
+        [],
+        [CounterweightPlace("crank", -0.3, most=0.5), CounterweightPlace("crank", 0.3, 0.3)],
+        criterion="rms",
+    )
     assert [w.mass for w in placed.counterweights] == [0.5, 0.0]
 
 
@@ -319,7 +324,7 @@ def test_moment_with_its_weight__is_that_of_the_balanced_machine(criterion):
         "balance": {"about": "Q"},
     }
     scene, weight = Scene.model_validate(data), 3.0
-    places = [Place("rocker", -0.3), Place("rocker", 0.1, 0.3)]
+    places = [CounterweightPlace("rocker", -0.3), CounterweightPlace("rocker", 0.1, 0.3)]
     found = balance(scene, ["crank"], places, criterion, moment_weight=weight)
     rows = [shaking_of(s) * np.array([[1.0], [1.0], [weight]]) for s in (scene, found.scene)]
     size = {"rms": lambda r: np.sqrt((r**2).sum(axis=0).mean()), "peak": lambda r: np.sqrt((r**2).sum(axis=0)).max()}
@@ -331,7 +336,9 @@ def test_moment_with_its_weight__is_that_of_the_balanced_machine(criterion):
 
 def test_counterweights__are_bodies_of_the_scene_under_free_names():
     once = balance(slider_crank(), ["crank"], criterion="rms", radius=0.1).scene
-    twice = balance(once, [], [Place("crank", 0.2), Place("crank", 0.0, 0.1)], criterion="rms").scene
+    twice = balance(
+        once, [], [CounterweightPlace("crank", 0.2), CounterweightPlace("crank", 0.0, 0.1)], criterion="rms"
+    ).scene
     assert list(twice.bodies) == ["piston_body", *(f"crank_counterweight{end}" for end in ("", "_2", "_3"))]
     assert math.hypot(once.bodies["crank_counterweight"].x, once.bodies["crank_counterweight"].y) == pytest.approx(0.1)
 
@@ -341,12 +348,15 @@ def test_counterweights__are_bodies_of_the_scene_under_free_names():
     [
         ({"links": ["crank"]}, r"on crank don't balance this machine fully: .* N are left"),
         ({"links": ["cramk"]}, r"'cramk' is not a link of this scene; .* did you mean 'crank'\?"),
-        ({"links": ["rod"]}, "'rod' doesn't turn about a fixed axis: give a Place on it; or choose from crank"),
+        ({"links": ["rod"]}, "'rod' doesn't turn about a fixed axis: give a place on it; or choose from crank"),
         ({}, "no link may have a counterweight"),
         ({"links": ["crank"], "criterion": "least"}, "criterion = 'least': allowed are 'full', 'rms' and 'peak'"),
         ({"links": ["crank"], "most": {"rod": 1.0}}, r"most\['rod'\] = 1.0: a positive mass times radius"),
         ({"links": ["crank"], "criterion": "rms", "radius": 0.0}, "radius = 0.0: counterweights sit at a positive"),
-        ({"links": ["crank"], "places": [Place("crank", 0.1)]}, "counterweights on crank have the same effect"),
+        (
+            {"links": ["crank"], "places": [CounterweightPlace("crank", 0.1)]},
+            "counterweights on crank have the same effect",
+        ),
     ],
 )
 def test_what_cannot_be_balanced__is_said(settings_, message):
@@ -363,7 +373,7 @@ def test_moment_on_a_link_that_swings__asks_for_a_place():
             "bodies": {"b": {"link": "coupler", "mass": 2.0, "x": 0.45}},
         }
     )
-    with pytest.raises(BalanceError, match="on 'rocker' depends on its radius: give a Place on it"):
+    with pytest.raises(BalanceError, match="on 'rocker' depends on its radius: give a place on it"):
         balance(scene, ["crank", "rocker"], criterion="rms", moment_weight=1.0)
 
 
@@ -390,7 +400,7 @@ def test_linkage_of_two_loops__is_balanced_by_masses_in_three_places():
             },
         }
     )
-    found = balance(scene, ["crank", "rocker"], [Place("rod", -0.7)])
+    found = balance(scene, ["crank", "rocker"], [CounterweightPlace("rod", -0.7)])
     # The rod's centre comes to rest in its hinge on the rocker: 0.6 kg at 1.4 m against 1.2 kg at 0.7 m.
     assert found.counterweights[2].mass == pytest.approx(1.2, rel=1e-11)
     on_rocker = found.counterweights[1]

@@ -15,11 +15,20 @@ from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.balancing.engines.engine_columns import ROUNDED
-from engine.balancing.engines.engine_layout import Engine, MasterRod, boxer, in_line, radial, usual_throws, v, w
-from engine.balancing.engines.harmonics import crank_masses, piston_harmonics, rod_harmonics
-from engine.balancing.engines.shafts import counterweights, remaining
-from engine.balancing.engines.shaking import ORDERS, shaking
+from engine.balancing.engines.engine_columns import ROUNDED_ORDERS
+from engine.balancing.engines.engine_layout import (
+    Engine,
+    MasterRod,
+    boxer_engine,
+    in_line_engine,
+    radial_engine,
+    usual_throws,
+    v_engine,
+    w_engine,
+)
+from engine.balancing.engines.harmonics import crank_masses, piston_harmonics
+from engine.balancing.engines.shafts import crankshaft_counterweights, remaining_shaking
+from engine.balancing.engines.shaking import SHAKING_ORDERS, engine_shaking
 
 ratios = st.floats(0.02, 0.6)
 
@@ -52,7 +61,7 @@ def test_piston_harmonics__are_those_of_the_exact_motion(ratio, offset):
 
 def test_piston_harmonics__are_the_textbook_series_for_long_rods():
     k = np.array([1e-6, 1e-3, 0.01, 0.03])
-    a1, a2, a4, a6 = piston_harmonics(k, ORDERS).real.T
+    a1, a2, a4, a6 = piston_harmonics(k, SHAKING_ORDERS).real.T
     assert_allclose(a1, 1.0, rtol=4 * EPS)
     # Taylor, vol. 2; the next terms are of the order λ⁷ (315/512 of it for A₄), and rounding.
     assert_allclose(a2, k + k**3 / 4 + 15 * k**5 / 128, rtol=k.max() ** 6, atol=0)
@@ -77,19 +86,6 @@ def test_piston_harmonics__do_not_exist_where_the_crank_does_not_turn():
     found = piston_harmonics(np.array([0.3, 1.0, 1.2, 0.6]), (1, 2), np.array([0.0, 0.0, 0.0, 0.5]))
     assert np.isfinite(found[0]).all()
     assert np.isnan(found[1:]).all()
-
-
-@few
-@given(ratios, st.floats(-0.3, 0.3))
-def test_rod_harmonics__add_up_to_the_rods_angle(ratio, offset):
-    theta = np.linspace(0, 6, 13)
-    orders = np.arange(1, 100)
-    amplitudes = rod_harmonics(ratio, tuple(orders), offset)
-    summed = (amplitudes @ np.exp(1j * np.outer(orders, theta))).real
-    exact = np.arcsin(offset - ratio * np.sin(theta))
-    # a > 0.15 at λ + ε = 0.9: what lies beyond order 100 is below 1e-7 there, rounding for usual rods.
-    decay = math.acosh((1 - abs(offset)) / ratio)
-    assert np.ptp(summed - exact) <= 10 * math.exp(-100 * decay) + 100 * EPS
 
 
 def test_crank_masses__keep_mass_and_centre_and_tell_what_is_missed():
@@ -127,7 +123,7 @@ def newton(engine, phi, arms):
 @few
 @given(engines(), angles)
 def test_shaking__is_the_sum_of_all_orders_of_newtons_forces(engine, phi):
-    found = shaking(engine, ALL)
+    found = engine_shaking(engine, ALL)
     for vector, arms, terms in (
         (found.forces, np.ones(5), found.force_terms),
         (found.couples, engine.layout.positions, found.couple_terms),
@@ -141,7 +137,7 @@ def test_shaking__is_the_sum_of_all_orders_of_newtons_forces(engine, phi):
 @given(st.sampled_from([3, 5, 7, 9]), st.floats(0.1, 0.35), st.floats(0.1, 0.9), st.floats(0.0, 0.5), angles)
 def test_shaking_with_a_master_rod__is_newtons(cylinders, ratio, knuckle, mass, phi):
     master = MasterRod(1, knuckle, 1 / ratio - knuckle, mass)
-    engine = Engine(radial(cylinders).layout(), 1.0, 1 / ratio, 1.0, 0.2, master=master)
+    engine = Engine(radial_engine(cylinders).layout(), 1.0, 1 / ratio, 1.0, 0.2, master=master)
     with mpmath.workdps(30):
         banks = [2 * mpmath.pi * k / cylinders for k in range(cylinders)]
         rod, c, link = 1 / mpf(ratio), mpf(knuckle), mpf(master.link_rod)
@@ -163,22 +159,22 @@ def test_shaking_with_a_master_rod__is_newtons(cylinders, ratio, knuckle, mass, 
                 total -= mpf(mass) * mpmath.diff(lambda t, k=k: pin(t, k) - mpmath.expj(t), mpf(phi), 2)
         expected = complex(total)
     # a > 1.6 for λ < 0.35 (link rods lean a little more): 25² exp(−25·1.2) at the most.
-    assert abs(shaking(engine, ALL).forces.at(np.array([phi]))[0] - expected) <= 1e-9 * cylinders
+    assert abs(engine_shaking(engine, ALL).forces.at(np.array([phi]))[0] - expected) <= 1e-9 * cylinders
 
 
 def test_master_rod__leaves_a_circle_of_the_first_order_and_a_second_order_that_turns():
-    plain = Engine(radial(9).layout(), 1.0, 1 / 0.3, 1.0, 0.4)
+    plain = Engine(radial_engine(9).layout(), 1.0, 1 / 0.3, 1.0, 0.4)
     with_rods = plain._replace(master=MasterRod(0, 0.8, 1 / 0.3 - 0.8))
-    first, second = shaking(with_rods).forces.major[:2]
+    first, second = engine_shaking(with_rods).forces.major[:2]
     # Of the knuckle pins' swing the first order holds nothing: it is odd there where the pistons' share is even.
     assert_allclose(first, 4.5 + 9 * 0.4, rtol=64 * EPS)
-    assert abs(shaking(plain).forces.major[1]) <= ROUNDED * EPS * 9
+    assert abs(engine_shaking(plain).forces.major[1]) <= ROUNDED_ORDERS * EPS * 9
     assert 0.5 < second < 1.5
-    forward, backward = shaking(with_rods).forces.of(2)
+    forward, backward = engine_shaking(with_rods).forces.of(2)
     # Aero engines of this kind have a counterweight that turns with the crank at twice its speed.
     assert abs(backward) < 0.02 * abs(forward)
-    weights = counterweights(with_rods, 1.0, 0.5)
-    left = remaining(shaking(with_rods), [weights])
+    weights = crankshaft_counterweights(with_rods, 1.0, 0.5)
+    left = remaining_shaking(engine_shaking(with_rods), [weights])
     assert left.forces.major[0] <= 64 * EPS * 9
 
 
@@ -187,33 +183,33 @@ def test_master_rod__leaves_a_circle_of_the_first_order_and_a_second_order_that_
 
 def force_and_couple(layout):
     """Half axes of forces and couples as multiples of m r ω² A_n and m r ω² A_n a."""
-    found = shaking(Engine(layout, 1.0, 1 / 0.3))
-    units = np.abs(piston_harmonics(0.3, ORDERS))
+    found = engine_shaking(Engine(layout, 1.0, 1 / 0.3))
+    units = np.abs(piston_harmonics(0.3, SHAKING_ORDERS))
     return [(vector.major / units, vector.minor / units) for vector in (found.forces, found.couples)]
 
 
 # Bosch Automotive Handbook, free forces and moments of the first and second order of usual engines; Taylor, The
 # Internal-Combustion Engine in Theory and Practice, vol. 2; Maass & Klier. F1, F2, M1, M2 (their F2 is m r ω² λ).
 TABLE = {
-    "in-line 2": (in_line(2).layout(), 0, 2, 1, 0),
-    "in-line 3": (in_line(3).layout(), 0, 0, math.sqrt(3), math.sqrt(3)),
-    "in-line 4": (in_line(4).layout(), 0, 4, 0, 0),
-    "in-line 5": (in_line(5).layout(), 0, 0, 0.449, 4.98),
-    "in-line 6": (in_line(6).layout(), 0, 0, 0, 0),
-    "in-line 8": (in_line(8).layout(), 0, 0, 0, 0),
-    "boxer 2": (boxer(2).layout(), 0, 0, 1, 1),
-    "boxer 4": (boxer(4).layout(), 0, 0, 0, 2),
-    "boxer 6": (boxer(6).layout(), 0, 0, 0, 0),
-    "V2 90": (v(2).layout(RIGHT), 1, math.sqrt(2), 0, 0),
-    "V6 90": (v(6).layout(RIGHT), 0, 0, math.sqrt(3), math.sqrt(6)),
-    "V6 60 split": (v(6).layout(math.pi / 3, math.pi / 3), 0, 0, 1.5, 1.5),
-    "V8 cross-plane": (v(8).layout(RIGHT), 0, 0, math.sqrt(10), 0),
-    "V8 flat-plane": (v(8, usual_throws(4)).layout(RIGHT), 0, 4 * math.sqrt(2), 0, 0),
-    "V12 60": (v(12).layout(math.pi / 3), 0, 0, 0, 0),
-    "radial 3": (radial(3).layout(), 1.5, 1.5, 0, 0),
-    "radial 9": (radial(9).layout(), 4.5, 0, 0, 0),
+    "in-line 2": (in_line_engine(2).layout(), 0, 2, 1, 0),
+    "in-line 3": (in_line_engine(3).layout(), 0, 0, math.sqrt(3), math.sqrt(3)),
+    "in-line 4": (in_line_engine(4).layout(), 0, 4, 0, 0),
+    "in-line 5": (in_line_engine(5).layout(), 0, 0, 0.449, 4.98),
+    "in-line 6": (in_line_engine(6).layout(), 0, 0, 0, 0),
+    "in-line 8": (in_line_engine(8).layout(), 0, 0, 0, 0),
+    "boxer 2": (boxer_engine(2).layout(), 0, 0, 1, 1),
+    "boxer 4": (boxer_engine(4).layout(), 0, 0, 0, 2),
+    "boxer 6": (boxer_engine(6).layout(), 0, 0, 0, 0),
+    "V2 90": (v_engine(2).layout(RIGHT), 1, math.sqrt(2), 0, 0),
+    "V6 90": (v_engine(6).layout(RIGHT), 0, 0, math.sqrt(3), math.sqrt(6)),
+    "V6 60 split": (v_engine(6).layout(math.pi / 3, math.pi / 3), 0, 0, 1.5, 1.5),
+    "V8 cross-plane": (v_engine(8).layout(RIGHT), 0, 0, math.sqrt(10), 0),
+    "V8 flat-plane": (v_engine(8, usual_throws(4)).layout(RIGHT), 0, 4 * math.sqrt(2), 0, 0),
+    "V12 60": (v_engine(12).layout(math.pi / 3), 0, 0, 0, 0),
+    "radial 3": (radial_engine(3).layout(), 1.5, 1.5, 0, 0),
+    "radial 9": (radial_engine(9).layout(), 4.5, 0, 0, 0),
     # Broad arrow: cosines of 60° leave 1 + 2/4 and 1 − 2/4 times four rows, the secondaries cos 60° and cos 180°.
-    "W12 60": (w(12).layout(math.pi / 3), 0, 6, 0, 0),
+    "W12 60": (w_engine(12).layout(math.pi / 3), 0, 6, 0, 0),
 }
 
 
@@ -229,8 +225,8 @@ def test_known_engine__keeps_the_forces_and_couples_of_the_tables(name):
 def test_first_order__turns_with_the_crank_and_counterweights_take_it(name):
     layout = TABLE[name][0]
     engine = Engine(layout, 0.04, 0.13, 0.5, 0.7)
-    found = shaking(engine)
-    left = remaining(found, [counterweights(engine, 1.0, 0.5)])
+    found = engine_shaking(engine)
+    left = remaining_shaking(found, [crankshaft_counterweights(engine, 1.0, 0.5)])
     for before, after in zip(found[:2], left[:2], strict=True):
         assert abs(before.of(1)[1]) <= 1e-15
         assert after.major[0] <= 1e-15
@@ -240,35 +236,35 @@ def test_first_order__turns_with_the_crank_and_counterweights_take_it(name):
 @pytest.mark.parametrize("degrees", [40.0, 52.0, 60.0, 72.0, 90.0])
 def test_split_crankpin_of_a_v_twin__balances_the_first_order_at_any_bank_angle(degrees):
     # An offset of 180° less twice the bank angle: 76° at 52°, as motorcycles have it.
-    layout = v(2).layout(math.radians(degrees), math.radians(180 - 2 * degrees))
+    layout = v_engine(2).layout(math.radians(degrees), math.radians(180 - 2 * degrees))
     engine = Engine(layout, 1.0, 4.0)
-    left = remaining(shaking(engine), [counterweights(engine, 1.0, 0.5)])
+    left = remaining_shaking(engine_shaking(engine), [crankshaft_counterweights(engine, 1.0, 0.5)])
     assert left.forces.major[0] <= 8 * EPS
 
 
 @few
 @given(st.integers(2, 6), st.floats(0.1, 0.5))
 def test_boxer_and_in_line_six__leave_no_force(pairs, ratio):
-    for layout, orders in ((boxer(2 * pairs).layout(), (1, 2, 4, 6)), (in_line(6).layout(), (1, 2, 4))):
-        found = shaking(Engine(layout, 1.0, 1 / ratio), orders)
-        assert (found.forces.major <= ROUNDED * EPS * found.force_terms).all()
-    assert (found.couples.major <= ROUNDED * EPS * found.couple_terms).all()
+    for layout, orders in ((boxer_engine(2 * pairs).layout(), (1, 2, 4, 6)), (in_line_engine(6).layout(), (1, 2, 4))):
+        found = engine_shaking(Engine(layout, 1.0, 1 / ratio), orders)
+        assert (found.forces.major <= ROUNDED_ORDERS * EPS * found.force_terms).all()
+    assert (found.couples.major <= ROUNDED_ORDERS * EPS * found.couple_terms).all()
 
 
 def test_in_line_four__shakes_with_four_times_the_second_order_of_a_cylinder():
     r, rod, m = 0.043, 0.144, 0.55
     k = r / rod
-    found = shaking(Engine(in_line(4).layout(spacing=0.09), r, rod, m)).forces
+    found = engine_shaking(Engine(in_line_engine(4).layout(spacing=0.09), r, rod, m)).forces
     # Three terms of A₂; the next is 0.06 λ⁷ and so.
     assert_allclose(found.major[1], 4 * m * r * (k + k**3 / 4 + 15 * k**5 / 128), rtol=k**6)
 
 
 def test_problem_of_four_cranks_at_right_angles__has_no_forces_and_the_couples_of_a_hand_calculation():
     # Cranks 1-4-2-3 at 90°, r = 50 mm, l = 200 mm, 0.2 m apart, 2 kg, 2000 rpm (a textbook problem).
-    layout = in_line(4, [math.radians(x) for x in (0, 180, 270, 90)]).layout(spacing=0.2)
+    layout = in_line_engine(4, [math.radians(x) for x in (0, 180, 270, 90)]).layout(spacing=0.2)
     omega = 2000 * math.pi / 30
-    found = shaking(Engine(layout, 0.05, 0.2, 2.0), (1, 2))
-    assert (found.forces.major <= ROUNDED * EPS * found.force_terms).all()
+    found = engine_shaking(Engine(layout, 0.05, 0.2, 2.0), (1, 2))
+    assert (found.forces.major <= ROUNDED_ORDERS * EPS * found.force_terms).all()
     # Σ z cos: −0.3 + 0.1 = −0.2 along, 0.3 − 0.1 = 0.2 across; twice the angles: −0.3 − 0.1 − 0.1 − 0.3 = −0.8.
     unit = 2.0 * 0.05 * omega**2
     assert_allclose(found.couples.major[0] * omega**2, 0.2 * math.sqrt(2) * unit, rtol=1e-13)
@@ -276,18 +272,18 @@ def test_problem_of_four_cranks_at_right_angles__has_no_forces_and_the_couples_o
 
 
 def test_cylinders__stand_about_the_cranks_middle_with_their_rods_side_by_side():
-    pairs = v(4).layout(spacing=0.1, rod_distance=0.02)
+    pairs = v_engine(4).layout(spacing=0.1, rod_distance=0.02)
     assert_allclose(pairs.positions, [-0.06, 0.04, -0.04, 0.06], rtol=4 * EPS)
-    rows = w(6).layout(math.radians(60), spacing=0.1, rod_distance=0.02)
+    rows = w_engine(6).layout(math.radians(60), spacing=0.1, rod_distance=0.02)
     assert_allclose(rows.positions, [-0.07, 0.03, -0.05, 0.05, -0.03, 0.07], rtol=4 * EPS)
     assert_allclose(np.degrees(rows.banks), [60, 60, 0, 0, -60, -60], rtol=4 * EPS)
-    assert_allclose(boxer(4).layout(spacing=0.1).positions, [-0.15, 0.05, -0.05, 0.15], rtol=4 * EPS)
+    assert_allclose(boxer_engine(4).layout(spacing=0.1).positions, [-0.15, 0.05, -0.05, 0.15], rtol=4 * EPS)
 
 
 def test_slider_cranks_in_antiphase__leave_the_even_orders_or_a_couple():
-    single = shaking(Engine(in_line(1).layout(), 1.0, 4.0)).forces.major
-    beside = shaking(Engine(in_line(2).layout(), 1.0, 4.0))
-    opposed = shaking(Engine(boxer(2).layout(), 1.0, 4.0))
+    single = engine_shaking(Engine(in_line_engine(1).layout(), 1.0, 4.0)).forces.major
+    beside = engine_shaking(Engine(in_line_engine(2).layout(), 1.0, 4.0))
+    opposed = engine_shaking(Engine(boxer_engine(2).layout(), 1.0, 4.0))
     assert_allclose(beside.forces.major, [0, *(2 * single[1:])], rtol=8 * EPS, atol=8 * EPS)
     assert_allclose(opposed.forces.major, 0, atol=8 * EPS)
     assert_allclose(opposed.couples.major, single, rtol=8 * EPS)
@@ -295,9 +291,9 @@ def test_slider_cranks_in_antiphase__leave_the_even_orders_or_a_couple():
 
 def test_variants__are_those_computed_one_by_one():
     angle, radius, mass = np.linspace(0.5, 2, 7), np.linspace(0.03, 0.06, 7), np.linspace(0.2, 1, 7)
-    together = shaking(Engine(v(6).layout(angle, 0.1, 0.08, 0.02), radius, 0.15, mass[:, None], 0.3))
+    together = engine_shaking(Engine(v_engine(6).layout(angle, 0.1, 0.08, 0.02), radius, 0.15, mass[:, None], 0.3))
     for k in range(7):
-        alone = shaking(Engine(v(6).layout(angle[k], 0.1, 0.08, 0.02), radius[k], 0.15, mass[k], 0.3))
+        alone = engine_shaking(Engine(v_engine(6).layout(angle[k], 0.1, 0.08, 0.02), radius[k], 0.15, mass[k], 0.3))
         for one, all_ in zip(alone[:2], together[:2], strict=True):
             assert_allclose(all_.forward[k], one.forward, rtol=0, atol=1e-16)
             assert_allclose(all_.backward[k], one.backward, rtol=0, atol=1e-16)
@@ -306,7 +302,7 @@ def test_variants__are_those_computed_one_by_one():
 @few
 @given(engines(), st.floats(0, 6))
 def test_hodograph__has_its_half_axes_and_direction(engine, phi):
-    vector = shaking(engine, (2,)).forces
+    vector = engine_shaking(engine, (2,)).forces
     drawn = vector.at(np.linspace(0, math.pi, 2001))
     # 2000 positions over the ellipse: extremes to (π/2000)²/2 of the larger half axis, beside a line's rounding.
     assert_allclose(np.abs(drawn).max(), vector.major[0], rtol=2e-6)

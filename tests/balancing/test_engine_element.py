@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
 from engine.balancing.engines.harmonics import piston_harmonics
-from engine.balancing.engines.shaking import ORDERS
+from engine.balancing.engines.shaking import SHAKING_ORDERS
 from sweeps import SweepResult, read_study, run_study
 from sweeps.pictures.elements.order_picture import order_picture
 from sweeps.report.order_table import order_table, remaining_orders, well_known_engines
@@ -49,7 +49,7 @@ def test_element__is_the_v_twin_of_the_textbook():
     found = [float(outcome.summaries[f"it.{name}"][0]) for name in names]
     m, rotating, r = 0.4 + 0.45 * 40 / 130, 0.5 + 0.45 * 90 / 130, 0.04
     pull = m * r * (6000 * math.pi / 30) ** 2
-    a2, a4, a6 = piston_harmonics(r / 0.13, ORDERS[1:]).real * pull
+    a2, a4, a6 = piston_harmonics(r / 0.13, SHAKING_ORDERS[1:]).real * pull
     weights = 2 * (rotating + m / 2) * r
     rms = math.sqrt(a2**2 + a4**2 + a6**2)
     assert_allclose(found, [0, math.sqrt(2) * a2, 0, rms, weights], rtol=32 * EPS, atol=0)

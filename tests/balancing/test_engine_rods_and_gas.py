@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
+from sampled_torque import gas_torque, harmonics, inertia_harmonics
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
 from engine.balancing.engines.engine_columns import (
@@ -19,12 +20,11 @@ from engine.balancing.engines.engine_columns import (
     made_engine,
     torque_name,
 )
-from engine.balancing.engines.engine_layout import Engine, MasterRod, in_line, radial
+from engine.balancing.engines.engine_layout import Engine, MasterRod, in_line_engine, radial_engine
 from engine.balancing.engines.firing import firing_angles
 from engine.balancing.engines.harmonics import crank_radius
-from engine.balancing.engines.shafts import counterweights, remaining
-from engine.balancing.engines.shaking import shaking
-from engine.balancing.engines.torque_orders import Indicator, gas_torque, inertia_torque, superposed, torque_harmonics
+from engine.balancing.engines.shafts import crankshaft_counterweights, remaining_shaking
+from engine.balancing.engines.shaking import engine_shaking
 
 GAS = {"bore": 0.08, "clearance": 1 / 8.5, "intake": 0.9e5, "exhaust": 1.05e5, "peak": 50e5}
 FOUR = {
@@ -142,11 +142,15 @@ def test_made_engine_with_link_rods__is_the_one_of_the_functions():
     own = 0.4 + 0.5 * 0.04 / 0.24
     pistons = [own if k == 1 else 0.4 + at_piston for k in range(5)]
     rotating = [0.5 * 0.2 / 0.24 if k == 1 else at_knuckle for k in range(5)]
-    plain = Engine(radial(5).layout(), 0.04, 0.24, pistons, rotating, master=MasterRod(1, 0.06, 0.18, at_knuckle))
+    plain = Engine(
+        radial_engine(5).layout(), 0.04, 0.24, pistons, rotating, master=MasterRod(1, 0.06, 0.18, at_knuckle)
+    )
     for one, other in ((made, plain), (made._replace(rod_correction=0.0), plain)):
-        for a, b in zip(shaking(one, (1, 2, 3)).forces[1:], shaking(other, (1, 2, 3)).forces[1:], strict=True):
+        for a, b in zip(
+            engine_shaking(one, (1, 2, 3)).forces[1:], engine_shaking(other, (1, 2, 3)).forces[1:], strict=True
+        ):
             assert_allclose(a.reshape(-1), b.reshape(-1), rtol=0, atol=1e-13)
-    left = remaining(shaking(plain, (1, 2)), [counterweights(plain)])
+    left = remaining_shaking(engine_shaking(plain, (1, 2)), [crankshaft_counterweights(plain)])
     outcome = results(**STAR)
     # Roundings of the first order and of the transform.
     assert value(outcome, "secondary_force")[0] == pytest.approx(float(left.forces.major[1]) * 300**2, abs=1e-9)
@@ -162,21 +166,20 @@ def test_torque_of_gas_and_inertia__is_that_of_the_curves(offset):
     keys = FOUR | {"gas": GAS, "rod_inertia": 0.0015} | ({} if offset is None else {"gudgeon_offset": offset})
     outcome, aside = results(**keys), offset or 0.0
     r = float(crank_radius(0.08, 0.14, aside))
-    indicator = Indicator(GAS["clearance"], 0.9e5, 1.05e5, 50e5, 1.32, 1.28)
-    curve = gas_torque(indicator, 0.08, r, 0.14, aside, 28_800)
-    angles = firing_angles(in_line(4).layout(), (1, 2, 4, 3)) + math.asin(aside / (0.14 + r))
-    gas = superposed(torque_harmonics(curve, TORQUE_ORDERS), TORQUE_ORDERS, angles)
+    gas = GAS | {"n_compression": 1.32, "n_expansion": 1.28, "outside": 101_325.0}
+    curve = gas_torque(gas, 0.08, r, 0.14, aside)
     mass, correction = 0.4 + 0.5 * 0.04 / 0.14, 0.0015 - 0.5 * 0.04 * 0.10
-    whole = [n for n in TORQUE_ORDERS if n % 1 == 0]
-    plain = Engine(in_line(4).layout(), r, 0.14, np.full(4, mass), 0.0, aside, correction)
-    inertia = dict(zip(whole, inertia_torque(plain, [int(n) for n in whole]) * 300**2, strict=True))
+    inertia = inertia_harmonics(mass, correction, r, 0.14, TORQUE_ORDERS, aside)
+    angles = firing_angles(in_line_engine(4).layout(), (1, 2, 4, 3)) + math.asin(aside / (0.14 + r))
+    fired = np.exp(-1j * np.outer(TORQUE_ORDERS, angles)).sum(axis=-1)
+    expected = (harmonics(curve, TORQUE_ORDERS) + inertia * 300**2) * fired
     size = np.abs(curve).max()
     four = element(**keys)
     found = engine_torque(four, engine_numbers(four))[1][0]
-    for n, part, phased in zip(TORQUE_ORDERS, gas, found, strict=True):
+    for n, whole, phased in zip(TORQUE_ORDERS, expected, found, strict=True):
         # The curve has kinks: its trapezoid rule is off by (4π/28800)²/12 of a slope of some ten times its size.
-        assert value(outcome, torque_name(n))[0] == pytest.approx(abs(part + inertia.get(n, 0.0)), abs=1e-6 * size)
-        assert abs(phased - part - inertia.get(n, 0.0)) <= 1e-6 * size
+        assert value(outcome, torque_name(n))[0] == pytest.approx(abs(whole), abs=1e-6 * size)
+        assert abs(phased - whole) <= 1e-6 * size
     mean, error = value(outcome, "mean_torque")
     assert mean == pytest.approx(4 * curve.mean(), abs=1e-6 * size)
     assert value(outcome, "mean_power")[0] == pytest.approx(mean * 300.0, rel=4 * EPS)

@@ -8,15 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from engine.balancing.engines.engine_layout import Engine, in_line, v
+from engine.balancing.engines.engine_layout import Engine, in_line_engine, v_engine
 from engine.balancing.engines.harmonics import piston_harmonics
-from engine.balancing.engines.shafts import counterweights, lanchester, proposed_shafts, remaining
-from engine.balancing.engines.shaking import ORDERS, shaking
+from engine.balancing.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
+from engine.balancing.engines.shaking import SHAKING_ORDERS, engine_shaking
 
 
 def test_counterweights_of_half_the_mass__halve_the_first_order_of_a_single_cylinder():
-    engine = Engine(in_line(1).layout(), 0.04, 0.14, 0.5, 0.8)
-    left = remaining(shaking(engine), [counterweights(engine, 1.0, 0.5)])
+    engine = Engine(in_line_engine(1).layout(), 0.04, 0.14, 0.5, 0.8)
+    left = remaining_shaking(engine_shaking(engine), [crankshaft_counterweights(engine, 1.0, 0.5)])
     forward, backward = left.forces.of(1)
     assert abs(forward) <= 4 * EPS
     assert_allclose(abs(backward), 0.5 * 0.04 / 2, rtol=8 * EPS)
@@ -24,11 +24,11 @@ def test_counterweights_of_half_the_mass__halve_the_first_order_of_a_single_cyli
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_lanchester_shafts__leave_no_force_of_their_order(order):
-    engine = Engine(in_line(1).layout(), 0.04, 0.14, 0.5)
-    found = shaking(engine)
-    shafts = lanchester(found, order)
-    left = remaining(found, shafts)
-    assert left.forces.major[ORDERS.index(order)] <= 4 * EPS * found.forces.major.max()
+    engine = Engine(in_line_engine(1).layout(), 0.04, 0.14, 0.5)
+    found = engine_shaking(engine)
+    shafts = [shaft for shaft in balance_shafts(found, (0.0, 0.0)) if shaft.order == order]
+    left = remaining_shaking(found, shafts)
+    assert left.forces.major[SHAKING_ORDERS.index(order)] <= 4 * EPS * found.forces.major.max()
     assert (left.couples.major <= 4 * EPS).all()
     # They turn against each other with equal unbalances, half of m r A_n / n² each.
     assert [s.sense for s in shafts] == [1, -1]
@@ -38,30 +38,33 @@ def test_lanchester_shafts__leave_no_force_of_their_order(order):
 
 
 def test_lanchester_shafts_of_an_in_line_four__have_half_a_cylinders_second_order_each():
-    found = shaking(Engine(in_line(4).layout(), 0.04, 0.14, 0.5))
+    found = engine_shaking(Engine(in_line_engine(4).layout(), 0.04, 0.14, 0.5), (2,))
     # 4 m r A₂ ω² = 2 U (2 ω)².
     a2 = piston_harmonics(0.04 / 0.14, (2,)).real[0]
-    assert_allclose([abs(s.unbalances[0]) for s in lanchester(found, 2)], 0.5 * 0.04 * a2 / 2, rtol=16 * EPS)
+    assert_allclose(
+        [abs(s.unbalances[0]) for s in balance_shafts(found, (0.0, 0.0))], 0.5 * 0.04 * a2 / 2, rtol=16 * EPS
+    )
 
 
-def test_proposed_shafts__are_as_few_as_the_engine_needs():
+def test_balance_shafts__are_as_few_as_the_engine_needs():
     def proposed(pattern, orders=(1, 2), planes=(-1.0, 1.0), **sizes):
         engine = Engine(pattern.layout(**sizes), 1.0, 4.0)
-        return [(s.order, s.sense) for s in proposed_shafts(shaking(engine, orders), planes)]
+        return [(s.order, s.sense) for s in balance_shafts(engine_shaking(engine, orders), planes)]
 
-    assert proposed(in_line(4)) == [(2, 1), (2, -1)]
-    assert proposed(in_line(6)) == []
-    assert proposed(in_line(3)) == [(1, 1), (1, -1), (2, 1), (2, -1)]
-    assert proposed(v(6), bank_angle=math.pi / 3, pin_offset=math.pi / 3) == [(1, 1), (2, -1)]
-    assert proposed(v(8), bank_angle=RIGHT) == [(1, 1)]
-    assert proposed(v(2), planes=(0.0, 0.0), bank_angle=RIGHT) == [(1, 1), (2, 1), (2, -1)]
+    assert proposed(in_line_engine(4)) == [(2, 1), (2, -1)]
+    assert proposed(in_line_engine(6)) == []
+    assert proposed(in_line_engine(3)) == [(1, 1), (1, -1), (2, 1), (2, -1)]
+    assert proposed(v_engine(6), bank_angle=math.pi / 3, pin_offset=math.pi / 3) == [(1, 1), (2, -1)]
+    assert proposed(v_engine(8), bank_angle=RIGHT) == [(1, 1)]
+    assert proposed(in_line_engine(3), planes=(0.0, 0.0)) == []
+    assert proposed(v_engine(2), planes=(0.0, 0.0), bank_angle=RIGHT) == [(1, 1), (2, 1), (2, -1)]
 
 
 @few
 @given(engines(), st.floats(-3, -0.5), st.floats(0.5, 3))
-def test_proposed_shafts__leave_neither_force_nor_couple(engine, first, second):
-    found = shaking(engine)
-    left = remaining(found, proposed_shafts(found, (first, second)))
+def test_balance_shafts__leave_neither_force_nor_couple(engine, first, second):
+    found = engine_shaking(engine)
+    left = remaining_shaking(found, balance_shafts(found, (first, second)))
     # Parts below the tolerance of 1e-9 have no shaft.
     assert (left.forces.major <= 1e-8 * left.force_terms).all()
     assert (left.couples.major <= 1e-8 * left.couple_terms).all()

@@ -1,4 +1,4 @@
-"""Balancing by trial runs: influence coefficients, what noise leaves, and simulated balancing machines."""
+"""Balancing by trial runs: influence coefficients, amplitudes alone, and what noise leaves."""
 
 import math
 
@@ -6,25 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.special import gammaincinv
 
-from engine.balancing.rotors.balancing_machine import (
-    RunDown,
-    elastic_supports,
-    natural_frequencies,
-    run_down,
-    steady_vibration,
-    swinging_frame,
-)
-from engine.balancing.rotors.correction import correct, corrected
 from engine.balancing.rotors.influence import (
     four_runs,
     influence_coefficients,
     influence_correction,
-    joint_bound,
     residual_confidence,
 )
-from engine.balancing.rotors.trial_runs import balance_by_influence, balance_in_turn
-from engine.balancing.rotors.unbalance import resultant
 
 EPS = np.finfo(float).eps
 
@@ -114,7 +103,8 @@ def test_confidence__is_what_noisy_runs_leave(planes, readings, size):
     assert np.abs(sampled - known.covariance).max() <= (0.025 * scale).max()
     assert (np.abs(residuals) <= known.radii).mean(axis=0) == pytest.approx([0.95] * planes, abs=0.0055)
     joint = np.einsum("vi,ij,vj->v", np.conj(residuals), np.linalg.inv(known.covariance), residuals).real
-    assert (joint <= joint_bound(planes, 0.9)).mean() == pytest.approx(0.9, abs=0.0075)
+    # Half a chi-squared variable with two degrees of freedom for each plane.
+    assert (joint <= gammaincinv(planes, 0.9)).mean() == pytest.approx(0.9, abs=0.0075)
 
 
 def test_confidence__of_one_plane_by_hand():
@@ -142,123 +132,3 @@ def test_four_runs__find_unbalance_and_sensitivity(seed):
 
 def test_four_runs__that_no_machine_gives_are_no_numbers():
     assert np.isnan(four_runs(2.0, [1.0, 1.0, 1.0], 1.0)).all()
-
-
-# Machines
-
-SUPPORTS = elastic_supports(40.0, 1.6, 0.3, [0.0, 0.7], [2.0e5, 2.6e5], [150.0, 180.0])
-PLANTED, AT = np.array([4e-4 + 1e-4j, -2e-4 + 3e-4j, 1e-4j]), np.array([0.05, 0.35, 0.6])
-PLANES = np.array([0.1, 0.55])
-RUN = RunDown(start=200.0, stop=120.0, inertia=0.5, constant=4.0, viscous=0.01)
-
-
-def test_supports__natural_frequencies_of_a_symmetric_rotor():
-    # Bounce √(2k/m) and tilting √(2k a²/J).
-    symmetric = elastic_supports(10.0, 0.1, 0.0, [-0.2, 0.2], [1e5, 1e5], [0, 0])
-    expected = [math.sqrt(2e5 / 10), math.sqrt(2e5 * 0.04 / 0.1)]
-    assert natural_frequencies(symmetric) == pytest.approx(expected, rel=16 * EPS)
-
-
-def test_supports__soft_ones_let_the_rotor_turn_about_its_centre_of_mass():
-    # Far above resonance x = -e: the axis runs round the centre of mass.
-    soft = elastic_supports(10.0, 0.1, 0.0, [-0.2, 0.2], [1.0, 1.0], [0, 0])
-    found = steady_vibration(soft, 1000.0, [2e-3], [0.0], [0.0])
-    # k/(m omega²) = 2e-7.
-    assert found == pytest.approx([-2e-4], rel=1e-6)
-
-
-def test_run_down__through_resonance_agrees_with_the_convolution_integral():
-    frame = swinging_frame(2.0, 0.0, 2.0 * 80.0**2, 2 * 0.03 * 2.0 * 80.0)
-    run = RunDown(start=110.0, stop=60.0, inertia=1.0, constant=25.0)
-    unbalances, z = np.array([3e-4 + 2e-4j]), [0.5]
-    readings = run_down(frame, run, unbalances, z, [1.0])
-    phi = math.tau / 64 * np.arange(64 * (len(readings.speeds) + 5))
-    x = frame_motion(frame, run, (unbalances * z).sum(), phi)
-    window = np.hanning(2 * 6 * 64 + 1)[1::2]
-    for k, found in enumerate(readings.vibrations[:, 0]):
-        turns = slice(64 * k, 64 * (k + 6))
-        expected = 2 * (window * x[turns] * np.exp(-1j * phi[turns])).sum() / window.sum()
-        # DOP853 at 1e-9 a step over some hundred steps.
-        assert abs(found - expected) <= 1e-6 * np.abs(readings.vibrations).max()
-
-
-def frame_motion(frame, run, drive, phi):
-    """Angle of a frame with a rotor that slows down evenly, by the convolution integral with its impulse response."""
-    m, c, k = (matrix[0, 0] for matrix in (frame.mass, frame.damping, frame.stiffness))
-    e, d = -run.constant / run.inertia, c / m / 2
-    w = math.sqrt(k / m - d * d)
-    times = (np.sqrt(run.start**2 + 2 * e * phi) - run.start) / e
-    # Gauss quadrature with 8 nodes in each 64th of a turn: exact to rounding.
-    nodes, weights = np.polynomial.legendre.leggauss(8)
-    half = np.diff(times)[:, None] / 2
-    t = times[:-1, None] + half * (1 + nodes)
-    angle, omega = run.start * t + e * t * t / 2, run.start + e * t
-    force = ((omega**2 - 1j * e) * drive * np.exp(1j * angle)).real
-    pieces = (half * weights * force * np.exp((d - 1j * w) * t)).sum(axis=1)
-    driven = np.exp((-d + 1j * w) * times) * np.concatenate([[0], np.cumsum(pieces)])
-    start = run.start**2 * drive / (k - run.start**2 * m + 1j * run.start * c)
-    x0, v0 = start.real, (1j * run.start * start).real
-    free = np.exp(-d * times) * (x0 * np.cos(w * times) + (v0 + d * x0) / w * np.sin(w * times))
-    return free + driven.imag / (m * w)
-
-
-def test_run_down__so_slow_that_it_is_steady_at_every_speed():
-    run = RunDown(start=80.0, stop=60.0, inertia=1.0, constant=0.5)
-    readings = run_down(SUPPORTS, run, PLANTED, AT, [0.0, 0.7])
-    exact = steady_vibration(SUPPORTS, 70.0, PLANTED, AT, [0.0, 0.7])
-    # The amplitude lags by about e/(w - omega)², here 0.5/(102 - 70)² = 5e-4.
-    assert readings.at(70.0) == pytest.approx(exact, rel=2e-3)
-    assert np.isnan(readings.at(90.0)).all()
-
-
-def test_run_down__peaks_near_resonance_and_the_higher_the_slower_it_passes():
-    frame = swinging_frame(2.0, 0.0, 2.0 * 80.0**2, 2 * 0.02 * 2.0 * 80.0)
-    runs = [run_down(frame, RunDown(120.0, 50.0, 1.0, moment), [3e-4], [0.5], [1.0]) for moment in (5.0, 50.0)]
-    slow, fast = (np.abs(run.vibrations[:, 0]) for run in runs)
-    steady = abs(steady_vibration(frame, 80.0, [3e-4], [0.5], [1.0])[0])
-    assert fast.max() < slow.max() < steady
-    assert abs(runs[0].peaks()[0]) == slow.max()
-    # A run-down peaks below resonance, the later the faster it passes.
-    assert natural_frequencies(frame) == pytest.approx([80.0])
-    assert runs[1].speeds[fast.argmax()] < runs[0].speeds[slow.argmax()] < 80.0
-
-
-@pytest.mark.parametrize(
-    "run",
-    [RunDown(100.0, 120.0, 1.0, 1.0), RunDown(100.0, 50.0, 1.0, -1.0), RunDown(100.0, 99.0, 1.0, 1e4)],
-)
-def test_run_down__that_does_not_run_down_is_refused(run):
-    with pytest.raises(ValueError, match="take the 6 turns"):
-        run_down(SUPPORTS, run, PLANTED, AT, [0.0])
-
-
-def test_two_plane_machine__recovers_the_correction_from_a_run_down_and_two_trial_runs():
-    def read(added):
-        everything, z = np.concatenate([PLANTED, added]), np.concatenate([AT, PLANES])
-        return run_down(SUPPORTS, RUN, everything, z, [0.0, 0.7]).at(150.0)
-
-    found = balance_by_influence(read, [2e-4, 2e-4j])
-    exact = correct(resultant(PLANTED, AT), PLANES)
-    # V changes by 0.007 of itself in a turn here, of which the window lets about a thousandth through.
-    assert found.corrections == pytest.approx(exact, rel=2e-5)
-    assert np.abs(read(found.corrections)).max() < 2e-5 * np.abs(found.initial).max()
-
-
-def test_swinging_frame__feels_no_unbalance_in_the_plane_of_its_axis():
-    frame = swinging_frame(2.0, PLANES[1], 2.0 * 80.0**2, 10.0)
-    assert steady_vibration(frame, 100.0, [1e-3], [PLANES[1]], [0.0]) == 0
-
-
-def test_swinging_frame__balances_one_plane_and_turned_round_the_other_by_peaks_alone():
-    def read(plane, added):
-        frame = swinging_frame(2.0, PLANES[1 - plane], 2.0 * 80.0**2, 12.0)
-        run = RunDown(start=130.0, stop=50.0, inertia=0.5, constant=20.0)
-        everything, z = np.concatenate([PLANTED, added]), np.concatenate([AT, PLANES])
-        return abs(run_down(frame, run, everything, z, [PLANES[plane]]).peaks()[0])
-
-    found = balance_in_turn(read, [2e-4, 2e-4])
-    rotor = resultant(PLANTED, AT)
-    # In resonance V changes by half of itself in a turn, of which the window lets about a thousandth through.
-    assert found == pytest.approx(correct(rotor, PLANES), rel=1e-3)
-    left = corrected(rotor, found, PLANES)
-    assert abs(left.unbalance) < 1e-3 * np.abs(PLANTED).sum()

@@ -180,11 +180,37 @@ def test_rotor__without_what_a_result_needs_does_not_offer_it():
     def offered(**keys):
         return set(ElementsAlone(Scene.model_validate({"elements": {"fan": rotor_of(**keys)}})).available_summaries)
 
-    assert offered(rolling_arm=1e-5) - offered() == {"fan.knife_edge_unbalance"}
+    assert offered(rolling_arm=1e-5) - offered() == {"fan.knife_edge_unbalance", "fan.knife_edge_angle"}
     with_holes = offered(planes=planes_with(holes=8, piece=0.01))
     kinds = ("pieces", "hole_1", "pieces_1", "hole_2", "pieces_2")
     assert with_holes - offered() == {f"fan.{plane}.{kind}" for plane in ("left", "right") for kind in kinds}
     assert results(rolling_arm=1e-5)[0]["knife_edge_unbalance"][0] == pytest.approx(100 * 1e-5)
+
+
+def test_rotor__single_plane_is_where_a_correction_leaves_the_least_couple():
+    found, outcome = results()
+    plane, error = found["single_plane"][0], outcome.errors["fan.single_plane"][0]
+    single = {"one": {"position": plane, "radius": 0.3}}
+    forces = []
+    for moved in (-1e-3, 0.0, 1e-3):
+        single["one"]["position"] = plane + moved
+        added = added_masses(results(planes=single)[0], single)
+        forces.append(np.abs(in_space(own_masses() + added, 150.0, 0.0, 1.0)).max())
+    # A couple that grows as √(c² + (U d)²) beside the least one: the same on both sides.
+    assert forces[0] == pytest.approx(forces[2], rel=1e-9)
+    assert forces[1] < forces[0]
+    assert 0 < error < 1e-12
+    alone = {"a": rotor_of()["unbalances"]["a"]}
+    assert results(unbalances=alone)[0]["single_plane"][0] == pytest.approx(0.2, abs=1e-14)
+
+
+def test_rotor__heavy_side_rests_where_rolling_friction_holds_it():
+    found, outcome = results(rolling_arm=1e-5)
+    angle, error = found["knife_edge_angle"][0], outcome.errors["fan.knife_edge_angle"][0]
+    # D sin(theta) = m k.
+    assert found["unbalance"][0] * math.sin(angle) == pytest.approx(100 * 1e-5, rel=1e-14)
+    assert 0 < error < 1e-13
+    assert results(rolling_arm=1.0)[0]["knife_edge_angle"][0] == math.pi
 
 
 def test_rotor__beyond_g4000_has_no_grade_and_is_computed_all_the_same():

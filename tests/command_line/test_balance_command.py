@@ -1,5 +1,6 @@
-"""`sweeps balance`: counterweights of mechanisms, and corrections of rotors from tables of trial runs."""
+"""`sweeps balance`: counterweights of mechanisms, balance shafts of engines, corrections of rotors by trial runs."""
 
+import math
 import re
 from pathlib import Path
 
@@ -17,6 +18,19 @@ from sweeps.text.templates import TEMPLATES
 HEAD = "plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg], right [mm/s], right_phase [deg]\n"
 # S. S. Rao, Mechanical Vibrations, example 9.2, in mm/s for mils and g for ounces.
 RAO = HEAD + "1, 0, 0, 8.5, 60, 6.5, 205\n1, 10, 270, 6.0, 125, 4.5, 230\n2, 12, 180, 6.0, 35, 10.5, 160\n"
+TRIPLE = """
+[elements.triple]
+type = "engine"
+layout = "in-line"
+cylinders = 3
+spacing = "90 mm"
+stroke = "80 mm"
+rod = "140 mm"
+piston_mass = "400 g"
+rod_mass = "500 g"
+rod_centre = "40 mm"
+speed = "3000 rpm"
+"""
 AMPLITUDES = "plane, weight [g], weight_angle [deg], frame [um]\n"
 
 
@@ -88,6 +102,43 @@ def test_counterweights_that_cannot_be_had__are_refused(folder, arguments, words
     assert words in refused("balance", *arguments)
 
 
+# Balance shafts
+
+
+def test_engine__gets_the_shafts_that_leave_neither_force_nor_couple(folder):
+    Path("triple.toml").write_text(TRIPLE)
+    answer = said("balance", "triple.toml", "--planes", "-120 mm, 120 mm").stdout
+    # The primary couple √3 m r ω² a of an in-line three with balanced rotating masses.
+    mass = 0.4 + 0.5 * 40 / 140
+    couple = re.search(r"couple\s+([\d.]+) N·m", answer)
+    assert float(couple[1]) == pytest.approx(math.sqrt(3) * mass * 0.04 * (100 * math.pi) ** 2 * 0.09, rel=1e-4)
+    # Half of it turns against the crank: on a shaft 240 mm long m r √3/2 a/240 mm in each plane.
+    shaft = re.search(r"primary\s+1 × crank\s+against it\s+([\d.]+) kg·mm at 150.0°\s+\1 kg·mm at 330.0°", answer)
+    assert float(shaft[1]) == pytest.approx(mass * 40 * math.sqrt(3) / 2 * 90 / 240, rel=1e-4)
+    assert answer.count("2 × crank") == 2
+
+
+def test_engine_without_spacing__gets_shafts_for_its_forces(folder):
+    Path("four.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 4").replace('spacing = "90 mm"', ""))
+    answer = said("balance", "four.toml").stdout
+    assert "couple " not in answer
+    assert len(re.findall(r"secondary\s+2 × crank\s+(with the crank|against it)\s+3.1679 kg·mm at 180.0°", answer)) == 2
+    assert "Couples are left out" in answer
+
+
+def test_engine_that_is_balanced__needs_no_shafts(folder):
+    Path("six.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 6"))
+    assert "No balance shafts are needed" in said("balance", "six.toml").stdout
+
+
+@pytest.mark.parametrize(
+    ("planes", "words"), [("3, 4", "--planes: 3 has no unit"), ("30 mm", "--planes: '30 mm': give two positions")]
+)
+def test_planes_that_cannot_be_read__are_refused(folder, planes, words):
+    Path("triple.toml").write_text(TRIPLE)
+    assert words in refused("balance", "triple.toml", "--planes", planes)
+
+
 # Trial runs
 
 
@@ -107,6 +158,18 @@ def test_noise__leaves_in_proportion_to_it(folder):
     np.testing.assert_allclose(large, 300 * small, rtol=1e-12)
     answer = said("balance", "--trial-runs", "runs.csv", "--noise", "0.1 mm/s").stdout
     assert re.search(r"^1\s+10\.06 g\s+325\.6°\s+0\.51 g$", answer, re.M)
+
+
+def test_holes__take_the_weights_of_trial_runs(folder):
+    Path("runs.csv").write_text(RAO)
+    answer = said("balance", "--trial-runs", "runs.csv", "--holes", "12").stdout
+    # Two weights 30 degrees apart at the angles of their holes.
+    for weight, angle in ((10.0561, 325.5548), (5.8774, 68.2559)):
+        found = re.search(rf"{weight:.4g} g .* ([\d.]+) g in (\d+), ([\d.]+) g in (\d+)", answer)
+        first, hole, second, beside = (float(part) for part in found.groups())
+        parts = first * np.exp(1j * np.radians(30 * (hole - 1))) + second * np.exp(1j * np.radians(30 * (beside - 1)))
+        assert abs(parts - weight * np.exp(1j * np.radians(angle))) < 1e-3 * weight
+    assert "at least 3 equally spaced holes" in refused("balance", "--trial-runs", "runs.csv", "--holes", "2")
 
 
 def table_of_runs(coefficients: np.ndarray, unbalances: np.ndarray, weights: np.ndarray) -> str:
@@ -168,9 +231,9 @@ def test_amplitudes_of_four_runs__give_one_plane(tmp_path_factory, seed, order):
         (RAO.replace("right [mm/s]", "right [mm/z]"), ("line 1", "all sensors are read in one unit")),
         (RAO.replace("[g]", "[gg]"), ("line 1", "unknown unit 'gg'")),
         (RAO.replace("weight_angle [deg]", "weight_angle [mm]"), ("weight_angle", "expected an angle")),
-        (RAO.replace("1, 0, 0", "1, 1, 0"), ("one run is without a trial weight", "here are 0")),
+        (RAO.replace("1, 0, 0", "1, 1, 0"), ("one run is without a trial weight", "there are 0")),
         (RAO.replace("2, 12", "1, 12"), ("each plane has one trial run",)),
-        (RAO.replace("2, 12", "1.5, 12"), ("planes have whole numbers",)),
+        (RAO.replace("2, 12", "1.5, 12"), ("planes are numbered with whole numbers",)),
         (RAO.replace("2, 12, 180, 6.0, 35, 10.5, 160", "2, 12, 180, 8.5, 60, 6.5, 205"), ("tell the planes apart",)),
         (RAO + "3, 9, 0, 1, 0, 1, 0\n", ("3 planes need as many sensors",)),
         (RAO.replace("8.5", "high"), ("line 2", "high' is not a number")),

@@ -11,7 +11,7 @@ from drawn_machines import sliding_input
 from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene
-from engine.balancing.engines.engine_layout import in_line
+from engine.balancing.engines.engine_layout import in_line_engine
 from sweeps import SweepResult, read_scene
 from sweeps.cli import main
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table, shaken
@@ -160,7 +160,7 @@ def test_orders__tells_well_known_engines_or_those_of_a_scene(folder):
 def test_engine_rows__are_the_layouts_with_lengths_as_multiples():
     scene = template("engine")
     (row,) = engine_rows(scene)
-    plain = remaining_orders(EngineRow("four", in_line(4).layout(), (1, 3, 4, 2)))
+    plain = remaining_orders(EngineRow("four", in_line_engine(4).layout(), (1, 3, 4, 2)))
     own = remaining_orders(row)
     # Over A6 of 2e-4, in which a transform leaves some 36 roundings.
     assert own.forces.major == pytest.approx(plain.forces.major, abs=36 * 64 * EPS / 2e-4)

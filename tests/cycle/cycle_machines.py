@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from engine.compiling.tiles import LANES, TILE_OPTIONS, TILE_SIGNATURE
-from engine.cycle.machine import Machine, Plan
+from engine.cycle.machine import CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
@@ -92,7 +92,7 @@ def press(**asked):
         cuts=[FROM, TO],
         **asked,
     )
-    return Machine(plan, press_curves, press_events, press_levels, press_states)
+    return CycleMachine(plan, press_curves, press_events, press_levels, press_states)
 
 
 def slide(numbers, q):
@@ -128,7 +128,7 @@ def smooth_numbers(e, phase, first=0.0, last=2.0 * np.pi):
 
 def smooth(**asked):
     """The smooth curves, with nothing that switches."""
-    return Machine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves)
+    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=4, **asked), smooth_curves)
 
 
 # Harmonics of a wave: cosine and sine parts of order k in rows 2 k and 2 k + 1, the range in the first two.
@@ -192,7 +192,7 @@ def forces(**asked):
 
     Both with a phase, number 3; the last curve is the rate of the first one's angle.
     """
-    return Machine(Plan(ends=(0, 1), curves=7, **asked), force_curves)
+    return CycleMachine(Plan(ends=(0, 1), curves=7, **asked), force_curves)
 
 
 def force_numbers(swing, phase):

@@ -11,7 +11,7 @@ from mpmath import mpf
 
 from engine import AskError, Machine, Outcome, Scene, Verdict, made_ready
 from engine.derivatives.derivatives import LADDERS, Move, derivatives, derivatives_along, scale_of, unit_over
-from engine.derivatives.extrapolation import Samples, derivative_of, weights
+from engine.derivatives.extrapolation import Differences, derivative_of, weights
 
 EPS = np.finfo(float).eps
 POSITIONS = 96
@@ -109,13 +109,13 @@ def test_weights__cancel_powers_of_the_step(powers):
         assert made @ relative**power == pytest.approx(0, abs=1e-13)
 
 
-def sampled(function, at: float, scale: float, error: float = 0.0) -> Samples:
+def sampled(function, at: float, scale: float, error: float = 0.0) -> Differences:
     steps = np.array(LADDERS[0])
     places = at + scale * steps[:, None] * np.array([1.0, -1.0])
     with np.errstate(invalid="ignore"):
         value = function(places)
     here, errors = function(np.array([at])), np.full((1, *places.shape), error)
-    return Samples(steps, (places - at)[None], here, errors[:, 0, 0], value[None], errors)
+    return Differences(steps, (places - at)[None], here, errors[:, 0, 0], value[None], errors)
 
 
 @given(
@@ -330,7 +330,7 @@ def test_refusals__name_what_is_wrong(machine):
     scene, mode = machine.scene, "groups.drive.mode"
     with pytest.raises(AskError, match=r"'groups.drive.mode' is one of \[1, -1\]: there is no derivative by it"):
         derivatives(Machine(scene, ["ram.stroke"], varied=[mode]), {mode: np.array([1.0])}, mode)
-    with pytest.raises(AskError, match=r"'ram.slide.max_at' is known to a position only"):
+    with pytest.raises(AskError, match=r"'ram.slide.max_at' is the place of an extreme"):
         derivatives(Machine(scene, ["ram.slide.max_at"], varied=[ROD]), {ROD: np.array([0.2])}, ROD)
 
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from engine.flywheels.turning_moment import fluctuation, from_areas, from_table
+from engine.flywheels.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
 from engine.laws.tables import TableError, make_table, table_value
 
 EPS = 2.3e-16
@@ -38,7 +38,7 @@ def work_by_sampling(phi, moment, interpolation, samples):
 @given(moments, st.sampled_from(["linear", "pchip", "spline"]))
 def test_excess_work__is_that_of_a_fine_sum(moment, interpolation):
     phi = even(moment)
-    found = from_table(phi, moment, 10.0, 0.02, cycle=TURN, interpolation=interpolation)
+    found = turning_moment_from_table(phi, moment, 10.0, 0.02, cycle=TURN, interpolation=interpolation)
     mean, excess = work_by_sampling(phi, moment, interpolation, 6000)
     # Midpoint sums miss h²/24·|M″| of the integral and h²/8·|M′| at an extreme; a spline of 12 rows has M′ < 4/h.
     size = np.abs(moment).max() + 1e-9
@@ -50,7 +50,7 @@ def test_excess_work__is_that_of_a_fine_sum(moment, interpolation):
 @given(moments)
 def test_straight_lines__are_integrated_without_an_error(moment):
     phi = even(moment)
-    found = from_table(phi, moment, 10.0, 0.02, cycle=TURN)
+    found = turning_moment_from_table(phi, moment, 10.0, 0.02, cycle=TURN)
     # Areas of trapezoids and of the triangles where a line crosses the mean, with 40 digits.
     mpmath.mp.dps = 40
     h, closed = 2 * mpmath.pi / len(moment), [mpmath.mpf(m) for m in [*moment, moment[0]]]
@@ -70,7 +70,7 @@ def test_straight_lines__are_integrated_without_an_error(moment):
 @few
 @given(moments, st.floats(0.1, 300), st.floats(1e-8, 1), st.floats(0, 10))
 def test_flywheel__gives_the_fluctuation_asked_for(moment, speed, delta, inertia):
-    found = from_table(even(moment), moment, -speed, delta, cycle=TURN, inertia=inertia)
+    found = turning_moment_from_table(even(moment), moment, -speed, delta, cycle=TURN, inertia=inertia)
     if found.flywheel_inertia > 0:
         assert found.speed_fluctuation == delta
         whole = found.flywheel_inertia + inertia
@@ -85,7 +85,7 @@ def test_flywheel__gives_the_fluctuation_asked_for(moment, speed, delta, inertia
 def test_extremes__lie_where_the_moment_crosses_its_mean():
     # T = 10 + 5 sin φ loses speed until φ = 0 (mod 2π) and gains until π.
     phi = np.arange(361) * (TURN / 360)
-    found = from_table(phi, 10 + 5 * np.sin(phi), 20.0, 0.01, interpolation="spline")
+    found = turning_moment_from_table(phi, 10 + 5 * np.sin(phi), 20.0, 0.01, interpolation="spline")
     assert found.mean_moment == pytest.approx(10, rel=1e-12)
     # The spline of a sine with 1° between rows is off by 5/384·h⁴ = 1e-9 of it.
     assert found.excess_work == pytest.approx(10, rel=1e-8)
@@ -94,7 +94,7 @@ def test_extremes__lie_where_the_moment_crosses_its_mean():
 
 
 def test_steps__are_extremes_too():
-    found = from_table([0, math.pi, math.pi, TURN, TURN], [3, 3, 1, 1, 3], 10.0, 0.01)
+    found = turning_moment_from_table([0, math.pi, math.pi, TURN, TURN], [3, 3, 1, 1, 3], 10.0, 0.01)
     assert found.mean_moment == pytest.approx(2)
     assert found.excess_work == pytest.approx(math.pi)
     assert (found.slowest_at, found.fastest_at) == pytest.approx((0, math.pi))
@@ -102,12 +102,12 @@ def test_steps__are_extremes_too():
 
 def test_equal_peaks__are_told_by_the_first():
     phi = np.arange(13) * (TURN / 12)
-    found = from_table(phi, np.tile([0.0, 1.0, 0.0, -1.0], 4)[:13], 10.0, 0.01)
+    found = turning_moment_from_table(phi, np.tile([0.0, 1.0, 0.0, -1.0], 4)[:13], 10.0, 0.01)
     assert (found.slowest_at, found.fastest_at) == pytest.approx((0, phi[2]))
 
 
 def test_constant_moment__needs_no_flywheel():
-    found = from_table([0, 1, TURN], [4.0, 4.0, 4.0], 10.0, 0.01, inertia=2.0)
+    found = turning_moment_from_table([0, 1, TURN], [4.0, 4.0, 4.0], 10.0, 0.01, inertia=2.0)
     assert found.excess_work == pytest.approx(0, abs=1e-13)
     assert found.flywheel_inertia == pytest.approx(-2)
     assert found.speed_fluctuation == pytest.approx(0, abs=1e-13)
@@ -118,16 +118,16 @@ def test_constant_moment__needs_no_flywheel():
 def test_where_the_cycle_begins__does_not_matter(moment, shift):
     phi = even(moment)
     shift %= len(moment)
-    rolled = from_table(phi + phi[shift], np.roll(moment, -shift), 10.0, 0.02, cycle=TURN)
-    found = from_table(phi, moment, 10.0, 0.02, cycle=TURN)
+    rolled = turning_moment_from_table(phi + phi[shift], np.roll(moment, -shift), 10.0, 0.02, cycle=TURN)
+    found = turning_moment_from_table(phi, moment, 10.0, 0.02, cycle=TURN)
     assert rolled.excess_work == pytest.approx(found.excess_work, abs=1e-11)
 
 
 def test_areas__give_the_same_as_their_diagram():
     # Half waves of sin 2φ: areas ±1 N·m·rad.
-    areas = from_areas([1, -1, 1, -1], 1.0, 10.0, 0.02)
+    areas = turning_moment_from_areas([1, -1, 1, -1], 1.0, 10.0, 0.02)
     phi = np.arange(721) * (TURN / 720)
-    table = from_table(phi, np.sin(2 * phi), 10.0, 0.02, interpolation="spline")
+    table = turning_moment_from_table(phi, np.sin(2 * phi), 10.0, 0.02, interpolation="spline")
     assert areas.excess_work == pytest.approx(table.excess_work, rel=1e-7)
     assert areas.flywheel_inertia == pytest.approx(table.flywheel_inertia, rel=1e-7)
     assert (areas.slowest_at, areas.fastest_at) == (0, 1)
@@ -163,9 +163,9 @@ def test_fluctuation__is_nan_where_the_machine_would_stop(share, delta):
 )
 def test_from_table__says_what_is_wrong(change, words):
     right = {"phi": [0, 1, TURN], "moment": [0, 1, 0], "speed": 10.0, "speed_fluctuation": 0.02}
-    from_table(**right)
+    turning_moment_from_table(**right)
     with pytest.raises(TableError, match=words):
-        from_table(**(right | change))
+        turning_moment_from_table(**(right | change))
 
 
 @pytest.mark.parametrize(
@@ -183,6 +183,6 @@ def test_from_table__says_what_is_wrong(change, words):
 )
 def test_from_areas__says_what_is_wrong(change, words):
     right = {"areas": [1, -0.99], "energy_per_area": 2.0, "speed": 10.0, "speed_fluctuation": 0.02}
-    from_areas(**right)
+    turning_moment_from_areas(**right)
     with pytest.raises(TableError, match=words):
-        from_areas(**(right | change))
+        turning_moment_from_areas(**(right | change))

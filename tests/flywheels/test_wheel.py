@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine import Scene
-from engine.flywheels.wheel import MATERIALS, make_wheel, wheel_summaries
+from engine.flywheels.wheel import MATERIALS, make_wheel
 from engine.scene.parts import WheelForm
 
 # Sums, products and quotients of a dozen numbers: tens of roundings of 1.1e-16.
@@ -160,27 +159,3 @@ def test_uicker_18_2__has_the_printed_mass():
     # Uicker, Pennock, Shigley, problem 18.2: steel disc of 400 mm, 0.136 kg·m²; printed 6.8 kg.
     made = wheel(WheelForm(type="disc", diameter=0.4, density=7800.0), 0.136, 480.0)
     assert made.mass == pytest.approx(6.8, abs=0.05)
-
-
-# What a scene may ask
-
-
-def scene_with(flywheel):
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": 10},
-            "flywheel": flywheel,
-        }
-    )
-
-
-def test_wheel_summaries__need_a_form_and_an_inertia():
-    form = {"type": "disc", "diameter": "1 m"}
-    assert wheel_summaries(scene_with(None)) == []
-    assert wheel_summaries(scene_with({"inertia": 1.0})) == []
-    assert wheel_summaries(scene_with({"wheel": form})) == []
-    found = wheel_summaries(scene_with({"speed_fluctuation": 0.02, "wheel": form}))
-    names = ["diameter", "mass", "width", "rim_speed", "rim_speed_share", "hoop_stress", "energy"]
-    assert [q.name for q in found] == [f"wheel_{name}" for name in names]
-    assert [q.units for q in found] == ["m", "kg", "m", "m s-1", "1", "Pa", "J"]

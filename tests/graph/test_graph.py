@@ -15,14 +15,13 @@ from engine.graph.nodes import (
     Constant,
     Graph,
     Held,
+    LawResult,
     Node,
     Number,
     Operation,
     Position,
-    Result,
     Stage,
     Sum,
-    depends_on_loads,
     reached,
 )
 
@@ -80,15 +79,6 @@ def test_stages__are_the_latest_of_what_a_node_depends_on():
     assert g.held(low) is low
 
 
-def test_linearity__is_seen_in_the_graph():
-    g = Graph()
-    mass, length = g.number("mass", "load"), g.number("length")
-    curve = g.cos_q * length
-    assert not depends_on_loads(curve)
-    assert not depends_on_loads(g.combination([(mass, curve)]))
-    assert depends_on_loads(g.cos_q * mass)
-
-
 def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) -> list[np.ndarray]:
     """The same mathematics, node by node in NumPy."""
     laws = {"turned": lambda x, y, c, s: (x * c - y * s, x * s + y * c), "step_of": lambda x: (x > 0) * 1.0}
@@ -116,7 +106,7 @@ def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) 
                 known[node] = sum(known[c] * known[b] for c, b in node.terms)
             case Held():
                 known[node] = of[0]
-            case Result():
+            case LawResult():
                 known[node] = of[0] if node.index is None else of[0][node.index]
             case _:
                 known[node] = laws[node.law.py_func.__name__](*of)

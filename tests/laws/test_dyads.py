@@ -36,7 +36,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
-from engine.laws.kinematics import links
 from engine.laws.kinematics.prp import prp_position, prp_rates
 from engine.laws.kinematics.rpp import rpp_position, rpp_rates
 from engine.laws.kinematics.rpr import rpr_position, rpr_rates
@@ -389,40 +388,3 @@ def test_rpp_rates__derivatives_of_closed_geometry(a, way, turn):
 
 
 # Links
-
-
-@modest
-@given(moving_points(), moving_angles(), coordinate, coordinate)
-def test_rigid_point__derivatives_of_its_place(origin, turn, along, across):
-    def place(q):
-        return origin(q) + vector(along, across) * unit(turn(q))
-
-    (vx, ax), (vy, ay) = derivatives(lambda q: place(q).real), derivatives(lambda q: place(q).imag)
-    p = links.arm(along, across, *parts(unit(turn.value)))
-    reach = abs(vector(along, across))
-    near(p[0], place(0).real - origin.value.real, ROUNDINGS * EPS * reach)
-    near(p[1], place(0).imag - origin.value.imag, ROUNDINGS * EPS * reach)
-    w, e = float(turn.speed), float(turn.acceleration)
-    velocity = links.rigid_velocity(*parts(origin.speed), w, *p)
-    near(velocity[0], vx, ROUNDINGS * EPS * (abs(origin.speed) + abs(w) * reach))
-    near(velocity[1], vy, ROUNDINGS * EPS * (abs(origin.speed) + abs(w) * reach))
-    acceleration = links.rigid_acceleration(*parts(origin.acceleration), w, e, *p)
-    tolerance = ROUNDINGS * EPS * (abs(origin.acceleration) + (abs(e) + w * w) * reach)
-    near(acceleration[0], ax, tolerance)
-    near(acceleration[1], ay, tolerance)
-
-
-@modest
-@given(moving_angles(), coordinate, coordinate, coordinate)
-def test_coriolis__what_sliding_adds_to_the_carrier(turn, start, speed, rate):
-    # A point slides along the x axis of a turning link: d²/dq² less the carrier's own part and the sliding's.
-    def place(q):
-        return (start + speed * q + rate * q * q / 2) * unit(turn(q))
-
-    u, w, e = unit(turn.value), turn.speed, turn.acceleration
-    _, ax = derivatives(lambda q: place(q).real)
-    _, ay = derivatives(lambda q: place(q).imag)
-    rest = mpc(ax, ay) - start * (1j * e - w * w) * u - rate * u
-    found = links.coriolis(float(w), *parts(speed * u))
-    near(found[0], rest.real, ROUNDINGS * EPS * abs(2 * w * speed))
-    near(found[1], rest.imag, ROUNDINGS * EPS * abs(2 * w * speed))

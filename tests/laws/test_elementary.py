@@ -11,7 +11,7 @@ from numba import njit
 from packed import assert_packed
 
 from engine.compiling.tiles import TILE_OPTIONS
-from engine.laws.elementary import angle_of, arcsine, direction_of, exponential, logarithm, power
+from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
 
 LEAST, GREATEST = 2.0**-1021, float(np.finfo(float).max)
 many = settings(deadline=None, max_examples=400)
@@ -75,13 +75,6 @@ def test_angle_of_any_direction__mpmath(angle, exponent):
     x, y = 10.0**exponent * math.cos(angle), 10.0**exponent * math.sin(angle)
     if angle != 0.0 and abs(y) > 1e-300:
         assert ulps(angle_of(x, y), mp.atan2(y, x)) <= 2.0
-
-
-@many
-@given(st.one_of(st.floats(-1.0, 1.0), st.floats(-52.0, -1.0).map(lambda e: 1.0 - 2.0**e)))
-def test_arcsine__mpmath(x):
-    if abs(x) >= LEAST:
-        assert ulps(arcsine(x), mp.asin(x)) <= 3.0
 
 
 def missed(angle: float) -> float:
@@ -190,7 +183,7 @@ def test_angle__is_that_of_the_c_library_at_ends(x, y):
 
 def test_what_is_no_number__gives_none():
     nan = math.nan
-    found = [exponential(nan), logarithm(nan), logarithm(-1.0), logarithm(-math.inf), arcsine(nan), arcsine(1.01)]
+    found = [exponential(nan), logarithm(nan), logarithm(-1.0), logarithm(-math.inf)]
     found += [power(nan, 1.3), power(nan, 0.0), power(2.0, nan), power(-2.0, 2.0), power(-2.0, 0.0)]
     found += [angle_of(nan, 1.0), angle_of(1.0, nan), angle_of(0.0, 0.0), angle_of(math.inf, math.inf)]
     found += [*direction_of(nan), *direction_of(math.inf)]
@@ -200,7 +193,7 @@ def test_what_is_no_number__gives_none():
 def test_nan_with_any_bits__stays_nan():
     payloads = np.array([0x7FF8000000000001, 0x7FF0000000000FFF, -1], np.int64).view(np.float64)
     for nan in payloads:
-        found = exponential(nan), logarithm(nan), power(nan, 1.3), power(2.0, nan), angle_of(nan, nan), arcsine(nan)
+        found = exponential(nan), logarithm(nan), power(nan, 1.3), power(2.0, nan), angle_of(nan, nan)
         assert all(math.isnan(x) for x in found)
 
 
@@ -228,15 +221,13 @@ def test_a_loop_over_each__is_compiled_to_packed_instructions():
             out[4, i] = power(x[i], y[i])
         for i in range(x.size):
             out[5, i] = angle_of(x[i], y[i])
-        for i in range(x.size):
-            out[6, i] = arcsine(x[i])
 
     x, y = np.random.default_rng(1).uniform(0.1, 1.0, (2, 37))
-    out = np.empty((7, 37))
+    out = np.empty((6, 37))
     loops(x, y, out)
     # A lane has what the function gives by itself, in the loop's body and in what is left over of it.
     for i, (a, b) in enumerate(zip(x, y, strict=True)):
-        alone = [exponential(a), *direction_of(a), logarithm(a), power(a, b), angle_of(a, b), arcsine(a)]
+        alone = [exponential(a), *direction_of(a), logarithm(a), power(a, b), angle_of(a, b)]
         np.testing.assert_array_equal(out[:, i], alone)
-    # The last four divide.
-    assert_packed(loops, 4)
+    # The last three divide.
+    assert_packed(loops, 3)

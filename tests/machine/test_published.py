@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from engine import Machine, Scene
-from engine.flywheels.turning_moment import fluctuation, from_areas, from_table
+from engine.flywheels.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
 
 DEGREE = math.pi / 180
 
@@ -35,7 +35,7 @@ def rpm(n):
     ids=["Khurmi 16.4", "Khurmi 16.1"],
 )
 def test_fluctuation_by_areas__is_the_printed_one(areas, energy, speed, delta, inertia):
-    found = from_areas(areas, energy, rpm(speed), 0.02)
+    found = turning_moment_from_areas(areas, energy, rpm(speed), 0.02)
     printed, tolerance = delta
     assert fluctuation(found.excess_work, inertia, rpm(speed)) == pytest.approx(printed, abs=tolerance)
 
@@ -53,7 +53,7 @@ def test_fluctuation_by_areas__is_the_printed_one(areas, energy, speed, delta, i
     ids=["Khurmi 16.5", "Khurmi 16.16", "Khurmi 16.3"],
 )
 def test_flywheel_by_areas__is_the_printed_one(areas, energy, speed, delta, printed, tolerance):
-    found = from_areas(areas, energy, rpm(speed), delta)
+    found = turning_moment_from_areas(areas, energy, rpm(speed), delta)
     assert found.flywheel_inertia == pytest.approx(printed, abs=tolerance)
 
 
@@ -63,7 +63,7 @@ def test_flywheel_by_areas__is_the_printed_one(areas, energy, speed, delta, prin
 def test_khurmi_16_6__three_turns_a_cycle():
     # Printed P = 49.087 kW, δ = 0.072 with 500 kg at 0.6 m, 250 rpm.
     phi = np.array([0, 360, 540, 900, 1080]) * DEGREE
-    found = from_table(phi, [750, 750, 3000, 3000, 750], rpm(250), 0.072)
+    found = turning_moment_from_table(phi, [750, 750, 3000, 3000, 750], rpm(250), 0.072)
     assert found.mean_moment * rpm(250) == pytest.approx(49_087, abs=0.5)
     assert fluctuation(found.excess_work, 500 * 0.36, rpm(250)) == pytest.approx(0.072, abs=5e-4)
 
@@ -71,7 +71,7 @@ def test_khurmi_16_6__three_turns_a_cycle():
 def test_khurmi_16_7__two_triangles():
     # Printed 197.3 kg at 1.75 m, fluctuation of energy 18 %, least and greatest speed at 35° and 136°.
     phi = np.array([0, 80, 180, 260, 360]) * DEGREE
-    found = from_table(phi, [0, 2000, 0, 1500, 0], rpm(100), 0.015)
+    found = turning_moment_from_table(phi, [0, 2000, 0, 1500, 0], rpm(100), 0.015)
     assert found.flywheel_inertia / 1.75**2 == pytest.approx(197.3, abs=0.05)
     assert found.excess_work / (found.mean_moment * 2 * math.pi) == pytest.approx(0.18, abs=5e-3)
     assert found.slowest_at / DEGREE == pytest.approx(35, abs=0.5)
@@ -83,7 +83,7 @@ def test_khurmi_16_9__four_strokes_as_triangles():
     cycle = 20e3 * 60 / 150
     power, compression = 2 * 1.5 * cycle / math.pi, 2 * 0.5 * cycle / math.pi
     phi = np.array([0, 90, 180, 540, 630, 720]) * DEGREE
-    found = from_table(phi, [0, power, 0, 0, -compression, 0], rpm(300), 0.04)
+    found = turning_moment_from_table(phi, [0, power, 0, 0, -compression, 0], rpm(300), 0.04)
     assert found.mean_moment * rpm(300) == pytest.approx(20e3, rel=1e-12)
     assert found.flywheel_inertia == pytest.approx(255.4, abs=0.05)
 
@@ -95,7 +95,7 @@ def test_bevan_12_10__in_feet_and_pounds():
     expansion = cycle / (1 - 1 / 2.3)
     phi = np.array([0, 90, 180, 540, 630, 720]) * DEGREE
     peak = 2 * expansion / math.pi
-    found = from_table(phi, [0, peak, 0, 0, -peak / 2.3, 0], rpm(300), 0.02)
+    found = turning_moment_from_table(phi, [0, peak, 0, 0, -peak / 2.3, 0], rpm(300), 0.02)
     assert 32.2 * found.flywheel_inertia == pytest.approx(13_710, abs=5)
 
 

@@ -11,7 +11,7 @@ from press import actions, bodies, press
 
 from engine import Scene
 from engine.graph.nodes import Graph, Node
-from engine.mechanism.assembly import Moving, Turning
+from engine.mechanism.assembly import MovingPoint, Turning
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Load, Loads
 from engine.scene.structure import order
@@ -52,7 +52,7 @@ def test_reduced_moments__are_powers_over_the_inputs_speed(speed):
         np.testing.assert_allclose(row, reference, rtol=0, atol=tolerance, err_msg=name)
 
 
-def displaced(values: GraphValues, link: Turning, at: Moving, q: np.ndarray, by: float) -> np.ndarray:
+def displaced(values: GraphValues, link: Turning, at: MovingPoint, q: np.ndarray, by: float) -> np.ndarray:
     """Displacement of the point of a link that lies in a place at q."""
     now, then = (np.array(values([*link.origin.r, *link.u], place)) for place in (q, q + by))
     place = values([*at.r], q)

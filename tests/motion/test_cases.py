@@ -13,7 +13,7 @@ from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table, table_value
 from engine.mechanism.actions.motors import kloss_constants
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.cases import Law, regime_text
+from engine.motion.cases import MomentLaw, regime_text
 from engine.scene.scene import Numbers, scene_numbers
 
 INERTIA = 0.4
@@ -326,11 +326,11 @@ def test_schedule_in_closed_form__is_that_of_the_numerics(speed):
     scene = crank({"dc": DC, "oil": OIL, "rub": RUB, "brake": BRAKE, "kick": kick}, regimes, speed)
     machine = Machine(Scene.model_validate(scene), summaries=["stop.time"])
     assert [case.law for case in machine.schedule.cases.values()] == [
-        Law.LINEAR,
-        Law.LINEAR,
-        Law.LINEAR,
-        Law.TIMED,
-        Law.LINEAR,
+        MomentLaw.LINEAR,
+        MomentLaw.LINEAR,
+        MomentLaw.LINEAR,
+        MomentLaw.TIMED,
+        MomentLaw.LINEAR,
     ]
     closed, stepped = asked(scene), asked(scene, forced=True)
     assert closed.status == stepped.status == [Verdict.OK]

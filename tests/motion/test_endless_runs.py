@@ -29,7 +29,7 @@ def test_pendulum__is_known_to_swing_for_ever_when_it_turns_round_for_the_second
     seen = history(Scene.model_validate(scene))
     assert seen.time[-1] < 1.5 * PERIOD * (1 + 0.6**2 / 16) + 0.1
     assert np.abs(seen.angle + math.pi / 2).max() <= 0.6 + 1e-6
-    assert "swings to and fro between φ = " in told(scene)
+    assert "swings back and forth between φ = " in told(scene)
 
 
 def test_load_above_the_motor__is_known_to_turn_backwards_for_ever_after_a_cycle():

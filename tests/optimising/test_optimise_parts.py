@@ -193,7 +193,7 @@ REFUSED = {
     "two for evolution": (
         'minimise = ["ram.stroke", "excess_work"]\nmethod = "differential evolution"',
         {},
-        "follows one objective, here are 2: take 'NSGA-II', or join them in one",
+        "follows one objective, but there are 2: take 'NSGA-II', or join them in one",
     ),
     "method": ('minimise = "ram.stroke"\nmethod = "NSGA2"', {}, "'NSGA2' is not allowed; allowed: differential"),
     "population": ('minimise = "ram.stroke"\npopulation = 4', {}, "optimise.population: must be at least 8, got 4"),

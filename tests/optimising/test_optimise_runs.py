@@ -62,7 +62,7 @@ def test_candidates_of_another_way__are_refused(tmp_path):
         optimise_study(study, path, progress=stop)
     with h5py.File(tmp_path / "r.candidates.part.h5", "r+") as file:
         file[CRANK][3] += 1e-6
-    with pytest.raises(StoreError, match=r"generation 0 would be another now.*--restart"):
+    with pytest.raises(StoreError, match=r"generation 0 would differ now.*--restart"):
         optimise_study(study, path)
     optimise_study(study, path, restart=True)
     assert best_of(SweepResult(path))["status"] == 0

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from engine.balancing.engines.engine_layout import Engine, Layout
+from engine.balancing.engines.engine_layout import Engine, EngineLayout
 
 EPS = np.finfo(float).eps
 RIGHT = math.pi / 2
@@ -25,4 +25,4 @@ def engines(draw):
     radius = draw(st.floats(0.01, 1.0))
     rod = radius / draw(st.floats(0.05, 0.4))
     offset = rod * draw(st.floats(-0.15, 0.15))
-    return Engine(Layout(banks, throws, positions), radius, rod, masses, draw(st.floats(0, 1)), offset)
+    return Engine(EngineLayout(banks, throws, positions), radius, rod, masses, draw(st.floats(0, 1)), offset)

@@ -10,13 +10,13 @@ from engine.graph.nodes import (
     Found,
     Graph,
     Held,
-    Memory,
+    LawResult,
     Node,
     Number,
     Operation,
     Position,
-    Result,
     Sum,
+    TableMemory,
     reached,
 )
 from engine.scene.parts import CrankInput
@@ -66,7 +66,7 @@ class GraphValues:
                 return np.float64(node.compute(self.numbers))
             case Position():
                 return {"q": lambda: q, "cos_q": lambda: np.cos(q), "sin_q": lambda: np.sin(q)}[node.which]()
-            case Memory():
+            case TableMemory():
                 return self.memory
             case Held():
                 return operands[0]
@@ -76,7 +76,7 @@ class GraphValues:
                 return {**ARITHMETIC, **FUNCTIONS}[node.symbol](*operands)
             case Application():
                 return self._applied(node, operands)
-            case Result():
+            case LawResult():
                 return operands[0] if node.index is None else operands[0][node.index]
             case Sum():
                 return sum(known[c] * known[b] for c, b in node.terms)
@@ -84,7 +84,7 @@ class GraphValues:
 
     @staticmethod
     def _applied(node: Application, operands: list) -> np.ndarray | tuple:
-        leading = [o for n, o in zip(node.operands, operands, strict=True) if isinstance(n, Memory)]
+        leading = [o for n, o in zip(node.operands, operands, strict=True) if isinstance(n, TableMemory)]
         rest = np.broadcast_arrays(*operands[len(leading) :])
         return np.vectorize(lambda *x: node.law(*leading, *x))(*rest)
 

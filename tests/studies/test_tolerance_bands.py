@@ -253,7 +253,7 @@ def test_search__leaves_them_to_its_own_columns(tmp_path):
             "",
             r"'groups.drive.mode' is one of \[1, -1\]: there is no derivative by it",
         ),
-        ("ram.slide.max_at by input.length", "", "is known to a position only, and moves in jumps"),
+        ("ram.slide.max_at by input.length", "", "is the place of an extreme, which may jump"),
         (
             "ram.stroke by input.length",
             '[tolerances]\n"input.lenght" = "1 mm"',

@@ -8,8 +8,8 @@ size of a force or couple of one order are the half axes of its ellipse: the lea
 equal to the greatest where it circles.
 
 Error figures: numbers of an engine act in proportion or turn a phase, so that what their rounding does is known from
-the sizes of the terms. That of the ratio of crank and rod does more as the rod gets hardly longer than the crank, but
-less than the room there is: 0.9 of it at a ratio of 0.99999.
+the sizes of the terms. That of the ratio of crank to rod does more as the rod becomes hardly longer than the crank,
+but stays within what is allowed for: 0.9 of it at a ratio of 0.99999.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,22 +19,21 @@ import numpy as np
 
 from engine.balancing.engines.engine_element import SIZES, EngineElement
 from engine.balancing.engines.engine_layout import Engine, MasterRod
-from engine.balancing.engines.engine_torque import Moving, Torque, cylinder_torque
-from engine.balancing.engines.firing import FOUR_STROKE, firing_sequence
+from engine.balancing.engines.engine_torque import CylinderParts, Indicator, Torque, cylinder_torque
+from engine.balancing.engines.firing import FOUR_STROKE, firing_sequence, firing_sums
 from engine.balancing.engines.harmonics import CrankMasses, crank_masses, crank_radius
 from engine.balancing.engines.hodograph import Hodograph
 from engine.balancing.engines.master_rod import POSITIONS
-from engine.balancing.engines.shafts import counterweights, remaining
-from engine.balancing.engines.shaking import Shaking, shaking
-from engine.balancing.engines.torque_orders import Indicator, firing_sums
-from engine.elements.element_laws import LawOfArrays, Result
+from engine.balancing.engines.shafts import crankshaft_counterweights, remaining_shaking
+from engine.balancing.engines.shaking import EngineShaking, engine_shaking
+from engine.elements.element_laws import ElementResult, LawOfArrays
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
 # Roundings of a sum over cylinders, relative to the sum of the sizes of its terms: phases up to 6 · 2π, products, sums,
 # and masses, shares and the speed as they are given.
-ROUNDED = 64
+ROUNDED_ORDERS = 64
 # An error figure is made of 16 roundings of a result's size.
 _SIZE = 1 / 16
 EPS = float(np.finfo(float).eps)
@@ -55,21 +54,21 @@ def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
     return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
 
 
-def _results(engine: EngineElement) -> Iterator[Result]:
+def _results(engine: EngineElement) -> Iterator[ElementResult]:
     orders = shaking_orders(engine)
     for kind, units, needs in (("force", "N", None), ("couple", "N m", "spacing")):
         for word in (_WORDS[n] for n in orders):
             said = word.replace("_", " ")
-            yield Result(f"{word}_{kind}", f"greatest {said} {kind}", units, needs)
-            yield Result(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
+            yield ElementResult(f"{word}_{kind}", f"greatest {said} {kind}", units, needs)
+            yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
         listed = ", ".join(map(str, orders))
-        yield Result(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
-    yield Result("crank_unbalance", "unbalance of all counterweights together, each as a size", "kg m")
+        yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
+    yield ElementResult("crank_unbalance", "sum of the magnitudes of all counterweights' unbalances", "kg m")
     if engine.gas is not None:
-        yield Result("mean_torque", "mean torque of the gas", "N m")
-        yield Result("mean_power", "mean power of the gas", "W")
+        yield ElementResult("mean_torque", "mean torque of the gas", "N m")
+        yield ElementResult("mean_power", "mean power of the gas", "W")
         for n in TORQUE_ORDERS:
-            yield Result(torque_name(n), f"torque of gas and inertia, order {n:g}", "N m", may_be_undefined=True)
+            yield ElementResult(torque_name(n), f"torque of gas and inertia, order {n:g}", "N m", may_be_undefined=True)
 
 
 def torque_name(order: float) -> str:
@@ -126,20 +125,20 @@ def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Co
     columns : dict of str to ndarray (variants,)
         NaN where the crank can't turn.
     sizes : dict of str to ndarray (variants,)
-        Of what each is made of: how many roundings of 1 it is off.
+        Magnitudes whose rounding each of them carries.
     """
     made = made_engine(engine, numbers)
-    weights = counterweights(made, *(numbers[key] for key in _SHARES))
+    weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
     orders = shaking_orders(engine)
-    left = remaining(shaking(made, orders), [weights])
+    left = remaining_shaking(engine_shaking(made, orders), [weights])
     square = np.square(numbers["speed"])
     columns = {"crank_unbalance": np.abs(weights.unbalances).sum(axis=-1)}
-    sizes = {"crank_unbalance": ROUNDED * columns["crank_unbalance"]}
+    sizes = {"crank_unbalance": ROUNDED_ORDERS * columns["crank_unbalance"]}
     for kind, vector, terms, carried in (
         ("force", left.forces, left.force_terms, _carried(engine, numbers, made, left.force_terms, orders)),
         ("couple", left.couples, left.couple_terms, _couples_carry(engine, numbers, made, left, orders)),
     ):
-        least = ROUNDED * EPS * terms
+        least = ROUNDED_ORDERS * EPS * terms
         columns[f"rms_{kind}"] = _settled(vector, least).rms * square
         sizes[f"rms_{kind}"] = np.sqrt(np.square(carried).sum(axis=-1)) * square
         for i, word in enumerate(_WORDS[n] for n in orders):
@@ -158,7 +157,7 @@ def made_engine(engine: EngineElement, numbers: Numbers) -> Engine:
     Parameters
     ----------
     engine, numbers
-        As of `engine_columns`.
+        As for `engine_columns`.
     """
     n = numbers
     layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
@@ -189,11 +188,11 @@ def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray,
     phases = (steps + 1) * lean * bank + steps * lead * offset
     # A transform gives every harmonic with the rounding of the whole motion.
     whole = steps**2 * (1.0 if made.master is None else 1.0 + (made.rod / made.radius)[..., None])
-    return (ROUNDED + phases) * terms + 4 * whole * terms[..., :1]
+    return (ROUNDED_ORDERS + phases) * terms + 4 * whole * terms[..., :1]
 
 
 def _couples_carry(
-    engine: EngineElement, n: Numbers, made: Engine, left: Shaking, orders: tuple[int, ...]
+    engine: EngineElement, n: Numbers, made: Engine, left: EngineShaking, orders: tuple[int, ...]
 ) -> np.ndarray:
     """As `_carried`, of couples: arms are sums of two lengths."""
     places, shifts = np.abs(np.array(engine.pattern(), float)).T[4:]
@@ -210,7 +209,7 @@ def engine_torque(
     Parameters
     ----------
     engine, n
-        As of `engine_columns`; with gas.
+        As for `engine_columns`; with gas.
     orders : sequence of float
         Multiples of ½, above 0.
 
@@ -227,7 +226,7 @@ def engine_torque(
     gas = {key: n[f"gas.{key}"] for key in _GAS}
     bore, outside = gas.pop("bore"), gas.pop("ambient")
     mass = made.reciprocating_mass[..., 0]
-    moving = Moving(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
+    moving = CylinderParts(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
     one = cylinder_torque(Indicator(**gas, outside=outside), bore, moving, orders)
     angles, taken = firing_sequence(made.layout, engine.order_of_firing)
     with np.errstate(invalid="ignore"):
@@ -241,10 +240,10 @@ def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns
     one, all_together, angles = engine_torque(engine, n)
     count, steps, found = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
     phases = np.abs(one.orders) * (steps * (2 * FOUR_STROKE + np.abs(angles).max(axis=-1)[..., None]) + count)
-    carried = count * (ROUNDED * one.sizes[..., 1:] + phases)
-    found = np.where(found <= ROUNDED * EPS * count * np.abs(one.orders), 0.0, found)
+    carried = count * (ROUNDED_ORDERS * one.sizes[..., 1:] + phases)
+    found = np.where(found <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, found)
     columns = {"mean_torque": count * one.mean, "mean_power": count * one.mean * n["speed"]}
-    mean_size = count * ROUNDED * one.sizes[..., 0]
+    mean_size = count * ROUNDED_ORDERS * one.sizes[..., 0]
     sizes = {"mean_torque": mean_size, "mean_power": mean_size * n["speed"]}
     for i, order in enumerate(TORQUE_ORDERS):
         columns[torque_name(order)], sizes[torque_name(order)] = found[..., i], carried[..., i]
@@ -252,7 +251,7 @@ def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns
 
 
 def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:
-    """Without what is rounding alone."""
+    """With parts that are nothing but rounding set to 0."""
     parts = (np.where(np.abs(part) <= least, 0.0, part) for part in (found.forward, found.backward))
     return Hodograph(found.orders, *parts)
 

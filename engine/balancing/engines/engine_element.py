@@ -6,7 +6,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.balancing.engines.engine_layout import Layout, Pattern, boxer, in_line, radial, v, w
+from engine.balancing.engines.engine_layout import (
+    EngineLayout,
+    Pattern,
+    boxer_engine,
+    in_line_engine,
+    radial_engine,
+    v_engine,
+    w_engine,
+)
 from engine.balancing.engines.firing import even_firing_order, firing_angles
 from engine.scene.parts import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, quantity
 
@@ -18,7 +26,7 @@ SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
 
 
 class EngineGas(Part):
-    """Ideal four-stroke diagram of every cylinder, as of a cylinder of the type "four_stroke"."""
+    """Ideal four-stroke diagram of every cylinder, as for a cylinder of type "four_stroke"."""
 
     bore: Positive
     clearance: Annotated[Number, Field(gt=0)]
@@ -37,13 +45,13 @@ class EngineElement(Part):
     of the pair, or row across, that works on it; usual ones where not given. By `pin_offset` a split crankpin of a V
     leads for the second bank. `spacing` is that of the throws, `rod_distance` that of the rods on one throw: without
     `spacing` there are no couples. `rod_centre` is the distance of the rod's centre of mass from the crankpin,
-    `throw_mass` is reckoned at the crankpin. Counterweights balance the shares `balanced_rotating` and
+    `throw_mass` is reduced to the crankpin. Counterweights balance the shares `balanced_rotating` and
     `balanced_reciprocating` of the masses at each throw.
 
-    `gudgeon_offset` is the distance of the gudgeon pins' ways from the crank's axis, to the left of each cylinder as it
-    points outwards: of an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod` the rod is that of
-    `master_cylinder`; the others have link rods, with their centres of mass at `link_rod_centre` from the knuckle pins.
-    `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
+    `gudgeon_offset` is the distance of the gudgeon pins' lines of motion from the crank's axis, to the left of each
+    cylinder as it points outwards: of an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod` the rod
+    is that of `master_cylinder`; the others have link rods, with their centres of mass at `link_rod_centre` from the
+    knuckle pins. `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
     """
 
     type: Literal["engine"]
@@ -117,11 +125,13 @@ class EngineElement(Part):
             This layout doesn't have so many cylinders or throws.
         """
         if self.layout == "radial":
-            return radial(self.cylinders)
-        return {"in-line": in_line, "V": v, "W": _w, "boxer": boxer}[self.layout](self.cylinders, self.throws)
+            return radial_engine(self.cylinders)
+        return {"in-line": in_line_engine, "V": v_engine, "W": _w, "boxer": boxer_engine}[self.layout](
+            self.cylinders, self.throws
+        )
 
     @cached_property
-    def nominal_layout(self) -> Layout:
+    def nominal_layout(self) -> EngineLayout:
         """The layout with the element's own sizes; without `spacing` with one of 1."""
         return self.pattern().layout(**{key: getattr(self, key) for key in SIZES if getattr(self, key) is not None})
 
@@ -146,4 +156,4 @@ class EngineElement(Part):
 
 
 def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
-    return w(cylinders, throws=throws)
+    return w_engine(cylinders, throws=throws)

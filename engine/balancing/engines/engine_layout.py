@@ -9,7 +9,7 @@ theta = 0.
 Cylinders are numbered bank by bank, and within a bank along the crank; in a radial engine as the crank passes them.
 
 A `Pattern` is a layout whose sizes are still open: bank angle, offset of the crankpins of one throw (a split pin),
-spacing of the throws, distance of the rods on one throw. With numbers for these it is a `Layout`.
+spacing of the throws, distance of the rods on one throw. With numbers for these it is an `EngineLayout`.
 """
 
 import math
@@ -26,7 +26,7 @@ class LayoutError(ValueError):
     """A layout that doesn't exist; the message says what is possible."""
 
 
-class Layout(NamedTuple):
+class EngineLayout(NamedTuple):
     """Where cylinders stand and on which throws they work.
 
     Attributes
@@ -74,7 +74,7 @@ class Pattern(tuple[Station, ...]):
         pin_offset: ArrayLike = 0.0,
         spacing: ArrayLike = 1.0,
         rod_distance: ArrayLike = 0.0,
-    ) -> Layout:
+    ) -> EngineLayout:
         """The layout with its sizes.
 
         Parameters
@@ -92,7 +92,7 @@ class Pattern(tuple[Station, ...]):
         angle, offset, pitch, apart = (
             np.asarray(x, dtype=float)[..., None] for x in (bank_angle, pin_offset, spacing, rod_distance)
         )
-        return Layout(bank + lean * angle, throw + lead * offset, place * pitch + shift * apart)
+        return EngineLayout(bank + lean * angle, throw + lead * offset, place * pitch + shift * apart)
 
 
 def usual_throws(throws: int) -> tuple[float, ...]:
@@ -122,7 +122,7 @@ _HALVES = {6: (0, 2, 1), 8: (0, 2, 3, 1)}
 CROSS_PLANE = (0.0, TURN / 4, 3 * TURN / 4, TURN / 2)
 
 
-def in_line(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
+def in_line_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
     """Cylinders in a row.
 
     Parameters
@@ -135,10 +135,10 @@ def in_line(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
     ------
     LayoutError
     """
-    return w(cylinders, 1, throws)
+    return w_engine(cylinders, 1, throws)
 
 
-def v(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
+def v_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
     """Two banks, whose cylinders work on common throws.
 
     Parameters
@@ -151,10 +151,10 @@ def v(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
     ------
     LayoutError
     """
-    return w(cylinders, 2, CROSS_PLANE if throws is None and cylinders == 8 else throws)
+    return w_engine(cylinders, 2, CROSS_PLANE if throws is None and cylinders == 8 else throws)
 
 
-def w(cylinders: int, banks: int = 3, throws: Sequence[float] | None = None) -> Pattern:
+def w_engine(cylinders: int, banks: int = 3, throws: Sequence[float] | None = None) -> Pattern:
     """Banks in a fan, whose cylinders work on common throws: W engines with three of them.
 
     Parameters
@@ -178,7 +178,7 @@ def w(cylinders: int, banks: int = 3, throws: Sequence[float] | None = None) -> 
     )
 
 
-def boxer(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
+def boxer_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
     """Pairs of opposed pistons that move against each other, each on its own throw.
 
     The spacing is that of neighbouring throws, those of a pair or of two pairs.
@@ -205,7 +205,7 @@ def boxer(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
     )
 
 
-def radial(cylinders: int) -> Pattern:
+def radial_engine(cylinders: int) -> Pattern:
     """A star of cylinders on one throw, evenly spaced.
 
     Parameters
@@ -262,7 +262,7 @@ class Engine(NamedTuple):
 
     Attributes
     ----------
-    layout : Layout
+    layout : EngineLayout
     radius, rod : ndarray (...)
         [m].
     reciprocating_mass, rotating_mass : ndarray (..., cylinders)
@@ -275,7 +275,7 @@ class Engine(NamedTuple):
         Without it all rods turn on the crankpin.
     """
 
-    layout: Layout
+    layout: EngineLayout
     radius: np.ndarray | float
     rod: np.ndarray | float
     reciprocating_mass: np.ndarray | float = 1.0

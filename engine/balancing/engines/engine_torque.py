@@ -2,9 +2,9 @@
 
 Over each stroke torque and kinetic energy are smooth, so a Gauss rule of each of the four strokes has their harmonics
 to rounding, where evenly spaced positions would feel the kinks at the dead centres. With theta from the outer dead
-centre at which a cylinder fires, the torque of its gas is (p − p_0) A dx/dtheta, x being the piston's way from it, and
-that of its inertia −d/dtheta ½ (m x'² + K psi'²), m being the reciprocating mass and K the rod's J_S − m a b. Cylinders
-that fire at f_k add up to the harmonics of one times Σ exp(−i n f_k), as in `engine.balancing.engines.torque_orders`.
+centre at which a cylinder fires, the torque of its gas is (p − p_0) A dx/dtheta, x being the piston's travel from
+there, and that of its inertia −d/dtheta ½ (m x'² + K psi'²), m being the reciprocating mass and K the rod's
+J_S − m a b. Cylinders that fire at f_k add up to the harmonics of one times Σ exp(−i n f_k).
 
 How far a rule of half the nodes is off tells how far this one may be: singular points of the motion lie near for rods
 hardly longer than the crank, those of the gas for small clearances.
@@ -17,10 +17,31 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.balancing.engines.engine_layout import TURN
-from engine.balancing.engines.torque_orders import Indicator
 
 NODES = 48
 EPS = float(np.finfo(float).eps)
+
+
+class Indicator(NamedTuple):
+    """Ideal diagram of a four-stroke engine, as in `engine.laws.indicator_diagrams`.
+
+    Attributes
+    ----------
+    clearance : float
+        1/(compression ratio − 1).
+    intake, exhaust, peak, outside : float
+        Pressures, absolute; outside that below the piston [Pa].
+    n_compression, n_expansion : float
+        Polytropic exponents.
+    """
+
+    clearance: float
+    intake: float
+    exhaust: float
+    peak: float
+    n_compression: float
+    n_expansion: float
+    outside: float = 101325.0
 
 
 class Torque(NamedTuple):
@@ -41,7 +62,7 @@ class Torque(NamedTuple):
     sizes: np.ndarray
 
 
-class Moving(NamedTuple):
+class CylinderParts(NamedTuple):
     """What moves in a cylinder.
 
     Attributes
@@ -60,7 +81,7 @@ class Moving(NamedTuple):
     speed: np.ndarray
 
 
-def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: Moving, orders: Sequence[float]) -> Torque:
+def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: CylinderParts, orders: Sequence[float]) -> Torque:
     """Torque of one cylinder by orders, over its four strokes.
 
     Parameters
@@ -69,7 +90,7 @@ def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: Moving, orde
         With numbers (...).
     bore : ndarray (...)
         [m].
-    moving : Moving
+    moving : CylinderParts
     orders : sequence of float
         Multiples of ½, above 0.
     """
@@ -77,16 +98,16 @@ def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: Moving, orde
         _by_quadrature(indicator, bore, moving, orders, nodes) for nodes in (NODES, NODES // 2)
     )
     off = np.concatenate([np.abs(mean - half_mean)[..., None], np.abs(found - half)], axis=-1)
-    # Convergence is geometric: the whole rule is off by the square of what half of it is, beside 1. Some room is left.
+    # Convergence is geometric: relative to 1 the whole rule errs by the square of half of it; 1.5 leaves some room.
     return Torque(mean, found, sizes * (1 + (off / sizes) ** 1.5 / EPS))
 
 
 @np.errstate(invalid="ignore", divide="ignore")
 def _by_quadrature(
-    indicator: Indicator, bore: np.ndarray, moving: Moving, orders: Sequence[float], nodes: int
+    indicator: Indicator, bore: np.ndarray, moving: CylinderParts, orders: Sequence[float], nodes: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean, harmonics and their sizes by a rule of so many nodes in each stroke."""
-    m = Moving(*(np.asarray(x, float)[..., None, None] for x in moving))
+    m = CylinderParts(*(np.asarray(x, float)[..., None, None] for x in moving))
     lines = Indicator(*(np.asarray(x, float)[..., None, None] for x in indicator))
     outer = np.sqrt((m.rod + m.radius) ** 2 - m.offset**2)
     stroke = outer - np.sqrt((m.rod - m.radius) ** 2 - m.offset**2)

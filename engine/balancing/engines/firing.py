@@ -1,8 +1,8 @@
-"""Firing of an engine: at which crank angles its cylinders fire, in which intervals, and in which order it may.
+"""Firing of a four-stroke engine: at which crank angles its cylinders fire, in which intervals and orders.
 
-A cylinder fires at its outer dead centre, phi = beta − alpha and whole turns; of the turns in its cycle (two in a
-four-stroke engine) the firing order says in which. The rods are taken to turn on the crankpin: link rods have their
-dead centres some degrees beside.
+A cylinder fires at its outer dead centre, phi = beta − alpha and whole turns; the firing order says in which of the
+two turns of its cycle. The rods are taken to turn on the crankpin: link rods reach their dead centres a few degrees
+earlier or later.
 """
 
 import math
@@ -10,26 +10,24 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from engine.balancing.engines.engine_layout import TURN, Layout, LayoutError
+from engine.balancing.engines.engine_layout import TURN, EngineLayout, LayoutError
 
 FOUR_STROKE = 2 * TURN
-TWO_STROKE = TURN
 # Angles that are equal but for rounding.
 _SAME = 1e-9
 
 
-def firing_angles(layout: Layout, order: Sequence[int], cycle: float = FOUR_STROKE) -> np.ndarray:
+def firing_angles(layout: EngineLayout, order: Sequence[int]) -> np.ndarray:
     """Crank angle at which each cylinder fires, from that of the first one in the order on.
 
     Parameters
     ----------
-    layout : Layout
+    layout : EngineLayout
         One engine, without variants.
     order : sequence of int
         Numbers of the cylinders from 1 on, each once.
-    cycle : float
-        4π for four strokes, 2π for two.
 
     Returns
     -------
@@ -45,20 +43,20 @@ def firing_angles(layout: Layout, order: Sequence[int], cycle: float = FOUR_STRO
     if sorted(order) != list(range(1, count + 1)):
         raise LayoutError(f"firing order {_order_text(order)}: it must name each of the cylinders 1 to {count} once")
     angles, taken = firing_sequence(layout, order)
-    if taken > cycle - _SAME:
+    if taken > FOUR_STROKE - _SAME:
         raise LayoutError(
             f"firing order {_order_text(order)}: with these throws it takes {math.degrees(taken):.6g}° to the last "
-            f"cylinder, the cycle has {math.degrees(cycle):.6g}°; {_suggestion(layout, cycle)}"
+            f"cylinder, the cycle has {math.degrees(FOUR_STROKE):.6g}°; {_suggestion(layout)}"
         )
     return angles
 
 
-def firing_sequence(layout: Layout, order: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+def firing_sequence(layout: EngineLayout, order: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Crank angles at which cylinders fire one after another, each as soon as its throw lets it.
 
     Parameters
     ----------
-    layout : Layout
+    layout : EngineLayout
     order : sequence of int
         Numbers of the cylinders from 1 on, each once.
 
@@ -79,34 +77,30 @@ def firing_sequence(layout: Layout, order: Sequence[int]) -> tuple[np.ndarray, n
     return angles, now
 
 
-def firing_intervals(angles: np.ndarray, cycle: float = FOUR_STROKE) -> np.ndarray:
+def firing_intervals(angles: np.ndarray) -> np.ndarray:
     """Angles from each firing to the next one, the last one to the first of the next cycle.
 
     Parameters
     ----------
     angles : ndarray (cylinders,)
-        As of `firing_angles`, in any order.
-    cycle : float
-        [rad].
+        As for `firing_angles`, in any order.
 
     Returns
     -------
     ndarray (cylinders,)
         [rad].
     """
-    fired = np.sort(angles % cycle)
-    return np.diff(fired, append=fired[0] + cycle)
+    fired = np.sort(angles % FOUR_STROKE)
+    return np.diff(fired, append=fired[0] + FOUR_STROKE)
 
 
-def even_firing_order(layout: Layout, cycle: float = FOUR_STROKE) -> tuple[int, ...] | None:
+def even_firing_order(layout: EngineLayout) -> tuple[int, ...] | None:
     """A firing order with even intervals.
 
     Parameters
     ----------
-    layout : Layout
+    layout : EngineLayout
         One engine, without variants.
-    cycle : float
-        [rad].
 
     Returns
     -------
@@ -117,13 +111,33 @@ def even_firing_order(layout: Layout, cycle: float = FOUR_STROKE) -> tuple[int, 
     centres = (layout.banks - layout.throws) - (layout.banks - layout.throws)[0]
     waiting, order = list(range(count)), []
     for k in range(count):
-        off = [(centres[c] - k * cycle / count + TURN / 2) % TURN - TURN / 2 for c in waiting]
+        off = [(centres[c] - k * FOUR_STROKE / count + TURN / 2) % TURN - TURN / 2 for c in waiting]
         fitting = [c for c, angle in zip(waiting, off, strict=True) if abs(angle) < _SAME]
         if not fitting:
             return None
         order.append(_farthest(fitting, order[-1] if order else fitting[0]))
         waiting.remove(order[-1])
     return tuple(c + 1 for c in order)
+
+
+def firing_sums(orders: Sequence[float], angles: ArrayLike) -> np.ndarray:
+    """Sums of the unit vectors exp(−i n f_k) of all cylinders: what each order of one's torque is multiplied by.
+
+    With even intervals all orders vanish but multiples of the firings per turn.
+
+    Parameters
+    ----------
+    orders : sequence of float
+    angles : array_like (..., cylinders)
+        [rad].
+
+    Returns
+    -------
+    ndarray of complex (..., orders)
+        Their size is the number of cylinders in the major orders, 0 in those that balance.
+    """
+    angles = np.asarray(angles, float)
+    return np.exp(-1j * angles[..., None, :] * np.asarray(orders, float)[:, None]).sum(axis=-1)
 
 
 def _farthest(fitting: list[int], last: int) -> int:
@@ -135,6 +149,6 @@ def _order_text(order: Sequence[int]) -> str:
     return "-".join(str(c) for c in order)
 
 
-def _suggestion(layout: Layout, cycle: float) -> str:
-    even = even_firing_order(layout, cycle)
+def _suggestion(layout: EngineLayout) -> str:
+    even = even_firing_order(layout)
     return "these throws allow no even one" if even is None else f"{_order_text(even)} fires evenly"

@@ -1,16 +1,15 @@
-"""Harmonics of the slider-crank: the piston's acceleration and the rod's swing, to any order.
+"""Harmonics of the slider-crank: the piston's acceleration, to any order.
 
 The crank r stands at the angle theta from the cylinder's axis, the piston runs at the distance e beside that axis
 (0 in most engines; a désaxé engine has one). With λ = r/l and ε = e/l the piston is at
 
     x = r cos theta + l √(1 − (λ sin theta − ε)²),   −ẍ/(r ω²) = Re Σ c_n exp(i n theta)
 
-and the rod leans by psi = arcsin(ε − λ sin theta). Without an offset c_n = A_n is real, A_1 = 1, no other odd order
-exists, and
+and without an offset c_n = A_n is real, A_1 = 1, no other odd order exists, and
 
     A_2 = λ + λ³/4 + 15 λ⁵/128 + …,  A_4 = −λ³/4 − 3 λ⁵/16 − …,  A_6 = 9 λ⁵/128 + …
 
-The series are not summed: x and psi are smooth and periodic, so a discrete Fourier transform over N positions is off
+The series are not summed: x is smooth and periodic, so a discrete Fourier transform over N positions is off
 by terms of the order of exp(−(N − n) a) alone, with cosh a = (1 − |ε|)/λ, where the motion's nearest singularity in
 the complex plane lies. N is chosen by that bound; what is left is rounding, some n² ulp of x/r.
 
@@ -18,7 +17,7 @@ Sources: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vo
 J. P. Den Hartog, Mechanical Vibrations (multicylinder engines).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -68,7 +67,7 @@ def crank_masses(
     rod_inertia : array_like (...), optional
         J_S of the rod [kg·m²]; without it the rod counts as its two masses and the correction is 0.
     throw : array_like (...)
-        Mass of the throw, reckoned at the crankpin [kg].
+        Mass of the throw, reduced to the crankpin [kg].
     """
     piston, rod_mass, rod, arm, throw = (np.asarray(x, dtype=float) for x in (piston, rod_mass, rod, rod_centre, throw))
     shares = static_two(rod_mass, (-arm, 0.0), (rod - arm, 0.0))
@@ -113,23 +112,7 @@ def piston_harmonics(ratio: ArrayLike, orders: Sequence[int], offset: ArrayLike 
     ndarray of complex (..., orders)
         NaN where the crank doesn't turn, or all but doesn't (see the module's text).
     """
-    return _transformed(_piston, ratio, offset, orders) * np.square(orders)
-
-
-def rod_harmonics(ratio: ArrayLike, orders: Sequence[int], offset: ArrayLike = 0.0) -> np.ndarray:
-    """Harmonics of the rod's angle to the cylinder's axis, psi = const + Re Σ psi_n exp(i n theta).
-
-    Parameters
-    ----------
-    ratio, offset, orders
-        As of `piston_harmonics`.
-
-    Returns
-    -------
-    ndarray of complex (..., orders)
-        [rad].
-    """
-    return _transformed(_rod, ratio, offset, orders)
+    return _transformed(ratio, offset, orders) * np.square(orders)
 
 
 def _piston(cosine: np.ndarray, sine: np.ndarray, ratio: np.ndarray, offset: np.ndarray) -> np.ndarray:
@@ -138,12 +121,8 @@ def _piston(cosine: np.ndarray, sine: np.ndarray, ratio: np.ndarray, offset: np.
     return cosine - sine * (ratio * sine - 2 * offset) / (root + middle)
 
 
-def _rod(cosine: np.ndarray, sine: np.ndarray, ratio: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    return np.arcsin(offset - ratio * sine)
-
-
-def _transformed(motion: Callable, ratio: ArrayLike, offset: ArrayLike, orders: Sequence[int]) -> np.ndarray:
-    """Complex amplitudes of a motion, with as many positions as each variant needs."""
+def _transformed(ratio: ArrayLike, offset: ArrayLike, orders: Sequence[int]) -> np.ndarray:
+    """Complex amplitudes of x/r, with as many positions as each variant needs."""
     ratio, offset = np.broadcast_arrays(np.asarray(ratio, float), np.asarray(offset, float))
     flat_ratio, flat_offset = ratio.ravel(), offset.ravel()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -157,7 +136,7 @@ def _transformed(motion: Callable, ratio: ArrayLike, offset: ArrayLike, orders: 
         left &= ~here
         theta = 2 * np.pi * np.arange(positions) / positions
         for some in _blocks(np.flatnonzero(here), positions):
-            rows = motion(np.cos(theta), np.sin(theta), flat_ratio[some, None], flat_offset[some, None])
+            rows = _piston(np.cos(theta), np.sin(theta), flat_ratio[some, None], flat_offset[some, None])
             found[some] = (np.fft.rfft(rows, axis=-1) * (2 / positions))[:, list(orders)]
         positions *= 2
     return found.reshape(*ratio.shape, len(orders))

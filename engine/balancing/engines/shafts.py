@@ -21,11 +21,11 @@ from numpy.typing import ArrayLike
 
 from engine.balancing.engines.engine_layout import Engine
 from engine.balancing.engines.hodograph import Hodograph
-from engine.balancing.engines.shaking import Shaking
-from engine.balancing.rotors.unbalance import Resultant, in_two_planes
+from engine.balancing.engines.shaking import EngineShaking
+from engine.balancing.rotors.unbalance import Resultant, unbalance_in_two_planes
 
 
-class Shaft(NamedTuple):
+class BalanceShaft(NamedTuple):
     """A shaft with unbalances, parallel to the crank, or the crank itself with its counterweights.
 
     Across the crank, a single shaft anywhere but on the crank's axis adds a rolling moment of its order; a pair that
@@ -59,7 +59,9 @@ class Shaft(NamedTuple):
         return self.order**2 * (self.unbalances * self.planes).sum(axis=-1)
 
 
-def counterweights(engine: Engine, rotating: ArrayLike = 1.0, reciprocating: ArrayLike = 0.0) -> Shaft:
+def crankshaft_counterweights(
+    engine: Engine, rotating: ArrayLike = 1.0, reciprocating: ArrayLike = 0.0
+) -> BalanceShaft:
     """Counterweights opposite each throw.
 
     Parameters
@@ -70,92 +72,72 @@ def counterweights(engine: Engine, rotating: ArrayLike = 1.0, reciprocating: Arr
 
     Returns
     -------
-    Shaft
+    BalanceShaft
         The crank with them, the unbalances in the planes of the throws.
     """
     shares = (np.asarray(x, float)[..., None] for x in (rotating, reciprocating))
     masses = (np.asarray(x, float) for x in (engine.rotating_mass, engine.reciprocating_mass))
     mass = sum(share * m for share, m in zip(shares, masses, strict=True))
     throws = np.asarray(engine.radius, float)[..., None] * np.exp(1j * engine.layout.throws)
-    return Shaft(1, 1, -mass * throws, engine.layout.positions)
+    return BalanceShaft(1, 1, -mass * throws, engine.layout.positions)
 
 
-def proposed_shafts(found: Shaking, planes: tuple[float, float], tolerance: float = 1e-9) -> list[Shaft]:
-    """Shafts that leave no force and no couple of all orders given.
+def balance_shafts(found: EngineShaking, planes: tuple[float, float], tolerance: float = 1e-9) -> list[BalanceShaft]:
+    """Shafts that leave no force and no couple of any order given.
 
     Parameters
     ----------
-    found : Shaking
+    found : EngineShaking
         Of an engine, or what already remains with counterweights and other shafts.
     planes : tuple of float
-        Where the shafts carry their unbalances [m]: twice the same where no couple remains.
+        Where the shafts carry their unbalances [m]; of twice the same plane, couples are left as they are.
     tolerance : float
         What is no greater than this share of the sizes of all that the cylinders contribute needs no shaft.
 
     Returns
     -------
-    list of Shaft
+    list of BalanceShaft
         For each order the one that turns with the crank and the one against it, where there is something to balance.
         For the first order and with the crank it is the crank itself.
     """
-    shafts = []
+    shafts, apart = [], planes[0] != planes[1]
     for i, order in enumerate(found.forces.orders):
         parts = zip((1, -1), found.forces.of(order), found.couples.of(order), strict=True)
         for sense, force, couple in parts:
             pulls = np.abs(force) > tolerance * found.force_terms[..., i]
             tilts = np.abs(couple) > tolerance * found.couple_terms[..., i]
-            if np.any(pulls | tilts):
+            if np.any(pulls | (tilts & apart)):
                 shafts.append(_shaft(order, sense, force, couple, planes))
     return shafts
 
 
-def _shaft(order: int, sense: int, force: np.ndarray, couple: np.ndarray, planes: tuple[float, float]) -> Shaft:
+def _shaft(order: int, sense: int, force: np.ndarray, couple: np.ndarray, planes: tuple[float, float]) -> BalanceShaft:
     if planes[0] == planes[1]:
-        return Shaft(order, sense, -force[..., None] / order**2, np.array(planes[:1]))
-    first, second = in_two_planes(Resultant(force, couple, np.zeros(())), *planes)
-    return Shaft(order, sense, -np.stack([first, second], axis=-1) / order**2, np.array(planes))
+        return BalanceShaft(order, sense, -force[..., None] / order**2, np.array(planes[:1]))
+    first, second = unbalance_in_two_planes(Resultant(force, couple, np.zeros(())), *planes)
+    return BalanceShaft(order, sense, -np.stack([first, second], axis=-1) / order**2, np.array(planes))
 
 
-def lanchester(found: Shaking, order: int, plane: float = 0.0) -> list[Shaft]:
-    """Lanchester's balancer: a pair of shafts that leave no force of one order.
-
-    Parameters
-    ----------
-    found : Shaking
-    order : int
-    plane : float
-        Where the shafts carry their unbalances [m].
-
-    Returns
-    -------
-    list of Shaft
-    """
-    return [
-        Shaft(order, sense, -np.asarray(force)[..., None] / order**2, np.array([plane]))
-        for sense, force in zip((1, -1), found.forces.of(order), strict=True)
-    ]
-
-
-def remaining(found: Shaking, shafts: Iterable[Shaft]) -> Shaking:
+def remaining_shaking(found: EngineShaking, shafts: Iterable[BalanceShaft]) -> EngineShaking:
     """What remains with counterweights and shafts.
 
     Parameters
     ----------
-    found : Shaking
+    found : EngineShaking
         Of an engine, or what already remains.
-    shafts : iterable of Shaft
+    shafts : iterable of BalanceShaft
         Those of other orders change nothing.
 
     Returns
     -------
-    Shaking
+    EngineShaking
         With the sizes of the shafts' contributions in its terms.
     """
     for shaft in shafts:
         here = (np.array(found.forces.orders) == shaft.order) * shaft.order**2
         pulls = np.abs(shaft.unbalances)
         tilts = pulls * np.abs(shaft.planes)
-        found = Shaking(
+        found = EngineShaking(
             _with(found.forces, shaft, shaft.force),
             _with(found.couples, shaft, shaft.couple),
             found.force_terms + pulls.sum(axis=-1)[..., None] * here,
@@ -164,7 +146,7 @@ def remaining(found: Shaking, shafts: Iterable[Shaft]) -> Shaking:
     return found
 
 
-def _with(vector: Hodograph, shaft: Shaft, part: np.ndarray) -> Hodograph:
+def _with(vector: Hodograph, shaft: BalanceShaft, part: np.ndarray) -> Hodograph:
     added = part[..., None] * (np.array(vector.orders) == shaft.order)
     with_crank = shaft.sense > 0
     return vector.plus(Hodograph(vector.orders, added * with_crank, added * (not with_crank)))

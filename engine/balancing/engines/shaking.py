@@ -27,10 +27,10 @@ from engine.balancing.engines.harmonics import piston_harmonics
 from engine.balancing.engines.hodograph import Hodograph
 from engine.balancing.engines.master_rod import master_rod_harmonics
 
-ORDERS = (1, 2, 4, 6)
+SHAKING_ORDERS = (1, 2, 4, 6)
 
 
-class Shaking(NamedTuple):
+class EngineShaking(NamedTuple):
     """What shakes an engine's frame, over ω², without counterweights and shafts.
 
     Attributes
@@ -47,7 +47,7 @@ class Shaking(NamedTuple):
     couple_terms: np.ndarray
 
 
-def shaking(engine: Engine, orders: Sequence[int] = ORDERS) -> Shaking:
+def engine_shaking(engine: Engine, orders: Sequence[int] = SHAKING_ORDERS) -> EngineShaking:
     """Inertia forces and couples on the engine's frame.
 
     Parameters
@@ -60,7 +60,7 @@ def shaking(engine: Engine, orders: Sequence[int] = ORDERS) -> Shaking:
     pins = None if engine.master is None else master_rod_harmonics(engine, orders)[1:]
     forces, force_terms = _summed(engine, orders, pistons, pins, np.ones(1))
     couples, couple_terms = _summed(engine, orders, pistons, pins, engine.layout.positions)
-    return Shaking(forces, couples, force_terms, couple_terms)
+    return EngineShaking(forces, couples, force_terms, couple_terms)
 
 
 def piston_motions(engine: Engine, orders: Sequence[int]) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.balancing.rotors.unbalance import Resultant, in_two_planes
+from engine.balancing.rotors.unbalance import Resultant, unbalance_in_two_planes
 
 STANDARD_GRAVITY = 9.80665
 
@@ -39,7 +39,7 @@ def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega
         Complex, in the rotor's axes [N]; not finite where both bearings are in one place.
     """
     square = np.square(omega)
-    return BearingForces(*(square * part for part in in_two_planes(rotor, first, second)))
+    return BearingForces(*(square * part for part in unbalance_in_two_planes(rotor, first, second)))
 
 
 def static_forces(
@@ -71,5 +71,5 @@ def static_forces(
 
 
 def peak_forces(rotating: BearingForces, static: BearingForces) -> BearingForces:
-    """Greatest magnitudes over a turn, where the turning force points the way of the weight [N]."""
+    """Greatest magnitudes over a turn, where the rotating force points along the weight [N]."""
     return BearingForces(*(np.abs(r) + np.abs(s) for r, s in zip(rotating, static, strict=True)))

@@ -13,12 +13,10 @@ Arrays have the planes along their last axis; all other axes are free and are br
 Sources: ISO 21940-11, 4.5; K. V. Frolov et al., Theory of Mechanisms and Machines (full balancing of a rotor).
 """
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.balancing.rotors.unbalance import Resultant, about, resultant
+from engine.balancing.rotors.unbalance import Resultant, about, resultant_unbalance
 
 
 def correct(rotor: Resultant, planes: ArrayLike, radii: ArrayLike = 1.0) -> np.ndarray:
@@ -51,7 +49,7 @@ def correct(rotor: Resultant, planes: ArrayLike, radii: ArrayLike = 1.0) -> np.n
         return -weights * (even[..., None] + tilting[..., None] * arms)
 
 
-def corrected(rotor: Resultant, corrections: ArrayLike, planes: ArrayLike) -> Resultant:
+def corrected_unbalance(rotor: Resultant, corrections: ArrayLike, planes: ArrayLike) -> Resultant:
     """What remains after a correction.
 
     Parameters
@@ -62,28 +60,8 @@ def corrected(rotor: Resultant, corrections: ArrayLike, planes: ArrayLike) -> Re
     planes : array_like (..., planes)
         Where [m].
     """
-    added = resultant(corrections, planes, rotor.plane)
+    added = resultant_unbalance(corrections, planes, rotor.plane)
     return Resultant(rotor.unbalance + added.unbalance, rotor.moment + added.moment, rotor.plane)
-
-
-def as_masses(corrections: ArrayLike, radii: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Masses and angles of corrections at given radii.
-
-    Parameters
-    ----------
-    corrections : array_like of complex (...)
-        [kg·m].
-    radii : array_like (...)
-        [m].
-
-    Returns
-    -------
-    masses, angles : ndarray (...)
-        To be added [kg] at [rad], 0 … 2 pi; where material is taken away, the angle is half a turn further.
-    """
-    corrections = np.asarray(corrections)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.abs(corrections) / radii, np.angle(corrections) % math.tau
 
 
 def misplaced_share(mass_error: ArrayLike, angle_error: ArrayLike) -> np.ndarray:

@@ -70,7 +70,7 @@ def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.
 def best_holes(
     correction: ArrayLike, holes: int, most: int, used: int, piece: ArrayLike, first: ArrayLike = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Whole pieces in a few holes that come nearest to a correction; no more of them than what they make takes.
+    """Whole pieces in a few holes that come nearest to a correction, as few of them as make the same.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def ways_to_fill(holes: int, most: int, used: int) -> int:
     Parameters
     ----------
     holes, most, used : int
-        As of `best_holes`.
+        As for `best_holes`.
 
     Raises
     ------

@@ -21,9 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import gammaincinv
 
-# Smallest of a rotor's singular values over its largest: below it nothing but rounding tells planes apart.
+# Smallest of a rotor's singular values over its largest: below it only rounding distinguishes the planes.
 LEAST_CONDITION = 1e-13
 
 
@@ -106,14 +105,6 @@ def residual_confidence(
     variances = np.diagonal(covariance, axis1=-2, axis2=-1).real
     # |R_k|² is distributed exponentially with the mean E|R_k|².
     return Confidence(covariance, np.sqrt(-np.log1p(-probability) * variances))
-
-
-def joint_bound(planes: int, probability: float) -> float:
-    """Bound of R* E[R R*]⁻¹ R within which the residuals of all planes together lie with a probability.
-
-    Half a chi-squared variable with two degrees of freedom for each plane.
-    """
-    return float(gammaincinv(planes, probability))
 
 
 class FourRuns(NamedTuple):

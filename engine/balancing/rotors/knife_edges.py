@@ -27,8 +27,8 @@ def residual_unbalance(mass: ArrayLike, arm: ArrayLike) -> np.ndarray:
     return np.multiply(mass, arm)
 
 
-def angle_error(unbalance: ArrayLike, mass: ArrayLike, arm: ArrayLike) -> np.ndarray:
-    """Greatest error of the heavy side's direction, arcsin(m k/D).
+def resting_angle(unbalance: ArrayLike, mass: ArrayLike, arm: ArrayLike) -> np.ndarray:
+    """How far from the lowest position the heavy side may come to rest, arcsin(m k/D).
 
     Parameters
     ----------

@@ -14,14 +14,22 @@ from functools import partial, reduce
 import numpy as np
 
 from engine.balancing.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
-from engine.balancing.rotors.correction import correct, corrected, misplaced_share
+from engine.balancing.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.balancing.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.balancing.rotors.hole_pattern import PatternError, best_holes
-from engine.balancing.rotors.knife_edges import residual_unbalance
+from engine.balancing.rotors.knife_edges import residual_unbalance, resting_angle
 from engine.balancing.rotors.rotor_element import CorrectionPlane, RotorElement
-from engine.balancing.rotors.rotor_rounding import Balanced, rotor_sizes
-from engine.balancing.rotors.unbalance import Resultant, about, in_two_planes, kind, resultant, unbalance
-from engine.elements.element_laws import LawOfArrays, Result
+from engine.balancing.rotors.rotor_rounding import BalancedRotor, rotor_sizes
+from engine.balancing.rotors.unbalance import (
+    Resultant,
+    about,
+    kind,
+    resultant_unbalance,
+    single_plane,
+    unbalance,
+    unbalance_in_two_planes,
+)
+from engine.elements.element_laws import ElementResult, LawOfArrays
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
@@ -30,31 +38,42 @@ Columns = dict[str, np.ndarray]
 WHOLE = 1e-6
 
 _RESULTS = (
-    Result("unbalance", "resultant unbalance", "kg m"),
-    Result("couple", "moment unbalance about the centre of mass", "kg m2"),
-    Result(
+    ElementResult("unbalance", "resultant unbalance", "kg m"),
+    ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
+    ElementResult(
         "kind", "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)", "1", exact=True
     ),
-    Result("permissible_unbalance", "permissible residual unbalance", "kg m"),
-    Result("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
-    Result("second_permissible", "permissible residual unbalance in the plane of the second bearing", "kg m"),
-    Result("quality_before", "balance quality e ω before balancing", "m s-1"),
-    Result("quality_after", "balance quality e ω after balancing", "m s-1"),
-    Result("quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1"),
-    Result("grade_before", "finest grade G held before balancing", "m s-1", None, True, True),
-    Result("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
-    Result("grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True),
-    Result("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
-    Result("first_force_before", "turning force on the first bearing before balancing", "N"),
-    Result("second_force_before", "turning force on the second bearing before balancing", "N"),
-    Result("first_force_after", "turning force on the first bearing after balancing", "N"),
-    Result("second_force_after", "turning force on the second bearing after balancing", "N"),
-    Result("first_peak_before", "force on the first bearing with the weight before balancing", "N"),
-    Result("second_peak_before", "force on the second bearing with the weight before balancing", "N"),
-    Result("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
-    Result("second_peak_after", "force on the second bearing with the weight after balancing", "N"),
-    Result("correction_mass", "mass added in all planes", "kg"),
-    Result("knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"),
+    ElementResult(
+        "single_plane", "position at which a single correction leaves the least couple", "m", may_be_undefined=True
+    ),
+    ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
+    ElementResult("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
+    ElementResult("second_permissible", "permissible residual unbalance in the plane of the second bearing", "kg m"),
+    ElementResult("quality_before", "balance quality e ω before balancing", "m s-1"),
+    ElementResult("quality_after", "balance quality e ω after balancing", "m s-1"),
+    ElementResult("quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1"),
+    ElementResult("grade_before", "finest grade G held before balancing", "m s-1", None, True, True),
+    ElementResult("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
+    ElementResult("grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True),
+    ElementResult("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
+    ElementResult("first_force_before", "rotating force on the first bearing before balancing", "N"),
+    ElementResult("second_force_before", "rotating force on the second bearing before balancing", "N"),
+    ElementResult("first_force_after", "rotating force on the first bearing after balancing", "N"),
+    ElementResult("second_force_after", "rotating force on the second bearing after balancing", "N"),
+    ElementResult("first_peak_before", "force on the first bearing with the weight before balancing", "N"),
+    ElementResult("second_peak_before", "force on the second bearing with the weight before balancing", "N"),
+    ElementResult("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
+    ElementResult("second_peak_after", "force on the second bearing with the weight after balancing", "N"),
+    ElementResult("correction_mass", "mass added in all planes", "kg"),
+    ElementResult(
+        "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
+    ),
+    ElementResult(
+        "knife_edge_angle",
+        "greatest angle between the heavy side and the lowest position at rest on knife edges",
+        "rad",
+        "rolling_arm",
+    ),
 )
 
 
@@ -68,8 +87,8 @@ def rotor_law(rotor: RotorElement) -> LawOfArrays:
     keys = tuple(_keys(rotor))
     results = [*_RESULTS]
     for name, plane in rotor.planes.items():
-        results.append(Result(f"{name}.mass", f"mass added in plane {name}", "kg"))
-        results.append(Result(f"{name}.angle", f"angle of the mass added in plane {name}", "rad"))
+        results.append(ElementResult(f"{name}.mass", f"mass added in plane {name}", "kg"))
+        results.append(ElementResult(f"{name}.angle", f"angle of the mass added in plane {name}", "rad"))
         if plane.holes is not None:
             results += _hole_results(name, plane)
     return LawOfArrays(
@@ -79,11 +98,13 @@ def rotor_law(rotor: RotorElement) -> LawOfArrays:
     )
 
 
-def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[Result]:
-    yield Result(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
+def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
+    yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
     for k in range(1, plane.used + 1):
-        yield Result(f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True)
-        yield Result(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
+        yield ElementResult(
+            f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True
+        )
+        yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
 
 
 def rotor_numbers(rotor: RotorElement) -> dict[str, np.ndarray]:
@@ -110,24 +131,26 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
     columns : dict of str to ndarray (variants,)
         As named in `rotor_law`; NaN where there is no such rotor or correction.
     sizes : dict of str to ndarray (variants,)
-        As of `rotor_sizes`; none of what is exact.
+        As for `rotor_sizes`; exact results have none.
     """
     n = numbers
-    unbalances, places = unbalances_of(rotor, n)
-    before = resultant(unbalances, places, n["centre"])
-    made, planes, added = corrections_of(rotor, n, before)
-    after = corrected(before, made, planes)
+    unbalances, places = rotor_unbalances(rotor, n)
+    before = resultant_unbalance(unbalances, places, n["centre"])
+    made, planes, added = rotor_corrections(rotor, n, before)
+    after = corrected_unbalance(before, made, planes)
     bearings = n["first_bearing"], n["second_bearing"]
     forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
     weights = static_forces(n["mass"], n["centre"], *bearings)
     permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
     shares = np.array(tolerance_shares(n["centre"], *bearings))
-    off = misplaced(rotor, n)
+    off = correction_errors(rotor, n)
+    rolling_arm = n.get("rolling_arm", np.full_like(permissible, math.nan))
     qualities, carried = _qualities(n, (before, after), made, planes, permissible, shares, off)
     columns = added | {
         "unbalance": np.abs(before.unbalance),
         "couple": np.abs(about(before, n["centre"]).moment),
         "kind": kind(before, n["centre"], permissible, permissible * np.abs(bearings[1] - bearings[0])).astype(float),
+        "single_plane": single_plane(before),
         "permissible_unbalance": permissible,
         "first_permissible": shares[0] * permissible,
         "second_permissible": shares[1] * permissible,
@@ -137,18 +160,17 @@ def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Colum
         **_named(peak_forces(forces[0], weights), "peak_before"),
         **_named(peak_forces(forces[1], weights), "peak_after"),
         "correction_mass": sum(added[f"{name}.mass"] for name in rotor.planes),
-        "knife_edge_unbalance": residual_unbalance(
-            n["mass"], n.get("rolling_arm", np.full_like(permissible, math.nan))
-        ),
+        "knife_edge_unbalance": residual_unbalance(n["mass"], rolling_arm),
+        "knife_edge_angle": resting_angle(np.abs(before.unbalance), n["mass"], rolling_arm),
     }
     radii = np.stack([n[f"planes.{name}.radius"] for name in rotor.planes], axis=-1)
     return columns, rotor_sizes(
-        rotor, n, Balanced(unbalances, places, made, planes, radii, shares, carried, off), columns
+        rotor, n, BalancedRotor(unbalances, places, made, planes, radii, shares, carried, off), columns
     )
 
 
-def misplaced(rotor: RotorElement, n: Numbers) -> np.ndarray:
-    """By how much of itself each plane's correction may be off (planes, variants)."""
+def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
+    """How far each plane's correction may be off, as a share of it (planes, variants)."""
     at = [f"planes.{name}" for name in rotor.planes]
     return np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])
 
@@ -164,7 +186,7 @@ def _qualities(
 ) -> tuple[Columns, np.ndarray]:
     """Quality and grade before, after, and with all errors adding up; what all corrections add in bearings' planes."""
     first, second = n["first_bearing"], n["second_bearing"]
-    before, after = (np.abs(in_two_planes(state, first, second)) for state in states)
+    before, after = (np.abs(unbalance_in_two_planes(state, first, second)) for state in states)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         levers = np.stack([planes.T - second, first - planes.T]) / (first - second)
         # What each plane's correction amounts to in the bearings' planes: (bearings, planes, variants).
@@ -201,14 +223,14 @@ def _keys(rotor: RotorElement) -> Iterator[str]:
         yield from (f"planes.{name}.{key}" for key in ("position", "radius", "mass_error", "angle_error", *holes))
 
 
-def unbalances_of(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
+def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
     """Unbalances of a rotor, complex, and their positions: (variants, unbalances) [kg·m] and [m]."""
     at = [f"unbalances.{name}" for name in rotor.unbalances]
     parts = [unbalance(n[f"{u}.mass"], n[f"{u}.radius"], n[f"{u}.angle"]) for u in at]
     return np.stack(parts, axis=-1), np.stack([n[f"{u}.position"] for u in at], axis=-1)
 
 
-def corrections_of(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, Columns]:
+def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, Columns]:
     """Corrections of a rotor.
 
     Parameters

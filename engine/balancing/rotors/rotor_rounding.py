@@ -23,7 +23,7 @@ Columns = dict[str, np.ndarray]
 FEW, SOME = 8.0, 32.0
 
 
-class Balanced(NamedTuple):
+class BalancedRotor(NamedTuple):
     """What a rotor's results are made of.
 
     Attributes
@@ -35,7 +35,7 @@ class Balanced(NamedTuple):
     shares, carried : ndarray (2, variants)
         Of the permissible unbalance, and what the sizes of all corrections add up to, in the bearings' planes [kg·m].
     off : ndarray (planes, variants)
-        By how much of itself every correction may be misplaced.
+        How far every correction may be off, as a share of it.
     """
 
     unbalances: np.ndarray
@@ -49,7 +49,7 @@ class Balanced(NamedTuple):
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) -> Columns:
+def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Columns) -> Columns:
     """Roundings that the results of a rotor carry.
 
     Parameters
@@ -58,7 +58,7 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) 
         Which unbalances and planes there are.
     n : mapping of str to ndarray (variants,)
         Its numbers.
-    b : Balanced
+    b : BalancedRotor
     columns : dict of str to ndarray (variants,)
         Its results.
 
@@ -70,7 +70,7 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) 
     bearings = np.abs(n["first_bearing"]) + np.abs(n["second_bearing"])
     span, centre = np.abs(n["second_bearing"] - n["first_bearing"]), np.abs(n["centre"])
     stretched = 1 + bearings / span
-    # What a unit of unbalance at a place is felt as in a bearing's plane, with the sizes of all lengths.
+    # What a unit of unbalance at a place amounts to in a bearing's plane, with the magnitudes of all lengths.
     reach = ((np.abs(z) + (centre + bearings)[:, None]) / span[:, None] for z in (b.positions, b.planes))
     at_masses, at_planes = (r * stretched[:, None] for r in reach)
     added = _corrections(rotor, n, b, own)
@@ -86,7 +86,9 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) 
         "couple": (own * (np.abs(b.positions) + centre[:, None])).sum(axis=-1),
         "permissible_unbalance": FEW * columns["permissible_unbalance"],
         "error_allowance": _room(allowed + after, each.sum(axis=-1), b, columns["error_allowance"]),
+        "single_plane": _plane_size(own, np.abs(b.positions) + 2 * centre[:, None], centre, columns),
         "knife_edge_unbalance": FEW * columns["knife_edge_unbalance"],
+        "knife_edge_angle": _resting_size(own.sum(axis=-1), columns),
     }
     worst = after + (each * b.off.T).sum(axis=-1)
     for word, size in (("before", before), ("after", after), ("at_worst", worst)):
@@ -104,12 +106,27 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: Balanced, columns: Columns) 
     return sizes
 
 
-def _room(size: np.ndarray, carried_size: np.ndarray, b: Balanced, room: np.ndarray) -> np.ndarray:
+def _plane_size(own: np.ndarray, arms: np.ndarray, centre: np.ndarray, columns: Columns) -> np.ndarray:
+    """Roundings of the position c + Re(P/U) of a single correction plane."""
+    moment, whole = (own * arms).sum(axis=-1), own.sum(axis=-1)
+    arm = np.abs(columns["single_plane"]) + centre
+    return (moment + arm * whole) / columns["unbalance"] + FEW * (arm + centre)
+
+
+def _resting_size(own: np.ndarray, columns: Columns) -> np.ndarray:
+    """Roundings of arcsin(m k/D): as m k nears D a little more of it does ever more to the angle."""
+    sine = columns["knife_edge_unbalance"] / columns["unbalance"]
+    angle = FEW * columns["knife_edge_angle"]
+    grows = sine * (own / columns["unbalance"] + FEW) / np.sqrt(np.maximum(1.0 - sine * sine, 0.0))
+    return np.where(sine < 1.0, grows + angle, angle)
+
+
+def _room(size: np.ndarray, carried_size: np.ndarray, b: BalancedRotor, room: np.ndarray) -> np.ndarray:
     """Roundings of the errors that are allowed: of a difference over what the corrections carry."""
     return ((size + np.abs(room) * carried_size) / b.carried).max(axis=0) + FEW * np.abs(room)
 
 
-def _corrections(rotor: RotorElement, n: Numbers, b: Balanced, own: np.ndarray) -> np.ndarray:
+def _corrections(rotor: RotorElement, n: Numbers, b: BalancedRotor, own: np.ndarray) -> np.ndarray:
     """Roundings of what is added in the planes (variants, planes)."""
     if len(rotor.planes) == 1:
         wanted = own.sum(axis=-1)[:, None]

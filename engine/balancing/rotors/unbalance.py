@@ -70,7 +70,7 @@ def unbalance(mass: ArrayLike, radius: ArrayLike, angle: ArrayLike) -> np.ndarra
     return np.multiply(mass, radius) * (np.cos(angle) + 1j * np.sin(angle))
 
 
-def resultant(unbalances: ArrayLike, positions: ArrayLike, plane: ArrayLike = 0.0) -> Resultant:
+def resultant_unbalance(unbalances: ArrayLike, positions: ArrayLike, plane: ArrayLike = 0.0) -> Resultant:
     """Resultant and moment unbalance about a plane.
 
     Parameters
@@ -93,7 +93,7 @@ def about(rotor: Resultant, plane: ArrayLike) -> Resultant:
     return Resultant(rotor.unbalance, rotor.moment + (rotor.plane - plane) * rotor.unbalance, plane)
 
 
-def in_two_planes(rotor: Resultant, first: ArrayLike, second: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+def unbalance_in_two_planes(rotor: Resultant, first: ArrayLike, second: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """The two unbalances that amount to the same in two planes: U_1 + U_2 = U with the same moment.
 
     Parameters
@@ -139,8 +139,8 @@ def kind(rotor: Resultant, centre: ArrayLike, unbalance_tolerance: float, moment
     )
 
 
-def quasi_static_plane(rotor: Resultant) -> np.ndarray:
-    """Where one correction leaves the least couple: z_0 + Re(U* P)/|U|², [m] (...).
+def single_plane(rotor: Resultant) -> np.ndarray:
+    """Where a single correction leaves the least couple: z_0 + Re(U* P)/|U|², [m] (...).
 
     There a quasi-static unbalance is wholly in one plane; NaN without a resultant unbalance.
     """

@@ -138,7 +138,7 @@ def scan(
 
 
 @routine
-def take(steps: int, candidates: Memory, search: Memory, found: Memory) -> bool:
+def take_farthest(steps: int, candidates: Memory, search: Memory, found: Memory) -> bool:
     """Take each lane's candidate that may reach farthest; whether any lane has one that may reach far enough."""
     for lane in range(LANES):
         search[TAKEN, lane], search[STEP, lane] = -math.inf, NONE
@@ -383,7 +383,7 @@ def find_extreme(
         slot_a, slot_b = step * record.curves + a, step * record.curves + b
         scan(record.values, slot_a, slot_b, factor, base, sign, record.panels, step, candidates, search)
     for _ in range(MOST_TOPS):
-        if not take(steps, candidates, search, found):
+        if not take_farthest(steps, candidates, search, found):
             break
         for step in range(steps):
             for lane in range(LANES):
@@ -395,7 +395,7 @@ def find_extreme(
         climb(work.series, search)
         value_of_series(work.other_series, search, search[HERE])
         compare(record, a, b, factor, search[HERE], search, found)
-    left = take(steps, candidates, search, found)
+    left = take_farthest(steps, candidates, search, found)
     for lane in range(LANES):
         beyond = search[TAKEN, lane] - found[VALUE, lane] if left & (search[STEP, lane] >= 0.0) else 0.0
         found[VALUE_ERROR, lane] = larger(found[VALUE_ERROR, lane], beyond)

@@ -23,41 +23,41 @@ NEW = math.pi / 2
 GAUSS = 2.0
 
 
-class Sliding(NamedTuple):
+class CoefficientRange(NamedTuple):
     """Least and greatest usual coefficient of sliding friction of two materials."""
 
     low: float
     high: float
 
 
-class Pair(NamedTuple):
+class FrictionCoefficients(NamedTuple):
     """Static and kinetic coefficient of friction of two materials."""
 
     static: float
     kinetic: float
 
 
-SLIDING: Mapping[str, Sliding] = MappingProxyType(
+SLIDING: Mapping[str, CoefficientRange] = MappingProxyType(
     {
-        "steel on steel": Sliding(0.18, 0.18),
-        "cast iron on steel": Sliding(0.20, 0.20),
-        "steel on wood": Sliding(0.40, 0.40),
-        "wood on wood": Sliding(0.4, 0.7),
-        "brake lining on metal": Sliding(0.3, 0.8),
-        "rubber on steel": Sliding(0.6, 0.8),
+        "steel on steel": CoefficientRange(0.18, 0.18),
+        "cast iron on steel": CoefficientRange(0.20, 0.20),
+        "steel on wood": CoefficientRange(0.40, 0.40),
+        "wood on wood": CoefficientRange(0.4, 0.7),
+        "brake lining on metal": CoefficientRange(0.3, 0.8),
+        "rubber on steel": CoefficientRange(0.6, 0.8),
     }
 )
 
-STATIC_AND_KINETIC: Mapping[str, Pair] = MappingProxyType(
+STATIC_AND_KINETIC: Mapping[str, FrictionCoefficients] = MappingProxyType(
     {
-        "steel on steel, dry": Pair(0.6, 0.3),
-        "steel on steel, oiled": Pair(0.05, 0.03),
-        "PTFE on steel": Pair(0.04, 0.04),
-        "wood on wood": Pair(0.5, 0.3),
-        "metal on wood": Pair(0.5, 0.3),
-        "rubber on concrete, dry": Pair(1.0, 0.7),
-        "rubber on concrete, wet": Pair(0.7, 0.5),
-        "steel on ice": Pair(0.4, 0.02),
+        "steel on steel, dry": FrictionCoefficients(0.6, 0.3),
+        "steel on steel, oiled": FrictionCoefficients(0.05, 0.03),
+        "PTFE on steel": FrictionCoefficients(0.04, 0.04),
+        "wood on wood": FrictionCoefficients(0.5, 0.3),
+        "metal on wood": FrictionCoefficients(0.5, 0.3),
+        "rubber on concrete, dry": FrictionCoefficients(1.0, 0.7),
+        "rubber on concrete, wet": FrictionCoefficients(0.7, 0.5),
+        "steel on ice": FrictionCoefficients(0.4, 0.02),
     }
 )
 
@@ -77,57 +77,3 @@ def stribeck(static: float, kinetic: float, speed: float, stribeck_speed: float,
     """
     fall = exponential(-power(abs(speed) / stribeck_speed, exponent))
     return static * fall + kinetic * (1.0 - fall)
-
-
-@scalar
-def tanh_sign(speed: float, width: float) -> float:
-    """The sign of a speed without its step: tanh(v/w).
-
-    Parameters
-    ----------
-    speed, width : float
-        v and w [m/s, or rad/s].
-    """
-    return math.tanh(speed / width)
-
-
-@scalar
-def tanh_sign_error(least_speed: float, width: float) -> float:
-    """Greatest error of `tanh_sign` at |v| >= v_e, and so of F in f N: 1 - tanh(v_e/w).
-
-    Parameters
-    ----------
-    least_speed, width : float
-        v_e >= 0 and w [m/s, or rad/s].
-
-    Returns
-    -------
-    float
-        1 for v_e = 0, 0.036 for 2 w, 9e-5 for 5 w.
-    """
-    return 2 / (math.exp(2 * least_speed / width) + 1)
-
-
-@scalar
-def root_sign(speed: float, width: float) -> float:
-    """The sign of a speed without its step: v/√(v² + w²); no exponential, but it nears the sign slowly.
-
-    Parameters
-    ----------
-    speed, width : float
-        v and w [m/s, or rad/s].
-    """
-    return speed / math.hypot(speed, width)
-
-
-@scalar
-def root_sign_error(least_speed: float, width: float) -> float:
-    """Greatest error of `root_sign` at |v| >= v_e, and so of F in f N: 1 - v_e/√(v_e² + w²), about w²/(2 v_e²).
-
-    Parameters
-    ----------
-    least_speed, width : float
-        v_e >= 0 and w [m/s, or rad/s].
-    """
-    root = math.hypot(least_speed, width)
-    return width / root * (width / (root + least_speed))

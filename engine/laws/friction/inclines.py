@@ -62,18 +62,6 @@ def self_locking(slope: float, friction: float) -> float:
 
 
 @scalar
-def within_friction_cone(normal: float, tangential: float, friction: float) -> float:
-    """1 where a contact stands without sliding, |T| <= f N, otherwise 0.
-
-    Parameters
-    ----------
-    normal, tangential, friction : float
-        N, positive where it presses, and T [N], f (the static one).
-    """
-    return 1.0 if abs(tangential) <= friction * normal else 0.0
-
-
-@scalar
 def incline_up(load: float, angle: float, friction: float, pull_angle: float) -> float:
     """Force that moves a load up an inclined plane: P = Q sin(alpha + phi)/cos(beta - phi), least at beta = phi.
 

@@ -69,25 +69,6 @@ def pull(normal: float, arm: float, height: float, friction: float) -> float:
 
 
 @scalar
-def plate_on_rollers(load: float, arm_below: float, arm_above: float, diameter: float) -> float:
-    """Force that moves a plate on rollers: Q (k1 + k2)/d, however many carry the load.
-
-    Parameters
-    ----------
-    load : float
-        Q [N].
-    arm_below, arm_above, diameter : float
-        k against the ground and against the plate, d of the rollers [m].
-
-    Returns
-    -------
-    float
-        [N].
-    """
-    return load * (arm_below + arm_above) / diameter
-
-
-@scalar
 def reduced_radius(radius: float, mate_radius: float) -> float:
     """Radius of the roller on a plane that fits as closely as two rollers do: 1/r = 1/r1 + 1/r2.
 

@@ -39,27 +39,10 @@ def flank_friction(friction: float, half_angle: float) -> float:
     Notes
     -----
     gamma is that of the axial section, as textbooks take it. The flank leans by that of the normal section,
-    `normal_half_angle`, which is less: f* comes out too great by about f sin(gamma) tan(gamma) tan²(beta)/2,
+    tan(gamma_n) = tan(gamma) cos(beta), which is less: f* is too great by about f sin(gamma) tan(gamma) tan²(beta)/2,
     1e-4 of itself for a metric thread with beta = 1.5 degrees, 3e-4 for a trapezoidal one with 5.
     """
     return friction / math.cos(half_angle)
-
-
-@scalar
-def normal_half_angle(half_angle: float, slope: float) -> float:
-    """Half of a thread's angle in the section across the thread: tan(gamma_n) = tan(gamma) cos(beta).
-
-    Parameters
-    ----------
-    half_angle, slope : float
-        gamma in the axial section [rad], tan(beta).
-
-    Returns
-    -------
-    float
-        gamma_n [rad]; with it `flank_friction`, and all that follows, is exact.
-    """
-    return math.atan(math.tan(half_angle) / math.sqrt(1 + slope * slope))
 
 
 @scalar
@@ -124,7 +107,7 @@ def raise_efficiency(load: float, radius: float, slope: float, moment: float) ->
 
 @scalar
 def lower_efficiency(load: float, radius: float, slope: float, moment: float) -> float:
-    """Share of the sinking load's work that the screw gives away: -M/(Q r tan(beta)), 0 where it locks by itself.
+    """Share of the sinking load's work that the screw passes on: -M/(Q r tan(beta)), 0 where it locks by itself.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ A fixed number of passes is straight-line code, so that variants are computed si
 them miss less than 1e-15 in 99 % of positions where the margin against jamming is above a half, 1e-13 where it is above
 a tenth, and 1e-8 below. What they leave is never hidden: `residual` is the change in the last of them, and what remains
 is about its square. Where it is not small, either no forces are in equilibrium, or friction in one pair gives back more
-than the whole of a force and passes are thrown to and fro; both count as jammed.
+than the whole of a force and passes alternate without end; both count as jammed.
 """
 
 import math
@@ -18,7 +18,7 @@ import math
 from engine.compiling.decorators import scalar
 from engine.laws.friction.feedback import change_of, guide_bearing
 
-# Kinds of pairs, as these laws are told them.
+# Kinds of pairs in the arguments of these laws.
 GUIDE, JOURNAL = 0.0, 1.0
 # Pressing forces that still change by more than this share in the last pass belong to no equilibrium.
 UNSETTLED = 1e-2
@@ -75,7 +75,7 @@ def settled_two(*pairs: float) -> tuple[float, float, float, float]:
     Returns
     -------
     n1, n2, margin, residual : float
-        As of `settled_one`.
+        As for `settled_one`.
     """
     one, two = pairs[:8], pairs[8:]
     n1, n2, first = _pass_of_two(one, two, 0.0, 0.0)
@@ -185,7 +185,7 @@ def _pass_of_three(
 
 @scalar
 def _margin(first: float, determinant: float, residual: float) -> float:
-    """Margin against jamming: the determinant of the last pass; 0 where the pressing forces change on and on.
+    """Margin against jamming: the determinant of the last pass; 0 where the pressing forces never settle.
 
     It is NaN only where the determinant of the first pass is, because the reactions without friction aren't known.
     """

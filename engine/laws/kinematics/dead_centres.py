@@ -8,7 +8,6 @@ import numpy as np
 from numba.extending import intrinsic
 
 from engine.compiling.decorators import scalar
-from engine.laws.elementary import arcsine
 
 # Half a unit in the last place of each of four coordinates and two lengths, and of the operations with them.
 ROUNDINGS = 8.0
@@ -35,15 +34,3 @@ def left_over(square: float, scale: float) -> float:
     """
     doubt = _roundings(scale) * scale
     return doubt - doubt if abs(square) < doubt else square
-
-
-@scalar
-def transmission_angle(sine: float) -> float:
-    """Transmission angle of a group from its `sine`, at most a right angle [rad]; NaN where it can't be assembled.
-
-    Parameters
-    ----------
-    sine : float
-        Magnitude of the quality of transmission; rounding may put it just above 1.
-    """
-    return arcsine(1.0 if sine > 1.0 else sine)

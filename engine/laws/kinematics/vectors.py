@@ -13,20 +13,6 @@ def distance(ax: float, ay: float, bx: float, by: float) -> float:
 
 
 @scalar
-def moment_of(px: float, py: float, fx: float, fy: float) -> float:
-    """Moment of a force about a point, p × F [N·m].
-
-    Parameters
-    ----------
-    px, py : float
-        Arm from the point to the force's line [m].
-    fx, fy : float
-        Force [N].
-    """
-    return px * fy - py * fx
-
-
-@scalar
 def oblique_components(gapx: float, gapy: float, c1: float, s1: float, c2: float, s2: float) -> tuple[float, float]:
     """Components p, q of a vector in two oblique directions: p u1 + q u2 = gap.
 

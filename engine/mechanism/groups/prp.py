@@ -1,7 +1,7 @@
 """The dyad PRP of two sliders, put together from nodes."""
 
 from engine.laws.kinematics.prp import prp_closure, prp_position, prp_rates
-from engine.mechanism.assembly import Assembly, Moving, Slide
+from engine.mechanism.assembly import Assembly, MovingPoint, Slide
 from engine.mechanism.vectors import Vector
 
 
@@ -18,7 +18,7 @@ def add_prp(assembly: Assembly, name: str) -> None:
     carried1 = under1.a + one.coriolis(v1 * one.u)
     carried2 = under2.a + two.coriolis(v2 * two.u)
     a1, a2 = apply(prp_rates, *(carried2 - carried1), *one.u, *two.u)
-    joint = Moving(b, under1.v + v1 * one.u, carried1 + a1 * one.u).called(group.inner)
+    joint = MovingPoint(b, under1.v + v1 * one.u, carried1 + a1 * one.u).called(group.inner)
     assembly.points[group.inner] = joint
     assembly.slider(group.first.link, joint, one, Slide(d1, v1, a1))
     assembly.slider(group.second.link, joint, two, Slide(d2, v2, a2))

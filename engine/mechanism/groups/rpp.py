@@ -1,7 +1,7 @@
 """The dyad RPP of a pivoted block and a slotted link that slides (Scotch yoke), put together from nodes."""
 
 from engine.laws.kinematics.rpp import rpp_closure, rpp_position, rpp_rates
-from engine.mechanism.assembly import Assembly, Moving, Slide, Turning
+from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.vectors import Vector
 
 
@@ -18,7 +18,7 @@ def add_rpp(assembly: Assembly, name: str) -> None:
     dv, slide_v = apply(rpp_rates, *relative, *guide.u, *slot)
     da, slide_a = apply(rpp_rates, *(a.a - under_pin.a - guide.coriolis(relative)), *guide.u, *slot)
     sliding = dv * guide.u
-    origin = Moving(crossing, under.v + sliding, under.a + guide.coriolis(sliding) + da * guide.u)
+    origin = MovingPoint(crossing, under.v + sliding, under.a + guide.coriolis(sliding) + da * guide.u)
     assembly.slider(group.second.link, origin, guide, Slide(d, dv, da))
     assembly.links[group.first.link] = Turning(a, slot, guide.carrier.w, guide.carrier.e)
     assembly.slides[group.first.link] = Slide(slide, slide_v, slide_a).called(group.first.link)

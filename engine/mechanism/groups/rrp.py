@@ -1,7 +1,7 @@
 """The dyad RRP of a rod and a slider, put together from nodes."""
 
 from engine.laws.kinematics.rrp import rrp_closure, rrp_position, rrp_rates
-from engine.mechanism.assembly import Assembly, Moving, Slide, Turning
+from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.vectors import Vector
 
 
@@ -19,7 +19,7 @@ def add_rrp(assembly: Assembly, name: str) -> None:
     sliding = dv * guide.u
     carried = under.a + guide.coriolis(sliding)
     e, da = apply(rrp_rates, *(carried - a.a + (w * w) * ab), *known)
-    joint = Moving(b, under.v + sliding, carried + da * guide.u).called(group.inner)
+    joint = MovingPoint(b, under.v + sliding, carried + da * guide.u).called(group.inner)
     assembly.points[group.inner] = joint
     assembly.link(group.first.link, Turning(a, u, w, e))
     assembly.slider(group.second.link, joint, guide, Slide(d, dv, da))

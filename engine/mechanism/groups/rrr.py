@@ -1,7 +1,7 @@
 """The dyad RRR of two bars, put together from nodes."""
 
 from engine.laws.kinematics.rrr import rrr_closure, rrr_position, rrr_rates
-from engine.mechanism.assembly import Assembly, Moving, Turning
+from engine.mechanism.assembly import Assembly, MovingPoint, Turning
 from engine.mechanism.vectors import Vector
 
 
@@ -21,5 +21,5 @@ def add_rrr(assembly: Assembly, name: str) -> None:
     assembly.link(group.second.link, second)
     # From the side whose outer joint is at rest the joint's motion takes fewer operations.
     b = second.at(db) if d.v == assembly.nowhere else first.at(ab)
-    assembly.points[group.inner] = Moving(Vector(bx, by), b.v, b.a).called(group.inner)
+    assembly.points[group.inner] = MovingPoint(Vector(bx, by), b.v, b.a).called(group.inner)
     assembly.transmits(name, sine, apply(rrr_closure, *a.r, *d.r, bx, by, r1, *u1, r2, *u2))

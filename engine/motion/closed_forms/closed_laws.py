@@ -15,7 +15,7 @@ import numpy as np
 from engine.compiling.decorators import scalar
 from engine.compiling.running import over_variants
 from engine.laws.motor_characteristics import induction_motor
-from engine.motion.cases import Law
+from engine.motion.cases import MomentLaw
 from engine.motion.closed_forms.closed_forms import (
     constant_moment,
     constant_moment_to_angle,
@@ -29,7 +29,7 @@ from engine.motion.closed_forms.closed_forms import (
 from engine.motion.closed_forms.induction_run_up import induction_motor_over_slip, induction_motor_to_slip
 from engine.motion.runs.run_progress import Ends
 
-CONSTANT, LINEAR, SQUARE = int(Law.CONSTANT), int(Law.LINEAR), int(Law.SQUARE)
+CONSTANT, LINEAR, SQUARE = int(MomentLaw.CONSTANT), int(MomentLaw.LINEAR), int(MomentLaw.SQUARE)
 ROUNDS = 60
 
 
@@ -44,7 +44,7 @@ class End(IntEnum):
 TO_TIME, TO_SPEED = int(End.TIME), int(End.SPEED)
 
 
-class Balance(NamedTuple):
+class MotionEquation(NamedTuple):
     """Coefficients of the equation of motion, each last (variants,).
 
     Attributes
@@ -89,19 +89,19 @@ class Motion(NamedTuple):
     peak: np.ndarray
 
 
-def speed_motion(law: Law, balance: Balance, omega: np.ndarray, ends: Ends) -> Motion:
+def speed_motion(law: MomentLaw, balance: MotionEquation, omega: np.ndarray, ends: Ends) -> Motion:
     """Motion under a moment that is constant or follows the speed.
 
     Parameters
     ----------
-    law : Law
+    law : MomentLaw
         CONSTANT, LINEAR (DC motors too), SQUARE, or KLOSS: one induction motor and constant loads until a speed.
-    balance : Balance
+    balance : MotionEquation
     omega : ndarray (variants,)
         Speed at the begin [rad/s].
     ends : Ends
     """
-    return _kloss(balance, omega, ends) if law == Law.KLOSS else _polynomial(law, balance, omega, ends)
+    return _kloss(balance, omega, ends) if law == MomentLaw.KLOSS else _polynomial(law, balance, omega, ends)
 
 
 def _goal(ends: Ends) -> tuple[End, np.ndarray]:
@@ -115,7 +115,7 @@ def _goal(ends: Ends) -> tuple[End, np.ndarray]:
 # Constant moment, falling with the speed or with its square
 
 
-def _polynomial(law: Law, balance: Balance, omega: np.ndarray, ends: Ends) -> Motion:
+def _polynomial(law: MomentLaw, balance: MotionEquation, omega: np.ndarray, ends: Ends) -> Motion:
     sums = balance.loads.sum(axis=0)
     sums[:2] += balance.line
     end, goal = _goal(ends)
@@ -123,7 +123,7 @@ def _polynomial(law: Law, balance: Balance, omega: np.ndarray, ends: Ends) -> Mo
     polynomial_runs(omega.size, int(law), int(end), balance.inertia, sums, omega, goal, out)
     time, angle, last, integral = out
     line, loads = balance.line, balance.loads
-    higher = loads[:, 2] if law == Law.SQUARE else loads[:, 1]
+    higher = loads[:, 2] if law == MomentLaw.SQUARE else loads[:, 1]
     works = np.concatenate(((line[0] * angle + line[1] * integral)[None], loads[:, 0] * angle + higher * integral))
     squares = line[0] ** 2 * time + line[1] * (2.0 * line[0] * angle + line[1] * integral)
     peak = np.maximum(np.abs(line[0] + line[1] * omega), np.abs(line[0] + line[1] * last))
@@ -210,7 +210,7 @@ def until_angle(law: int, inertia: float, m0: float, falls: float, omega0: float
 # Induction motor and constant load
 
 
-def _kloss(balance: Balance, omega: np.ndarray, ends: Ends) -> Motion:
+def _kloss(balance: MotionEquation, omega: np.ndarray, ends: Ends) -> Motion:
     load, out = -balance.loads[:, 0].sum(axis=0), np.empty((4, omega.size))
     kloss_runs(omega.size, balance.kloss[0], load, balance.inertia, omega, ends.speed, out)
     time, angle, motor_impulse, peak = out

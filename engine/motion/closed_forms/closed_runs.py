@@ -7,19 +7,19 @@ the run, go step by step.
 import numpy as np
 
 from engine.laws.tables import make_table
-from engine.motion.cases import Law
-from engine.motion.closed_forms.closed_laws import Balance, Motion, speed_motion
+from engine.motion.cases import MomentLaw
+from engine.motion.closed_forms.closed_laws import Motion, MotionEquation, speed_motion
 from engine.motion.closed_forms.closed_time import Push, strongest, timed_motion
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.tabulation import Sums
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_progress import Ends, Outcome, Progress
+from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
 from engine.motion.steppers.time_form import State
 from engine.verdicts import Verdict
 
 
 def run_in_closed_form(
-    law: Law,
+    law: MomentLaw,
     dynamics: Dynamics,
     variants: Variants,
     start: np.ndarray,
@@ -29,12 +29,12 @@ def run_in_closed_form(
     steps: int,
     half: bool,
     doubt: float,
-) -> Outcome:
+) -> RunOutcome:
     """Run in closed form, and step by step where that doesn't go.
 
     Parameters
     ----------
-    law : Law
+    law : MomentLaw
         Of all variants.
     dynamics, variants, start, omega, clock, ends, steps, half
         As of `Progress`.
@@ -60,7 +60,9 @@ def run_in_closed_form(
     return outcome
 
 
-def _equation(dynamics: Dynamics, variants: Variants, start: np.ndarray, doubt: float) -> tuple[Balance, Push | None]:
+def _equation(
+    dynamics: Dynamics, variants: Variants, start: np.ndarray, doubt: float
+) -> tuple[MotionEquation, Push | None]:
     """Coefficients of the equation of motion, the moment over time apart."""
 
     def raised(moment: np.ndarray) -> np.ndarray:
@@ -86,12 +88,12 @@ def _equation(dynamics: Dynamics, variants: Variants, start: np.ndarray, doubt: 
             loads[channel, order] += moment
     kloss = variants.drive.kloss.copy()
     kloss[:, 0] = raised(kloss[:, 0])
-    return Balance(out[0] + variants.flywheel, raised(variants.drive.line), kloss, loads), push
+    return MotionEquation(out[0] + variants.flywheel, raised(variants.drive.line), kloss, loads), push
 
 
-def _outcome(balance: Balance, omega: np.ndarray, motion: Motion) -> Outcome:
+def _outcome(balance: MotionEquation, omega: np.ndarray, motion: Motion) -> RunOutcome:
     count = omega.size
-    return Outcome(
+    return RunOutcome(
         np.full(count, Verdict.OK, np.uint8),
         State(motion.angle.copy(), motion.omega.copy(), motion.time.copy(), motion.works, motion.squares),
         motion.slowest,
@@ -103,7 +105,7 @@ def _outcome(balance: Balance, omega: np.ndarray, motion: Motion) -> Outcome:
     )
 
 
-def _take(outcome: Outcome, who: np.ndarray, other: Outcome) -> None:
+def _take(outcome: RunOutcome, who: np.ndarray, other: RunOutcome) -> None:
     """Put the outcome of some variants in its place."""
     for mine, new in zip(outcome.state, other.state, strict=True):
         mine[..., who] = new

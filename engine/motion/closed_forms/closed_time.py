@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.laws.tables import Table, table_value
-from engine.motion.closed_forms.closed_laws import Balance, Motion
+from engine.motion.closed_forms.closed_laws import Motion, MotionEquation
 from engine.motion.regula_falsi import regula_falsi
 
 
@@ -36,12 +36,12 @@ def strongest(table: Table) -> tuple[float, float]:
     return (float(instants[best]), float(values[best])) if values[best] else (0.0, 1.0)
 
 
-def timed_motion(balance: Balance, push: Push, omega: np.ndarray, clock: np.ndarray, time: np.ndarray) -> Motion:
+def timed_motion(balance: MotionEquation, push: Push, omega: np.ndarray, clock: np.ndarray, time: np.ndarray) -> Motion:
     """Motion until a time, of machines that go on in their direction.
 
     Parameters
     ----------
-    balance : Balance
+    balance : MotionEquation
         All other moments, which are constant.
     push : Push
     omega, clock, time : ndarray (variants,)

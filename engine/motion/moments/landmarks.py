@@ -13,7 +13,7 @@ from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
 from engine.cycle.events import MOST_ROOTS
-from engine.cycle.machine import Machine, Plan
+from engine.cycle.machine import CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.walk import of_edges, set_out
 from engine.cycle.roots import FUNCTION, LEVEL, X
@@ -61,7 +61,7 @@ class Landmarks:
         crossings = [(events[w.crossing.curve], functions.rows[w.crossing.level]) for w in self.watches]
         marks = [mark[1:] for mark in functions.landmarks]
         plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, scan=scan)
-        return Machine(plan, nothing).task
+        return CycleMachine(plan, nothing).task
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
         """Ends of strokes that something depends on, and the breaks of all actions.

@@ -9,7 +9,7 @@ import numpy as np
 
 from engine.motion.runs.run_in_angle import stretch
 from engine.motion.runs.run_in_time import set_off, step
-from engine.motion.runs.run_progress import Outcome, Progress
+from engine.motion.runs.run_progress import Progress, RunOutcome
 from engine.verdicts import Verdict
 
 # The energy form takes over where moments change the energy by less than twice this share per radian. It doesn't depend
@@ -19,7 +19,7 @@ BRISK = 2.0
 MOST_TIME_STEPS = 40_000
 
 
-def run_to_end(runs: Progress) -> Outcome:
+def run_to_end(runs: Progress) -> RunOutcome:
     """Carry runs to their end.
 
     Parameters
@@ -32,7 +32,7 @@ def run_to_end(runs: Progress) -> Outcome:
         return _run(runs)
 
 
-def _run(runs: Progress) -> Outcome:
+def _run(runs: Progress) -> RunOutcome:
     started = runs.energy()
     runs.note_now()
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
@@ -55,7 +55,7 @@ def _run(runs: Progress) -> Outcome:
             time_steps[slow] += 1
             runs.give_up(np.flatnonzero(~runs.done & (time_steps > MOST_TIME_STEPS)), Verdict.NO_END)
     history = None if runs.notes is None else np.concatenate(runs.notes, axis=1)
-    return Outcome(
+    return RunOutcome(
         runs.verdict,
         runs.state,
         runs.slowest,

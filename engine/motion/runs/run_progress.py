@@ -22,7 +22,7 @@ class Ends(NamedTuple):
     most_turned: np.ndarray
 
 
-class Outcome(NamedTuple):
+class RunOutcome(NamedTuple):
     """How runs went; arrays (variants,) unless said.
 
     Attributes
@@ -74,7 +74,7 @@ class Progress:
     state : State
         Now; angle and time counted from the begin of the run.
     verdict, slowest, fastest, peak : ndarray
-        As of `Outcome`, so far.
+        As of `RunOutcome`, so far.
     done : ndarray of bool
         Whether the run is over.
     facing : ndarray

@@ -317,7 +317,7 @@ def newton_step(wide: int, state: Memory, stages: Memory) -> float:
 
 
 @routine
-def take(wide: int, last: int, done: int, state: Memory, stages: Memory) -> float:
+def take_step(wide: int, last: int, done: int, state: Memory, stages: Memory) -> float:
     """Take the step in the lanes where it passes no end of the stretch; returns how many do."""
     going, count = 0.0, float(done)
     for lane in range(wide):
@@ -389,7 +389,9 @@ def why(state: Memory, lane: int, done: int) -> int:
 
 
 @routine
-def settle(first: int, width: int, done: int, channels: int, state: Memory, works: Memory, course: Course) -> None:
+def record_stops(
+    first: int, width: int, done: int, channels: int, state: Memory, works: Memory, course: Course
+) -> None:
     """Write down the lanes that stop here."""
     for lane in range(width):
         if state[MOVING, lane] > state[GOES, lane]:
@@ -495,11 +497,11 @@ def carry(
                 implicit_step(wide, form, drive, exponents, places, at, state, stages)
             else:
                 explicit_step(wide, form, drive, exponents, places, at, state, stages)
-            going = take(wide, weights.shape[0] - 1, done, state, stages)
+            going = take_step(wide, weights.shape[0] - 1, done, state, stages)
             if form.channels > 1:
                 add_works(wide, form, channel_of, exponents, weights, nodes, places, at, state, stages, moment, works)
             if going < moving:
-                settle(first, width, done, form.channels, state, works, course)
+                record_stops(first, width, done, form.channels, state, works, course)
             moving, done = going, done + 1
         if form.channels == 1:
             # What the motors didn't give.

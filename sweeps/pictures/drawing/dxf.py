@@ -41,7 +41,7 @@ def write_dxf(
     path : path
         File to write.
     scene, phi, values, paths
-        As of `sweeps.pictures.drawing.primitives`.
+        As for `sweeps.pictures.drawing.primitives`.
 
     Raises
     ------

@@ -51,7 +51,7 @@ def figures(motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = ())
     at : sequence of float
         Crank angles [rad] or displacements [m].
     paths : sequence of str
-        As of `primitives`.
+        As for `primitives`.
 
     Returns
     -------

@@ -120,7 +120,7 @@ def picture(
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
 ) -> None:
-    """Draw a mechanism to a file by itself (.svg, .pdf, .png), 160 mm wide at most; arguments as of `draw`."""
+    """Draw a mechanism to a file by itself (.svg, .pdf, .png), 160 mm wide at most; arguments as for `draw`."""
     with house_style():
         fig = new_figure(160, 160)
         ax = fig.add_subplot()

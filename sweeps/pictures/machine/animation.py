@@ -26,7 +26,7 @@ def save_animation(
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
 ) -> None:
-    """Write a mechanism's motion as a GIF that repeats for ever; a limited input goes to and fro.
+    """Write a mechanism's motion as a GIF that repeats for ever; a limited input goes back and forth.
 
     Parameters
     ----------

@@ -128,7 +128,7 @@ def diagrams(
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     values, fields : mapping, optional
-        As of `cycle_curves`.
+        As for `cycle_curves`.
 
     Returns
     -------

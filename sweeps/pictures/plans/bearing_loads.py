@@ -144,7 +144,7 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
 
 
 def load_rose(load: BearingLoad, ax: PolarAxes) -> None:
-    """Draw how much of the load comes in which direction, and the least loaded one; arguments as of `load_polar`."""
+    """Draw how much of the load comes in which direction, and the least loaded one; arguments as for `load_polar`."""
     share, width = shares(load), 2 * np.pi / SECTORS
     ax.bar(np.arange(SECTORS) * width, 100 * share, width=width, color=SKY, edgecolor="white", linewidth=0.3)
     free = least_loaded(load)

@@ -61,7 +61,7 @@ def reaction_pictures(
     ----------
     scene : Scene
     path : Path
-        As of `plan_pictures`.
+        As for `plan_pictures`.
     fields : collection of str
         Names of fields; nothing is drawn where none is of a pair's reaction.
     values : mapping of path to float, optional

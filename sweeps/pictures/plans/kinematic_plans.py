@@ -33,7 +33,7 @@ def velocity_plan(pose: Pose, ax: Axes) -> VectorPlan:
 
 
 def acceleration_plan(pose: Pose, ax: Axes) -> VectorPlan:
-    """Draw the plan of accelerations at uniform input speed; arguments as of `velocity_plan`."""
+    """Draw the plan of accelerations at uniform input speed; arguments as for `velocity_plan`."""
     plan = accelerations(pose)
     _draw(plan, ax, "a", "m/s²")
     return plan

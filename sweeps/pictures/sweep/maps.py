@@ -27,7 +27,7 @@ REASONS = {
     Verdict.NOT_FINITE: "infinite or undefined",
     Verdict.STALLS: "stalls",
     Verdict.RUNS_AWAY: "runs away",
-    Verdict.NO_END: "doesn't come to its end",
+    Verdict.NO_END: "doesn't reach its end",
     Verdict.JAMS: "friction jams",
     Verdict.ANY_SPEED: "nothing decides the speed",
     Verdict.LOCKS: "a brake locks by itself",
@@ -37,7 +37,7 @@ REASONS = {
 
 
 VEIL = "#e9ebed"
-# Share of a curve's range from which on a band about it can be seen.
+# A band about a curve can be seen from this share of the curve's range on.
 SEEN = 0.002
 
 

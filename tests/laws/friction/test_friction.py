@@ -21,11 +21,7 @@ from engine.laws.friction.coefficients import (
     SLIDING,
     STATIC_AND_KINETIC,
     WORN_IN,
-    root_sign,
-    root_sign_error,
     stribeck,
-    tanh_sign,
-    tanh_sign_error,
 )
 from engine.laws.friction.guides import (
     edge_forces,
@@ -63,27 +59,6 @@ def test_stribeck__is_its_formula(static, kinetic, speed, exponent):
 def test_stribeck__begins_at_static_and_ends_at_kinetic():
     assert stribeck(0.5, 0.2, 0.0, 0.1, 2.0) == 0.5
     assert stribeck(0.5, 0.2, -100.0, 0.1, 2.0) == 0.2
-
-
-@pytest.mark.parametrize(("sign", "error"), [(tanh_sign, tanh_sign_error), (root_sign, root_sign_error)])
-@quick
-@given(st.floats(-3.0, 3.0), st.floats(0.0, 3.0))
-def test_smooth_sign__errs_no_more_than_stated_and_just_as_much_at_the_limit(sign, error, width, beyond):
-    width = 10.0**width
-    for limit in (0.0, 0.1 * width, width, 7.0 * width):
-        stated = error(limit, width)
-        # One rounding of a sign near 1.
-        assert_allclose(stated, 1.0 - sign(limit, width), rtol=1e-14, atol=2 * EPS)
-        for way in (1.0, -1.0):
-            assert abs(way - sign(way * (limit + beyond * width), width)) <= stated + 2 * EPS
-
-
-def test_error_of_the_smooth_signs__keeps_its_digits_where_it_is_small():
-    with mpmath.workdps(60):
-        exact = [1 - mpmath.tanh(mpf(20)), 1 - mpf(10) ** 7 / mpmath.sqrt(mpf(10) ** 14 + 1)]
-    # Rounding of the exponent 40 is 40 eps of the error.
-    assert_allclose(tanh_sign_error(20.0, 1.0), float(exact[0]), rtol=50 * EPS)
-    assert_allclose(root_sign_error(1e7, 1.0), float(exact[1]), rtol=8 * EPS)
 
 
 # Guides

@@ -20,7 +20,6 @@ from engine.laws.friction.inclines import (
     self_locking,
     wedge_drive,
     wedge_withdraw,
-    within_friction_cone,
 )
 from engine.laws.friction.screws import (
     collar_moment,
@@ -28,7 +27,6 @@ from engine.laws.friction.screws import (
     locking_friction,
     lower_efficiency,
     lower_moment,
-    normal_half_angle,
     raise_efficiency,
     raise_moment,
     thread_slope,
@@ -102,15 +100,6 @@ def test_self_locking_of_an_incline__begins_at_the_friction_angle(friction):
     assert self_locking(math.tan(found * (1 - 1e-9)), friction) == 1.0
     assert self_locking(math.tan(found * (1 + 1e-9)), friction) == 0.0
     assert push_down(1.0, friction, friction) == 0.0
-
-
-@quick
-@given(st.floats(-3.0, 3.0), sizes, frictions)
-def test_friction_cone__holds_any_force_within_its_angle(angle, force, friction):
-    normal, tangential = force * math.cos(angle), force * math.sin(angle)
-    if abs(abs(angle) - math.atan(friction)) > 1e-12:
-        expected = abs(angle) < math.atan(friction)
-        assert within_friction_cone(normal, tangential, friction) == expected
 
 
 @quick
@@ -212,6 +201,11 @@ def thread_by_equilibrium(way, load, radius, slope, friction, half_angle):
         force = normal - way * f * helix
         pressed = q / force[2]
         return way * -pressed * force[1] * r, f * pressed * r * mpmath.sqrt(1 + t * t), pressed
+
+
+def normal_half_angle(half_angle, slope):
+    """Half of a thread's angle in the section across the thread: tan(gamma_n) = tan(gamma) cos(beta)."""
+    return math.atan(math.tan(half_angle) / math.sqrt(1 + slope * slope))
 
 
 @quick

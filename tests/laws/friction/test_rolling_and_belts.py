@@ -22,7 +22,6 @@ from engine.laws.friction.belts import (
     tight_tension,
 )
 from engine.laws.friction.rolling import (
-    plate_on_rollers,
     pull,
     reduced_friction,
     reduced_radius,
@@ -47,14 +46,6 @@ def test_roller__does_whichever_needs_less(normal, arm, height, friction):
         assert_allclose(force, friction * normal, rtol=2 * EPS)
         assert force * height <= rolling_moment(normal, arm) * (1 + 4 * EPS)
     assert_allclose(reduced_friction(arm, height) * height, arm, rtol=2 * EPS)
-
-
-@quick
-@given(sizes, st.floats(1e-6, 1e-2), st.floats(1e-6, 1e-2), st.floats(0.02, 1.0))
-def test_plate_on_rollers__moves_with_the_work_that_rolling_takes(load, below, above, diameter):
-    # The plate advances by d while the roller turns by 1 rad on both contacts.
-    lost = rolling_moment(load, below) + rolling_moment(load, above)
-    assert_allclose(plate_on_rollers(load, below, above, diameter) * diameter, lost, rtol=4 * EPS)
 
 
 @quick

@@ -1,0 +1,107 @@
+"""Balance shafts of engines: their speeds, unbalances and angles, and what shakes the engine without them."""
+
+import math
+
+import numpy as np
+
+from engine import (
+    EngineElement,
+    EngineShaking,
+    Scene,
+    UnitError,
+    balance_shafts,
+    crankshaft_counterweights,
+    engine_numbers,
+    engine_shaking,
+    in_text,
+    made_engine,
+    remaining_shaking,
+)
+from sweeps.text.engineer_units import quantity_text
+from sweeps.text.input_files import InputError
+from sweeps.text.tables import table
+
+# Shafts that turn faster than twice the crank's speed are not built.
+ORDERS = (1, 2)
+WORDS = {1: "primary", 2: "secondary"}
+
+
+def engines_of(scene: Scene) -> dict[str, EngineElement]:
+    """The engines among the elements of a scene, by name."""
+    return {name: e for name, e in scene.elements.items() if isinstance(e, EngineElement)}
+
+
+def balance_shaft_text(scene: Scene, planes: str | None = None) -> str:
+    """Balance shafts for every engine of a scene, in words.
+
+    Parameters
+    ----------
+    scene : Scene
+    planes : str, optional
+        Two positions along the crank from its middle, such as "-80 mm, 80 mm"; the outermost throws where not given.
+
+    Raises
+    ------
+    InputError
+        Positions that can't be read.
+    """
+    given = None if planes is None else _positions(planes)
+    return "\n\n".join(_engine_text(name, engine, given) for name, engine in engines_of(scene).items())
+
+
+def _engine_text(name: str, element: EngineElement, given: tuple[float, float] | None) -> str:
+    numbers = engine_numbers(element)
+    engine = made_engine(element, numbers)
+    weights = crankshaft_counterweights(engine, numbers["balanced_rotating"], numbers["balanced_reciprocating"])
+    found = remaining_shaking(engine_shaking(engine, ORDERS), [weights])
+    # Without a spacing of the throws nothing is known of couples.
+    places = engine.layout.positions if element.spacing is not None else np.zeros(1)
+    planes = given or (float(places.min()), float(places.max()))
+    shafts = balance_shafts(found, planes)
+    lines = [f"{name} at {quantity_text(element.speed, 'rad s-1')}, with its counterweights on the crank:"]
+    lines.append(table(_shaking_rows(found, element), "  "))
+    if not shafts:
+        return "\n".join([*lines, "No balance shafts are needed: no primary or secondary force or couple is left."])
+    used = planes if planes[0] != planes[1] else planes[:1]
+    rows = [("shaft", "speed", "turns", *(f"at {quantity_text(plane, 'm')}" for plane in used))]
+    for shaft in shafts:
+        crank = (shaft.order, shaft.sense) == (1, 1)
+        words = "the crank itself" if crank else f"balance shaft, {WORDS[shaft.order]}"
+        turns = "with the crank" if shaft.sense > 0 else "against it"
+        unbalances = (_polar_text(complex(part)) for part in shaft.unbalances.reshape(-1))
+        rows.append((words, f"{shaft.order} × crank", turns, *unbalances))
+    kinds = "force and no couple" if len(used) > 1 else "force"
+    lines.append(f"Unbalances that leave no primary and secondary {kinds}:")
+    lines.append(table(rows, "  "))
+    lines.append("Angles from the engine's axis, in the sense of the crank, with cylinder 1's throw on that axis.")
+    if element.spacing is None:
+        lines.append("Couples are left out: they need the engine's spacing.")
+    return "\n".join(lines)
+
+
+def _shaking_rows(found: EngineShaking, element: EngineElement) -> list[tuple[str, ...]]:
+    square = element.speed**2
+    rows = [("greatest", *(WORDS[order] for order in ORDERS))]
+    kinds = [("force", found.forces, found.force_terms, "N")]
+    if element.spacing is not None:
+        kinds.append(("couple", found.couples, found.couple_terms, "N m"))
+    for kind, vector, terms, unit in kinds:
+        sizes = np.where(vector.major > 1e-12 * terms, vector.major, 0.0).reshape(-1) * square
+        rows.append((kind, *(quantity_text(float(size), unit) for size in sizes)))
+    return rows
+
+
+def _polar_text(unbalance: complex) -> str:
+    angle = math.degrees(math.atan2(unbalance.imag, unbalance.real)) % 360.0
+    return f"{quantity_text(abs(unbalance), 'kg m')} at {angle:.1f}°"
+
+
+def _positions(text: str) -> tuple[float, float]:
+    parts = text.split(",")
+    try:
+        positions = [in_text(part.strip(), "length") for part in parts]
+    except UnitError as error:
+        raise InputError("--planes", [(None, "", str(error))]) from None
+    if len(positions) != 2:
+        raise InputError("--planes", [(None, "", f"{text!r}: give two positions along the crank, '-80 mm, 80 mm'")])
+    return positions[0], positions[1]
