@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 import pytest
-from engine.equal_positions.rows_machine import RowsMachine
 from machines import compare, crank, evaluated, frame, rrp, variants_of
 from oracle import EPS, Motion
 from oracle_dynamics import moments, reduced_inertia, reduced_inertia_phi

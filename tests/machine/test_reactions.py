@@ -8,9 +8,6 @@ import math
 import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, sliding_input
-from engine.machine.input_motion import InputMotion
-from engine.machine.model import Model
-from engine.machine.reactions import Reactions
 from loaded_machines import asked, loaded
 from machines import chain, compare, crank, evaluated, frame, places, rrp, variants_of
 from newton_euler import external, momentum, reactions
@@ -18,12 +15,6 @@ from oracle import EPS, Motion
 from press import actions, bodies, press
 
 from engine import Machine, Scene
-<<<<<<< HEAD
-=======
-from engine.laws import inertia_forces
-from engine.laws.kinematics import links, prp, rpp, rpr, rrr, vectors
-from engine.laws.kinematics import rrp as rrp_laws
->>>>>>> main
 from engine.scene.pairs import pairs
 from engine.scene.scene import Numbers, scene_numbers
 
