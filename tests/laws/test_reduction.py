@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 import pytest
-from engine.equal_positions.rows_machine import RowsMachine
 from machines import compare, crank, evaluated, frame, rrp, variants_of
 from oracle import EPS, Motion
 from oracle_dynamics import moments, reduced_inertia, reduced_inertia_phi
@@ -179,21 +178,12 @@ def varied() -> dict[str, np.ndarray]:
     return {path: values[order] for path, values in varied.items()}
 
 
-def loaded(kind: type, varied: dict) -> Machine | RowsMachine:
-    return kind(Scene.model_validate(press(**LOADED)), summaries=SUMMARIES, fields=ROWS, varied=varied, positions=48)
-
-
 @pytest.fixture(scope="module")
 def machine(varied) -> Machine:
-    return loaded(Machine, varied)
+    return Machine(Scene.model_validate(press(**LOADED)), SUMMARIES, ROWS, varied, positions=48)
 
 
-@pytest.fixture(scope="module")
-def rows_machine(varied) -> RowsMachine:
-    return loaded(RowsMachine, varied)
-
-
-def results(machine: Machine | RowsMachine, varied: dict) -> dict[str, np.ndarray]:
+def results(machine: Machine, varied: dict) -> dict[str, np.ndarray]:
     outcome = machine.evaluate(varied)
     assert (outcome.status == Verdict.OK).all()
     errors = {f"error of {name}": row for name, row in outcome.errors.items()}
@@ -202,29 +192,6 @@ def results(machine: Machine | RowsMachine, varied: dict) -> dict[str, np.ndarra
 
 def part_of(varied: dict, cut: slice) -> dict:
     return {path: values[cut] for path, values in varied.items()}
-
-
-def test_factorised_evaluation__same_as_variant_by_variant(rows_machine, varied):
-    rows_machine.forms_used.clear()
-    together = results(rows_machine, varied)
-    assert rows_machine.forms_used == {"factorised"}
-    alone = [results(rows_machine, part_of(varied, slice(i, i + 1))) for i in range(60)]
-    assert rows_machine.forms_used == {"factorised", "whole"}
-    for name in (*SUMMARIES, *ROWS):
-        one_by_one = np.concatenate([a[name] for a in alone])
-        # Sums of some 30 terms in another order; terms may be larger than their sum, so the scale is the whole
-        # sweep's largest value, with a factor for cancellation between terms.
-        tolerance = 30 * 16 * EPS * np.abs(one_by_one).max()
-        np.testing.assert_allclose(together[name], one_by_one, rtol=0, atol=tolerance, err_msg=name)
-
-
-def test_factorised_evaluation_split_into_calls__same_bits(rows_machine, varied):
-    together = results(rows_machine, varied)
-    rows_machine.forms_used.clear()
-    for cut in (slice(0, 13), slice(13, 60), slice(30, 60)):
-        for name, row in results(rows_machine, part_of(varied, cut)).items():
-            np.testing.assert_array_equal(row, together[name][cut], err_msg=name)
-    assert rows_machine.forms_used == {"factorised"}
 
 
 def test_order_of_variants__same_bits(machine, varied):

@@ -8,9 +8,6 @@ import math
 import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, sliding_input
-from engine.machine.input_motion import InputMotion
-from engine.machine.model import Model
-from engine.machine.reactions import Reactions
 from loaded_machines import asked, loaded
 from machines import chain, compare, crank, evaluated, frame, places, rrp, variants_of
 from newton_euler import external, momentum, reactions
@@ -18,9 +15,6 @@ from oracle import EPS, Motion
 from press import actions, bodies, press
 
 from engine import Machine, Scene
-from engine.laws import inertia_forces
-from engine.laws.kinematics import links, prp, rpp, rpr, rrr, vectors
-from engine.laws.kinematics import rrp as rrp_laws
 from engine.scene.pairs import pairs
 from engine.scene.scene import Numbers, scene_numbers
 
@@ -86,26 +80,6 @@ def test_piston_in_a_slot__cylinder_is_borne_by_the_rocker():
     scene = loaded(quick_return().model_dump(exclude_none=True), 2)
     cylinder = {"type": "pump", "piston": "stone", "bore": 0.05, "suction": 9e4, "discharge": 4e5}
     check(scene | {"cylinders": {"pump": cylinder}}, 32, slice(1, None, 3))
-
-
-def test_accelerated_input__newton_euler():
-    scene, omega, epsilon, q = press(bodies=bodies()), 11.0, -35.0, 0.7
-    model = Model(Scene.model_validate(scene))
-    p = model.program
-    motion = InputMotion(repr(omega**2), repr(epsilon))
-    moved = Reactions(model.scene, model.structure, model.mechanism, model.moments, p, motion).variables
-    steps = p.needed(moved.values())
-    names = {"math": math, "one": 1.0, "zero": 0.0}
-    for module in (prp, rpp, rpr, rrp_laws, rrr, inertia_forces, links, vectors):
-        names |= vars(module)
-    names |= {"q": q, "cos_q": math.cos(q), "sin_q": math.sin(q)}
-    names |= {slot.variable: float(slot.compute(model.numbers({}))) for slot in p.slots.values()}
-    exec("\n".join(step.line for step in steps), names)
-    expected = reactions(model.scene, np.array([q]), omega, epsilon)
-    expected["input_moment_by_equilibrium"] = expected["input_moment_by_power"] = expected.pop("input_moment")
-    for field, row in expected.items():
-        # A hundred operations on forces of the order of the greatest one.
-        assert names[moved[field]] == pytest.approx(float(row[0]), abs=100 * EPS * 1e4), field
 
 
 # Checks that the engine makes itself

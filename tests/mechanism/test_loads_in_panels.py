@@ -17,7 +17,7 @@ from machines import crank, four_bar, frame, on, rpr, rrp, slider_crank
 
 from engine import Scene
 from engine.graph.nodes import Graph, Node
-from engine.mechanism.actions.tables import time_of
+from engine.mechanism.actions.tables import uniform_time
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.scene.structure import order
@@ -276,7 +276,7 @@ def test_time__begins_where_the_input_does(drive, begin, duration):
     scene = slider_crank(input=drive, guides={"way": {}, "other": {"angle": 1.2}})
     scene["groups"]["g"]["second"]["guide"] = "other"
     scene, graph = Scene.model_validate(scene), Graph()
-    time = time_of(Kinematics(scene, order(scene), graph, frozenset()))
+    time = uniform_time(Kinematics(scene, order(scene), graph, frozenset()))
     values = GraphValues(scene, graph)
     end = values.first + values.last - begin
     np.testing.assert_allclose(values([time], np.array([begin, end]))[0], [0.0, duration], atol=1e-15)
