@@ -380,12 +380,13 @@ class CycleMachine:
         self, numbers: np.ndarray, tables: np.ndarray, answers: DriverAnswers, blocks: Sequence[int], steps: int
     ) -> None:
         functions = (self.events, self.levels, self.states, self.curves)
-        matrices = (TO_COEFFICIENTS, TO_INTEGRALS)
+        matrices, plan = (TO_COEFFICIENTS, TO_INTEGRALS), self.plan
+        rare = 1 if any((plan.angles, plan.speeds, plan.averages, plan.arcs, plan.spaced)) else None
         chosen = np.asarray(blocks, dtype=np.int64)
 
         def arguments() -> tuple:
             work = new_workspace(self._task, len(numbers), steps)
-            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work)
+            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work, rare)
 
         given = arguments()
         of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]
