@@ -25,7 +25,6 @@ import mpmath as mp
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from rounding_draws import DRAWS, arguments_of
-from rounding_flywheel import flywheel_lines
 
 HERE = Path(__file__).parent
 _GROUPS = ("rrr", "rrp", "rpr", "prp", "rpp")
@@ -37,13 +36,12 @@ MODULES = (
     "laws.elementary",
     "laws.motor_characteristics",
     "laws.indicator_diagrams",
-    "equal_positions.strokes",
 )
-MODULES += ("laws.tables", "equal_positions.flywheel", "motion.closed_forms.closed_forms")
+MODULES += ("laws.tables", "motion.closed_forms.closed_forms")
 MODULES += tuple(
     f"laws.friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling")
 )
-# They give a number that counts or one of their arguments, or measure rounding themselves, or fill rows.
+# They give a number that counts or one of their arguments, measure rounding themselves, or are a step of another one.
 LEFT_OUT = (
     "line_pressure",
     *(f"{group}_closure" for group in _GROUPS),
@@ -51,11 +49,7 @@ LEFT_OUT = (
     "_cubic",
     "_logarithm_parts",
     "_exponential_of_sum",
-    "four_stroke_number",
-    "two_stroke_number",
-    "stroke_ends",
-    "swing_ends",
-    "unwrap_angle",
+    "direction_near_zero",
     "_stays_on",
 )
 SAMPLES, DIGITS, NUDGE = 400, 80, mp.mpf(10) ** -30
@@ -277,8 +271,6 @@ MENDED = inspect.cleandoc(
     |---|---|---|
     | `rrr_position`, error over inherent + ½ | 440, by (r1 + r2)² − d² and d² − (r1 − r2)² | 6, by u (4 r1 r2 − u) |
     | 6 000 change points of parallelograms | 49 % out of reach; sines of up to 2e-7, by rounding alone | all singular |
-    | fluctuation 7e-7, relative error | 3e-10, from ω_max − ω_min | 1e-16 |
-    | flywheel beside a constant inertia of 1e9 kg·m², δ = 1e-8, error of I | 1e-8 | 1e-16 |
     """
 )
 
@@ -316,7 +308,7 @@ def main() -> None:
     closing = [f"Without any error: {', '.join(faultless)}.", ""]
     closing += [f"More than {WORSE_THAN_INHERENT:g} times over what is inherent: {', '.join(worse) or 'none'}.", ""]
     closing += [f"No number where there is one, or one where there is none: {', '.join(lost) or 'none'}.", ""]
-    text = "\n".join([intro, "", *closing, MENDED, "", *lines, *flywheel_lines()])
+    text = "\n".join([intro, "", *closing, MENDED, "", *lines])
     (HERE / "rounding.md").write_text(text, encoding="utf8")
 
 

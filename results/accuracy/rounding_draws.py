@@ -161,16 +161,6 @@ def two_numbers(rng: np.random.Generator, near: bool) -> dict:
     return {"a": a, "b": a * (1.0 + tiny(rng) if near else size(rng))}
 
 
-def turning_back(rng: np.random.Generator, near: bool) -> dict:
-    """A cubic that turns back between two positions, up to 1e-10 from one of them."""
-    h, a = size(rng, 2.0), signed(rng, 2.0)
-    place, third = (tiny(rng) if near else rng.uniform(0.05, 0.95)), rng.uniform(-0.3, 0.3)
-    # The derivative a (t - place)(1 + third t) over the interval, and a value at its begin.
-    d0 = signed(rng, 2.0)
-    rise = a * h * (1 / 2 - place + third * (1 / 3 - place / 2))
-    return {"d0": d0, "d1": d0 + rise, "v0": -a * place, "v1": a * (1.0 - place) * (1.0 + third), "h": h}
-
-
 def any_table(rng: np.random.Generator, near: bool) -> dict:
     """A spline through six rows, at a place within it, up to 1e-10 from a row."""
     x = np.cumsum(rng.uniform(0.2, 2.0, 6)) + rng.uniform(-5.0, 5.0)
@@ -192,13 +182,6 @@ def cosine_near_zero(rng: np.random.Generator, near: bool) -> dict:
     return {"angle": angle}
 
 
-def dead_centres(rng: np.random.Generator, near: bool) -> dict:
-    """Crank angles of two dead centres, half a turn apart or less."""
-    first = rng.uniform(0.0, 2 * math.pi)
-    second = first + (math.pi + tiny(rng) if near else rng.uniform(0.1, 6.0))
-    return {"low_at": first, "high_at": second % (2 * math.pi), "guess": signed(rng, 1.5), **directions(rng, False)}
-
-
 DRAWS: dict[str, Draws] = {
     **dict.fromkeys(("rrr_position",), triangle),
     **dict.fromkeys(("rrp_position",), rod_on_guide),
@@ -218,14 +201,12 @@ DRAWS: dict[str, Draws] = {
     **dict.fromkeys(("linear_moment", "linear_moment_squares"), some_time),
     "quadratic_moment": fan_time,
     "logarithmic_mean": two_numbers,
-    "extreme_between": turning_back,
     "table_value": any_table,
     **dict.fromkeys(("tanh_sign", "tanh_sign_error", "root_sign", "root_sign_error", "stribeck"), friction_of_motion),
     "direction_of": cosine_near_zero,
     "exponential": lambda rng, near: {"x": signed(rng, 2.0)},
     "arcsine": lambda rng, near: {"x": 1.0 - tiny(rng) if near else tiny(rng)},
     **dict.fromkeys(("logarithm", "power"), lambda rng, near: {"x": 1.0 + tiny(rng) if near else size(rng)}),
-    **dict.fromkeys(("quick_return_ratio", "angle_near"), dead_centres),
     "transmission_angle": lambda rng, near: {"sine": 1.0 - tiny(rng) if near else tiny(rng)},
 }
 

@@ -154,6 +154,34 @@ def test_swing_of_a_link_that_turns_round__is_undefined():
     assert abs(outcome.summaries["rocker.angle_phi.mean"][0] - 1.0) <= outcome.errors["rocker.angle_phi.mean"][0]
 
 
+@pytest.mark.parametrize(("pivot", "crank"), [(0.22, 0.05), (0.05, 0.18)], ids=["swings", "turns round"])
+def test_statistics_of_an_angle__are_those_of_its_rows(pivot, crank):
+    links, of = ("rocker.angle", "rod.angle"), ("mean", "rms", "min", "max", "range")
+    names = [f"{link}.{s}" for link in links for s in of]
+    drawn = scene({"g": ROCKER}, {"D": {"x": pivot, "y": 0}}, crank).model_dump(exclude_none=True)
+    del drawn["input"]["revolutions"]
+    outcome = Machine(Scene.model_validate(drawn), names, links, positions=7200).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    for link in links:
+        row, h = outcome.fields[link][0], TURN / 7200
+        turn = TURN * round((row[-1] - row[0]) / TURN)
+        closed = np.append(row, row[0] + turn)
+        size = np.abs(closed).max()
+        # The rates are the same at both ends, so that the trapezoid rule is exact for the angle, and all but for its
+        # square, whose rate changes by 2 ψ′ times the turn: h²/12 of that.
+        of_square = abs(h**2 / 12 * 2 * turn * (row[1] - row[0]) / h) / TURN
+        mean, square = ((0.5 * (rows[0] + rows[-1]) + rows[1:-1].sum()) / 7200 for rows in (closed, closed**2))
+        found = {s: (outcome.summaries[f"{link}.{s}"][0], outcome.errors[f"{link}.{s}"][0]) for s in of}
+        assert abs(found["mean"][0] - mean) <= found["mean"][1] + 64 * EPS * size
+        rms, figure = found["rms"]
+        assert abs(rms**2 - square) <= 2 * rms * figure + 2 * of_square + 64 * EPS * size**2
+        # The second derivatives of these angles are below 10; an extreme lies within half a step of a position.
+        for name, sign, top in (("max", 1, closed.max()), ("min", -1, closed.min())):
+            value, figure = found[name]
+            assert -figure - 4 * EPS * size <= sign * (value - top) <= 10 * h**2 / 8 + figure
+        assert all(figure <= 1e-8 * size for _, figure in found.values())
+
+
 def test_oscillating_slotted_lever__has_the_time_ratio_of_its_tangents():
     lever = {"type": "RPR", "first": {"link": "block", "joint": "A"}, "second": {"link": "lever", "joint": "D"}}
     rng = np.random.default_rng(5)
