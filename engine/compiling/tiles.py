@@ -26,15 +26,15 @@ def field_signature(dtype: np.dtype) -> Signature:
     """Signature of functions that fill rows over the positions of one variant.
 
     Their arguments are (p, T, q, cos_q, sin_q, v, rows): the variant's numbers, all tables, positions with cosines and
-    sines, the variant's place, and rows (curves, variants, positions); all of one type but the tables.
+    sines, the variant's place, and rows (curves, variants, positions). They compute in double precision.
 
     Parameters
     ----------
     dtype : float64 or float32
+        In which the rows are kept.
     """
-    number = numba.from_dtype(np.dtype(dtype))
-    line = number[::1]
-    return types.void(line, types.float64[::1], line, line, line, types.intp, number[:, :, ::1])
+    line = types.float64[::1]
+    return types.void(line, line, line, line, line, types.intp, numba.from_dtype(np.dtype(dtype))[:, :, ::1])
 
 
 class TypedFunction(types.WrapperAddressProtocol):

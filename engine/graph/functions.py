@@ -252,7 +252,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
 
 def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
     """Text of a module with `fields`, which fills rows over equally spaced positions."""
-    text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows, dtype)
+    text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows)
     imports = ["from engine.compiling.tiles import TILE_OPTIONS, field_signature", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype=np.dtype(dtype).name)
     return f"{head}\n\n@njit(field_signature(dtype), **TILE_OPTIONS)\n{text}"

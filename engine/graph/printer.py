@@ -7,8 +7,6 @@ fields are made of. What is printed is read by compilers and by people, never ag
 
 from collections.abc import Iterable, Mapping, Sequence
 
-import numpy as np
-
 from engine.compiling.tiles import LANES
 from engine.graph.nodes import (
     Application,
@@ -36,7 +34,6 @@ FEW_ROWS = 4
 # the memory takes these in.
 CHUNK = 16
 
-_FLOAT64 = np.dtype(np.float64)
 # Names of what is around the statements: loops, arguments, modules.
 _TAKEN = {"P", "T", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "math", "n", "np", "p", "positions", "q"}
 _TAKEN |= {"row", "rows", "sin_q", "t", "tile", "v", *(f"row{c}" for c in range(FEW_ROWS))}
@@ -52,8 +49,6 @@ class Statements:
         Nodes that change less often are read from the numbers.
     inline_held : bool
         Whether held nodes are computed at the position itself instead of being read.
-    dtype : dtype
-        Of constants.
 
     Attributes
     ----------
@@ -68,10 +63,8 @@ class Statements:
         Laws that are called.
     """
 
-    def __init__(
-        self, outputs: Sequence[Node], stage: Stage, inline_held: bool = True, dtype: np.dtype = _FLOAT64
-    ) -> None:
-        self._stage, self._inline_held, self._dtype = stage, inline_held, np.dtype(dtype)
+    def __init__(self, outputs: Sequence[Node], stage: Stage, inline_held: bool = True) -> None:
+        self._stage, self._inline_held = stage, inline_held
         self.statements: list[str] = []
         self.reads: dict[Node, str] = {}
         self.positions: list[str] = []
@@ -100,7 +93,7 @@ class Statements:
     def _write(self, node: Node) -> None:
         match node:
             case Constant():
-                self._texts[node] = self._literal(node.value)
+                self._texts[node] = repr(node.value)
             case TableMemory():
                 self._texts[node] = "T"
             case Position():
@@ -118,9 +111,6 @@ class Statements:
                 pass
             case Operation() | Sum():
                 self._compute(node)
-
-    def _literal(self, value: float) -> str:
-        return repr(value) if self._dtype == _FLOAT64 else f"dtype({value!r})"
 
     def _name(self, node: Node) -> str:
         wanted = "".join(c if c.isalnum() else "_" for c in node.label).strip("_")
@@ -245,15 +235,13 @@ def in_lanes(
     return "\n".join(lines) + "\n", body.laws
 
 
-def over_positions(
-    name: str, doc: str, outputs: Sequence[Node], rows: Mapping[Node, int], dtype: np.dtype
-) -> tuple[str, list]:
+def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[Node, int]) -> tuple[str, list]:
     """Print a function that fills rows over the positions of one variant.
 
     Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the place of the
     variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as for `in_lanes`.
     """
-    body = Statements(outputs, Stage.POSITION, True, dtype)
+    body = Statements(outputs, Stage.POSITION)
     used = dict.fromkeys(body.positions)
     lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
     lines += [f"    {which}_at = {which}" for which in used]
@@ -267,7 +255,7 @@ def over_positions(
     inner = [*(f"{which} = {which}_row[k]" for which in used), *body.statements]
     inner += [f"t[{c * CHUNK} + k] = {value}" for c, value in enumerate(body.values)]
     lines += [
-        f"    t = np.empty({len(outputs) * CHUNK}, dtype)",
+        f"    t = np.empty({len(outputs) * CHUNK})",
         f"    for first in range(0, rows.shape[2], {CHUNK}):",
         f"        n = min({CHUNK}, rows.shape[2] - first)",
         *(f"        {which}_row = {which}_at[first : first + n]" for which in used),

@@ -41,6 +41,7 @@ class KeptFields:
     levels : callable
         The machine's function of that name.
     dtype : float64 or float32
+        In which they are kept; they are computed in double precision.
     title : str
         Of the machine.
 
@@ -162,8 +163,7 @@ def _fill(
     """Fill the fields of blocks `begin` … `end` − 1 of LANES variants; see `KeptFields.fill`."""
     numbers, variants = table.shape
     block, nowhere, tile = np.empty((numbers, LANES)), np.zeros((1, LANES)), np.empty((level_rows.size, 1, LANES))
-    # All of what the function takes is of the fields' type.
-    p, at = np.empty(numbers, fields.dtype), np.empty(positions.shape, fields.dtype)
+    p, at = np.empty(numbers), np.empty(positions.shape)
     q, cos_q, sin_q = at[0], at[1], at[2]
     at[:] = positions
     for b in range(begin, end):

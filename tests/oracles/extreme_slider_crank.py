@@ -116,8 +116,8 @@ def paths(variants: list[dict]) -> dict[str, np.ndarray]:
 class SliderCrank:
     """The slider-crank of some numbers; angles are mpmath's."""
 
-    def __init__(self, numbers: dict[str, float], dtype: type = np.float64) -> None:
-        self.v = {name: mp.mpf(float(dtype(value))) for name, value in numbers.items()}
+    def __init__(self, numbers: dict[str, float]) -> None:
+        self.v = {name: mp.mpf(float(value)) for name, value in numbers.items()}
         self.first_kind = self.v["J"] + self.v["me"] * self.v["e"] ** 2
         self.weight = self.v["me"] * self.v["g"] * self.v["e"]
 
@@ -137,8 +137,8 @@ class SliderCrank:
 class Closed(SliderCrank):
     """Fields of the slider-crank at some positions, with what rounding may do to each, in units of EPS."""
 
-    def __init__(self, nodes: np.ndarray, numbers: dict[str, float], dtype: type) -> None:
-        super().__init__(numbers, dtype)
+    def __init__(self, nodes: np.ndarray, numbers: dict[str, float]) -> None:
+        super().__init__(numbers)
         self.rows = {name: [] for name in FIELDS if name != "W"}
         self.slack = {name: [] for name in self.rows}
         for phi in nodes:
