@@ -92,8 +92,6 @@ class Plan:
         the work W about the mean of the moment and the inertia I, I_1 at the first position.
     fluctuations : sequence of tuples
         Moment, inertia, rows with mean speed and flywheel's inertia: the speed fluctuation is asked.
-    runs : sequence of int
-        Curves whose running integrals from the first position are asked.
     compared : sequence of tuples
         A curve, another, and a row with a factor c: extremes of R − c (b − b₀) are asked, of the running integral R of
         the one and the other b.
@@ -102,7 +100,7 @@ class Plan:
     speeds : sequence of int
         Which fluctuations' speeds over the cycle are asked.
     averages : sequence of tuples
-        Mean and mean square are asked of "works", "runs", "angles" or "speeds", and which of them.
+        Mean and mean square are asked of "works", "angles" or "speeds", and which of them.
     spaced : sequence of tuples
         The same, whose values at equally spaced positions are asked.
     intervals, positions : int
@@ -130,7 +128,6 @@ class Plan:
     works: Sequence[int] = ()
     combinations: Sequence[tuple[int, ...]] = ()
     fluctuations: Sequence[tuple[int, int, int, int]] = ()
-    runs: Sequence[int] = ()
     compared: Sequence[tuple[int, int, int]] = ()
     angles: Sequence[tuple[int, int]] = ()
     speeds: Sequence[int] = ()
@@ -162,11 +159,6 @@ class Extremes:
     def greatest_magnitude(self) -> Measured:
         """Greatest magnitude of the values."""
         return maximum(self.greatest, -self.least)
-
-    @property
-    def least_magnitude(self) -> Measured:
-        """Least magnitude of the values: 0 where they have both signs."""
-        return maximum(maximum(self.least, -self.greatest), Measured(np.zeros(self.least.shape)))
 
     @property
     def range(self) -> Measured:
@@ -203,7 +195,7 @@ class CycleOutcome:
     integrals : Measured (asked, variants)
     lengths : ndarray (variants,)
         Last less first position of the input.
-    extremes, works, combinations, runs, compared, angles, speeds, landmarks : Extremes
+    extremes, works, combinations, compared, angles, speeds, landmarks : Extremes
         Of what the plan asks, NaN where one side alone was asked; of the switching functions.
     fluctuations : Fluctuations
     averages, squares : Measured (asked, variants)
@@ -225,7 +217,6 @@ class CycleOutcome:
     extremes: Extremes
     works: Extremes
     combinations: Extremes
-    runs: Extremes
     compared: Extremes
     angles: Extremes
     speeds: Extremes
@@ -283,7 +274,7 @@ class CycleMachine:
         moments = list(
             dict.fromkeys([*plan.works, *(c[0] for c in plan.combinations), *(f[0] for f in plan.fluctuations)])
         )
-        rates = list(dict.fromkeys([*plan.runs, *(c[0] for c in plan.compared)]))
+        rates = list(dict.fromkeys(c[0] for c in plan.compared))
         sought = [e if isinstance(e, tuple) else (e, BOTH) for e in plan.extremes]
         others = [c for c, _ in sought] + [c[1] for c in (*plan.combinations, *plan.fluctuations, *plan.compared)]
         parts = [c for group in (*plan.angles, *plan.arcs) for c in group]
@@ -293,13 +284,11 @@ class CycleMachine:
         derived += [("angles", k) for k in range(len(plan.angles))] + [("speeds", k) for k in range(len(plan.speeds))]
         row = {name: len(kept) + k for k, name in enumerate(derived)}
         own = {("works", k): row["works", m] for k, m in enumerate(plan.works)}
-        own |= {("runs", k): row["runs", r] for k, r in enumerate(plan.runs)}
         own |= {name: row[name] for name in derived if name[0] in ("angles", "speeds")}
         extremes = [
             *((curve[c], curve[c], -1, side) for c, side in sought),
             *((own["works", k], own["works", k], -1, BOTH) for k in range(len(plan.works))),
             *((row["works", m], curve[i], c, *(side or (BOTH,))) for m, i, c, *side in plan.combinations),
-            *((own["runs", k], own["runs", k], -1, BOTH) for k in range(len(plan.runs))),
             *((row["runs", r], curve[b], c, BOTH) for r, b, c in plan.compared),
             *((own["angles", k], own["angles", k], -1, BOTH) for k in range(len(plan.angles))),
             *((own["speeds", k], own["speeds", k], -1, BOTH) for k in range(len(plan.speeds))),
@@ -395,7 +384,7 @@ class CycleMachine:
 
     def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
         plan, marks, wheels = self.plan, answers.landmarks, answers.fluctuations
-        kinds = (plan.extremes, plan.works, plan.combinations, plan.runs, plan.compared, plan.angles, plan.speeds)
+        kinds = (plan.extremes, plan.works, plan.combinations, plan.compared, plan.angles, plan.speeds)
         extremes = np.split(answers.extremes, np.cumsum([len(kind) for kind in kinds])[:-1])
         first, last = (numbers[row] for row in plan.ends)
         return CycleOutcome(
