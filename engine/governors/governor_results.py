@@ -1,0 +1,356 @@
+"""What is told of a governor and of its engine near equilibrium, with what rounding of all its numbers does to it.
+
+Positions that were searched are kept where they are found and follow each number to first order, so that one rounding
+of every number can be tried at the price of a few evaluations.
+"""
+
+import math
+
+import numpy as np
+
+from engine.compiling.decorators import driver, routine
+from engine.governors.characteristic import (
+    FROM,
+    INNER,
+    ISOCHRONOUS,
+    LEAST_STABLE,
+    MARKS,
+    MOST_SAMPLES,
+    OFF_FROM,
+    OFF_LEAST_STABLE,
+    OFF_TO,
+    OUTER,
+    TO,
+    WEAKEST,
+    stretches,
+    working_position,
+)
+from engine.governors.places import (
+    BALL,
+    CHANGE,
+    DAMPING,
+    FRICTION,
+    GREATEST,
+    INERTIA,
+    LEAST,
+    LOAD,
+    NEW_LOAD,
+    RATIO,
+    SELF_REGULATION,
+    SLEEVE,
+    SWITCH,
+    Throttling,
+    force_and_speed,
+    linkage_at,
+    margin_at,
+    throttle_at,
+)
+from engine.laws.governors.equilibrium import (
+    insensitivity_by_friction,
+    moving_inertia,
+    sleeve_stiffness,
+    speed_with_friction,
+)
+from engine.laws.governors.stability import (
+    critical_damping_of_sleeve,
+    critical_inertia_of_engine,
+    governed_polynomial,
+    most_gain,
+    normal_roots,
+    oscillates,
+    vyshnegradsky,
+)
+from engine.verdicts import Verdict
+
+EPS = 2.0**-52
+NUDGE = 2.0**-26
+_OK, _NONE, _FULL_AND_SHUT = int(Verdict.OK), int(Throttling.NONE), int(Throttling.FULL_AND_SHUT)
+
+# Rows of results, in the order of the names in `engine.governors.governor_columns`.
+(
+    INNER_SPEED,
+    OUTER_SPEED,
+    INNER_FORCE,
+    OUTER_FORCE,
+    STABLE_FROM,
+    STABLE_TO,
+    LEAST_SPEED,
+    GREATEST_SPEED,
+    MEAN_SPEED,
+    NON_UNIFORMITY,
+    LEAST_STABILITY,
+    LEAST_STABILITY_RADIUS,
+    IS_ISOCHRONOUS,
+    SLEEVE_LIFT,
+    INSENSITIVITY,
+    LEAST_WITH_FRICTION,
+    GREATEST_WITH_FRICTION,
+    SLEEVE_FORCE,
+    EFFORT,
+    POWER,
+) = range(20)
+STATICS = 20
+(
+    WORKING_LIFT,
+    WORKING_SPEED,
+    SPEED_CHANGE,
+    VYSHNEGRADSKY_X,
+    VYSHNEGRADSKY_Y,
+    IS_STABLE,
+    GAIN_MARGIN,
+    CRITICAL_DAMPING,
+    CRITICAL_INERTIA,
+    DECAY,
+    HUNTING_FREQUENCY,
+    DOES_OSCILLATE,
+) = range(STATICS, STATICS + 12)
+WITH_ENGINE = STATICS + 12
+# Positions that `find_equilibria` keeps for others: those of the stops, of the middle of the lift, and at both loads.
+MIDDLE, BEFORE, AFTER = MARKS, MARKS + 1, MARKS + 2
+KEPT = MARKS + 3
+
+
+@routine
+def moved_to_radius(kind: int, p: np.ndarray, x: float, radius: float) -> float:
+    """Position near x at which the balls have a radius, to first order."""
+    link = linkage_at(kind, p, x)
+    return x - (link[0] - radius) / link[1]
+
+
+@routine
+def moved_to_lift(kind: int, p: np.ndarray, x: float, height: float) -> float:
+    """Position near x at which the sleeve has a height, to first order."""
+    link = linkage_at(kind, p, x)
+    return x - (link[5] - height) / link[6]
+
+
+@routine
+def middle_of_lift(kind: int, p: np.ndarray, low: float, high: float) -> float:
+    """Position halfway up the lift between two positions."""
+    half = 0.5 * (linkage_at(kind, p, low)[5] + linkage_at(kind, p, high)[5])
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if linkage_at(kind, p, middle)[5] < half:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@routine
+def sleeve_at(
+    kind: int, p: np.ndarray, memory: np.ndarray, x: float, zero: float
+) -> tuple[float, float, float, float, float]:
+    """Mass, stiffness at constant speed and force of the sleeve, speed of the spindle, inertia of the balls about it.
+
+    Parameters
+    ----------
+    kind : int
+    p : ndarray (NUMBERS,)
+    memory : ndarray
+    x, zero : float
+        Position, and height of the sleeve at the inner stop [m].
+
+    Returns
+    -------
+    tuple of 5 floats
+        [kg], [N/m], [N], [rad/s], [kg·m²]
+    """
+    r, r1, _, h1, _, _, z1, _ = linkage_at(kind, p, x)
+    _, _, _, speed, force = force_and_speed(kind, p, memory, x, zero)
+    margin = margin_at(kind, p, memory, x, zero)[0]
+    mass = moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1) / (z1 * z1)
+    return mass, sleeve_stiffness(force, margin, r, r1, z1), force, speed, 2.0 * p[BALL] * r * r
+
+
+@routine
+def moved_to_load(
+    kind: int,
+    throttle: int,
+    p: np.ndarray,
+    memory: np.ndarray,
+    offset: float,
+    x: float,
+    zero: float,
+    whole: float,
+    mean_speed: float,
+    load: float,
+) -> float:
+    """Position near x at which the engine carries a load, or its valve switches, to first order."""
+    link = linkage_at(kind, p, x)
+    if throttle == _FULL_AND_SHUT:
+        return moved_to_lift(kind, p, x, zero + p[SWITCH])
+    _, lift, _, speed, force = force_and_speed(kind, p, memory, x, zero)
+    moment, fall = throttle_at(throttle, p, memory, offset, lift, whole)
+    left = moment - p[SELF_REGULATION] * (speed - mean_speed) / p[RATIO] - load
+    stiffness = sleeve_stiffness(force, margin_at(kind, p, memory, x, zero)[0], link[0], link[1], link[6])
+    # At equilibrium a lift dz goes with a speed dω = ω c dz/(2 E).
+    slope = fall + p[SELF_REGULATION] / p[RATIO] * speed * stiffness / (2.0 * force)
+    return x + left / (slope * link[6]) if slope > 0.0 else x
+
+
+@routine
+def near_equilibrium(
+    kind: int,
+    throttle: int,
+    p: np.ndarray,
+    memory: np.ndarray,
+    offset: float,
+    kept: np.ndarray,
+    found: np.ndarray,
+) -> None:
+    """Write all results of a variant whose positions are known, to first order in the change of its numbers.
+
+    Parameters
+    ----------
+    kind, throttle : int
+        `Holding`, `Throttling`.
+    p : ndarray (NUMBERS,)
+    memory : ndarray
+    offset : float
+        Where the throttle's table begins in it.
+    kept : ndarray (KEPT,)
+        Positions.
+    found : ndarray (results,)
+        To be written to.
+    """
+    low, high = moved_to_radius(kind, p, kept[INNER], p[LEAST]), moved_to_radius(kind, p, kept[OUTER], p[GREATEST])
+    zero = linkage_at(kind, p, low)[5]
+    begin = low if kept[FROM] == kept[INNER] else kept[FROM]
+    end = high if kept[TO] == kept[OUTER] else kept[TO]
+    _, _, found[INNER_FORCE], found[INNER_SPEED], _ = force_and_speed(kind, p, memory, low, zero)
+    _, whole, found[OUTER_FORCE], found[OUTER_SPEED], _ = force_and_speed(kind, p, memory, high, zero)
+    found[STABLE_FROM], _, _, least, weak = force_and_speed(kind, p, memory, begin, zero)
+    found[STABLE_TO], _, _, greatest, strong = force_and_speed(kind, p, memory, end, zero)
+    found[LEAST_SPEED], found[GREATEST_SPEED] = least, greatest
+    mean = 0.5 * (least + greatest)
+    found[MEAN_SPEED], found[NON_UNIFORMITY] = mean, (greatest - least) / mean
+    place = kept[LEAST_STABLE]
+    place = low if place == kept[INNER] else (high if place == kept[OUTER] else place)
+    found[LEAST_STABILITY] = margin_at(kind, p, memory, place, zero)[0]
+    found[LEAST_STABILITY_RADIUS] = linkage_at(kind, p, place)[0]
+    found[IS_ISOCHRONOUS], found[SLEEVE_LIFT] = kept[ISOCHRONOUS], whole
+    place = kept[WEAKEST]
+    place = low if place == kept[INNER] else (high if place == kept[OUTER] else place)
+    found[INSENSITIVITY] = insensitivity_by_friction(p[FRICTION], force_and_speed(kind, p, memory, place, zero)[4])
+    found[LEAST_WITH_FRICTION] = speed_with_friction(least, -p[FRICTION], weak)
+    found[GREATEST_WITH_FRICTION] = speed_with_friction(greatest, p[FRICTION], strong)
+    half = 0.5 * (linkage_at(kind, p, begin)[5] + linkage_at(kind, p, end)[5])
+    place = moved_to_lift(kind, p, kept[MIDDLE], half)
+    _, stiffness, force, _, _ = sleeve_at(kind, p, memory, place, zero)
+    found[SLEEVE_FORCE], found[EFFORT] = force, p[CHANGE] * force
+    found[POWER] = 2.0 * found[EFFORT] * found[EFFORT] / stiffness
+    if throttle == _NONE:
+        return
+    before = moved_to_load(kind, throttle, p, memory, offset, kept[BEFORE], zero, whole, mean, p[LOAD])
+    after = moved_to_load(kind, throttle, p, memory, offset, kept[AFTER], zero, whole, mean, p[NEW_LOAD])
+    mass, stiffness, force, speed, balls = sleeve_at(kind, p, memory, after, zero)
+    ratio, s, b = p[RATIO], p[SELF_REGULATION], p[DAMPING]
+    found[WORKING_LIFT], found[WORKING_SPEED] = linkage_at(kind, p, after)[5] - zero, speed / ratio
+    found[SPEED_CHANGE] = (speed - force_and_speed(kind, p, memory, before, zero)[3]) / ratio
+    if throttle == _FULL_AND_SHUT:
+        found[VYSHNEGRADSKY_X:WITH_ENGINE] = math.nan
+        found[IS_STABLE], found[DOES_OSCILLATE] = 0.0, 1.0
+        return
+    gain = throttle_at(throttle, p, memory, offset, found[WORKING_LIFT], whole)[1]
+    inertia, pull = p[INERTIA] + ratio * ratio * balls, 2.0 * force * ratio / speed
+    a3, a2, a1, a0 = governed_polynomial(inertia, mass, b, stiffness, s, gain, pull)
+    x, y, time = vyshnegradsky(a3, a2, a1, a0)
+    real, middle, square = normal_roots(x, y)
+    found[VYSHNEGRADSKY_X], found[VYSHNEGRADSKY_Y] = x, y
+    found[IS_STABLE] = 1.0 if x * y > 1.0 else 0.0
+    found[GAIN_MARGIN] = most_gain(inertia, mass, b, stiffness, s, pull) / gain
+    found[CRITICAL_DAMPING] = critical_damping_of_sleeve(inertia, mass, stiffness, s, gain, pull)
+    wheel = critical_inertia_of_engine(mass, b, stiffness, s, gain, pull)
+    found[CRITICAL_INERTIA] = max(wheel - ratio * ratio * balls, 0.0)
+    slowest = max(real, middle + math.sqrt(max(square, 0.0)))
+    found[DECAY] = -slowest / time
+    found[HUNTING_FREQUENCY] = math.sqrt(max(-square, 0.0)) / time
+    found[DOES_OSCILLATE] = 1.0 if oscillates(x, y) else 0.0
+
+
+@driver
+def find_equilibria(
+    kind: int,
+    throttle: int,
+    numbers: np.ndarray,
+    memory: np.ndarray,
+    offset: float,
+    found: np.ndarray,
+    sizes: np.ndarray,
+    kept: np.ndarray,
+    verdicts: np.ndarray,
+) -> None:
+    """All results of a set of variants near equilibrium.
+
+    Parameters
+    ----------
+    kind, throttle : int
+        `Holding`, `Throttling`.
+    numbers : ndarray (variants, NUMBERS)
+    memory : ndarray
+        Tables.
+    offset : float
+        Where the throttle's table begins in it.
+    found, sizes : ndarray (variants, results)
+        To be written to: results, and the magnitudes whose rounding they carry.
+    kept : ndarray (variants, KEPT)
+        To be written to: positions.
+    verdicts : ndarray (variants,) of uint8
+        To be written to.
+    """
+    places, moved = np.empty(MOST_SAMPLES), np.empty(found.shape[1])
+    p = np.empty(numbers.shape[1])
+    for v in range(numbers.shape[0]):
+        p[:] = numbers[v]
+        found[v], sizes[v], kept[v] = math.nan, math.nan, math.nan
+        verdict = stretches(kind, p, memory, kept[v], places)
+        if verdict == _OK:
+            kept[v, MIDDLE] = middle_of_lift(kind, p, kept[v, FROM], kept[v, TO])
+            if throttle != _NONE:
+                verdict = mark_loads(kind, throttle, p, memory, offset, kept[v])
+        verdicts[v] = verdict
+        if verdict != _OK:
+            continue
+        near_equilibrium(kind, throttle, p, memory, offset, kept[v], found[v])
+        for k in range(found.shape[1]):
+            sizes[v, k] = abs(found[v, k])
+        for i in range(p.size):
+            if p[i] != 0.0:
+                p[i] *= 1.0 + NUDGE
+                near_equilibrium(kind, throttle, p, memory, offset, kept[v], moved)
+                p[i] = numbers[v, i]
+                for k in range(found.shape[1]):
+                    sizes[v, k] += abs(moved[k] - found[v, k]) / NUDGE
+        add_rounding(kind, p, memory, kept[v], found[v], sizes[v])
+
+
+@routine
+def mark_loads(kind: int, throttle: int, p: np.ndarray, memory: np.ndarray, offset: float, kept: np.ndarray) -> int:
+    """Mark the positions at both loads; the verdict on them."""
+    zero = linkage_at(kind, p, kept[INNER])[5]
+    whole = linkage_at(kind, p, kept[OUTER])[5] - zero
+    least = force_and_speed(kind, p, memory, kept[FROM], zero)[3]
+    mean = 0.5 * (least + force_and_speed(kind, p, memory, kept[TO], zero)[3])
+    kept[BEFORE], verdict = working_position(kind, throttle, p, memory, offset, kept, whole, mean, p[LOAD])
+    if verdict == _OK:
+        kept[AFTER], verdict = working_position(kind, throttle, p, memory, offset, kept, whole, mean, p[NEW_LOAD])
+    return verdict
+
+
+@routine
+def add_rounding(
+    kind: int, p: np.ndarray, memory: np.ndarray, kept: np.ndarray, found: np.ndarray, sizes: np.ndarray
+) -> None:
+    """Add what differences lose, and what places that were searched are off."""
+    zero = linkage_at(kind, p, kept[INNER])[5]
+    sizes[NON_UNIFORMITY] += 2.0
+    sizes[SLEEVE_LIFT] += 2.0 * abs(zero)
+    margin = margin_at(kind, p, memory, kept[LEAST_STABLE], zero)
+    sizes[LEAST_STABILITY] += margin[1] / EPS
+    sizes[LEAST_STABILITY_RADIUS] += kept[OFF_LEAST_STABLE] / EPS
+    sizes[STABLE_FROM] += kept[OFF_FROM] / EPS
+    sizes[STABLE_TO] += kept[OFF_TO] / EPS
+    if found.size > STATICS:
+        sizes[SPEED_CHANGE] += 2.0 * found[WORKING_SPEED]
+        sizes[WORKING_LIFT] += 2.0 * abs(zero)
