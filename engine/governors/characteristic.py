@@ -1,4 +1,4 @@
-"""The characteristic of a governor between its stops: where it is stable, and where it carries the engine's load.
+"""The characteristic of a governor between its stops: where it is stable, and where friction does most.
 
 Stability is sampled at positions spread evenly, in each piece of a table for itself; a stretch that changes its sign
 twice between neighbouring samples is not seen. Ends of stretches and least values are then found to the last digits.
@@ -13,16 +13,10 @@ from engine.governors.places import (
     FRICTION,
     GREATEST,
     LEAST,
-    RATIO,
-    SELF_REGULATION,
-    SWITCH,
     Holding,
-    Throttling,
-    force_and_speed,
     linkage_at,
     margin_at,
     position_of,
-    throttle_at,
 )
 from engine.laws.tables import HEAD
 from engine.verdicts import Verdict
@@ -39,10 +33,8 @@ _GOLDEN_ROUNDS = 44
 _INSIDE = 1e-12
 
 _OK, _CANNOT_ASSEMBLE, _SINGULAR = int(Verdict.OK), int(Verdict.CANNOT_ASSEMBLE), int(Verdict.SINGULAR)
-_OUTSIDE, _STALLS, _RUNS_AWAY = int(Verdict.OUTSIDE_LIMITS), int(Verdict.STALLS), int(Verdict.RUNS_AWAY)
-_JAMS, _UNSTABLE = int(Verdict.JAMS), int(Verdict.UNSTABLE)
+_OUTSIDE, _JAMS, _UNSTABLE = int(Verdict.OUTSIDE_LIMITS), int(Verdict.JAMS), int(Verdict.UNSTABLE)
 _OVER_RADIUS, _OVER_LIFT = int(Holding.OVER_RADIUS), int(Holding.OVER_LIFT)
-_FULL_AND_SHUT = int(Throttling.FULL_AND_SHUT)
 
 # What `stretches` marks of a characteristic: positions of the stops, of the ends of the stable stretch, of the least
 # stability between the stops, of the least force at the sleeve in the stable stretch; how far rounding moves the third
@@ -248,90 +240,3 @@ def mark_weakest(
             at = places[index]
     marks[WEAKEST] = at
     return _OK if p[FRICTION] < margin_at(kind, p, memory, at, zero)[2] else _JAMS
-
-
-@routine
-def moment_left(
-    kind: int,
-    throttle: int,
-    p: np.ndarray,
-    memory: np.ndarray,
-    offset: float,
-    zero: float,
-    whole: float,
-    mean_speed: float,
-    load: float,
-    x: float,
-) -> float:
-    """Moment of the engine, at the speed at which its governor stands at a position, less a load [N·m]."""
-    _, lift, _, speed, _ = force_and_speed(kind, p, memory, x, zero)
-    moment, _ = throttle_at(throttle, p, memory, offset, lift, whole)
-    return moment - p[SELF_REGULATION] * (speed - mean_speed) / p[RATIO] - load
-
-
-@routine
-def working_position(
-    kind: int,
-    throttle: int,
-    p: np.ndarray,
-    memory: np.ndarray,
-    offset: float,
-    marks: np.ndarray,
-    whole: float,
-    mean_speed: float,
-    load: float,
-) -> tuple[float, int]:
-    """Position in the stable stretch at which the engine carries a load, and the verdict on it.
-
-    Parameters
-    ----------
-    kind, throttle : int
-        `Holding`, `Throttling`.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
-    offset : float
-        Where the throttle's table begins in it.
-    marks : ndarray (MARKS,)
-        From `stretches`.
-    whole : float
-        Lift between the stops [m].
-    mean_speed : float
-        Of the spindle [rad/s].
-    load : float
-        [N·m]
-
-    Returns
-    -------
-    position : float
-        [m]; of a valve that is open or shut that of its switch.
-    verdict : int
-        OK; STALLS or RUNS_AWAY where the governor can't give as much or as little; OUTSIDE_LIMITS for a switch that
-        the sleeve doesn't reach.
-    """
-    zero = linkage_at(kind, p, marks[INNER])[5]
-    a, b = marks[FROM], marks[TO]
-    at_a = moment_left(kind, throttle, p, memory, offset, zero, whole, mean_speed, load, a)
-    at_b = moment_left(kind, throttle, p, memory, offset, zero, whole, mean_speed, load, b)
-    switches = throttle == _FULL_AND_SHUT
-    if switches:
-        low = force_and_speed(kind, p, memory, a, zero)[1]
-        high = force_and_speed(kind, p, memory, b, zero)[1]
-        if not low < p[SWITCH] < high:
-            return math.nan, _OUTSIDE
-    if not at_a >= 0.0:
-        return math.nan, _STALLS
-    if not at_b <= 0.0:
-        return math.nan, _RUNS_AWAY
-    for _ in range(_ROUNDS):
-        middle = 0.5 * (a + b)
-        if middle in (a, b):
-            break
-        if switches:
-            above = force_and_speed(kind, p, memory, middle, zero)[1] <= p[SWITCH]
-        else:
-            above = moment_left(kind, throttle, p, memory, offset, zero, whole, mean_speed, load, middle) > 0.0
-        if above:
-            a = middle
-        else:
-            b = middle
-    return 0.5 * (a + b), _OK

@@ -23,7 +23,6 @@ from engine.governors.characteristic import (
     TO,
     WEAKEST,
     stretches,
-    working_position,
 )
 from engine.governors.places import (
     BALL,
@@ -40,16 +39,20 @@ from engine.governors.places import (
     SLEEVE,
     SWITCH,
     Throttling,
-    force_and_speed,
+    held_at,
     linkage_at,
     margin_at,
     throttle_at,
 )
 from engine.laws.governors.equilibrium import (
+    controlling_force,
+    equilibrium_speed,
     insensitivity_by_friction,
     moving_inertia,
+    sleeve_equivalent,
     sleeve_stiffness,
     speed_with_friction,
+    stability_margin,
 )
 from engine.laws.governors.stability import (
     critical_damping_of_sleeve,
@@ -64,7 +67,11 @@ from engine.verdicts import Verdict
 
 EPS = 2.0**-52
 NUDGE = 2.0**-26
-_OK, _NONE, _FULL_AND_SHUT = int(Verdict.OK), int(Throttling.NONE), int(Throttling.FULL_AND_SHUT)
+_NONE, _FULL_AND_SHUT = int(Throttling.NONE), int(Throttling.FULL_AND_SHUT)
+_OK, _OUTSIDE = int(Verdict.OK), int(Verdict.OUTSIDE_LIMITS)
+_STALLS, _RUNS_AWAY = int(Verdict.STALLS), int(Verdict.RUNS_AWAY)
+# Newton's method takes a handful of them, halving of the bracket one for each bit.
+_ROUNDS = 100
 
 # Rows of results, in the order of the names in `engine.governors.governor_columns`.
 (
@@ -128,20 +135,26 @@ def moved_to_lift(kind: int, p: np.ndarray, x: float, height: float) -> float:
 def middle_of_lift(kind: int, p: np.ndarray, low: float, high: float) -> float:
     """Position halfway up the lift between two positions."""
     half = 0.5 * (linkage_at(kind, p, low)[5] + linkage_at(kind, p, high)[5])
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if linkage_at(kind, p, middle)[5] < half:
-            low = middle
+    x = 0.5 * (low + high)
+    for _ in range(_ROUNDS):
+        if linkage_at(kind, p, x)[5] < half:
+            low = x
         else:
-            high = middle
-    return 0.5 * (low + high)
+            high = x
+        following = moved_to_lift(kind, p, x, half)
+        following = following if low < following < high else 0.5 * (low + high)
+        done = abs(following - x) <= EPS * abs(x)
+        x = following
+        if done:
+            break
+    return x
 
 
 @routine
-def sleeve_at(
+def state_at(
     kind: int, p: np.ndarray, memory: np.ndarray, x: float, zero: float
-) -> tuple[float, float, float, float, float]:
-    """Mass, stiffness at constant speed and force of the sleeve, speed of the spindle, inertia of the balls about it.
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """A governor in equilibrium at a position.
 
     Parameters
     ----------
@@ -153,40 +166,132 @@ def sleeve_at(
 
     Returns
     -------
-    tuple of 5 floats
-        [kg], [N/m], [N], [rad/s], [kg·m²]
+    tuple of 10 floats
+        Radius, lift [m], controlling force [N], speed of the spindle [rad/s], force at the sleeve [N], stability
+        margin, z', mass of the sleeve [kg], its stiffness at constant speed [N/m], inertia of the balls [kg·m²].
     """
-    r, r1, _, h1, _, _, z1, _ = linkage_at(kind, p, x)
-    _, _, _, speed, force = force_and_speed(kind, p, memory, x, zero)
-    margin = margin_at(kind, p, memory, x, zero)[0]
-    mass = moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1) / (z1 * z1)
-    return mass, sleeve_stiffness(force, margin, r, r1, z1), force, speed, 2.0 * p[BALL] * r * r
+    link = linkage_at(kind, p, x)
+    r, r1, r2, h1, _, z, z1, _ = link
+    slope, curvature, _ = held_at(kind, p, memory, x, link, zero)
+    force, sleeve = controlling_force(slope, r1), sleeve_equivalent(slope, z1)
+    margin = stability_margin(r, r1, r2, slope, curvature)
+    return (
+        r,
+        z - zero,
+        force,
+        equilibrium_speed(force, p[BALL], r),
+        sleeve,
+        margin,
+        z1,
+        moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1) / (z1 * z1),
+        sleeve_stiffness(sleeve, margin, r, r1, z1),
+        2.0 * p[BALL] * r * r,
+    )
 
 
 @routine
 def moved_to_load(
-    kind: int,
     throttle: int,
     p: np.ndarray,
     memory: np.ndarray,
     offset: float,
     x: float,
-    zero: float,
+    state: tuple,
     whole: float,
     mean_speed: float,
     load: float,
 ) -> float:
-    """Position near x at which the engine carries a load, or its valve switches, to first order."""
-    link = linkage_at(kind, p, x)
+    """Position near x at which the engine carries a load, or its valve switches, to first order.
+
+    Parameters
+    ----------
+    throttle : int
+        `Throttling`.
+    p : ndarray (NUMBERS,)
+    memory : ndarray
+    offset : float
+        Where the throttle's table begins in it.
+    x : float
+        [m]
+    state : tuple of 10 floats
+        `state_at` it.
+    whole, mean_speed, load : float
+        Lift between the stops [m], mean speed of the spindle [rad/s], load [N·m].
+    """
+    _, lift, _, speed, force, _, lift_rate, _, stiffness, _ = state
     if throttle == _FULL_AND_SHUT:
-        return moved_to_lift(kind, p, x, zero + p[SWITCH])
-    _, lift, _, speed, force = force_and_speed(kind, p, memory, x, zero)
+        return x + (p[SWITCH] - lift) / lift_rate
     moment, fall = throttle_at(throttle, p, memory, offset, lift, whole)
     left = moment - p[SELF_REGULATION] * (speed - mean_speed) / p[RATIO] - load
-    stiffness = sleeve_stiffness(force, margin_at(kind, p, memory, x, zero)[0], link[0], link[1], link[6])
     # At equilibrium a lift dz goes with a speed dω = ω c dz/(2 E).
     slope = fall + p[SELF_REGULATION] / p[RATIO] * speed * stiffness / (2.0 * force)
-    return x + left / (slope * link[6]) if slope > 0.0 else x
+    return x + left / (slope * lift_rate) if slope > 0.0 else x
+
+
+@routine
+def working_position(
+    kind: int,
+    throttle: int,
+    p: np.ndarray,
+    memory: np.ndarray,
+    offset: float,
+    kept: np.ndarray,
+    whole: float,
+    mean_speed: float,
+    load: float,
+) -> tuple[float, int]:
+    """Position in the stable stretch at which the engine carries a load, and the verdict on it.
+
+    Parameters
+    ----------
+    kind, throttle : int
+        `Holding`, `Throttling`.
+    p : ndarray (NUMBERS,)
+    memory : ndarray
+    offset : float
+        Where the throttle's table begins in it.
+    kept : ndarray (KEPT,)
+        Positions.
+    whole, mean_speed, load : float
+        Lift between the stops [m], mean speed of the spindle [rad/s], load [N·m].
+
+    Returns
+    -------
+    position : float
+        [m]; of a valve that is open or shut that of its switch.
+    verdict : int
+        OK; STALLS or RUNS_AWAY where the governor can't give as much or as little; OUTSIDE_LIMITS for a switch that
+        the sleeve doesn't reach.
+    """
+    zero = linkage_at(kind, p, kept[INNER])[5]
+    low, high = kept[FROM], kept[TO]
+    switches = throttle == _FULL_AND_SHUT
+    begin, end = state_at(kind, p, memory, low, zero), state_at(kind, p, memory, high, zero)
+    if switches and not begin[1] < p[SWITCH] < end[1]:
+        return math.nan, _OUTSIDE
+    most = throttle_at(throttle, p, memory, offset, begin[1], whole)[0]
+    least = throttle_at(throttle, p, memory, offset, end[1], whole)[0]
+    regulation = p[SELF_REGULATION] / p[RATIO]
+    if not load <= most - regulation * (begin[3] - mean_speed):
+        return math.nan, _STALLS
+    if not load >= least - regulation * (end[3] - mean_speed):
+        return math.nan, _RUNS_AWAY
+    x = 0.5 * (low + high)
+    for _ in range(_ROUNDS):
+        state = state_at(kind, p, memory, x, zero)
+        moment = throttle_at(throttle, p, memory, offset, state[1], whole)[0]
+        lower = state[1] <= p[SWITCH] if switches else moment - regulation * (state[3] - mean_speed) > load
+        if lower:
+            low = x
+        else:
+            high = x
+        following = moved_to_load(throttle, p, memory, offset, x, state, whole, mean_speed, load)
+        following = following if low < following < high else 0.5 * (low + high)
+        done = abs(following - x) <= EPS * abs(x)
+        x = following
+        if done:
+            break
+    return x, _OK
 
 
 @routine
@@ -216,43 +321,49 @@ def near_equilibrium(
     """
     low, high = moved_to_radius(kind, p, kept[INNER], p[LEAST]), moved_to_radius(kind, p, kept[OUTER], p[GREATEST])
     zero = linkage_at(kind, p, low)[5]
-    begin = low if kept[FROM] == kept[INNER] else kept[FROM]
-    end = high if kept[TO] == kept[OUTER] else kept[TO]
-    _, _, found[INNER_FORCE], found[INNER_SPEED], _ = force_and_speed(kind, p, memory, low, zero)
-    _, whole, found[OUTER_FORCE], found[OUTER_SPEED], _ = force_and_speed(kind, p, memory, high, zero)
-    found[STABLE_FROM], _, _, least, weak = force_and_speed(kind, p, memory, begin, zero)
-    found[STABLE_TO], _, _, greatest, strong = force_and_speed(kind, p, memory, end, zero)
-    found[LEAST_SPEED], found[GREATEST_SPEED] = least, greatest
+    inner, outer = state_at(kind, p, memory, low, zero), state_at(kind, p, memory, high, zero)
+    begin = inner if kept[FROM] == kept[INNER] else state_at(kind, p, memory, kept[FROM], zero)
+    end = outer if kept[TO] == kept[OUTER] else state_at(kind, p, memory, kept[TO], zero)
+    whole, least, greatest = outer[1], begin[3], end[3]
     mean = 0.5 * (least + greatest)
+    found[INNER_FORCE], found[INNER_SPEED] = inner[2], inner[3]
+    found[OUTER_FORCE], found[OUTER_SPEED], found[SLEEVE_LIFT] = outer[2], outer[3], whole
+    found[STABLE_FROM], found[STABLE_TO] = begin[0], end[0]
+    found[LEAST_SPEED], found[GREATEST_SPEED] = least, greatest
     found[MEAN_SPEED], found[NON_UNIFORMITY] = mean, (greatest - least) / mean
     place = kept[LEAST_STABLE]
-    place = low if place == kept[INNER] else (high if place == kept[OUTER] else place)
-    found[LEAST_STABILITY] = margin_at(kind, p, memory, place, zero)[0]
-    found[LEAST_STABILITY_RADIUS] = linkage_at(kind, p, place)[0]
-    found[IS_ISOCHRONOUS], found[SLEEVE_LIFT] = kept[ISOCHRONOUS], whole
+    shaky = inner if place == kept[INNER] else outer
+    if kept[INNER] < place < kept[OUTER]:
+        shaky = state_at(kind, p, memory, place, zero)
+    found[LEAST_STABILITY], found[LEAST_STABILITY_RADIUS] = shaky[5], shaky[0]
+    found[IS_ISOCHRONOUS] = kept[ISOCHRONOUS]
     place = kept[WEAKEST]
-    place = low if place == kept[INNER] else (high if place == kept[OUTER] else place)
-    found[INSENSITIVITY] = insensitivity_by_friction(p[FRICTION], force_and_speed(kind, p, memory, place, zero)[4])
-    found[LEAST_WITH_FRICTION] = speed_with_friction(least, -p[FRICTION], weak)
-    found[GREATEST_WITH_FRICTION] = speed_with_friction(greatest, p[FRICTION], strong)
-    half = 0.5 * (linkage_at(kind, p, begin)[5] + linkage_at(kind, p, end)[5])
-    place = moved_to_lift(kind, p, kept[MIDDLE], half)
-    _, stiffness, force, _, _ = sleeve_at(kind, p, memory, place, zero)
-    found[SLEEVE_FORCE], found[EFFORT] = force, p[CHANGE] * force
-    found[POWER] = 2.0 * found[EFFORT] * found[EFFORT] / stiffness
+    weak = begin if place == kept[FROM] else end
+    if kept[FROM] < place < kept[TO]:
+        weak = state_at(kind, p, memory, place, zero)
+    found[INSENSITIVITY] = insensitivity_by_friction(p[FRICTION], weak[4])
+    found[LEAST_WITH_FRICTION] = speed_with_friction(least, -p[FRICTION], begin[4])
+    found[GREATEST_WITH_FRICTION] = speed_with_friction(greatest, p[FRICTION], end[4])
+    place = moved_to_lift(kind, p, kept[MIDDLE], zero + 0.5 * (begin[1] + end[1]))
+    half = state_at(kind, p, memory, place, zero)
+    found[SLEEVE_FORCE], found[EFFORT] = half[4], p[CHANGE] * half[4]
+    found[POWER] = 2.0 * found[EFFORT] * found[EFFORT] / half[8]
     if throttle == _NONE:
         return
-    before = moved_to_load(kind, throttle, p, memory, offset, kept[BEFORE], zero, whole, mean, p[LOAD])
-    after = moved_to_load(kind, throttle, p, memory, offset, kept[AFTER], zero, whole, mean, p[NEW_LOAD])
-    mass, stiffness, force, speed, balls = sleeve_at(kind, p, memory, after, zero)
+    state = state_at(kind, p, memory, kept[BEFORE], zero)
+    place = moved_to_load(throttle, p, memory, offset, kept[BEFORE], state, whole, mean, p[LOAD])
+    before = state_at(kind, p, memory, place, zero)
+    state = state_at(kind, p, memory, kept[AFTER], zero)
+    place = moved_to_load(throttle, p, memory, offset, kept[AFTER], state, whole, mean, p[NEW_LOAD])
+    _, lift, _, speed, force, _, _, mass, stiffness, balls = state_at(kind, p, memory, place, zero)
     ratio, s, b = p[RATIO], p[SELF_REGULATION], p[DAMPING]
-    found[WORKING_LIFT], found[WORKING_SPEED] = linkage_at(kind, p, after)[5] - zero, speed / ratio
-    found[SPEED_CHANGE] = (speed - force_and_speed(kind, p, memory, before, zero)[3]) / ratio
+    found[WORKING_LIFT], found[WORKING_SPEED] = lift, speed / ratio
+    found[SPEED_CHANGE] = (speed - before[3]) / ratio
     if throttle == _FULL_AND_SHUT:
         found[VYSHNEGRADSKY_X:WITH_ENGINE] = math.nan
         found[IS_STABLE], found[DOES_OSCILLATE] = 0.0, 1.0
         return
-    gain = throttle_at(throttle, p, memory, offset, found[WORKING_LIFT], whole)[1]
+    gain = throttle_at(throttle, p, memory, offset, lift, whole)[1]
     inertia, pull = p[INERTIA] + ratio * ratio * balls, 2.0 * force * ratio / speed
     a3, a2, a1, a0 = governed_polynomial(inertia, mass, b, stiffness, s, gain, pull)
     x, y, time = vyshnegradsky(a3, a2, a1, a0)
@@ -330,8 +441,7 @@ def mark_loads(kind: int, throttle: int, p: np.ndarray, memory: np.ndarray, offs
     """Mark the positions at both loads; the verdict on them."""
     zero = linkage_at(kind, p, kept[INNER])[5]
     whole = linkage_at(kind, p, kept[OUTER])[5] - zero
-    least = force_and_speed(kind, p, memory, kept[FROM], zero)[3]
-    mean = 0.5 * (least + force_and_speed(kind, p, memory, kept[TO], zero)[3])
+    mean = 0.5 * (state_at(kind, p, memory, kept[FROM], zero)[3] + state_at(kind, p, memory, kept[TO], zero)[3])
     kept[BEFORE], verdict = working_position(kind, throttle, p, memory, offset, kept, whole, mean, p[LOAD])
     if verdict == _OK:
         kept[AFTER], verdict = working_position(kind, throttle, p, memory, offset, kept, whole, mean, p[NEW_LOAD])

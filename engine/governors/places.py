@@ -10,13 +10,7 @@ from enum import IntEnum
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.laws.governors.equilibrium import (
-    controlling_force,
-    equilibrium_speed,
-    holding,
-    sleeve_equivalent,
-    stability_margin,
-)
+from engine.laws.governors.equilibrium import holding, sleeve_equivalent, stability_margin
 from engine.laws.governors.linkages import balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
 from engine.laws.tables import table_segment
 
@@ -51,8 +45,10 @@ _UPPER_ARMS, _LOWER_ARMS, _BELL_CRANKS = (int(k) for k in tuple(Holding)[:3])
 _OVER_RADIUS = int(Holding.OVER_RADIUS)
 _LINEAR, _TABLE, _FULL_AND_SHUT = (int(k) for k in tuple(Throttling)[1:])
 
-# Samples in which a position is sought for a radius that no formula gives, and rounds of halving.
-_SAMPLES, _ROUNDS = 64, 60
+EPS = 2.0**-52
+# Samples in which a position is sought for a radius that no formula gives. Newton's method then takes a handful of
+# rounds, halving of the bracket one for each bit.
+_SAMPLES, _ROUNDS = 64, 100
 
 
 @routine
@@ -119,34 +115,6 @@ def held_at(
 
 
 @routine
-def force_and_speed(
-    kind: int, p: np.ndarray, memory: np.ndarray, x: float, zero: float
-) -> tuple[float, float, float, float, float]:
-    """What equilibrium asks at a position.
-
-    Parameters
-    ----------
-    kind, p, memory, x, zero
-        As for `held_at`.
-
-    Returns
-    -------
-    radius, lift : float
-        Of the balls; of the sleeve from the inner stop [m].
-    force : float
-        Controlling force of one ball [N].
-    speed : float
-        Of the spindle [rad/s]; NaN where nothing holds the balls.
-    sleeve : float
-        Force at the sleeve that holds the balls [N].
-    """
-    link = linkage_at(kind, p, x)
-    slope, _, _ = held_at(kind, p, memory, x, link, zero)
-    force = controlling_force(slope, link[1])
-    return link[0], link[5] - zero, force, equilibrium_speed(force, p[BALL], link[0]), sleeve_equivalent(slope, link[6])
-
-
-@routine
 def margin_at(
     kind: int, p: np.ndarray, memory: np.ndarray, x: float, zero: float
 ) -> tuple[float, float, float, float, float]:
@@ -171,8 +139,27 @@ def margin_at(
     link = linkage_at(kind, p, x)
     slope, curvature, size = held_at(kind, p, memory, x, link, zero)
     margin = stability_margin(link[0], link[1], link[2], slope, curvature)
-    rounding = 32.0 * 2.0**-52 * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope))
+    rounding = 32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope))
     return margin, rounding, sleeve_equivalent(slope, link[6]), link[1], link[6]
+
+
+@routine
+def _narrowed(kind: int, p: np.ndarray, radius: float, low: float, high: float) -> float:
+    """Position between two others at which the balls have a radius: Newton's method, halving where that leaves them."""
+    x = high
+    for _ in range(_ROUNDS):
+        link = linkage_at(kind, p, x)
+        if link[0] < radius:
+            low = x
+        else:
+            high = x
+        following = x - (link[0] - radius) / link[1]
+        following = following if low < following < high else 0.5 * (low + high)
+        done = abs(following - x) <= EPS * abs(x)
+        x = following
+        if done:
+            break
+    return x
 
 
 @routine
@@ -200,14 +187,7 @@ def position_of(kind: int, p: np.ndarray, radius: float) -> float:
         link = linkage_at(kind, p, x)
         off = link[0] - radius
         if before < 0.0 <= off:
-            a, b = x - step, x
-            for _ in range(_ROUNDS):
-                middle = 0.5 * (a + b)
-                if linkage_at(kind, p, middle)[0] < radius:
-                    a = middle
-                else:
-                    b = middle
-            return 0.5 * (a + b)
+            return _narrowed(kind, p, radius, x - step, x)
         # The sleeve rises with the balls where the governor can work.
         before = off if link[6] > 0.0 else math.nan
     return math.nan
