@@ -41,6 +41,8 @@ from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.governors.governor_curves import GovernorCurves, governor_curves
+from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -87,6 +89,7 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
+    "AnyGovernor",
     "AskError",
     "BalanceError",
     "BalancedMachine",
@@ -100,6 +103,8 @@ __all__ = [
     "EngineElement",
     "EngineLayout",
     "EngineShaking",
+    "Governor",
+    "GovernorCurves",
     "Hinged",
     "History",
     "Hodograph",
@@ -154,6 +159,7 @@ __all__ = [
     "firing_sums",
     "four_runs",
     "friction_in_pairs",
+    "governor_curves",
     "group_links",
     "guide_edge_forces",
     "has_cycle",

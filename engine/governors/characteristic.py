@@ -159,6 +159,7 @@ def stretches(kind: int, p: np.ndarray, memory: np.ndarray, marks: np.ndarray, p
     low, high = position_of(kind, p, p[LEAST]), position_of(kind, p, p[GREATEST])
     if not low < high:
         return _CANNOT_ASSEMBLE
+    marks[INNER], marks[OUTER] = low, high
     link = linkage_at(kind, p, low)
     zero = link[5]
     count = sample_places(kind, memory, low, high, link[6], places)
@@ -182,7 +183,6 @@ def stretches(kind: int, p: np.ndarray, memory: np.ndarray, marks: np.ndarray, p
             begin = -1
     if best_begin < 0:
         return _UNSTABLE
-    marks[INNER], marks[OUTER] = low, high
     marks[FROM], marks[OFF_FROM] = low, 0.0
     marks[TO], marks[OFF_TO] = high, 0.0
     if best_begin > 0:

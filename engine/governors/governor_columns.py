@@ -4,7 +4,7 @@ Arrays of the governor's numbers in, arrays of results out, all with variants al
 """
 
 from collections.abc import Iterator
-from functools import partial
+from functools import partial, reduce
 
 import numpy as np
 from numba import types
@@ -23,7 +23,7 @@ from engine.governors.governor_elements import (
     TableThrottle,
     WattGovernor,
 )
-from engine.governors.governor_results import KEPT, find_equilibria
+from engine.governors.governor_results import KEPT, STATICS, WITH_ENGINE, find_equilibria
 from engine.governors.places import ENGINE, GEOMETRY_NUMBERS, NUMBERS, Holding, Throttling
 from engine.laws.tables import Table, in_memory, make_table
 
@@ -172,14 +172,43 @@ _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
 _TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _TABLE, _TABLE, _TABLE, types.uint8[::1])
 
 
-def _rows(governor: AnyGovernor, arguments: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Results and their sizes (results, variants), and verdicts, from numbers (numbers, variants)."""
-    numbers = np.ascontiguousarray(arguments.T)
-    variants, results = numbers.shape[0], len(_STATICS) + (len(_OF_ENGINE) if governor.engine is not None else 0)
+def governor_numbers(governor: AnyGovernor) -> np.ndarray:
+    """A governor's own numbers in their order, as one variant (1, NUMBERS)."""
+
+    def own(key: str) -> float:
+        return float(reduce(getattr, key.split("."), governor))
+
+    return np.array([_arguments(governor, own)], float)
+
+
+def equilibria_of(governor: AnyGovernor, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Results near equilibrium, their sizes, positions and verdicts of a set of variants.
+
+    Parameters
+    ----------
+    governor : governor element
+        Its kind and its tables; its numbers are not used.
+    numbers : ndarray (variants, NUMBERS)
+
+    Returns
+    -------
+    found, sizes : ndarray (variants, results)
+        Results, and the magnitudes whose rounding they carry.
+    kept : ndarray (variants, KEPT)
+        Positions.
+    verdicts : ndarray (variants,) of uint8
+    """
+    variants, results = numbers.shape[0], STATICS if governor.engine is None else WITH_ENGINE
     found, sizes = np.empty((2, variants, results))
     kept, verdicts = np.empty((variants, KEPT)), np.empty(variants, np.uint8)
-    kind, throttle = holding_of(governor), throttling_of(governor)
     memory, offset = governor_memory(governor)
+    kind, throttle = int(holding_of(governor)), int(throttling_of(governor))
     prepare(find_equilibria, _TYPES)
-    find_equilibria(int(kind), int(throttle), numbers, memory, offset, found, sizes, kept, verdicts)
+    find_equilibria(kind, throttle, numbers, memory, offset, found, sizes, kept, verdicts)
+    return found, sizes, kept, verdicts
+
+
+def _rows(governor: AnyGovernor, arguments: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Results and their sizes (results, variants), and verdicts, from numbers (numbers, variants)."""
+    found, sizes, _, verdicts = equilibria_of(governor, np.ascontiguousarray(arguments.T))
     return found.T, np.where(np.isnan(sizes), 0.0, sizes).T, verdicts

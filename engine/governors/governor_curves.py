@@ -1,0 +1,113 @@
+"""The characteristic of one governor as curves, to be drawn."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from engine.compiling.decorators import driver
+from engine.compiling.running import prepare
+from engine.governors.characteristic import FROM, INNER, OUTER, TO
+from engine.governors.governor_columns import (
+    equilibria_of,
+    governor_memory,
+    governor_numbers,
+    holding_of,
+)
+from engine.governors.governor_elements import AnyGovernor
+from engine.governors.governor_results import state_at
+from engine.governors.places import linkage_at
+from engine.verdicts import Verdict
+
+# How far beyond the stops curves are drawn, as a share of the range between them.
+BEYOND = 0.25
+
+
+class GovernorCurves(NamedTuple):
+    """Equilibrium of a governor at positions evenly spread about its stops, SI units.
+
+    Attributes
+    ----------
+    radius, lift, force, speed, sleeve, margin : ndarray (positions,)
+        Radius of the balls, lift of the sleeve from the inner stop, controlling force of one ball, speed of the
+        spindle, force at the sleeve that holds the balls, and (dF/dr)/(F/r) − 1. NaN where arms don't reach.
+    between : ndarray (positions,) of bool
+        Whether a position lies between the stops.
+    stops : tuple of 2 floats
+        Radii at the inner and the outer stop.
+    stable : tuple of 2 floats
+        Radii of the ends of the longest stable stretch; NaN where there is none.
+    verdict : Verdict
+    """
+
+    radius: np.ndarray
+    lift: np.ndarray
+    force: np.ndarray
+    speed: np.ndarray
+    sleeve: np.ndarray
+    margin: np.ndarray
+    between: np.ndarray
+    stops: tuple[float, float]
+    stable: tuple[float, float]
+    verdict: Verdict
+
+
+@driver
+def sample_states(
+    kind: int, p: np.ndarray, memory: np.ndarray, zero_at: float, places: np.ndarray, rows: np.ndarray
+) -> None:
+    """Write `state_at` positions.
+
+    Parameters
+    ----------
+    kind : int
+        `Holding`.
+    p : ndarray (NUMBERS,)
+    memory : ndarray
+    zero_at : float
+        Position of the inner stop.
+    places : ndarray (positions,)
+    rows : ndarray (positions, 6)
+        To be written to: the first six numbers of `state_at`.
+    """
+    zero = linkage_at(kind, p, zero_at)[5]
+    for k in range(places.size):
+        state = state_at(kind, p, memory, places[k], zero)
+        for j in range(6):
+            rows[k, j] = state[j]
+
+
+_LINE = types.float64[::1]
+_TYPES = (types.intp, _LINE, _LINE, types.float64, _LINE, types.float64[:, ::1])
+
+
+def governor_curves(governor: AnyGovernor, positions: int = 401) -> GovernorCurves:
+    """Characteristic of a governor from one stop to the other, and somewhat beyond.
+
+    Parameters
+    ----------
+    governor : governor element
+    positions : int
+
+    Returns
+    -------
+    GovernorCurves
+        Without positions where arms don't reach as far as the stops.
+    """
+    numbers = governor_numbers(governor)
+    kept, verdicts = equilibria_of(governor, numbers)[2:]
+    inner, outer, begin, end = kept[0, [INNER, OUTER, FROM, TO]]
+    if not inner < outer:
+        none = np.empty(0)
+        nowhere = (float("nan"), float("nan"))
+        return GovernorCurves(*[none] * 6, none.astype(bool), nowhere, nowhere, Verdict(verdicts[0]))
+    memory, kind = governor_memory(governor)[0], int(holding_of(governor))
+    room = BEYOND * (outer - inner)
+    places = np.concatenate([np.linspace(inner - room, outer + room, positions), [inner, outer, begin, end]])
+    rows = np.empty((places.size, 6))
+    prepare(sample_states, _TYPES)
+    sample_states(kind, numbers[0], memory, inner, places, rows)
+    radii = rows[positions:, 0]
+    columns = rows[:positions].T.copy()
+    between = (places[:positions] >= inner) & (places[:positions] <= outer)
+    return GovernorCurves(*columns, between, (radii[0], radii[1]), (radii[2], radii[3]), Verdict(verdicts[0]))
