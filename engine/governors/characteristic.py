@@ -6,9 +6,8 @@ twice between neighbouring samples is not seen. Ends of stretches and least valu
 
 import math
 
-import numpy as np
-
 from engine.compiling.decorators import routine
+from engine.cycle.panels.lanes import Memory
 from engine.governors.places import (
     FRICTION,
     GREATEST,
@@ -45,20 +44,20 @@ MARKS = 10
 
 
 @routine
-def sample_places(kind: int, memory: np.ndarray, low: float, high: float, lift_ratio: float, places: np.ndarray) -> int:
+def sample_places(kind: int, memory: Memory, low: float, high: float, lift_ratio: float, places: Memory) -> int:
     """Write positions from one stop to the other at which a characteristic is sampled; how many.
 
     Parameters
     ----------
     kind : int
         `Holding`.
-    memory : ndarray
+    memory : Memory
         Tables.
     low, high : float
         Positions of the stops [m].
     lift_ratio : float
         Of a governor with a table over the lift.
-    places : ndarray (MOST_SAMPLES,)
+    places : Memory (MOST_SAMPLES,)
         To be written to.
     """
     if kind < _OVER_RADIUS:
@@ -83,9 +82,7 @@ def sample_places(kind: int, memory: np.ndarray, low: float, high: float, lift_r
 
 
 @routine
-def least_between(
-    kind: int, p: np.ndarray, memory: np.ndarray, zero: float, sought: int, low: float, high: float
-) -> float:
+def least_between(kind: int, p: Memory, memory: Memory, zero: float, sought: int, low: float, high: float) -> float:
     """Position of the least margin (`sought` 0) or sleeve force (2) between two positions, by golden section."""
     a, b = low, high
     c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
@@ -103,16 +100,14 @@ def least_between(
 
 
 @routine
-def stable_at(kind: int, p: np.ndarray, memory: np.ndarray, zero: float, x: float) -> bool:
+def stable_at(kind: int, p: Memory, memory: Memory, zero: float, x: float) -> bool:
     """Whether a governor is stable or isochronous at a position, as far as rounding lets tell."""
     margin, rounding, sleeve, _, _ = margin_at(kind, p, memory, x, zero)
     return sleeve > 0.0 and margin >= -rounding
 
 
 @routine
-def edge_of_stability(
-    kind: int, p: np.ndarray, memory: np.ndarray, zero: float, stable: float, unstable: float
-) -> float:
+def edge_of_stability(kind: int, p: Memory, memory: Memory, zero: float, stable: float, unstable: float) -> float:
     """Position between a stable and an unstable one where stability ends, by halving."""
     for _ in range(_ROUNDS):
         middle = 0.5 * (stable + unstable)
@@ -132,19 +127,19 @@ def location_error(span: float, rounding: float, rise: float) -> float:
 
 
 @routine
-def stretches(kind: int, p: np.ndarray, memory: np.ndarray, marks: np.ndarray, places: np.ndarray) -> int:
+def stretches(kind: int, p: Memory, memory: Memory, marks: Memory, places: Memory) -> int:
     """Mark the longest stable stretch of a characteristic; its verdict.
 
     Parameters
     ----------
     kind : int
         `Holding`.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
+    p : Memory (NUMBERS,)
+    memory : Memory
         Tables.
-    marks : ndarray (MARKS,)
+    marks : Memory (MARKS,)
         To be written to.
-    places : ndarray (MOST_SAMPLES,)
+    places : Memory (MOST_SAMPLES,)
         Room.
 
     Returns
@@ -208,7 +203,7 @@ def stretches(kind: int, p: np.ndarray, memory: np.ndarray, marks: np.ndarray, p
 
 
 @routine
-def edge_error(kind: int, p: np.ndarray, memory: np.ndarray, zero: float, edge: float, inside: float) -> float:
+def edge_error(kind: int, p: Memory, memory: Memory, zero: float, edge: float, inside: float) -> float:
     """How far rounding moves the end of a stable stretch."""
     margin, rounding, _, _, _ = margin_at(kind, p, memory, inside, zero)
     at_edge = margin_at(kind, p, memory, edge, zero)[0]
@@ -218,11 +213,11 @@ def edge_error(kind: int, p: np.ndarray, memory: np.ndarray, zero: float, edge: 
 @routine
 def mark_weakest(
     kind: int,
-    p: np.ndarray,
-    memory: np.ndarray,
+    p: Memory,
+    memory: Memory,
     zero: float,
-    marks: np.ndarray,
-    places: np.ndarray,
+    marks: Memory,
+    places: Memory,
     begin: int,
     end: int,
 ) -> int:

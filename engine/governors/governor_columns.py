@@ -23,8 +23,9 @@ from engine.governors.governor_elements import (
     TableThrottle,
     WattGovernor,
 )
-from engine.governors.governor_results import KEPT, STATICS, WITH_ENGINE, find_equilibria
+from engine.governors.governor_results import EPS, KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
 from engine.governors.places import ENGINE, GEOMETRY_NUMBERS, NUMBERS, Holding, Throttling
+from engine.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
 from engine.laws.tables import Table, in_memory, make_table
 
 _FLAG = {"units": "1", "exact": True}
@@ -64,8 +65,21 @@ _OF_ENGINE = (
     ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
     ElementResult("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", **_FLAG),
 )
+_TRANSIENT = (
+    ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
+    ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
+    ElementResult("overshoot", "greatest departure beyond the new steady speed, as a share of it", "1"),
+    ElementResult(
+        "settling_time", "time from which on the speed stays in its band; none if it leaves", "s", None, True
+    ),
+    ElementResult("hunting", "half the swing of speed in the last quarter of the time, as a share", "1"),
+    ElementResult("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
+    ElementResult("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
+)
 _HELD = ("stiffness", "preload", "gravity")
 EMPTY = np.zeros(1)
+# Variants whose motion is followed on one thread before the next piece of work is asked for.
+TOGETHER = 32
 
 
 def governor_law(governor: AnyGovernor) -> LawOfArrays:
@@ -76,7 +90,14 @@ def governor_law(governor: AnyGovernor) -> LawOfArrays:
     governor : governor element
     """
     results = [*_STATICS, *(_OF_ENGINE if governor.engine is not None else ())]
-    return LawOfArrays(partial(_rows, governor), _arguments, tuple(results))
+    if not is_followed(governor):
+        return LawOfArrays(partial(_rows, governor), _arguments, tuple(results))
+    return LawOfArrays(partial(_rows, governor), _arguments, (*results, *_TRANSIENT), TOGETHER)
+
+
+def is_followed(governor: AnyGovernor) -> bool:
+    """Whether a change of load is followed over time."""
+    return governor.engine is not None and governor.engine.duration is not None
 
 
 def holding_of(governor: AnyGovernor) -> Holding:
@@ -169,7 +190,7 @@ def _engine(governor: AnyGovernor, given: Given) -> tuple:
 
 
 _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
-_TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _TABLE, _TABLE, _TABLE, types.uint8[::1])
+_TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _TABLE, _TABLE, _TABLE, types.uint8[::1], _ROW)
 
 
 def governor_numbers(governor: AnyGovernor) -> np.ndarray:
@@ -199,16 +220,25 @@ def equilibria_of(governor: AnyGovernor, numbers: np.ndarray) -> tuple[np.ndarra
     verdicts : ndarray (variants,) of uint8
     """
     variants, results = numbers.shape[0], STATICS if governor.engine is None else WITH_ENGINE
-    found, sizes = np.empty((2, variants, results))
-    kept, verdicts = np.empty((variants, KEPT)), np.empty(variants, np.uint8)
+    found, sizes = np.full((2, variants, results), np.nan)
+    kept, verdicts = np.full((variants, KEPT), np.nan), np.empty(variants, np.uint8)
     memory, offset = governor_memory(governor)
     kind, throttle = int(holding_of(governor)), int(throttling_of(governor))
     prepare(find_equilibria, _TYPES)
-    find_equilibria(kind, throttle, numbers, memory, offset, found, sizes, kept, verdicts)
+    find_equilibria(kind, throttle, numbers, memory, offset, found, sizes, kept, verdicts, np.empty(ROOM))
     return found, sizes, kept, verdicts
 
 
 def _rows(governor: AnyGovernor, arguments: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Results and their sizes (results, variants), and verdicts, from numbers (numbers, variants)."""
-    found, sizes, _, verdicts = equilibria_of(governor, np.ascontiguousarray(arguments.T))
+    numbers = np.ascontiguousarray(arguments.T)
+    found, sizes, kept, verdicts = equilibria_of(governor, numbers)
+    if is_followed(governor):
+        answers, coarse = np.full((2, numbers.shape[0], ANSWERS), np.nan)
+        kind, throttle = int(holding_of(governor)), int(throttling_of(governor))
+        prepare(follow_changes, _TYPES)
+        tables, room = governor_memory(governor), np.empty(MOTION_ROOM)
+        follow_changes(kind, throttle, numbers, *tables, answers, coarse, kept, verdicts, room)
+        off = np.abs(answers - coarse) / (16 * EPS) + np.abs(answers) * FINE / EPS
+        found, sizes = np.concatenate([found, answers], axis=1), np.concatenate([sizes, off], axis=1)
     return found.T, np.where(np.isnan(sizes), 0.0, sizes).T, verdicts

@@ -7,6 +7,7 @@ from numba import types
 
 from engine.compiling.decorators import driver
 from engine.compiling.running import prepare
+from engine.cycle.panels.lanes import lane_of
 from engine.governors.characteristic import FROM, INNER, OUTER, TO
 from engine.governors.governor_columns import (
     equilibria_of,
@@ -70,9 +71,10 @@ def sample_states(
     rows : ndarray (positions, 6)
         To be written to: the first six numbers of `state_at`.
     """
-    zero = linkage_at(kind, p, zero_at)[5]
+    own, tables = lane_of(p), lane_of(memory)
+    zero = linkage_at(kind, own, zero_at)[5]
     for k in range(places.size):
-        state = state_at(kind, p, memory, places[k], zero)
+        state = state_at(kind, own, tables, places[k], zero)
         for j in range(6):
             rows[k, j] = state[j]
 

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, routine
+from engine.cycle.panels.lanes import Memory, lane_of
 from engine.governors.characteristic import (
     FROM,
     INNER,
@@ -34,6 +35,7 @@ from engine.governors.places import (
     LEAST,
     LOAD,
     NEW_LOAD,
+    NUMBERS,
     RATIO,
     SELF_REGULATION,
     SLEEVE,
@@ -112,27 +114,29 @@ STATICS = 20
     DOES_OSCILLATE,
 ) = range(STATICS, STATICS + 12)
 WITH_ENGINE = STATICS + 12
-# Positions that `find_equilibria` keeps for others: those of the stops, of the middle of the lift, and at both loads.
-MIDDLE, BEFORE, AFTER = MARKS, MARKS + 1, MARKS + 2
-KEPT = MARKS + 3
+# What `find_equilibria` keeps beside marks: positions in the middle of the lift and at both loads, the mean speed.
+MIDDLE, BEFORE, AFTER, MEAN_KEPT = MARKS, MARKS + 1, MARKS + 2, MARKS + 3
+KEPT = MARKS + 4
+# Numbers that `find_equilibria` needs room for.
+ROOM = MOST_SAMPLES + WITH_ENGINE + NUMBERS
 
 
 @routine
-def moved_to_radius(kind: int, p: np.ndarray, x: float, radius: float) -> float:
+def moved_to_radius(kind: int, p: Memory, x: float, radius: float) -> float:
     """Position near x at which the balls have a radius, to first order."""
     link = linkage_at(kind, p, x)
     return x - (link[0] - radius) / link[1]
 
 
 @routine
-def moved_to_lift(kind: int, p: np.ndarray, x: float, height: float) -> float:
+def moved_to_lift(kind: int, p: Memory, x: float, height: float) -> float:
     """Position near x at which the sleeve has a height, to first order."""
     link = linkage_at(kind, p, x)
     return x - (link[5] - height) / link[6]
 
 
 @routine
-def middle_of_lift(kind: int, p: np.ndarray, low: float, high: float) -> float:
+def middle_of_lift(kind: int, p: Memory, low: float, high: float) -> float:
     """Position halfway up the lift between two positions."""
     half = 0.5 * (linkage_at(kind, p, low)[5] + linkage_at(kind, p, high)[5])
     x = 0.5 * (low + high)
@@ -152,15 +156,15 @@ def middle_of_lift(kind: int, p: np.ndarray, low: float, high: float) -> float:
 
 @routine
 def state_at(
-    kind: int, p: np.ndarray, memory: np.ndarray, x: float, zero: float
+    kind: int, p: Memory, memory: Memory, x: float, zero: float
 ) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """A governor in equilibrium at a position.
 
     Parameters
     ----------
     kind : int
-    p : ndarray (NUMBERS,)
-    memory : ndarray
+    p : Memory (NUMBERS,)
+    memory : Memory
     x, zero : float
         Position, and height of the sleeve at the inner stop [m].
 
@@ -192,8 +196,8 @@ def state_at(
 @routine
 def moved_to_load(
     throttle: int,
-    p: np.ndarray,
-    memory: np.ndarray,
+    p: Memory,
+    memory: Memory,
     offset: float,
     x: float,
     state: tuple,
@@ -207,8 +211,8 @@ def moved_to_load(
     ----------
     throttle : int
         `Throttling`.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
+    p : Memory (NUMBERS,)
+    memory : Memory
     offset : float
         Where the throttle's table begins in it.
     x : float
@@ -232,10 +236,10 @@ def moved_to_load(
 def working_position(
     kind: int,
     throttle: int,
-    p: np.ndarray,
-    memory: np.ndarray,
+    p: Memory,
+    memory: Memory,
     offset: float,
-    kept: np.ndarray,
+    kept: Memory,
     whole: float,
     mean_speed: float,
     load: float,
@@ -246,11 +250,11 @@ def working_position(
     ----------
     kind, throttle : int
         `Holding`, `Throttling`.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
+    p : Memory (NUMBERS,)
+    memory : Memory
     offset : float
         Where the throttle's table begins in it.
-    kept : ndarray (KEPT,)
+    kept : Memory (KEPT,)
         Positions.
     whole, mean_speed, load : float
         Lift between the stops [m], mean speed of the spindle [rad/s], load [N·m].
@@ -298,11 +302,11 @@ def working_position(
 def near_equilibrium(
     kind: int,
     throttle: int,
-    p: np.ndarray,
-    memory: np.ndarray,
+    p: Memory,
+    memory: Memory,
     offset: float,
-    kept: np.ndarray,
-    found: np.ndarray,
+    kept: Memory,
+    found: Memory,
 ) -> None:
     """Write all results of a variant whose positions are known, to first order in the change of its numbers.
 
@@ -310,13 +314,13 @@ def near_equilibrium(
     ----------
     kind, throttle : int
         `Holding`, `Throttling`.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
+    p : Memory (NUMBERS,)
+    memory : Memory
     offset : float
         Where the throttle's table begins in it.
-    kept : ndarray (KEPT,)
+    kept : Memory (KEPT,)
         Positions.
-    found : ndarray (results,)
+    found : Memory (results,)
         To be written to.
     """
     low, high = moved_to_radius(kind, p, kept[INNER], p[LEAST]), moved_to_radius(kind, p, kept[OUTER], p[GREATEST])
@@ -360,7 +364,8 @@ def near_equilibrium(
     found[WORKING_LIFT], found[WORKING_SPEED] = lift, speed / ratio
     found[SPEED_CHANGE] = (speed - before[3]) / ratio
     if throttle == _FULL_AND_SHUT:
-        found[VYSHNEGRADSKY_X:WITH_ENGINE] = math.nan
+        for k in range(VYSHNEGRADSKY_X, WITH_ENGINE):
+            found[k] = math.nan
         found[IS_STABLE], found[DOES_OSCILLATE] = 0.0, 1.0
         return
     gain = throttle_at(throttle, p, memory, offset, lift, whole)[1]
@@ -391,6 +396,7 @@ def find_equilibria(
     sizes: np.ndarray,
     kept: np.ndarray,
     verdicts: np.ndarray,
+    room: np.ndarray,
 ) -> None:
     """All results of a set of variants near equilibrium.
 
@@ -404,44 +410,47 @@ def find_equilibria(
     offset : float
         Where the throttle's table begins in it.
     found, sizes : ndarray (variants, results)
-        To be written to: results, and the magnitudes whose rounding they carry.
+        Of NaN, to be written to: results, and the magnitudes whose rounding they carry.
     kept : ndarray (variants, KEPT)
-        To be written to: positions.
+        Of NaN, to be written to: positions.
     verdicts : ndarray (variants,) of uint8
         To be written to.
+    room : ndarray (ROOM,)
     """
-    places, moved = np.empty(MOST_SAMPLES), np.empty(found.shape[1])
-    p = np.empty(numbers.shape[1])
+    results, tables = found.shape[1], lane_of(memory)
+    places, moved, p = lane_of(room), lane_of(room[MOST_SAMPLES:]), lane_of(room[MOST_SAMPLES + WITH_ENGINE :])
     for v in range(numbers.shape[0]):
-        p[:] = numbers[v]
-        found[v], sizes[v], kept[v] = math.nan, math.nan, math.nan
-        verdict = stretches(kind, p, memory, kept[v], places)
+        for i in range(NUMBERS):
+            p[i] = numbers[v, i]
+        marks, values, carried = lane_of(kept[v]), lane_of(found[v]), lane_of(sizes[v])
+        verdict = stretches(kind, p, tables, marks, places)
         if verdict == _OK:
-            kept[v, MIDDLE] = middle_of_lift(kind, p, kept[v, FROM], kept[v, TO])
+            marks[MIDDLE] = middle_of_lift(kind, p, marks[FROM], marks[TO])
             if throttle != _NONE:
-                verdict = mark_loads(kind, throttle, p, memory, offset, kept[v])
+                verdict = mark_loads(kind, throttle, p, tables, offset, marks)
         verdicts[v] = verdict
         if verdict != _OK:
             continue
-        near_equilibrium(kind, throttle, p, memory, offset, kept[v], found[v])
-        for k in range(found.shape[1]):
-            sizes[v, k] = abs(found[v, k])
-        for i in range(p.size):
+        near_equilibrium(kind, throttle, p, tables, offset, marks, values)
+        for k in range(results):
+            carried[k] = abs(values[k])
+        for i in range(NUMBERS):
             if p[i] != 0.0:
                 p[i] *= 1.0 + NUDGE
-                near_equilibrium(kind, throttle, p, memory, offset, kept[v], moved)
+                near_equilibrium(kind, throttle, p, tables, offset, marks, moved)
                 p[i] = numbers[v, i]
-                for k in range(found.shape[1]):
-                    sizes[v, k] += abs(moved[k] - found[v, k]) / NUDGE
-        add_rounding(kind, p, memory, kept[v], found[v], sizes[v])
+                for k in range(results):
+                    carried[k] += abs(moved[k] - values[k]) / NUDGE
+        add_rounding(kind, throttle, p, tables, marks, values, carried)
 
 
 @routine
-def mark_loads(kind: int, throttle: int, p: np.ndarray, memory: np.ndarray, offset: float, kept: np.ndarray) -> int:
+def mark_loads(kind: int, throttle: int, p: Memory, memory: Memory, offset: float, kept: Memory) -> int:
     """Mark the positions at both loads; the verdict on them."""
     zero = linkage_at(kind, p, kept[INNER])[5]
     whole = linkage_at(kind, p, kept[OUTER])[5] - zero
     mean = 0.5 * (state_at(kind, p, memory, kept[FROM], zero)[3] + state_at(kind, p, memory, kept[TO], zero)[3])
+    kept[MEAN_KEPT] = mean
     kept[BEFORE], verdict = working_position(kind, throttle, p, memory, offset, kept, whole, mean, p[LOAD])
     if verdict == _OK:
         kept[AFTER], verdict = working_position(kind, throttle, p, memory, offset, kept, whole, mean, p[NEW_LOAD])
@@ -450,7 +459,7 @@ def mark_loads(kind: int, throttle: int, p: np.ndarray, memory: np.ndarray, offs
 
 @routine
 def add_rounding(
-    kind: int, p: np.ndarray, memory: np.ndarray, kept: np.ndarray, found: np.ndarray, sizes: np.ndarray
+    kind: int, throttle: int, p: Memory, memory: Memory, kept: Memory, found: Memory, sizes: Memory
 ) -> None:
     """Add what differences lose, and what places that were searched are off."""
     zero = linkage_at(kind, p, kept[INNER])[5]
@@ -461,6 +470,6 @@ def add_rounding(
     sizes[LEAST_STABILITY_RADIUS] += kept[OFF_LEAST_STABLE] / EPS
     sizes[STABLE_FROM] += kept[OFF_FROM] / EPS
     sizes[STABLE_TO] += kept[OFF_TO] / EPS
-    if found.size > STATICS:
+    if throttle != _NONE:
         sizes[SPEED_CHANGE] += 2.0 * found[WORKING_SPEED]
         sizes[WORKING_LIFT] += 2.0 * abs(zero)

@@ -7,9 +7,8 @@ doesn't have is not read. Tables are the same for all variants and stand one aft
 import math
 from enum import IntEnum
 
-import numpy as np
-
-from engine.compiling.decorators import routine
+from engine.compiling.decorators import inlined, routine
+from engine.cycle.panels.lanes import Memory
 from engine.laws.governors.equilibrium import holding, sleeve_equivalent, stability_margin
 from engine.laws.governors.linkages import balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
 from engine.laws.tables import table_segment
@@ -51,15 +50,15 @@ EPS = 2.0**-52
 _SAMPLES, _ROUNDS = 64, 100
 
 
-@routine
-def linkage_at(kind: int, p: np.ndarray, x: float) -> tuple[float, float, float, float, float, float, float, float]:
+@inlined
+def linkage_at(kind: int, p: Memory, x: float) -> tuple[float, float, float, float, float, float, float, float]:
     """r, r', r'', h', h'', z, z', z'' of a governor at a position.
 
     Parameters
     ----------
     kind : int
         `Holding`.
-    p : ndarray (NUMBERS,)
+    p : Memory (NUMBERS,)
     x : float
         Position: radius of the joint of arms, or of the balls [m].
 
@@ -79,16 +78,25 @@ def linkage_at(kind: int, p: np.ndarray, x: float) -> tuple[float, float, float,
 
 
 @routine
-def held_at(
-    kind: int, p: np.ndarray, memory: np.ndarray, x: float, link: tuple, zero: float
-) -> tuple[float, float, float]:
+def tabled(memory: Memory, offset: float, u: float) -> tuple[float, float]:
+    """Value and slope of a table in memory.
+
+    It is called, not inlined: what arrays cost in bookkeeping is then paid for by governors with tables alone.
+    """
+    left, c3, c2, c1, c0 = table_segment(memory, offset, u)
+    t = u - left
+    return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
+
+
+@inlined
+def held_at(kind: int, p: Memory, memory: Memory, x: float, link: tuple, zero: float) -> tuple[float, float, float]:
     """V', V'' at a position, and the magnitudes that V' is a sum of.
 
     Parameters
     ----------
     kind : int
-    p : ndarray (NUMBERS,)
-    memory : ndarray
+    p : Memory (NUMBERS,)
+    memory : Memory
         Tables, that of the controlling force first.
     x : float
     link : tuple of 8 floats
@@ -103,10 +111,8 @@ def held_at(
     _, _, _, h1, h2, z, z1, z2 = link
     if kind >= _OVER_RADIUS:
         u, rate = (x, 1.0) if kind == _OVER_RADIUS else (z - zero, z1)
-        left, c3, c2, c1, c0 = table_segment(memory, 0.0, u)
-        t = u - left
-        force = ((c3 * t + c2) * t + c1) * t + c0
-        return 2.0 * force, 2.0 * rate * ((3.0 * c3 * t + 2.0 * c2) * t + c1), abs(2.0 * force)
+        force, change = tabled(memory, 0.0, u)
+        return 2.0 * force, 2.0 * rate * change, abs(2.0 * force)
     ball = p[BALL] * p[GRAVITY]
     spring, weight = p[STIFFNESS] * (z - zero), p[SLEEVE] * p[GRAVITY]
     slope, curvature = holding(ball, weight + p[PRELOAD] + spring, p[STIFFNESS], h1, h2, z1, z2)
@@ -115,9 +121,7 @@ def held_at(
 
 
 @routine
-def margin_at(
-    kind: int, p: np.ndarray, memory: np.ndarray, x: float, zero: float
-) -> tuple[float, float, float, float, float]:
+def margin_at(kind: int, p: Memory, memory: Memory, x: float, zero: float) -> tuple[float, float, float, float, float]:
     """Stability at a position, and whether the governor works there at all.
 
     Parameters
@@ -144,7 +148,7 @@ def margin_at(
 
 
 @routine
-def _narrowed(kind: int, p: np.ndarray, radius: float, low: float, high: float) -> float:
+def _narrowed(kind: int, p: Memory, radius: float, low: float, high: float) -> float:
     """Position between two others at which the balls have a radius: Newton's method, halving where that leaves them."""
     x = high
     for _ in range(_ROUNDS):
@@ -163,13 +167,13 @@ def _narrowed(kind: int, p: np.ndarray, radius: float, low: float, high: float) 
 
 
 @routine
-def position_of(kind: int, p: np.ndarray, radius: float) -> float:
+def position_of(kind: int, p: Memory, radius: float) -> float:
     """Position at which the balls have a radius; NaN where they can't.
 
     Parameters
     ----------
     kind : int
-    p : ndarray (NUMBERS,)
+    p : Memory (NUMBERS,)
     radius : float
         [m]
     """
@@ -193,9 +197,9 @@ def position_of(kind: int, p: np.ndarray, radius: float) -> float:
     return math.nan
 
 
-@routine
+@inlined
 def throttle_at(
-    throttle: int, p: np.ndarray, memory: np.ndarray, offset: float, lift: float, whole: float
+    throttle: int, p: Memory, memory: Memory, offset: float, lift: float, whole: float
 ) -> tuple[float, float]:
     """Moment of the engine at the mean speed of the governor, and by how much it falls for each metre of lift.
 
@@ -203,8 +207,8 @@ def throttle_at(
     ----------
     throttle : int
         `Throttling`, but NONE.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
+    p : Memory (NUMBERS,)
+    memory : Memory
         Tables.
     offset : float
         Where the table of the throttle begins in it.
@@ -220,7 +224,6 @@ def throttle_at(
         fall = (p[FULL] - p[CLOSED]) / whole
         return p[FULL] - fall * lift, fall
     if throttle == _TABLE:
-        left, c3, c2, c1, c0 = table_segment(memory, offset, lift)
-        t = lift - left
-        return ((c3 * t + c2) * t + c1) * t + c0, -((3.0 * c3 * t + 2.0 * c2) * t + c1)
+        moment, rise = tabled(memory, offset, lift)
+        return moment, -rise
     return (p[FULL] if lift <= p[SWITCH] else p[CLOSED]), 0.0
