@@ -50,7 +50,7 @@ EPS = 2.0**-52
 _SAMPLES, _ROUNDS = 64, 100
 
 
-@inlined
+@routine
 def linkage_at(kind: int, p: Memory, x: float) -> tuple[float, float, float, float, float, float, float, float]:
     """r, r', r'', h', h'', z, z', z'' of a governor at a position.
 
@@ -88,7 +88,7 @@ def tabled(memory: Memory, offset: float, u: float) -> tuple[float, float]:
     return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
 
 
-@inlined
+@routine
 def held_at(kind: int, p: Memory, memory: Memory, x: float, link: tuple, zero: float) -> tuple[float, float, float]:
     """V', V'' at a position, and the magnitudes that V' is a sum of.
 
@@ -197,7 +197,7 @@ def position_of(kind: int, p: Memory, radius: float) -> float:
     return math.nan
 
 
-@inlined
+@routine
 def throttle_at(
     throttle: int, p: Memory, memory: Memory, offset: float, lift: float, whole: float
 ) -> tuple[float, float]:
