@@ -41,7 +41,7 @@ from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
-from engine.governors.governor_curves import GovernorCurves, governor_curves
+from engine.governors.governor_curves import GovernorCurves, LoadChange, governor_curves, load_change
 from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
@@ -110,6 +110,7 @@ __all__ = [
     "Hodograph",
     "InductionMotor",
     "InputUnits",
+    "LoadChange",
     "Machine",
     "MasterRod",
     "Mechanics",
@@ -170,6 +171,7 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "load_change",
     "made_engine",
     "made_ready",
     "nearest_names",

@@ -1,4 +1,4 @@
-"""The characteristic of one governor as curves, to be drawn."""
+"""One governor as curves, to be drawn: its characteristic, and what a change of load does over time."""
 
 from typing import NamedTuple
 
@@ -14,10 +14,13 @@ from engine.governors.governor_columns import (
     governor_memory,
     governor_numbers,
     holding_of,
+    is_followed,
+    throttling_of,
 )
 from engine.governors.governor_elements import AnyGovernor
-from engine.governors.governor_results import state_at
+from engine.governors.governor_results import SPEED_CHANGE, WORKING_SPEED, state_at
 from engine.governors.places import linkage_at
+from engine.governors.transients import ANSWERS, MOTION_ROOM, follow_one
 from engine.verdicts import Verdict
 
 # How far beyond the stops curves are drawn, as a share of the range between them.
@@ -80,7 +83,9 @@ def sample_states(
 
 
 _LINE = types.float64[::1]
-_TYPES = (types.intp, _LINE, _LINE, types.float64, _LINE, types.float64[:, ::1])
+_TABLE = types.float64[:, ::1]
+_TYPES = (types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE)
+_MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE, _LINE)
 
 
 def governor_curves(governor: AnyGovernor, positions: int = 401) -> GovernorCurves:
@@ -113,3 +118,49 @@ def governor_curves(governor: AnyGovernor, positions: int = 401) -> GovernorCurv
     columns = rows[:positions].T.copy()
     between = (places[:positions] >= inner) & (places[:positions] <= outer)
     return GovernorCurves(*columns, between, (radii[0], radii[1]), (radii[2], radii[3]), Verdict(verdicts[0]))
+
+
+class LoadChange(NamedTuple):
+    """Motion of an engine and its governor after a change of load, SI units.
+
+    Attributes
+    ----------
+    time, lift, speed : ndarray (instants,)
+        Time, lift of the sleeve, speed of the engine.
+    before, after : float
+        Steady speeds of the engine.
+    """
+
+    time: np.ndarray
+    lift: np.ndarray
+    speed: np.ndarray
+    before: float
+    after: float
+
+
+# Instants that there is room for.
+MOST_INSTANTS = 8000
+
+
+def load_change(governor: AnyGovernor) -> LoadChange | None:
+    """Follow what the change of load of a governor's engine does.
+
+    Parameters
+    ----------
+    governor : governor element
+
+    Returns
+    -------
+    LoadChange or None
+        As far as the motion can be followed; None without a change that is to be followed, or without equilibrium.
+    """
+    numbers = governor_numbers(governor)
+    found, _, kept, verdicts = equilibria_of(governor, numbers)
+    if not is_followed(governor) or verdicts[0] != Verdict.OK:
+        return None
+    rows, (memory, offset) = np.full((MOST_INSTANTS, 3), np.nan), governor_memory(governor)
+    kind, throttle = int(holding_of(governor)), int(throttling_of(governor))
+    prepare(follow_one, _MOTION_TYPES)
+    follow_one(kind, throttle, numbers[0], memory, offset, kept[0], rows, np.empty(MOTION_ROOM + ANSWERS))
+    after = found[0, WORKING_SPEED]
+    return LoadChange(*rows[np.isfinite(rows[:, 0])].T, after - found[0, SPEED_CHANGE], after)

@@ -7,7 +7,7 @@ doesn't have is not read. Tables are the same for all variants and stand one aft
 import math
 from enum import IntEnum
 
-from engine.compiling.decorators import inlined, routine
+from engine.compiling.decorators import routine
 from engine.cycle.panels.lanes import Memory
 from engine.laws.governors.equilibrium import holding, sleeve_equivalent, stability_margin
 from engine.laws.governors.linkages import balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
