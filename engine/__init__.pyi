@@ -41,7 +41,14 @@ from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
-from engine.governors.governor_curves import GovernorCurves, LoadChange, governor_curves, load_change
+from engine.governors.governor_curves import (
+    GovernorCurves,
+    LoadChange,
+    StabilityPoint,
+    governor_curves,
+    load_change,
+    stability_point,
+)
 from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
@@ -128,6 +135,7 @@ __all__ = [
     "SceneNumbers",
     "ScenePart",
     "Sliding",
+    "StabilityPoint",
     "SteadyRegime",
     "TableError",
     "TorsionSpring",
@@ -195,6 +203,7 @@ __all__ = [
     "sliders_of",
     "sources_digest",
     "split_on_neighbours",
+    "stability_point",
     "threads",
     "tolerance_shares",
     "turning_moment_from_areas",

@@ -58,7 +58,7 @@ _OF_ENGINE = (
     ElementResult("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
     ElementResult("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
     ElementResult("stable", "engine and governor are stable (1) or hunt (0)", **_FLAG),
-    ElementResult("gain_margin", "moment for each metre of lift at which they hunt, over that given", "1", None, True),
+    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
     ElementResult("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
     ElementResult("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
     ElementResult("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
@@ -68,11 +68,9 @@ _OF_ENGINE = (
 _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
     ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
-    ElementResult("overshoot", "greatest departure beyond the new steady speed, as a share of it", "1"),
-    ElementResult(
-        "settling_time", "time from which on the speed stays in its band; none if it leaves", "s", None, True
-    ),
-    ElementResult("hunting", "half the swing of speed in the last quarter of the time, as a share", "1"),
+    ElementResult("overshoot", "greatest departure beyond the new steady speed, as a share", "1"),
+    ElementResult("settling_time", "time after which the speed stays in its band", "s", None, True),
+    ElementResult("hunting", "half the swing of speed that is left at the end, as a share", "1"),
     ElementResult("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
     ElementResult("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
 )

@@ -18,7 +18,7 @@ from engine.governors.governor_columns import (
     throttling_of,
 )
 from engine.governors.governor_elements import AnyGovernor
-from engine.governors.governor_results import SPEED_CHANGE, WORKING_SPEED, state_at
+from engine.governors.governor_results import SPEED_CHANGE, VYSHNEGRADSKY_X, VYSHNEGRADSKY_Y, WORKING_SPEED, state_at
 from engine.governors.places import linkage_at
 from engine.governors.transients import ANSWERS, MOTION_ROOM, follow_one
 from engine.verdicts import Verdict
@@ -164,3 +164,29 @@ def load_change(governor: AnyGovernor) -> LoadChange | None:
     follow_one(kind, throttle, numbers[0], memory, offset, kept[0], rows, np.empty(MOTION_ROOM + ANSWERS))
     after = found[0, WORKING_SPEED]
     return LoadChange(*rows[np.isfinite(rows[:, 0])].T, after - found[0, SPEED_CHANGE], after)
+
+
+class StabilityPoint(NamedTuple):
+    """Place of an engine with its governor in Vyshnegradsky's diagram."""
+
+    x: float
+    y: float
+
+
+def stability_point(governor: AnyGovernor) -> StabilityPoint | None:
+    """Place of a governor's engine in Vyshnegradsky's diagram.
+
+    Parameters
+    ----------
+    governor : governor element
+
+    Returns
+    -------
+    StabilityPoint or None
+        None without an engine, without equilibrium, and for a valve that is open or shut.
+    """
+    if governor.engine is None:
+        return None
+    found = equilibria_of(governor, governor_numbers(governor))[0][0]
+    x, y = found[[VYSHNEGRADSKY_X, VYSHNEGRADSKY_Y]]
+    return StabilityPoint(float(x), float(y)) if np.isfinite(x) else None

@@ -7,8 +7,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import SENTENCES, AnyGovernor, GovernorCurves, Verdict, governor_curves
-from sweeps.pictures.style import BLUE, GREEN, GREY, PALE, VERMILION, house_style, new_figure, save
+from engine import (
+    SENTENCES,
+    AnyGovernor,
+    GovernorCurves,
+    LoadChange,
+    StabilityPoint,
+    Verdict,
+    governor_curves,
+    load_change,
+    stability_point,
+)
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, house_style, new_figure, save
 from sweeps.text.engineer_units import engineer_unit
 
 RPM = 30 / math.pi
@@ -17,7 +27,7 @@ FLAT = 1e-12
 
 
 def governor_sheet(governor: AnyGovernor, target: Path | str | Figure, title: str = "") -> Figure:
-    """Controlling force over the radius and speed over the lift of a governor, stretches and stops marked.
+    """Controlling force and speed of a governor in equilibrium; with an engine, its stability and a change of load.
 
     Parameters
     ----------
@@ -31,14 +41,18 @@ def governor_sheet(governor: AnyGovernor, target: Path | str | Figure, title: st
     PictureError
         The file's ending isn't a picture's, or it can't be written.
     """
-    curve = governor_curves(governor)
+    curve, point, change = governor_curves(governor), stability_point(governor), load_change(governor)
     with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 92)
+        rows = 1 + (point is not None or change is not None)
+        figure = target if isinstance(target, Figure) else new_figure(180, 12 + 80 * rows)
         if curve.radius.size:
-            force, speed = figure.subplots(1, 2, width_ratios=(1.15, 1))
-            _characteristic(force, curve)
-            _speeds(speed, curve, governor.friction)
-            figure.legend(*force.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+            axes = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.15, 1))
+            _characteristic(axes[0, 0], curve)
+            _speeds(axes[0, 1], curve, governor.friction)
+            figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+            if rows > 1:
+                _change(axes[1, 0], change, governor)
+                _diagram(axes[1, 1], point)
         words = [title] if title else []
         if curve.verdict != Verdict.OK:
             words.append(SENTENCES[curve.verdict])
@@ -92,3 +106,51 @@ def _speeds(ax: Axes, curve: GovernorCurves, friction: float) -> None:
         ax.plot(z, np.where(part, speed, np.nan), color=colour, linewidth=1.8)
     ax.set(xlabel=f"lift of the sleeve, {unit}", ylabel="speed of the spindle, rpm")
     ax.set_title("Speed in equilibrium")
+
+
+def _diagram(ax: Axes, point: StabilityPoint | None) -> None:
+    """Vyshnegradsky's diagram: where an engine with its governor hunts, oscillates or comes to rest without, and it."""
+    if point is None:
+        ax.set_axis_off()
+        return
+    top = max(6.0, 1.25 * point.x, 1.25 * point.y)
+    x = np.linspace(top / 400, top, 400)
+    ax.fill_between(x, 0, np.minimum(1 / x, top), color=VERMILION, alpha=0.18, linewidth=0, label="hunts")
+    ax.plot(x, 1 / x, color=VERMILION)
+    # Double roots −a, −a, −1/a²: X = 2a + 1/a², Y = a² + 2/a; the two branches meet at (3, 3).
+    for a in (np.linspace(1, top, 400), np.linspace(1 / top, 1, 400)):
+        ax.plot(2 * a + 1 / a**2, a**2 + 2 / a, color=BLUE)
+    beyond, rim = np.linspace(3, top, 300), [np.full(300, top), np.full(300, 3.0)]
+    for k, a in enumerate((np.geomspace(1, top, 2000), np.geomspace(1, 1 / top, 2000))):
+        rim[k] = np.interp(beyond, 2 * a + 1 / a**2, a**2 + 2 / a)
+    ax.fill_between(
+        beyond, np.minimum(*rim), np.maximum(*rim), color=BLUE, alpha=0.12, linewidth=0, label="no oscillation"
+    )
+    ax.plot(point.x, point.y, "o", color="black", markersize=5, zorder=5)
+    words = f"X Y = {point.x * point.y:.3g}"
+    side = {"ha": "right", "xytext": (-6, 5)} if point.x > 0.6 * top else {"ha": "left", "xytext": (6, 5)}
+    ax.annotate(words, (point.x, point.y), textcoords="offset points", fontsize=7.5, **side)
+    ax.set(xlim=(0, top), ylim=(0, top), xlabel="X, damping", ylabel="Y, stiffness")
+    ax.legend(loc="upper left" if point.x > point.y else "upper right")
+    ax.set_title("Vyshnegradsky's diagram")
+
+
+def _change(ax: Axes, change: LoadChange | None, governor: AnyGovernor) -> None:
+    """Speed of the engine and lift of the sleeve after a change of load."""
+    if change is None:
+        ax.set_axis_off()
+        return
+    band, after = governor.engine.settling_band, RPM * change.after
+    ax.axhspan(after * (1 - band), after * (1 + band), color=GREEN, alpha=0.15, linewidth=0, label="settled")
+    ax.axhline(after, color=GREEN, linewidth=0.8)
+    ax.plot(change.time, RPM * change.speed, color=BLUE, label="speed of the engine")
+    ax.set(xlim=(0, change.time[-1]), xlabel="time after the change of load, s", ylabel="speed of the engine, rpm")
+    lift, (factor, unit) = ax.twinx(), engineer_unit("m", change.lift)
+    lift.plot(change.time, factor * change.lift, color=ORANGE, linewidth=1.0)
+    ax.plot([], [], color=ORANGE, linewidth=1.0, label="lift of the sleeve")
+    lift.set_ylabel(f"lift of the sleeve, {unit}")
+    lift.grid(visible=False)
+    ax.legend(loc="best")
+    factor, unit = engineer_unit("N m", np.array([governor.engine.load, governor.engine.new_load]))
+    loads = [f"{factor * load:.4g}" for load in (governor.engine.load, governor.engine.new_load)]
+    ax.set_title(f"Load from {loads[0]} to {loads[1]} {unit}")
