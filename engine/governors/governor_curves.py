@@ -18,7 +18,13 @@ from engine.governors.governor_columns import (
     throttling_of,
 )
 from engine.governors.governor_elements import AnyGovernor
-from engine.governors.governor_results import SPEED_CHANGE, VYSHNEGRADSKY_X, VYSHNEGRADSKY_Y, WORKING_SPEED, state_at
+from engine.governors.governor_results import (
+    SPEED_CHANGE,
+    VYSHNEGRADSKY_X,
+    VYSHNEGRADSKY_Y,
+    WORKING_SPEED,
+    equilibrium_at,
+)
 from engine.governors.places import linkage_at
 from engine.governors.transients import ANSWERS, MOTION_ROOM, follow_one
 from engine.verdicts import Verdict
@@ -60,7 +66,7 @@ class GovernorCurves(NamedTuple):
 def sample_states(
     kind: int, p: np.ndarray, memory: np.ndarray, zero_at: float, places: np.ndarray, rows: np.ndarray
 ) -> None:
-    """Write `state_at` positions.
+    """Write `equilibrium_at` positions.
 
     Parameters
     ----------
@@ -72,12 +78,12 @@ def sample_states(
         Position of the inner stop.
     places : ndarray (positions,)
     rows : ndarray (positions, 6)
-        To be written to: the first six numbers of `state_at`.
+        To be written to: the first six numbers of `equilibrium_at`.
     """
     own, tables = lane_of(p), lane_of(memory)
     zero = linkage_at(kind, own, zero_at)[5]
     for k in range(places.size):
-        state = state_at(kind, own, tables, places[k], zero)
+        state = equilibrium_at(kind, own, tables, places[k], zero)
         for j in range(6):
             rows[k, j] = state[j]
 
@@ -104,20 +110,17 @@ def governor_curves(governor: AnyGovernor, positions: int = 401) -> GovernorCurv
     numbers = governor_numbers(governor)
     kept, verdicts = equilibria_of(governor, numbers)[2:]
     inner, outer, begin, end = kept[0, [INNER, OUTER, FROM, TO]]
-    if not inner < outer:
-        none = np.empty(0)
-        nowhere = (float("nan"), float("nan"))
-        return GovernorCurves(*[none] * 6, none.astype(bool), nowhere, nowhere, Verdict(verdicts[0]))
-    memory, kind = governor_memory(governor)[0], int(holding_of(governor))
     room = BEYOND * (outer - inner)
     places = np.concatenate([np.linspace(inner - room, outer + room, positions), [inner, outer, begin, end]])
     rows = np.empty((places.size, 6))
     prepare(sample_states, _TYPES)
-    sample_states(kind, numbers[0], memory, inner, places, rows)
-    radii = rows[positions:, 0]
-    columns = rows[:positions].T.copy()
-    between = (places[:positions] >= inner) & (places[:positions] <= outer)
-    return GovernorCurves(*columns, between, (radii[0], radii[1]), (radii[2], radii[3]), Verdict(verdicts[0]))
+    sample_states(int(holding_of(governor)), numbers[0], governor_memory(governor)[0], inner, places, rows)
+    radii, columns, places = rows[positions:, 0], rows[:positions], places[:positions]
+    # Without stops, or without equilibrium between them, there is nothing to see.
+    between = (places >= inner) & (places <= outer)
+    seen = slice(None) if np.isfinite(columns[between, 3]).any() else slice(0)
+    stops, stable = (radii[0], radii[1]), (radii[2], radii[3])
+    return GovernorCurves(*columns[seen].T.copy(), between[seen], stops, stable, Verdict(verdicts[0]))
 
 
 class LoadChange(NamedTuple):

@@ -155,7 +155,7 @@ def middle_of_lift(kind: int, p: Memory, low: float, high: float) -> float:
 
 
 @routine
-def state_at(
+def equilibrium_at(
     kind: int, p: Memory, memory: Memory, x: float, zero: float
 ) -> tuple[float, float, float, float, float, float, float, float, float, float]:
     """A governor in equilibrium at a position.
@@ -218,7 +218,7 @@ def moved_to_load(
     x : float
         [m]
     state : tuple of 10 floats
-        `state_at` it.
+        `equilibrium_at` it.
     whole, mean_speed, load : float
         Lift between the stops [m], mean speed of the spindle [rad/s], load [N·m].
     """
@@ -270,7 +270,7 @@ def working_position(
     zero = linkage_at(kind, p, kept[INNER])[5]
     low, high = kept[FROM], kept[TO]
     switches = throttle == _FULL_AND_SHUT
-    begin, end = state_at(kind, p, memory, low, zero), state_at(kind, p, memory, high, zero)
+    begin, end = equilibrium_at(kind, p, memory, low, zero), equilibrium_at(kind, p, memory, high, zero)
     if switches and not begin[1] < p[SWITCH] < end[1]:
         return math.nan, _OUTSIDE
     most = throttle_at(throttle, p, memory, offset, begin[1], whole)[0]
@@ -282,7 +282,7 @@ def working_position(
         return math.nan, _RUNS_AWAY
     x = 0.5 * (low + high)
     for _ in range(_ROUNDS):
-        state = state_at(kind, p, memory, x, zero)
+        state = equilibrium_at(kind, p, memory, x, zero)
         moment = throttle_at(throttle, p, memory, offset, state[1], whole)[0]
         lower = state[1] <= p[SWITCH] if switches else moment - regulation * (state[3] - mean_speed) > load
         if lower:
@@ -325,9 +325,9 @@ def near_equilibrium(
     """
     low, high = moved_to_radius(kind, p, kept[INNER], p[LEAST]), moved_to_radius(kind, p, kept[OUTER], p[GREATEST])
     zero = linkage_at(kind, p, low)[5]
-    inner, outer = state_at(kind, p, memory, low, zero), state_at(kind, p, memory, high, zero)
-    begin = inner if kept[FROM] == kept[INNER] else state_at(kind, p, memory, kept[FROM], zero)
-    end = outer if kept[TO] == kept[OUTER] else state_at(kind, p, memory, kept[TO], zero)
+    inner, outer = equilibrium_at(kind, p, memory, low, zero), equilibrium_at(kind, p, memory, high, zero)
+    begin = inner if kept[FROM] == kept[INNER] else equilibrium_at(kind, p, memory, kept[FROM], zero)
+    end = outer if kept[TO] == kept[OUTER] else equilibrium_at(kind, p, memory, kept[TO], zero)
     whole, least, greatest = outer[1], begin[3], end[3]
     mean = 0.5 * (least + greatest)
     found[INNER_FORCE], found[INNER_SPEED] = inner[2], inner[3]
@@ -338,28 +338,28 @@ def near_equilibrium(
     place = kept[LEAST_STABLE]
     shaky = inner if place == kept[INNER] else outer
     if kept[INNER] < place < kept[OUTER]:
-        shaky = state_at(kind, p, memory, place, zero)
+        shaky = equilibrium_at(kind, p, memory, place, zero)
     found[LEAST_STABILITY], found[LEAST_STABILITY_RADIUS] = shaky[5], shaky[0]
     found[IS_ISOCHRONOUS] = kept[ISOCHRONOUS]
     place = kept[WEAKEST]
     weak = begin if place == kept[FROM] else end
     if kept[FROM] < place < kept[TO]:
-        weak = state_at(kind, p, memory, place, zero)
+        weak = equilibrium_at(kind, p, memory, place, zero)
     found[INSENSITIVITY] = insensitivity_by_friction(p[FRICTION], weak[4])
     found[LEAST_WITH_FRICTION] = speed_with_friction(least, -p[FRICTION], begin[4])
     found[GREATEST_WITH_FRICTION] = speed_with_friction(greatest, p[FRICTION], end[4])
     place = moved_to_lift(kind, p, kept[MIDDLE], zero + 0.5 * (begin[1] + end[1]))
-    half = state_at(kind, p, memory, place, zero)
+    half = equilibrium_at(kind, p, memory, place, zero)
     found[SLEEVE_FORCE], found[EFFORT] = half[4], p[CHANGE] * half[4]
     found[POWER] = 2.0 * found[EFFORT] * found[EFFORT] / half[8]
     if throttle == _NONE:
         return
-    state = state_at(kind, p, memory, kept[BEFORE], zero)
+    state = equilibrium_at(kind, p, memory, kept[BEFORE], zero)
     place = moved_to_load(throttle, p, memory, offset, kept[BEFORE], state, whole, mean, p[LOAD])
-    before = state_at(kind, p, memory, place, zero)
-    state = state_at(kind, p, memory, kept[AFTER], zero)
+    before = equilibrium_at(kind, p, memory, place, zero)
+    state = equilibrium_at(kind, p, memory, kept[AFTER], zero)
     place = moved_to_load(throttle, p, memory, offset, kept[AFTER], state, whole, mean, p[NEW_LOAD])
-    _, lift, _, speed, force, _, _, mass, stiffness, balls = state_at(kind, p, memory, place, zero)
+    _, lift, _, speed, force, _, _, mass, stiffness, balls = equilibrium_at(kind, p, memory, place, zero)
     ratio, s, b = p[RATIO], p[SELF_REGULATION], p[DAMPING]
     found[WORKING_LIFT], found[WORKING_SPEED] = lift, speed / ratio
     found[SPEED_CHANGE] = (speed - before[3]) / ratio
@@ -449,7 +449,9 @@ def mark_loads(kind: int, throttle: int, p: Memory, memory: Memory, offset: floa
     """Mark the positions at both loads; the verdict on them."""
     zero = linkage_at(kind, p, kept[INNER])[5]
     whole = linkage_at(kind, p, kept[OUTER])[5] - zero
-    mean = 0.5 * (state_at(kind, p, memory, kept[FROM], zero)[3] + state_at(kind, p, memory, kept[TO], zero)[3])
+    mean = 0.5 * (
+        equilibrium_at(kind, p, memory, kept[FROM], zero)[3] + equilibrium_at(kind, p, memory, kept[TO], zero)[3]
+    )
     kept[MEAN_KEPT] = mean
     kept[BEFORE], verdict = working_position(kind, throttle, p, memory, offset, kept, whole, mean, p[LOAD])
     if verdict == _OK:

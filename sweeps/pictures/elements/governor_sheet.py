@@ -47,7 +47,7 @@ def governor_sheet(governor: AnyGovernor, target: Path | str | Figure, title: st
         figure = target if isinstance(target, Figure) else new_figure(180, 12 + 80 * rows)
         if curve.radius.size:
             axes = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.15, 1))
-            _characteristic(axes[0, 0], curve)
+            _characteristic(axes[0, 0], curve, governor.ball_mass)
             _speeds(axes[0, 1], curve, governor.friction)
             figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
             if rows > 1:
@@ -62,7 +62,7 @@ def governor_sheet(governor: AnyGovernor, target: Path | str | Figure, title: st
     return figure
 
 
-def _characteristic(ax: Axes, curve: GovernorCurves) -> None:
+def _characteristic(ax: Axes, curve: GovernorCurves, mass: float) -> None:
     """Controlling force of one ball, with rays of constant speed and the stops."""
     to_radius, radius_unit = engineer_unit("m", curve.radius)
     to_force, force_unit = engineer_unit("N", curve.force[curve.between])
@@ -75,8 +75,6 @@ def _characteristic(ax: Axes, curve: GovernorCurves) -> None:
     inside = curve.speed[curve.between]
     right = to_radius * (curve.stops[1] + 0.3 * (curve.stops[1] - curve.stops[0]))
     speeds = {float(s) for s in (np.nanmin(inside), np.nanmax(inside)) if np.isfinite(s)}
-    at_stops = curve.force[curve.between][[0, -1]] / curve.radius[curve.between][[0, -1]]
-    mass = float(at_stops[0] / inside[0] ** 2)
     for speed, side in zip(sorted(speeds), ("top", "bottom"), strict=False):
         top = to_force * mass * speed**2 * right / to_radius
         ax.plot([0, right], [0, top], color=GREY, linewidth=0.7, linestyle=(0, (4, 3)))
