@@ -78,7 +78,7 @@ def linkage_at(kind: int, p: Memory, x: float) -> tuple[float, float, float, flo
 
 
 @routine
-def value_and_slope(memory: Memory, offset: float, u: float) -> tuple[float, float]:
+def value_and_rate(memory: Memory, offset: float, u: float) -> tuple[float, float]:
     """Value and slope of a table in memory.
 
     It is called, not inlined: what arrays cost in bookkeeping is then paid for by governors with tables alone.
@@ -111,7 +111,7 @@ def held_at(kind: int, p: Memory, memory: Memory, x: float, link: tuple, zero: f
     _, _, _, h1, h2, z, z1, z2 = link
     if kind >= _OVER_RADIUS:
         u, rate = (x, 1.0) if kind == _OVER_RADIUS else (z - zero, z1)
-        force, change = value_and_slope(memory, 0.0, u)
+        force, change = value_and_rate(memory, 0.0, u)
         return 2.0 * force, 2.0 * rate * change, abs(2.0 * force)
     ball = p[BALL] * p[GRAVITY]
     spring, weight = p[STIFFNESS] * (z - zero), p[SLEEVE] * p[GRAVITY]
@@ -224,6 +224,6 @@ def throttle_at(
         fall = (p[FULL] - p[CLOSED]) / whole
         return p[FULL] - fall * lift, fall
     if throttle == _TABLE:
-        moment, rise = value_and_slope(memory, offset, lift)
+        moment, rise = value_and_rate(memory, offset, lift)
         return moment, -rise
     return (p[FULL] if lift <= p[SWITCH] else p[CLOSED]), 0.0
