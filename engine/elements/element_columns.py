@@ -18,7 +18,7 @@ from engine.compiling.threads import on_all_threads
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.elements.element_laws import LAWS, ElementLaw, ElementResult, LawOfArrays
 from engine.governors.governor_columns import governor_law
-from engine.governors.governor_elements import Governor
+from engine.governors.governor_elements import Governor, governs_machine
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
 from engine.quantities.quantity import Quantity
@@ -60,6 +60,11 @@ class ElementColumns:
         known = {q.name for q in element_summaries(scene)}
         self.scene, self.names = scene, [name for name in asked if name in known]
         self.elements = tuple(dict.fromkeys(name.partition(".")[0] for name in self.names))
+
+    @property
+    def governing(self) -> tuple[str, ...]:
+        """Governors among them whose engine is the scene's mechanism."""
+        return tuple(name for name in self.elements if governs_machine(self.scene.elements[name]))
 
     @cached_property
     def text(self) -> str:

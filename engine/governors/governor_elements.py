@@ -89,9 +89,13 @@ class GovernedEngine(Part):
     the governor; with `self_regulation` it falls, or the load rises, by so much for each rad/s above that. The engine
     runs at `load` until it changes to `new_load`; the run is followed for `duration`, and counts as settled where its
     speed stays within the share `settling_band` of the new one.
+
+    With `machine` the engine is the scene's own mechanism: the mean over its cycle of its reduced inertia, and that of
+    its flywheel, are added to `inertia`.
     """
 
-    inertia: Annotated[Inertia, Field(gt=0)]
+    machine: bool = False
+    inertia: Annotated[Inertia, Field(ge=0)] = 0.0
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     throttle: Throttle
     self_regulation: Annotated[quantity("torsional_damping"), Field(ge=0)] = 0.0
@@ -99,6 +103,12 @@ class GovernedEngine(Part):
     new_load: Moment | None = None
     duration: Annotated[quantity("time"), Field(gt=0)] | None = None
     settling_band: Annotated[Number, Field(gt=0)] = 0.01
+
+    @model_validator(mode="after")
+    def _has_inertia(self) -> "GovernedEngine":
+        if not (self.machine or self.inertia > 0):
+            raise ValueError("inertia is missing: give that of the engine, or machine = true for the scene's own")
+        return self
 
     @model_validator(mode="after")
     def _load_changes(self) -> "GovernedEngine":
@@ -226,3 +236,8 @@ class TableGovernor(Governor):
 
 
 AnyGovernor = WattGovernor | PorterGovernor | ProellGovernor | HartnellGovernor | TableGovernor
+
+
+def governs_machine(element: Part) -> bool:
+    """Whether an element is a governor whose engine is the scene's mechanism."""
+    return isinstance(element, Governor) and element.engine is not None and element.engine.machine

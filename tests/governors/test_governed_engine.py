@@ -149,7 +149,8 @@ def test_valve_that_is_open_or_shut__has_no_equilibrium_but_its_switch():
             "moment rises in row 2, from 100 to 200 N m",
         ),
         ({"new_load": None, "duration": 3.0}, "give new_load, or leave duration out"),
-        ({"inertia": 0.0}, "greater than 0"),
+        ({"inertia": 0.0}, "inertia is missing"),
+        ({"inertia": -1.0}, "greater than or equal to 0"),
     ],
 )
 def test_engines_that_cannot_be__are_refused(engine, words):

@@ -10,7 +10,7 @@ from machines import slider_crank
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
-from engine import Scene, Verdict, governor_curves, made_ready, scene_numbers, stability_point
+from engine import Scene, Verdict, governed_scene, governor_curves, made_ready, scene_numbers, stability_point
 from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.study.bundled import bundled_studies
@@ -59,6 +59,39 @@ def test_governor_beside_a_mechanism__is_what_it_is_alone():
     assert outcome.status[0] == Verdict.OK
     for key in ("settling_time", "least_speed"):
         assert outcome.summaries[f"governor.{key}"][0] == alone[key][0]
+
+
+def test_governor_of_the_machine__has_the_inertia_of_its_mechanism():
+    """A slider-crank's mean reduced inertia, by the mean of its own curve, with its flywheel and what is given."""
+    engine = {key: value for key, value in ENGINE.items() if key != "inertia"} | {"duration": 2.0}
+    governor = PORTER | {"damping": 600.0, "engine": engine | {"machine": True, "inertia": 3.0}}
+    bodies = {
+        "crank_body": {"link": "crank", "mass": 3.0, "inertia": 4.0},
+        "ram_body": {"link": "ram", "mass": 800.0},
+    }
+    wheels = np.array([10.0, 20.0, 30.0])
+    both = Scene.model_validate(slider_crank(elements={"it": governor}, bodies=bodies, flywheel={"inertia": 20.0}))
+    names = [f"it.{key}" for key in ("decay_rate", "highest_speed", "critical_inertia")]
+    varied = {"flywheel.inertia": wheels}
+    outcome = made_ready(both, names, varied=varied).evaluate(varied)
+    assert (outcome.status == Verdict.OK).all()
+    curve = made_ready(both, fields=["reduced_inertia"]).evaluate({}).fields["reduced_inertia"][0]
+    alone = PORTER | {"damping": 600.0, "engine": engine | {"inertia": 1.0}}
+    # A periodic curve's mean over equally spaced angles is exact but for rounding.
+    found, _, _ = governor_results(alone, engine__inertia=3.0 + wheels + curve.mean())
+    for name in names:
+        assert_allclose(outcome.summaries[name], found[name.removeprefix("it.")], rtol=1e-9, err_msg=name)
+    drawn = governed_scene(both).elements["it"].engine
+    assert (drawn.machine, drawn.inertia) == (False, pytest.approx(23.0 + curve.mean(), rel=1e-12))
+    assert governed_scene(drawn_scene := Scene.model_validate({"elements": {"it": GOVERNED}})) is drawn_scene
+
+
+def test_governor_of_no_machine__is_refused():
+    engine = {"machine": True, "throttle": {"type": "linear", "full": 400.0}, "load": 300.0}
+    with pytest.raises(ValueError, match=r"elements\.it\.engine\.machine: the scene has no crank that turns fully"):
+        Scene.model_validate({"elements": {"it": PORTER | {"engine": engine}}})
+    with pytest.raises(ValueError, match="machine = true for the scene's own"):
+        Scene.model_validate({"elements": {"it": PORTER | {"engine": engine | {"machine": False}}}})
 
 
 # The study

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from engine import EngineElement, Governor, RotorElement, Scene
+from engine import EngineElement, Governor, RotorElement, Scene, governed_scene
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
@@ -29,7 +29,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
         The file's ending isn't a picture's, or it can't be written.
     """
     made = []
-    for name, element in scene.elements.items():
+    for name, element in governed_scene(scene).elements.items():
         title = f"{scene.title}: {name}" if scene.title else name
         match element:
             case RotorElement():
