@@ -54,7 +54,8 @@ from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.machine.full_rotation import assembly_ranges
-from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine, governed_scene
+from engine.machine.governed_scene import governed_scene
+from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
 from engine.mechanism.mechanics import Mechanics

@@ -22,9 +22,17 @@ from engine.governors.governor_elements import (
     TableGovernor,
     TableThrottle,
     WattGovernor,
+    governs_machine,
 )
 from engine.governors.governor_results import EPS, KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
-from engine.governors.places import ENGINE, GEOMETRY_NUMBERS, NUMBERS, Holding, Throttling
+from engine.governors.places import (
+    CYCLE_LENGTH,
+    ENGINE,
+    GEOMETRY_NUMBERS,
+    NUMBERS,
+    Holding,
+    Throttling,
+)
 from engine.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
 from engine.laws.tables import Table, in_memory, make_table
 
@@ -147,7 +155,15 @@ def _going_on(table: Table) -> Table:
 
 def _arguments(governor: AnyGovernor, given: Given) -> tuple:
     """Numbers in their order; 0 where a governor has none."""
-    return (*_masses(governor, given), *_geometry(governor, given), *_engine(governor, given))
+    numbers = (*_masses(governor, given), *_geometry(governor, given), *_engine(governor, given))
+    if not (is_followed(governor) and governs_machine(governor)):
+        return numbers
+    return (*numbers, *(given(cycle_key(k)) for k in range(NUMBERS, CYCLE_LENGTH + 1)))
+
+
+def cycle_key(k: int) -> str:
+    """Under which key a governor is given a number of the curves of its mechanism, by its place in the row."""
+    return f"cycle.{k}"
 
 
 def _masses(governor: AnyGovernor, given: Given) -> Iterator[float | np.ndarray]:
@@ -191,13 +207,21 @@ _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
 _TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _TABLE, _TABLE, _TABLE, types.uint8[::1], _ROW)
 
 
-def governor_numbers(governor: AnyGovernor) -> np.ndarray:
-    """A governor's own numbers in their order, as one variant (1, NUMBERS)."""
+def governor_numbers(governor: AnyGovernor, cycle: np.ndarray | None = None) -> np.ndarray:
+    """A governor's own numbers in their order, as one variant (1, numbers).
+
+    Parameters
+    ----------
+    governor : governor element
+    cycle : ndarray, optional
+        Curves of its mechanism, and the length of their cycle.
+    """
 
     def own(key: str) -> float:
         return float(reduce(getattr, key.split("."), governor))
 
-    return np.array([_arguments(governor, own)], float)
+    numbers = (*_masses(governor, own), *_geometry(governor, own), *_engine(governor, own))
+    return np.concatenate([np.array(numbers, float), [] if cycle is None else cycle])[None]
 
 
 def equilibria_of(governor: AnyGovernor, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -234,8 +258,8 @@ def _rows(governor: AnyGovernor, arguments: np.ndarray) -> tuple[np.ndarray, np.
     if is_followed(governor):
         answers, coarse = np.full((2, numbers.shape[0], ANSWERS), np.nan)
         kind, throttle = int(holding_of(governor)), int(throttling_of(governor))
-        prepare(follow_changes, _TYPES)
         tables, room = governor_memory(governor), np.empty(MOTION_ROOM)
+        prepare(follow_changes, _TYPES)
         follow_changes(kind, throttle, numbers, *tables, answers, coarse, kept, verdicts, room)
         off = np.abs(answers - coarse) / (16 * EPS) + np.abs(answers) * FINE / EPS
         found, sizes = np.concatenate([found, answers], axis=1), np.concatenate([sizes, off], axis=1)

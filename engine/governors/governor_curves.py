@@ -145,19 +145,21 @@ class LoadChange(NamedTuple):
 MOST_INSTANTS = 8000
 
 
-def load_change(governor: AnyGovernor) -> LoadChange | None:
+def load_change(governor: AnyGovernor, cycle: np.ndarray | None = None) -> LoadChange | None:
     """Follow what the change of load of a governor's engine does.
 
     Parameters
     ----------
     governor : governor element
+    cycle : ndarray, optional
+        Of a governor of a mechanism, from `governed_scene`.
 
     Returns
     -------
     LoadChange or None
         As far as the motion can be followed; None without a change that is to be followed, or without equilibrium.
     """
-    numbers = governor_numbers(governor)
+    numbers = governor_numbers(governor, cycle)
     found, _, kept, verdicts = equilibria_of(governor, numbers)
     if not is_followed(governor) or verdicts[0] != Verdict.OK:
         return None

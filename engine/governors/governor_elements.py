@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from engine.balancing.rotors.bearings import STANDARD_GRAVITY
 from engine.laws.tables import TableError, make_table
-from engine.scene.parts import Acceleration, Inertia, Length, Mass, Number, Part, quantity
+from engine.scene.parts import Acceleration, Inertia, Length, Mass, Name, Number, Part, quantity
 
 Positive = Annotated[Length, Field(gt=0)]
 Force = quantity("force")
@@ -91,10 +91,13 @@ class GovernedEngine(Part):
     speed stays within the share `settling_band` of the new one.
 
     With `machine` the engine is the scene's own mechanism: the mean over its cycle of its reduced inertia, and that of
-    its flywheel, are added to `inertia`.
+    its flywheel, are added to `inertia`. Over time it then turns with its true reduced inertia, and under its own
+    actions: those that are `throttled` as the throttle says, all others as they are. `load` is the mean of all that
+    resists, also of the mechanism's own.
     """
 
     machine: bool = False
+    throttled: tuple[Name, ...] = ()
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     throttle: Throttle
@@ -108,6 +111,8 @@ class GovernedEngine(Part):
     def _has_inertia(self) -> "GovernedEngine":
         if not (self.machine or self.inertia > 0):
             raise ValueError("inertia is missing: give that of the engine, or machine = true for the scene's own")
+        if self.throttled and not self.machine:
+            raise ValueError("throttled names actions of the scene's mechanism: give machine = true, or leave it out")
         return self
 
     @model_validator(mode="after")

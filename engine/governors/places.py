@@ -19,6 +19,12 @@ GEOMETRY_NUMBERS = 6
 ENGINE = GEOMETRY + GEOMETRY_NUMBERS
 INERTIA, RATIO, FULL, CLOSED, SELF_REGULATION, LOAD, NEW_LOAD, DURATION, BAND, SWITCH = range(ENGINE, ENGINE + 10)
 NUMBERS = ENGINE + 10
+# Where the engine is a mechanism, curves over its cycle follow, each at so many equally spaced crank angles: what its
+# reduced inertia is beside the mean, the derivative of that by the angle, what drives it over the mean of that, and
+# what else acts, without its mean; and the length of the cycle.
+CYCLE_POSITIONS = 360
+CURVES = 4
+CYCLE_LENGTH = NUMBERS + CURVES * CYCLE_POSITIONS
 
 
 class Holding(IntEnum):

@@ -8,11 +8,12 @@ import numpy as np
 
 from engine.compiling.threads import threads
 from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.governors.governor_elements import governs_machine
+from engine.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
 from engine.machine.first_failure import first_failure
+from engine.machine.governed_engines import GovernedEngines
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
@@ -40,8 +41,6 @@ _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1")
 ACCURACY_REACHED = Quantity("accuracy_reached", "1 where every error figure is within the asked accuracy, else 0", "1")
 OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
-# Of the mechanism alone, without a flywheel.
-MEAN_INERTIA = "reduced_inertia.mean"
 
 
 class Machine:
@@ -290,19 +289,19 @@ class Machine:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels))
 
-    @cached_property
-    def _weighed(self) -> "Machine":
-        """The same machine, asked for the inertia that its governors have to do with."""
-        return Machine(self.scene, [MEAN_INERTIA], varied=self.varied)
-
     def _governed(self, numbers: Numbers, variants: int) -> Numbers:
-        """Numbers in which the engines of governors that govern this machine have its inertia."""
+        """Numbers in which the engines of governors that govern this machine have its inertia and its curves."""
         if not self._elements.governing:
             return numbers
-        own = self._weighed.evaluate({path: np.broadcast_to(numbers[path], (variants,)) for path in self.varied})
-        added = own.summaries[MEAN_INERTIA] + numbers.get("flywheel.inertia", 0.0)
-        paths = [f"elements.{name}.engine.inertia" for name in self._elements.governing]
-        return numbers.with_values({path: numbers[path] + added for path in paths})
+        engines, machine = self._governing
+        outcome = machine.evaluate({path: np.broadcast_to(numbers[path], (variants,)) for path in self.varied})
+        return numbers.with_values(engines.numbers(outcome, numbers))
+
+    @cached_property
+    def _governing(self) -> "tuple[GovernedEngines, Machine]":
+        """Engines that governors have in this machine, and the machine as it is asked for them."""
+        engines = GovernedEngines(self.scene, self._elements.governing)
+        return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, CYCLE_POSITIONS)
 
     def _measure(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> np.ndarray:
         """Evaluate the cycles of the variants `keep`; returns how many panels each took."""
@@ -479,30 +478,3 @@ class Machine:
             return np.abs(outcome.summaries[name][keep])
         asked = [n for n in self._summaries if n.rpartition(".")[0] == field and not n.endswith("_at")]
         return np.max([np.abs(outcome.summaries[n][keep]) for n in asked], axis=0)
-
-
-def governed_scene(scene: Scene) -> Scene:
-    """A scene whose governors' engines have the inertia of its mechanism, where that is the engine.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Scene
-        The same where no governor governs the mechanism, or where the mechanism can't be evaluated.
-    """
-    governing = [name for name, element in scene.elements.items() if governs_machine(element)]
-    if not governing:
-        return scene
-    mean = float(Machine(scene, [MEAN_INERTIA]).evaluate({}).summaries[MEAN_INERTIA][0])
-    if not math.isfinite(mean):
-        return scene
-    wheel = (scene.flywheel and scene.flywheel.inertia) or 0.0
-    elements = dict(scene.elements)
-    for name in governing:
-        engine = elements[name].engine
-        engine = engine.model_copy(update={"machine": False, "inertia": engine.inertia + mean + wheel})
-        elements[name] = elements[name].model_copy(update={"engine": engine})
-    return scene.model_copy(update={"elements": elements})

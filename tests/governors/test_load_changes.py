@@ -8,10 +8,12 @@ from governed_motion import GovernedMotion
 from governor_samples import ENGINE, HARTNELL, PORTER, governor_results
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import slider_crank
 from numpy.testing import assert_allclose
+from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
 
-from engine import Scene, Verdict, load_change
+from engine import Scene, SceneError, Verdict, governed_scene, load_change, made_ready
 
 FOLLOWED = ENGINE | {"new_load": 200.0, "duration": 4.0}
 SWITCHED = {"type": "full and shut", "full": 400.0, "switch": 0.05}
@@ -211,3 +213,103 @@ def test_variants__are_what_each_is_by_itself():
         alone, _, _ = governor_results(CASES["friction"] | {"damping": float(b)})
         for key, column in together.items():
             assert column[k] == alone[key][0] or (np.isnan(column[k]) and np.isnan(alone[key][0])), key
+
+
+# The engine is a mechanism
+
+ANGLES = [k * math.pi / 6 for k in range(12)]
+
+
+def crank_engine(**changes):
+    """A slider-crank with a heavy ram, driven unevenly, that its governor throttles."""
+    engine = {key: value for key, value in FOLLOWED.items() if key != "inertia"}
+    engine |= {
+        "machine": True,
+        "throttled": ["steam"],
+        "inertia": 6.0,
+        "duration": 2.0,
+        "settling_band": 0.05,
+    } | changes
+    return slider_crank(
+        0.15,
+        0.6,
+        18.0,
+        guides={"way": {"angle": math.pi / 2}},
+        gravity=9.81,
+        bodies={"ram_body": {"link": "ram", "mass": 60.0}},
+        moments={
+            "steam": {
+                "type": "table",
+                "on": "crank",
+                "role": "driving",
+                "interpolation": "spline",
+                "over_angle": ANGLES,
+                "moment": [300.0 + 200.0 * math.cos(2 * a - 1.0) + 50.0 * math.sin(a) for a in ANGLES],
+            }
+        },
+        elements={"it": PORTER | {"damping": 400.0, "engine": engine}},
+    )
+
+
+@pytest.mark.parametrize("friction", [0.0, 8.0])
+def test_machine_with_its_true_inertia_and_moments__is_what_another_method_finds(friction):
+    parts = crank_engine()
+    parts["elements"]["it"]["friction"] = friction
+    scene = Scene.model_validate(parts)
+    names = [f"it.{key}" for key in ("highest_speed", "lowest_speed", "hunting")]
+    outcome = made_ready(scene, names).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    fields = made_ready(scene, fields=["reduced_inertia", "reduced_moment", "steam.moment"]).evaluate({}).fields
+    inertia, moment, steam = (fields[k][0] for k in ("reduced_inertia", "reduced_moment", "steam.moment"))
+    other = moment - steam
+    rows = np.stack([inertia - inertia.mean(), steam / steam.mean(), other - other.mean()])
+    phi = np.linspace(0, math.tau, rows.shape[1] + 1)
+    change, share, rest = (CubicSpline(phi, np.append(row, row[0]), bc_type="periodic") for row in rows)
+    governor = scene.elements["it"].model_dump(exclude_none=True)
+    governor["engine"]["inertia"] += inertia.mean()
+    motion = GovernedMotion(governor)
+    slope = change.derivative()
+    motion.curves = lambda a: (float(change(a)), float(slope(a)), float(share(a)), float(rest(a)))
+    regimes, speeds, _ = motion.follow(300.0, 200.0, 2.0)
+    value, error = ({k.removeprefix("it."): v[0] for k, v in t.items()} for t in (outcome.summaries, outcome.errors))
+    for key, wanted in (("highest_speed", speeds.max()), ("lowest_speed", speeds.min())):
+        # Both go through curves at equally spaced angles, with an error of the fourth power of their spacing.
+        assert abs(value[key] - wanted) <= error[key] + 1e-7, key
+        assert error[key] < 1e-5 * wanted
+    drawn, cycles = governed_scene(scene)
+    seen = load_change(drawn.elements["it"], cycles["it"])
+    assert abs(seen.speed.max() - value["highest_speed"]) <= error["highest_speed"]
+    other = np.array([next(r for r in regimes if t <= r.t_max)(t)[2] for t in seen.time])
+    assert np.abs(seen.speed - other).max() <= 4 * error["highest_speed"] + 1e-6
+    # The speed ripples about a mean that settles: it isn't the smooth motion of a constant inertia.
+    assert value["hunting"] > 0.01
+
+
+def test_machine_whose_throttled_actions_do_not_drive__is_undefined():
+    parts = crank_engine()
+    parts["moments"]["steam"]["moment"] = [-m for m in parts["moments"]["steam"]["moment"]]
+    outcome = made_ready(Scene.model_validate(parts), ["it.highest_speed"]).evaluate({})
+    assert outcome.status[0] == Verdict.NOT_FINITE
+    assert np.isnan(outcome.summaries["it.highest_speed"][0])
+
+
+def test_throttled_action_that_is_not_there__is_named():
+    with pytest.raises(SceneError, match=r"elements\.it\.engine\.throttled.*did you mean 'steam'"):
+        made_ready(Scene.model_validate(crank_engine(throttled=["stem"])), ["it.highest_speed"])
+    with pytest.raises(ValueError, match="throttled names actions of the scene's mechanism"):
+        Scene.model_validate({"elements": {"it": PORTER | {"engine": ENGINE | {"throttled": ["steam"]}}}})
+
+
+def test_machine_with_a_constant_inertia_and_moment__moves_as_an_engine_without_mechanism():
+    parts = crank_engine() | {"gravity": 0.0, "bodies": {"crank_body": {"link": "crank", "mass": 1.0, "inertia": 4.0}}}
+    parts["moments"]["steam"]["moment"] = [300.0] * 12
+    names = [f"it.{key}" for key in ("highest_speed", "lowest_speed", "hunting", "overshoot")]
+    for friction in (0.0, 8.0):
+        parts["elements"]["it"]["friction"] = friction
+        outcome = made_ready(Scene.model_validate(parts), names).evaluate({})
+        engine = FOLLOWED | {"inertia": 10.0, "duration": 2.0}
+        alone, errors, _ = governor_results(PORTER | {"damping": 400.0, "friction": friction, "engine": engine})
+        for name in names:
+            key = name.removeprefix("it.")
+            # Of a resting sleeve one is followed in steps, the other by a closed form.
+            assert abs(outcome.summaries[name][0] - alone[key][0]) <= 4 * errors[key][0] + 1e-9, key

@@ -23,6 +23,9 @@ class GovernedMotion:
         self.mean = (self.speed_at(self.low) + self.speed_at(self.high)) / 2
         self.friction, self.damping = governor.get("friction", 0.0), governor.get("damping", 0.0)
         self.open = True
+        # Of a mechanism by its angle: inertia beside its mean, the derivative of that, driving moment over its mean,
+        # other moments without their mean.
+        self.curves = lambda phi: (0.0, 0.0, 1.0, 0.0)
 
     def lift(self, psi):
         return 2 * self.arm * (math.cos(self.low) - math.cos(psi))
@@ -33,14 +36,14 @@ class GovernedMotion:
     def psi_of(self, lift):
         return math.acos(math.cos(self.low) - lift / (2 * self.arm))
 
-    def moment(self, psi, omega, load):
+    def moment(self, psi, omega, load, share=1.0):
         t = self.e["throttle"]
         full, closed = t["full"], t.get("closed", 0.0)
         if t["type"] == "linear":
             given = full - (full - closed) * self.lift(psi) / self.whole
         else:
             given = full if self.open else closed
-        return given - self.s * (omega - self.mean / self.ratio) - load
+        return given * share - self.s * (omega - self.mean / self.ratio) - load
 
     def steady(self, load):
         """Angle at which the engine carries a load."""
@@ -64,23 +67,29 @@ class GovernedMotion:
         ) * self.gravity * arm * math.sin(psi)
 
     def rates(self, y, mode, load):
-        psi, velocity, omega = y
+        psi, velocity, omega, phi = y
+        change, slope, share, other = self.curves(phi)
         m, big, arm, i = self.m, self.big, self.arm, self.ratio
         sine, cosine = math.sin(psi), math.cos(psi)
-        inertia = self.e["inertia"] + i * i * 2 * m * arm * arm * sine**2
-        moment = self.moment(psi, omega, load)
+        inertia = self.e["inertia"] + change + i * i * 2 * m * arm * arm * sine**2
+        moment = self.moment(psi, omega, load, share) + other - slope * omega**2 / 2
         if mode == STICKS:
-            return [0.0, 0.0, moment / inertia]
+            return [0.0, 0.0, moment / inertia, omega]
         rise = 2 * arm * sine
         force = self.left(psi, omega) - rise * (self.damping * rise * velocity + mode * self.friction)
         own = 2 * m * arm * arm + 4 * big * arm * arm * sine**2
         turn = (force - 4 * big * arm * arm * sine * cosine * velocity**2) / own
-        return [velocity, turn, (moment - i * i * 4 * m * arm * arm * sine * cosine * velocity * omega) / inertia]
+        return [
+            velocity,
+            turn,
+            (moment - i * i * 4 * m * arm * arm * sine * cosine * velocity * omega) / inertia,
+            omega,
+        ]
 
     def follow(self, load, new_load, duration):
         """Regimes as dense solutions of their spans, all extremes of the speed, and how often each stop is hit."""
         psi = self.steady(load)
-        y, t = [psi, 0.0, self.speed_at(psi) / self.ratio], 0.0
+        y, t = [psi, 0.0, self.speed_at(psi) / self.ratio, 0.0], 0.0
         if self.e["throttle"]["type"] != "linear":
             # Just below the switch, as far as the engine begins: how the swing builds up depends on that.
             y[0] -= 1e-9 * (math.sin(self.high) - math.sin(self.low)) / math.cos(psi)

@@ -29,7 +29,8 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
         The file's ending isn't a picture's, or it can't be written.
     """
     made = []
-    for name, element in governed_scene(scene).elements.items():
+    scene, cycles = governed_scene(scene)
+    for name, element in scene.elements.items():
         title = f"{scene.title}: {name}" if scene.title else name
         match element:
             case RotorElement():
@@ -40,7 +41,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
                 engine_sheet(element, made[-1], title)
             case Governor():
                 made.append(path.with_name(f"{path.stem}_{name}_governor{path.suffix}"))
-                governor_sheet(element, made[-1], title)
+                governor_sheet(element, made[-1], title, cycles.get(name))
     return made
 
 

@@ -26,7 +26,9 @@ RPM = 30 / math.pi
 FLAT = 1e-12
 
 
-def governor_sheet(governor: AnyGovernor, target: Path | str | Figure, title: str = "") -> Figure:
+def governor_sheet(
+    governor: AnyGovernor, target: Path | str | Figure, title: str = "", cycle: np.ndarray | None = None
+) -> Figure:
     """Controlling force and speed of a governor in equilibrium; with an engine, its stability and a change of load.
 
     Parameters
@@ -35,13 +37,15 @@ def governor_sheet(governor: AnyGovernor, target: Path | str | Figure, title: st
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
+    cycle : ndarray, optional
+        Of a governor of a mechanism, from `governed_scene`.
 
     Raises
     ------
     PictureError
         The file's ending isn't a picture's, or it can't be written.
     """
-    curve, point, change = governor_curves(governor), stability_point(governor), load_change(governor)
+    curve, point, change = governor_curves(governor), stability_point(governor), load_change(governor, cycle)
     with house_style():
         rows = 1 + (point is not None or change is not None)
         figure = target if isinstance(target, Figure) else new_figure(180, 12 + 80 * rows)
