@@ -132,6 +132,21 @@ def test_engine_governor_study__answers_its_question(result):
     assert np.nanmin(c["governor.settling_time"][heavy]) > c["governor.settling_time"][best]
 
 
+def test_governed_set_study__weighs_evenness_against_speed():
+    """A few of its variants: the swing within a cycle goes with 1/I, what the governor takes to settle grows with I."""
+    study = read_study(bundled_studies()["governed_set"])
+    wheels = np.array([0.1, 0.2, 0.4])
+    varied = {"flywheel.inertia": wheels, "elements.governor.damping": np.full(3, 21.0)}
+    outcome = made_ready(study.scene, study.summaries, varied=list(varied)).evaluate(varied)
+    found = {name.removeprefix("governor."): column for name, column in outcome.summaries.items()}
+    assert (outcome.status == Verdict.OK).all()
+    # All that turns: wheel, rotor, and the mechanism in the mean.
+    whole = wheels + 0.05651310699685665
+    assert_allclose(found["hunting"] * whole, found["hunting"][1] * whole[1], rtol=0.15)
+    assert (np.diff(found["settling_time"]) > 0).all()
+    assert (found["critical_inertia"] < wheels).all()
+
+
 # Pictures and commands
 
 

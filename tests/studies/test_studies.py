@@ -28,7 +28,7 @@ TEMPLATE_NAMES = (
 )
 ELEMENT_TEMPLATE_NAMES = ("engine", "rotor", "governor")
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper")
-ELEMENT_STUDY_NAMES = ("engine_governor", "fan_rotor", "screw_jack", "v_twin")
+ELEMENT_STUDY_NAMES = ("engine_governor", "governed_set", "fan_rotor", "screw_jack", "v_twin")
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
