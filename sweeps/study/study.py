@@ -12,9 +12,12 @@ from engine import (
     DIMENSIONS,
     AskError,
     ElementsAlone,
+    ExpressionError,
     Machine,
     Scene,
     SceneError,
+    TextExpression,
+    dimensions_by_unit,
     made_ready,
     scene_numbers,
 )
@@ -26,8 +29,6 @@ from sweeps.study.study_reader import StudyReader
 from sweeps.study.study_record import study_digest
 from sweeps.study.study_text import Best, Optimise, StudyText, ToleranceText
 from sweeps.text.conditions import Condition, UnknownNameError
-from sweeps.text.dimension_check import dimensions_by_unit
-from sweeps.text.expressions import ExpressionError, TextExpression
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml

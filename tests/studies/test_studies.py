@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
+from engine.scene.formulas.expressions import parse
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import read_study
-from sweeps.text.expressions import parse
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import TEMPLATES, template_text, templates
 

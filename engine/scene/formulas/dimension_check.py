@@ -11,8 +11,16 @@ from fractions import Fraction
 
 from pint.util import UnitsContainer
 
-from engine import DIMENSIONS, base_powers, common_units, recognised
-from sweeps.text.expressions import ExpressionError, QuotedQuantity, TextExpression, TextOperation, Tree, pointed_out
+from engine.scene.dimensions import DIMENSIONS, common_units
+from engine.scene.formulas.expressions import (
+    ExpressionError,
+    TextExpression,
+    TextOperation,
+    TextQuantity,
+    Tree,
+    pointed_out,
+)
+from engine.scene.units import base_powers, in_any_unit
 
 _ANGLE = "[angle]"
 _BASES = {"[mass]": "kg", "[length]": "m", "[time]": "s"}
@@ -166,8 +174,8 @@ class _Checker:
         self.text, self.known = text, known
 
     def dimension(self, tree: Tree) -> UnitsContainer:
-        if isinstance(tree, QuotedQuantity):
-            return dimension_of_unit(DIMENSIONS[recognised(tree.text)[1]].unit)
+        if isinstance(tree, TextQuantity):
+            return _container(in_any_unit(tree.text)[1])
         if isinstance(tree, str):
             return self.known[tree]
         if isinstance(tree, float):
@@ -185,8 +193,10 @@ class _Checker:
             case name if name in _ALIKE or name in _KEPT:
                 alike = self.alike(tree, operands)
                 return alike if name in _KEPT else _AN_ANGLE if name in _TO_ANGLE else _NUMBER
-            case "and" | "or" | "not":
+            case "and" | "or" | "not" | "sign":
                 return _NUMBER
+            case "if":
+                return self.alike(tree._replace(operands=tree.operands[1:]), operands[1:])
             case _:
                 return self.function(tree, operands[0])
 
@@ -231,6 +241,8 @@ def _clash(operation: str, first: UnitsContainer, second: UnitsContainer) -> str
             return f"adds {other} to {one}"
         case "-":
             return f"subtracts {other} from {one}"
+        case "if":
+            return f"gives {one} or {other}"
         case "min" | "max" | "atan2":
             return f"takes the {operation} of {one} and {other}"
         case _:
