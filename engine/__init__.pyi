@@ -56,6 +56,8 @@ from engine.quantities.quantity import InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
+from engine.scene.dimensions import described as described_dimension
+from engine.scene.formulas.by_formula import FormulaNumber
 from engine.scene.formulas.dimension_check import (
     check_yields,
     dimension_of,
@@ -120,6 +122,7 @@ __all__ = [
     "EngineShaking",
     "ExpressionError",
     "ExpressionTree",
+    "FormulaNumber",
     "Hinged",
     "History",
     "Hodograph",
@@ -167,6 +170,7 @@ __all__ = [
     "crank_radius",
     "crankshaft_counterweights",
     "derivatives_along",
+    "described_dimension",
     "did_you_mean",
     "dimension_of",
     "dimension_of_unit",

@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from decimal import Context, Decimal, localcontext
 from typing import TYPE_CHECKING
 
-from engine.scene.dimensions import DIMENSIONS, common_units, in_words, with_example
+from engine.scene.dimensions import DIMENSIONS, common_units, described, in_words, with_example
 
 if TYPE_CHECKING:
     import pint
@@ -95,6 +95,7 @@ _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _FRACTION = re.compile(rf"({_NUMBER})\s*/\s*([0-9]+\.?[0-9]*)")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
+_SYMBOLS = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad"}
 _SPELLINGS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
     | dict(zip("⁻¹²³⁴⁵⁶⁷⁸⁹", "-123456789", strict=True))
@@ -111,22 +112,21 @@ def to_si(value: str | float | int, dimension: str) -> float:
         ``"40 N s/m"``, ``"40 N/(m/s)"``. For ``"number"`` a text is a plain number, a fraction ``"1/30"`` or
         a percentage ``"2 %"``. As a speed of rotation, ``1/min`` means revolutions per minute.
     dimension : str
-        A key of `DIMENSIONS`.
+        A key of `DIMENSIONS`, or an SI unit without a name in it.
 
     Returns
     -------
     float
-        The value in ``DIMENSIONS[dimension].unit``, finite and correctly rounded.
+        The value in SI, finite and correctly rounded.
 
     Raises
     ------
     UnitError
         If the value is neither number nor text, is not finite, cannot be read, or its unit does not fit.
     KeyError
-        If `dimension` is not a key of `DIMENSIONS`.
+        If `dimension` is neither.
     """
-    if dimension not in DIMENSIONS:
-        raise KeyError(f"unknown dimension {dimension!r}; known are {', '.join(DIMENSIONS)}")
+    described(dimension)
     if isinstance(value, str):
         return _read_text(value, dimension)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
@@ -142,19 +142,19 @@ def in_text(value: str | float | int, dimension: str) -> float:
     value : str, float or int
         As in `to_si`, but a number is accepted only for the dimension ``"number"`` or if it is exactly 0.
     dimension : str
-        A key of `DIMENSIONS`.
+        As in `to_si`.
 
     Returns
     -------
     float
-        The value in ``DIMENSIONS[dimension].unit``.
+        The value in SI.
 
     Raises
     ------
     UnitError
         As `to_si`, and for a bare number; the message proposes texts with a unit.
     KeyError
-        If `dimension` is not a key of `DIMENSIONS`.
+        As `to_si`.
     """
     number = to_si(value, dimension)
     if not isinstance(value, str) and number != 0 and dimension != "number":
@@ -218,7 +218,7 @@ def _factor(unit: str, dimension: str) -> Decimal:
     if dimension == "angular_speed" and powers == {"min": -1}:
         powers = {"rpm": 1}
     factor, kind = _factor_and_kind(powers)
-    target = {} if dimension == "number" else _read_unit(DIMENSIONS[dimension].unit, expected)
+    target = {} if dimension == "number" else _read_unit(described(dimension).unit, expected)
     _, wanted = _factor_and_kind(target)
     if kind == wanted:
         return factor
@@ -337,7 +337,7 @@ def base_powers(unit: str) -> dict[str, int]:
 
 
 def recognised(value: float | str) -> tuple[float, str]:
-    """SI value and dimension of a quantity of whatever dimension; of several that fit the unit, the plainest.
+    """SI value and dimension of a quantity in whatever unit, as for `to_si`; of several that fit it, the plainest.
 
     Raises
     ------
@@ -349,7 +349,10 @@ def recognised(value: float | str) -> tuple[float, str]:
             return in_text(value, dimension), dimension
         except UnitError:
             continue
-    raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+    if not isinstance(value, str):
+        raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+    number, powers = in_any_unit(value)
+    return number, " ".join(f"{_SYMBOLS[base]}{'' if power == 1 else power}" for base, power in powers.items())
 
 
 def in_any_unit(text: str) -> tuple[float, dict[str, int]]:

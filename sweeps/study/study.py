@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from engine import (
-    DIMENSIONS,
     AskError,
     ElementsAlone,
     ExpressionError,
@@ -17,6 +16,7 @@ from engine import (
     Scene,
     SceneError,
     TextExpression,
+    described_dimension,
     dimensions_by_unit,
     made_ready,
     scene_numbers,
@@ -115,7 +115,7 @@ class Study:
     def unit(self, name: str) -> str:
         """SI unit of a parameter as CF spells it; "" where that isn't known."""
         number = scene_numbers(self.scene).get(name)
-        return DIMENSIONS[number.dimension].unit if number else self.free_units.get(name, "")
+        return described_dimension(number.dimension).unit if number else self.free_units.get(name, "")
 
     def machine(self) -> Machine | ElementsAlone:
         """The machine, or the machine elements alone, that answer the study; made once.

@@ -8,7 +8,6 @@ from typing import Any
 
 from engine import (
     ACCURACY_SUMMARIES,
-    DIMENSIONS,
     AskError,
     ExpressionError,
     Scene,
@@ -16,6 +15,7 @@ from engine import (
     UnitError,
     any_quantity,
     check_yields,
+    described_dimension,
     dimension_of,
     dimension_of_unit,
     in_text,
@@ -64,7 +64,9 @@ class StudyReader:
         self.scene = self._scene()
         self.numbers = scene_numbers(self.scene)
         self.problems: list[tuple[int | None, str, str]] = []
-        self.dimensions = {path: dimension_of_unit(DIMENSIONS[n.dimension].unit) for path, n in self.numbers.items()}
+        self.dimensions = {
+            path: dimension_of_unit(described_dimension(n.dimension).unit) for path, n in self.numbers.items()
+        }
 
     def _scene(self) -> Scene:
         if isinstance(self.raw.scene, dict):
@@ -196,7 +198,7 @@ class StudyReader:
             words = " and ".join(kind.replace("_", " ") for kind in kinds)
             self._problem(keys, f"takes values of several kinds ({words}); give all of them in units of one kind")
             return None
-        self.dimensions[path] = dimension_of_unit(DIMENSIONS[next(iter(kinds))].unit)
+        self.dimensions[path] = dimension_of_unit(described_dimension(next(iter(kinds))).unit)
         return [number for number, _ in found]
 
     def _add(self, axes: list[Axis], path: str, axis: Range | Listing) -> None:

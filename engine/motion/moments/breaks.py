@@ -11,6 +11,7 @@ import numpy as np
 from engine.graph.nodes import Constant, Crossing, Given, Held, Node, Operation, reached
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.tables import kinks_of
+from engine.scene.formulas.load_formulas import load_formulas
 from engine.scene.scene import Scene
 
 # Of a curve with more places at which something only bends, the first and the last count.
@@ -129,6 +130,9 @@ def instants_of(scene: Scene, active: Iterable[str]) -> np.ndarray:
             width = INSTANT * (abs(action.over_time[0]) + abs(action.over_time[-1]))
             for x, kink in _instants(kinks_of(action)).items():
                 found += [x - width, x + width] if kink == 0 else [x]
+    for name, formula in load_formulas(scene).items():
+        for x in formula.switching_times(scene) if name in active else ():
+            found += [x - INSTANT * abs(x), x + INSTANT * abs(x)]
     return np.unique(found)
 
 

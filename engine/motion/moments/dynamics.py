@@ -24,6 +24,8 @@ from engine.scene.scene import Numbers
 LOOKED_AT = 720
 # Share of its greatest value below which the least one is rounding: of the square of a speed that vanishes.
 NO_INERTIA = 1e-18
+# Powers of the speed whose loads are tabulated together; all others are power laws.
+POLYNOMIAL_ORDERS = (0, 1, 2)
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 
@@ -94,7 +96,7 @@ class Reduction:
     time : Given
         On which loads over time depend.
     loads : Loads
-    keys : list of (str, int or str)
+    keys : list of (str, int, float or str)
         Action and order of each row of a moment.
     nodes : list of Node
         I, dI/dφ and a moment for each key.
@@ -107,7 +109,7 @@ class Reduction:
         graph, reduced = mechanics.graph, mechanics.reduced
         self.mechanics, self.time = mechanics, graph.given("time")
         self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time)
-        moments: dict[tuple[str, int | str], Node] = {}
+        moments: dict[tuple[str, float | str], Node] = {}
         for key in dict.fromkeys((load.action, load.order) for load in self.loads.terms):
             own = [(t.coefficient, t.basis) for t in self.loads.terms if (t.action, t.order) == key]
             moments[key] = graph.combination(own)
@@ -126,7 +128,7 @@ class Reduction:
         """Period of everything but time [rad]."""
         return 2.0 * np.pi * self.mechanics.scene.input.revolutions
 
-    def depends_on_time(self, key: tuple[str, int | str]) -> bool:
+    def depends_on_time(self, key: tuple[str, float | str]) -> bool:
         """Whether the moment of a key does."""
         own = [t.basis for t in self.loads.terms if (t.action, t.order) == key]
         return self.time in reached(own)
@@ -201,7 +203,7 @@ class Dynamics:
         self.polynomial, self.laws = [], []
         for i, (action, order) in acting:
             place = (i, self._channel(roles[action]), order)
-            (self.laws if isinstance(order, str) else self.polynomial).append(place)
+            (self.polynomial if order in POLYNOMIAL_ORDERS else self.laws).append(place)
         # Whether all that acts vanishes with the speed: then nothing stops the machine, nor sets it going.
         self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
         # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
@@ -244,7 +246,7 @@ class Dynamics:
             else:
                 constants = (*kloss_constants(motor, at, numbers), ratio)
                 kloss.append(np.array([np.broadcast_to(c, count) for c in constants]))
-        exponents = [np.broadcast_to(numbers[path], count) for _, _, path in self.laws]
+        exponents = [np.broadcast_to(numbers[n] if isinstance(n, str) else n, count) for _, _, n in self.laws]
         return Drive(np.concatenate((line, *kloss)), np.array(exponents).reshape(len(exponents), count))
 
     def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:

@@ -18,6 +18,7 @@ from engine.scene.formulas.expressions import (
     TextOperation,
     TextQuantity,
     Tree,
+    is_zero,
     pointed_out,
 )
 from engine.scene.units import base_powers, in_any_unit
@@ -99,7 +100,7 @@ def check_yields(expression: TextExpression, wanted: UnitsContainer, known: Mapp
         It doesn't, or has no dimension by itself.
     """
     found = dimension_of(expression, known)
-    if _plain(found) != _plain(wanted) and not _is_zero(expression.tree):
+    if _plain(found) != _plain(wanted) and not is_zero(expression.tree):
         hint = _unit_hint([expression.tree], wanted)
         gives, wants = dimension_in_words(found), dimension_in_words(wanted)
         raise ExpressionError(f"{expression.text!r} gives {gives}, but this is {wants}{hint}")
@@ -139,13 +140,6 @@ def _spelled(dimension: UnitsContainer) -> str:
 
 _NUMBER = _container({})
 _AN_ANGLE = _container({_ANGLE: 1})
-
-
-def _is_zero(tree: Tree) -> bool:
-    """Whether this is a bare 0, which has whatever dimension is needed."""
-    if isinstance(tree, TextOperation) and tree.name == "negative":
-        return _is_zero(tree.operands[0])
-    return isinstance(tree, float) and tree == 0
 
 
 def _bare_number(tree: Tree) -> float | None:
@@ -202,7 +196,7 @@ class _Checker:
 
     def alike(self, tree: TextOperation, operands: list[UnitsContainer]) -> UnitsContainer:
         """The dimension that all operands have."""
-        pairs = [(t, d) for t, d in zip(tree.operands, operands, strict=True) if not _is_zero(t)]
+        pairs = [(t, d) for t, d in zip(tree.operands, operands, strict=True) if not is_zero(t)]
         kinds = {_plain(d) for _, d in pairs}
         if len(kinds) > 1:
             first = pairs[0][1]

@@ -239,6 +239,13 @@ def names_in_tree(tree: Tree) -> dict[str, None]:
     return {tree: None} if isinstance(tree, str) else {}
 
 
+def is_zero(tree: Tree) -> bool:
+    """Whether a part of an expression is a bare 0, which has whatever dimension is needed."""
+    if isinstance(tree, TextOperation) and tree.name == "negative":
+        return is_zero(tree.operands[0])
+    return isinstance(tree, float) and tree == 0
+
+
 class _Code(NamedTuple):
     """An expression in Python's spelling.
 
