@@ -177,8 +177,9 @@ def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
         return f"{name!r} can't be used: accelerations follow from the loads"
     own = [n for n in units if "." not in n]
     listed = ", ".join(own)
+    what = unknown_name_message(name, units).rstrip("?")
     return (
-        f"{unknown_name_message(name, units)}; a formula may use {listed}, numbers given in [{formula.at}.numbers], "
+        f"{what}; a formula may use {listed}, numbers given in [{formula.at}.numbers], "
         f"POINT.x, .y, .vx, .vy, LINK.angle, .angular_velocity, SLIDER.{', .'.join(_OF_SLIDER)}, "
         "and numbers of the scene by their paths"
     )
