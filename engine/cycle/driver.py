@@ -187,20 +187,27 @@ class DriverAnswers(NamedTuple):
 @routine
 def gather(numbers: np.ndarray, begin: int, block: Memory) -> None:
     """Numbers of a block of variants; lanes beyond the last variant repeat it."""
-    whole = min(LANES, numbers.shape[1] - begin)
+    count = min(LANES, numbers.shape[1] - begin)
     for i in range(numbers.shape[0]):
-        for lane in range(whole):
-            block[i, lane] = numbers[i, begin + lane]
-        for lane in range(whole, LANES):
-            block[i, lane] = block[i, whole - 1]
+        if count == LANES:
+            for lane in range(LANES):
+                block[i, lane] = numbers[i, begin + lane]
+        else:
+            for lane in range(LANES):
+                block[i, lane] = numbers[i, begin + min(lane, count - 1)]
 
 
 @routine
 def hand_out(count: int, block: Memory, begin: int, row: int, answers: np.ndarray) -> None:
     """Write rows of a block to their variants, to rows of the answers from `row` on."""
+    lanes = min(LANES, answers.shape[1] - begin)
     for i in range(count):
-        for lane in range(min(LANES, answers.shape[1] - begin)):
-            answers[row + i, begin + lane] = block[i, lane]
+        if lanes == LANES:
+            for lane in range(LANES):
+                answers[row + i, begin + lane] = block[i, lane]
+        else:
+            for lane in range(lanes):
+                answers[row + i, begin + lane] = block[i, lane]
 
 
 @routine

@@ -18,6 +18,7 @@ positions, LANES), which it fills in at the positions of q.
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -28,7 +29,7 @@ from numba import types
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.cycle.driver import DriverAnswers, Task, evaluate_blocks, new_workspace
+from engine.cycle.driver import DriverAnswers, Task, Workspace, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,
     GREATEST_AT,
@@ -268,6 +269,10 @@ class CycleMachine:
     states: Callable = nothing
     _kept: tuple[int, ...] = field(init=False)
     _task: Task = field(init=False)
+    # The kinds of arguments that the driver is ready for.
+    _prepared: set[tuple] = field(init=False, default_factory=set)
+    # Each thread's workspace, for the next call.
+    _of_thread: threading.local = field(init=False, default_factory=threading.local)
 
     def __post_init__(self) -> None:
         plan = self.plan
@@ -374,13 +379,23 @@ class CycleMachine:
         chosen = np.asarray(blocks, dtype=np.int64)
 
         def arguments() -> tuple:
-            work = new_workspace(self._task, len(numbers), steps)
+            work = self._workspace(len(numbers), steps)
             return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work, rare)
 
-        given = arguments()
-        of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]
-        prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
+        kinds = (rare, numbers.flags.writeable, tables.flags.writeable)
+        if kinds not in self._prepared:
+            given = arguments()
+            of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]
+            prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
+            self._prepared.add(kinds)
         spread(evaluate_blocks, len(chosen), arguments)
+
+    def _workspace(self, numbers: int, steps: int) -> Workspace:
+        """Memory for this thread: that of the call before where it is large enough."""
+        mine = self._of_thread.__dict__
+        if mine.get("size") != (numbers, steps):
+            mine["size"], mine["work"] = (numbers, steps), new_workspace(self._task, numbers, steps)
+        return mine["work"]
 
     def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
         plan, marks, wheels = self.plan, answers.landmarks, answers.fluctuations

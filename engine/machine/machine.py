@@ -277,23 +277,25 @@ class Machine:
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
         undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
+        own = slice(None) if keep.size == outcome.status.size else keep
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
-            value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
-            error = np.where(error > 0.0, error + spread * np.abs(value), error)
-            nothing = ~np.isfinite(value)
-            undefined |= nothing & (not summary.may_be_undefined)
-            value[nothing] = error[nothing] = np.nan
-            outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
+            value, error = found.value, found.error + spread * np.abs(found.value) * (found.error != 0.0)
+            nothing = np.broadcast_to(~np.isfinite(value), keep.shape)
+            if nothing.any():
+                undefined |= nothing & (not summary.may_be_undefined)
+                value, error = np.where(nothing, np.nan, value), np.where(nothing, np.nan, error)
+            outcome.summaries[name][own], outcome.errors[name][own] = value, error
         fill_found(self.measuring.functions, table, answers.outcome.landmarks)
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
         failed = keep[outcome.status[keep] != Verdict.OK]
-        for name in self._summaries:
-            outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
+        if failed.size:
+            for name in self._summaries:
+                outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         if self.schedule is not None:
             self._move(outcome, keep, numbers)

@@ -462,7 +462,8 @@ class MeasuredCycles:
 
     def _works(self, moment: Node) -> Measured:
         """Range of the work of a moment about its mean."""
-        return self.outcome.works.range[self._m._works.index(moment)]
+        k, works = self._m._works.index(moment), self.outcome.works
+        return works.greatest[k] - works.least[k]
 
     def _combination(self, asked: SteadyCycle, slope: Node, side: int) -> cycle.Extremes:
         """Extremes of the work less a multiple of the inertia, of one row."""
