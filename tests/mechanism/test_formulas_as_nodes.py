@@ -6,10 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 from graph_values import GraphValues
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
-from engine import Scene
+from engine import Scene, SceneError
 from engine.graph.nodes import Graph, Node, Stage
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
@@ -117,7 +117,12 @@ def evaluated(text: str, values: dict[str, np.ndarray], at: int) -> float:
 
 
 def force_of(scene: Scene) -> tuple[GraphValues, Node]:
-    loads = Loads(scene, Kinematics(scene, order(scene), Graph(), frozenset()))
+    try:
+        structure = order(scene)
+    except SceneError:
+        # It may switch too often.
+        reject()
+    loads = Loads(scene, Kinematics(scene, structure, Graph(), frozenset()))
     graph = loads.kinematics.graph
     force = graph.combination((load.coefficient, load.characteristic) for load in loads.terms)
     return GraphValues(scene, graph), force

@@ -13,7 +13,6 @@ A formula may use
 - numbers of the scene by their paths, such as `input.length`.
 """
 
-import itertools
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -32,6 +31,7 @@ from engine.scene.formulas.expressions import (
     pointed_out,
 )
 from engine.scene.formulas.speed_powers import NoPowerError, powers_of_speed
+from engine.scene.formulas.switching import MOST_TURNS, compared, operations, turns
 from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.names import Problem, definitions, sliders
 from engine.scene.parts import FRAME, CrankInput
@@ -92,8 +92,8 @@ class LoadFormula(NamedTuple):
         known = {path: number.value for path, number in scene_numbers(scene).items()}
         known |= {name: number.value for name, number in self.action.numbers.items()}
         found = []
-        for tree in _operations(self.expression.tree):
-            for one, other in _compared(tree):
+        for tree in operations(self.expression.tree):
+            for one, other in compared(tree):
                 for passing, passed in ((one, other), (other, one)):
                     if passing == TIME and known.keys() >= names_in_tree(passed).keys():
                         with np.errstate(all="ignore"):
@@ -160,6 +160,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
         check_yields(expression, wanted, known)
         _check_curves(expression)
         _check_constants(expression, expression.tree)
+        _check_turns(scene, formula)
     except ExpressionError as error:
         yield formula.key, str(error)
         return
@@ -187,9 +188,26 @@ def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
 
 def _check_curves(expression: TextExpression) -> None:
     """Refuse comparisons that hold in single places."""
-    for tree in _operations(expression.tree):
+    for tree in operations(expression.tree):
         if tree.name in ("==", "!="):
             raise _refused(expression, tree, f"{tree.name} holds in single places at most; compare by < or >")
+
+
+def _check_turns(scene: Scene, formula: LoadFormula) -> None:
+    """Refuse what switches so often in a cycle, or nobody knows how often, that some of it would be missed."""
+    expression, cycles = formula.expression, dict.fromkeys([*formula.action.numbers, *scene_numbers(scene)], 0.0)
+    if isinstance(scene.input, CrankInput):
+        cycles["phi"] = float(scene.input.revolutions)
+        cycles[TIME] = scene.input.revolutions / abs(scene.input.speed)
+    else:
+        cycles[TIME] = abs((scene.input.stop - scene.input.start) / scene.input.speed) / (2.0 * np.pi)
+    for tree in operations(expression.tree):
+        if any(turns(part, cycles) > MOST_TURNS for pair in compared(tree) for part in pair):
+            what = (
+                f"{tree.name} may switch oftener in a cycle than is looked for: take lower powers, and sines of phi "
+                f"(or t) times a number that is written out, up to {MOST_TURNS / 2:g} periods in a cycle"
+            )
+            raise _refused(expression, tree, what)
 
 
 def _check_constants(expression: TextExpression, tree: Tree) -> None:
@@ -221,22 +239,6 @@ def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[
             f"off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"
         )
         yield formula.key, str(_refused(formula.expression, error.operation, what))
-
-
-def _compared(tree: TextOperation) -> Iterator[tuple[Tree, Tree]]:
-    """Pairs of numbers of which an operation asks which is greater."""
-    if tree.name in ("<", "<=", ">", ">=", "min", "max"):
-        yield from itertools.combinations(tree.operands, 2)
-    elif tree.name in ("abs", "sign"):
-        inner = tree.operands[0]
-        yield inner.operands if isinstance(inner, TextOperation) and inner.name == "-" else (inner, 0.0)
-
-
-def _operations(tree: Tree) -> Iterator[TextOperation]:
-    if isinstance(tree, TextOperation):
-        yield tree
-        for operand in tree.operands:
-            yield from _operations(operand)
 
 
 def _refused(expression: TextExpression, tree: TextOperation, what: str) -> ExpressionError:
