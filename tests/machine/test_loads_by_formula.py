@@ -190,6 +190,23 @@ def test_window_at_a_swept_place__has_its_work_to_rounding():
     np.testing.assert_allclose(found, -work / (2 * math.pi), rtol=1e-11, atol=1e-13)
 
 
+def test_window_from_an_end_of_the_stroke__has_its_work_to_rounding():
+    """Where a piece switches follows from an end of the stroke, which must be found before it is looked for."""
+    formula = "-900 N + k * (ram.from_high - 10 mm) if 10 mm < ram.from_high < 20 mm and v > 0 else 0"
+    scene = slider_crank({"cut": force(formula, numbers={"k": "40 N/mm"})})
+    stiffness = np.array([0.0, 4e4, 9e4])
+    work = -900 * 0.01 + 0.5 * stiffness * 0.01**2
+    found = measured(scene, "cut", {"forces.cut.numbers.k": stiffness})
+    np.testing.assert_allclose(found, work / (2 * math.pi), rtol=1e-12)
+
+
+def test_lesser_of_a_level_and_a_power_of_the_stroke__switches_where_they_meet():
+    """Full force from half the stroke on: ∫ 4 (s/h)² ds to h/2, then 1: h (4/24 + 1/2), times 100 N."""
+    scene = slider_crank({"gas": force("min(100 N, 400 N * (ram.from_low / ram.stroke)^2) if v > 0 else 0")})
+    expected = 100 * (HIGH - LOW) * (1 / 6 + 1 / 2) / (2 * math.pi)
+    assert measured(scene, "gas")[0] == pytest.approx(expected, rel=1e-12)
+
+
 @pytest.mark.parametrize("periods", [1, 3, 6])
 def test_pieces_over_the_crank_angle__have_their_mean(periods):
     scene = slider_crank(moments={"pulse": moment(f"10 N m if sin({periods} * phi + 1) > 0.2 else 1 N m")})
