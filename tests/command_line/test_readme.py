@@ -68,7 +68,7 @@ def test_python__runs(folder, monkeypatch):
 
 
 def test_formulas__work_as_the_readme_says(folder):
-    """The spring of the buffer is met on the way out over 10 mm of the 250 mm that the piston reaches; the fan at 300 rpm."""
+    """The spring of the buffer is met on the way out, over 10 mm of the 250 mm that the piston reaches."""
     scene = read_scene(folder / "compressor_formulas.toml")
     asked = ["rings.moment.mean", "buffer.moment.mean", "fan.moment.mean"]
     outcome = Machine(scene, asked, varied=["forces.buffer.numbers.x0"]).evaluate(
