@@ -14,7 +14,7 @@ from engine.compiling.kept_code import keep_compiled
 
 RULES = frozenset({"contract", "arcp", "nsz"})
 LAW_RULES = RULES | {"reassoc"}
-# Arrays are borrowed from the caller: none is made in compiled code, so none is counted there.
+# Arrays are borrowed from the caller: where none is made in compiled code, none needs to be counted there.
 BORROWING = {"_nrt": False}
 
 
@@ -44,9 +44,9 @@ def in_order(function: Callable) -> Callable:
     return _kept(function, frozenset(), forceinline=True)
 
 
-def driver(function: Callable) -> Callable:
+def driver(function: Callable, makes_arrays: bool = False) -> Callable:
     """Compile a function that runs without Python's lock; its machine code is kept on disk."""
-    return _kept(function, RULES, nogil=True, **BORROWING)
+    return _kept(function, RULES, nogil=True, **({} if makes_arrays else BORROWING))
 
 
 def _kept(function: Callable, rules: frozenset[str], **options: bool) -> Callable:

@@ -482,7 +482,7 @@ def evaluate_blocks(
     to_integrals: np.ndarray,
     answers: DriverAnswers,
     work: Workspace,
-    rare: int | None,
+    arcs_asked: int | None,
 ) -> None:
     """Evaluate blocks of variants.
 
@@ -502,9 +502,8 @@ def evaluate_blocks(
         The matrices of `engine.cycle.panels.chebyshev`.
     answers : DriverAnswers
     work : Workspace
-    rare : int or None
-        None where no angles, speeds, averages, arcs and values at equal positions are asked: without them there is far
-        less to compile.
+    arcs_asked : int or None
+        None where no unloaded arcs are asked: they are asked rarely, and without them there is less to compile.
     """
     kept, integrated, count = task.kept.shape[0], task.integrals.shape[0], task.sizes[3]
     block, walk, figures, scales = (
@@ -551,9 +550,8 @@ def evaluate_blocks(
             continue
         for k in range(task.works.shape[0]):
             add_work(record, to_integrals, steps, task.works[k, 0], task.works[k, 1], first_work + k, sums)
-        if rare is not None:
-            for k in range(task.angles.shape[0]):
-                add_angle(record, steps, task.angles[k, 0], task.angles[k, 1], first_angle + k, of_one, angle)
+        for k in range(task.angles.shape[0]):
+            add_angle(record, steps, task.angles[k, 0], task.angles[k, 1], first_angle + k, of_one, angle)
         for f in range(task.landmark_rows.shape[0]):
             hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
         for k in range(integrated):
@@ -564,10 +562,9 @@ def evaluate_blocks(
             up, down = signs[0], signs[1]
             find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, up, down, high, low, result)
             hand_out(of_fluctuation, result, first, of_fluctuation * k, answers.fluctuations)
-            if rare is not None:
-                for j in range(task.speeds.shape[0]):
-                    if task.speeds[j] == k:
-                        add_speed(record, steps, x, y, speed, wheel, result, first_speed + j, of_one, spare)
+            for j in range(task.speeds.shape[0]):
+                if task.speeds[j] == k:
+                    add_speed(record, steps, x, y, speed, wheel, result, first_speed + j, of_one, spare)
         for k in range(task.extremes.shape[0]):
             x, y, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
             for side in range(2):
@@ -581,10 +578,10 @@ def evaluate_blocks(
                 else:
                     fill(four, found, math.nan)
                 hand_out(four, found, first, four * (two * k + side), answers.extremes)
-        if rare is not None:
-            for k in range(task.averages.shape[0]):
-                find_averages(record, steps, task.averages[k], of_one, spare, averages)
-                hand_out(four, averages, first, four * k, answers.averages)
+        for k in range(task.averages.shape[0]):
+            find_averages(record, steps, task.averages[k], of_one, spare, averages)
+            hand_out(four, averages, first, four * k, answers.averages)
+        if arcs_asked is not None:
             for k in range(task.arcs.shape[0]):
                 x = task.arcs[k, 2]
                 find_extreme(record, to_coefficients, steps, x, x, none, signs[0], search, found)
@@ -593,10 +590,10 @@ def evaluate_blocks(
                 x, y = task.arcs[k, 0], task.arcs[k, 1]
                 find_unloaded_arcs(record, to_coefficients, steps, x, y, spare, work.stretches, work.order, arcs)
                 hand_out(four, arcs, first, four * k, answers.arcs)
-            for k in range(task.spaced.shape[0]):
-                begins, ends = block[task.ends[0]], block[task.ends[1]]
-                intervals, values = task.intervals, answers.spaced[k]
-                fill_spaced(record, to_coefficients, steps, task.spaced[k], begins, ends, intervals, first, values)
+        for k in range(task.spaced.shape[0]):
+            begins, ends = block[task.ends[0]], block[task.ends[1]]
+            intervals, values = task.intervals, answers.spaced[k]
+            fill_spaced(record, to_coefficients, steps, task.spaced[k], begins, ends, intervals, first, values)
         for k in range(kept):
             hand_out(one, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
         hand_out(one, in_lanes(work.walk[TAKEN:]), first, one - one, answers.panels)

@@ -21,6 +21,7 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numba
 import numpy as np
@@ -28,7 +29,7 @@ from numba import types
 
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.cycle.driver import DriverAnswers, Task, Workspace, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,
@@ -331,6 +332,10 @@ class CycleMachine:
         object.__setattr__(self, "_kept", tuple(kept))
         object.__setattr__(self, "_task", task)
 
+    @cached_property
+    def _functions(self) -> list[TileFunction]:
+        return [TileFunction(function) for function in (self.events, self.levels, self.states, self.curves)]
+
     @property
     def task(self) -> Task:
         """The plan as the driver takes it."""
@@ -377,16 +382,15 @@ class CycleMachine:
     def _run(
         self, numbers: np.ndarray, tables: np.ndarray, answers: DriverAnswers, blocks: Sequence[int], steps: int
     ) -> None:
-        functions = (self.events, self.levels, self.states, self.curves)
-        matrices, plan = (TO_COEFFICIENTS, TO_INTEGRALS), self.plan
-        rare = 1 if any((plan.angles, plan.speeds, plan.averages, plan.arcs, plan.spaced)) else None
+        matrices, plan, functions = (TO_COEFFICIENTS, TO_INTEGRALS), self.plan, self._functions
+        arcs_asked = 1 if plan.arcs else None
         chosen = np.asarray(blocks, dtype=np.int64)
 
         def arguments() -> tuple:
             work = self._workspace(len(numbers), steps)
-            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work, rare)
+            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work, arcs_asked)
 
-        kinds = (rare, numbers.flags.writeable, tables.flags.writeable)
+        kinds = (arcs_asked, numbers.flags.writeable, tables.flags.writeable)
         if kinds not in self._prepared:
             given = arguments()
             of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from engine.compiling.threads import threads
 from engine.elements.element_columns import ElementColumns, element_summaries
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
@@ -28,6 +29,8 @@ from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
+# Variants of a thread that are measured together: what is known of them stays in its caches.
+VARIANTS_AT_ONCE = 4096
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -268,16 +271,26 @@ class Machine:
         room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
-            numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
-            self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
+            whole = Numbers(self._limits, arrays)
+            self._fill(outcome, room, keep, whole if keep.size == variants else whole.of_variants(keep))
         return outcome
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
+        batch = VARIANTS_AT_ONCE * threads()
+        batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]
+        panels = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
+        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        if self.schedule is not None:
+            self._move(outcome, keep, numbers)
+        self._note_accuracy(outcome, keep, np.concatenate(panels))
+
+    def _measure(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> np.ndarray:
+        """Evaluate the cycles of the variants `keep`; returns how many panels each took."""
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
         undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
-        own = slice(None) if keep.size == outcome.status.size else keep
+        own = slice(keep[0], keep[-1] + 1) if keep[-1] - keep[0] == keep.size - 1 else keep
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
@@ -296,10 +309,7 @@ class Machine:
         if failed.size:
             for name in self._summaries:
                 outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
-        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
-        if self.schedule is not None:
-            self._move(outcome, keep, numbers)
-        self._note_accuracy(outcome, keep, answers)
+        return answers.outcome.panels
 
     @staticmethod
     def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
@@ -412,11 +422,11 @@ class Machine:
 
     # Accuracy
 
-    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: MeasuredCycles) -> None:
+    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, panels: np.ndarray) -> None:
         """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
         failed = outcome.status[keep] != Verdict.OK
         if POSITIONS_USED.name in self.asked_summaries:
-            used = answers.outcome.panels * 17.0
+            used = panels * 17.0
             self._column(outcome, keep, POSITIONS_USED.name, np.where(failed, np.nan, used))
         if ACCURACY_REACHED.name in self.asked_summaries:
             reached = (self._excess(outcome, keep) <= 1.0).astype(float)

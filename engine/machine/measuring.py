@@ -353,7 +353,7 @@ class MeasuredCycles:
         if isinstance(node, Constant):
             return Measured(node.value)
         value = self._table[self._m.functions.rows[node]]
-        return Measured(value, np.finfo(float).eps * np.abs(value))
+        return Measured(value, _ROUNDING * np.abs(value))
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Of each group the least magnitude of its quality of transmission and the position there."""
@@ -472,5 +472,6 @@ class MeasuredCycles:
         return cycle.Extremes(*(getattr(extremes, part)[k : k + 1] for part in _PARTS))
 
 
+_ROUNDING = np.finfo(float).eps
 _PARTS = ("least", "least_at", "greatest", "greatest_at")
 _OF_WORKS = ("excess_work", "flywheel_excess_work")
