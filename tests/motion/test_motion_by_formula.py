@@ -147,7 +147,7 @@ REGIMES = {
     "stop": {"type": "run", "off": ["motor"], "rest": True},
 }
 ASKED = ["start.time", "start.angle", "work.mean_speed", "work.speed_fluctuation", "stop.time", "stop.angle"]
-ASKED += ["stop.harmful_work"]
+ASKED += ["stop.harmful_work", "work.drive.second.reaction.max", "work.input.reaction.rms"]
 
 
 def told(which: int, speed: float) -> tuple[dict, dict]:
@@ -163,10 +163,9 @@ def told(which: int, speed: float) -> tuple[dict, dict]:
 def test_regimes_under_formulas__are_those_under_the_loads_they_restate(speed):
     (own, own_errors), (said, said_errors) = (told(which, speed) for which in (0, 1))
     for name in ASKED:
-        # Tables and formulas are cut in the same places; steps follow slopes that rounding moves.
-        figure = own_errors[name] + said_errors[name]
-        assert abs(said[name] - own[name]) <= 1e-9 * abs(own[name]) + figure, name
-        assert figure <= 1e-3 * abs(own[name]), name
+        # Cut in the same places they differ by rounding, and by the steps that follow slopes that rounding moves.
+        assert abs(said[name] - own[name]) <= 1e-9 * abs(own[name]), name
+        assert said_errors[name] <= 2 * own_errors[name] + 1e-9 * abs(own[name]), name
 
 
 def test_machine_that_swings_back__is_resisted_on_its_way_back_too():

@@ -19,6 +19,7 @@ from engine.laws.tables import periods_before
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.actions.tables import time_per_input
+from engine.mechanism.assembly import Slide
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
 from engine.scene.formulas.load_formulas import TIME, LoadFormula
@@ -85,6 +86,8 @@ class _Curves:
         self._names: dict[str, Differentiated] = {}
         # Curves with the same zeros, without a number that they are multiplied by.
         self._bare: dict[Node, Differentiated] = {}
+        # Distances from an end of a stroke: the slide, the sense in which they grow with it, and the end.
+        self._distances: dict[Node, tuple[Differentiated, float, Node]] = {}
 
     def of(self, tree: Tree) -> Differentiated:
         """Differentiated of a part of the formula."""
@@ -326,6 +329,10 @@ class _Curves:
         curve, level = (a, b.value) if a.value.stage == Stage.POSITION else (b, a.value)
         if level is zero:
             curve = self._bare.get(curve.value, curve)
+        if curve.value in self._distances:
+            # The slide itself is known before its ends are.
+            curve, way, end = self._distances[curve.value]
+            level = end + way * level
         graph.switches(*curve, level, kink)
         return graph.held(graph.apply(exceeds, a.value, b.value))
 
@@ -416,9 +423,13 @@ class _Curves:
             case "stroke_high":
                 return Differentiated(high, zero)
             case "from_low":
-                return Differentiated(slide.d - low, slide.v)
+                return self._distance(Differentiated(slide.d - low, slide.v), slide, 1.0, low)
             case _:
-                return Differentiated(high - slide.d, -slide.v)
+                return self._distance(Differentiated(high - slide.d, -slide.v), slide, -1.0, high)
+
+    def _distance(self, found: Differentiated, slide: Slide, way: float, end: Node) -> Differentiated:
+        self._distances[found.value] = Differentiated(slide.d, slide.v), way, end
+        return found
 
 
 _OF_SLIDE = ("slide", "velocity", "stroke", "stroke_low", "stroke_high", "from_low", "from_high")
