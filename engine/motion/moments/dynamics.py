@@ -18,6 +18,7 @@ from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.steppers.energy_form import Tables
 from engine.scene.actions import Brake, DCMotor
+from engine.scene.formulas.load_formulas import load_formulas
 from engine.scene.scene import Numbers
 
 # Crank angles at which the inertia of a machine without a constant part is looked at.
@@ -47,6 +48,8 @@ class Variants(NamedTuple):
         Of all actions.
     drive : Drive or None
         The motors at work, from `Dynamics.driven`.
+    instants : ndarray (instants, variants) or None
+        When the moments at work jump or bend by themselves [s], from `Dynamics.driven`.
     kept : dict
         Grid and tables of the last stretch.
     """
@@ -58,6 +61,7 @@ class Variants(NamedTuple):
     ends: Ends
     breaks: Breaks
     drive: Drive | None = None
+    instants: np.ndarray | None = None
     kept: dict | None = None
 
     @property
@@ -78,6 +82,7 @@ class Variants(NamedTuple):
             {node: end[chosen] for node, end in self.ends.items()},
             self.breaks.some(chosen),
             None if drive is None else drive.some(chosen),
+            None if self.instants is None else self.instants[:, chosen],
             {},
         )
 
@@ -146,7 +151,7 @@ class Reduction:
         """
         ends, breaks = self.landmarks(numbers, direction)
         parameters = self.tabulation.parameters(numbers, direction, ends)
-        return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
+        return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, None, {})
 
     def without_inertia(self, variants: "Variants") -> np.ndarray:
         """Which variants have no reduced inertia at some crank angle, (variants,) of bool."""
@@ -197,7 +202,9 @@ class Dynamics:
         acting = [(i, key) for i, key in enumerate(reduction.keys) if key[0] not in off]
         self.active = frozenset(load.action for load in loads.terms if load.action not in off)
         self.timed = any(reduction.depends_on_time(key) for _, key in acting)
-        self.instants = instants_of(scene, self.active)
+        # Whether a moment may change at any time.
+        formulas = load_formulas(scene)
+        self.changing = any(formulas[name].depends_on_time for name in self.active if name in formulas)
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
         roles = {load.action: load.role for load in loads.terms}
         self.polynomial, self.laws = [], []
@@ -225,7 +232,8 @@ class Dynamics:
     def driven(self, variants: Variants) -> Variants:
         """The variants with the motors that are at work here."""
         drive = self._drive(variants.numbers, variants.count)
-        return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, kept={})
+        instants = instants_of(self.reduction.mechanics.scene, self.active, variants.numbers, variants.count)
+        return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, instants=instants, kept={})
 
     def locked(self, variants: Variants) -> np.ndarray:
         """Which variants have a brake at work that locks by itself, (variants,) of bool."""

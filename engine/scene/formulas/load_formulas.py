@@ -35,7 +35,7 @@ from engine.scene.formulas.switching import MOST_TURNS, compared, operations, tu
 from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.names import Problem, definitions, sliders
 from engine.scene.parts import FRAME, CrankInput
-from engine.scene.scene import Scene, scene_numbers
+from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.units import UNIT_NAMES, any_quantity
 
 if TYPE_CHECKING:
@@ -87,18 +87,18 @@ class LoadFormula(NamedTuple):
         """Whether it does by name."""
         return TIME in self.expression.names
 
-    def switching_times(self, scene: Scene) -> list[float]:
-        """Times at which it switches because time by itself passes a number, with the numbers of the scene [s]."""
-        known = {path: number.value for path, number in scene_numbers(scene).items()}
-        known |= {name: number.value for name, number in self.action.numbers.items()}
+    def switching_times(self, numbers: Numbers) -> list[float | np.ndarray]:
+        """Times at which it switches because time by itself passes a number of the variants [s]."""
+        known = {path: numbers[path] for path in numbers}
+        known |= {name: numbers[f"{self.at}.numbers.{name}"] for name in self.action.numbers}
         found = []
         for tree in operations(self.expression.tree):
             for one, other in compared(tree):
                 for passing, passed in ((one, other), (other, one)):
                     if passing == TIME and known.keys() >= names_in_tree(passed).keys():
                         with np.errstate(all="ignore"):
-                            found.append(evaluate_tree(passed, known).item())
-        return [time for time in found if np.isfinite(time)]
+                            found.append(evaluate_tree(passed, known))
+        return found
 
 
 def load_formulas(scene: Scene) -> dict[str, LoadFormula]:
