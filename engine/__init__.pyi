@@ -36,14 +36,14 @@ from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
-from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
-from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
-from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
+from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
+from engine.machine.derivatives import PLACES as PLACE_STATISTICS
+from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES

@@ -29,6 +29,8 @@ from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
+# Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
+ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
 # Variants of a thread that are measured together: what is known of them stays in its caches.
 VARIANTS_AT_ONCE = 4096
 # What compares two numbers with one of them, and is zero where they agree.
@@ -315,12 +317,13 @@ class Machine:
     def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
         """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
 
-        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves.
+        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
+        on what those before it left.
         """
-        least = np.ones(variants)
+        product = np.ones(variants)
         for sine, _ in answers.sines():
-            least = np.fmin(least, np.where(sine > 0.0, sine, 1.0))
-        return 2.0 * np.finfo(float).eps / least**2
+            product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0)
+        return ROUNDING_OF_RATES / product**2
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Compute the regimes of those of the variants `keep` that have no complaint so far."""
