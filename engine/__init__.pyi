@@ -56,6 +56,26 @@ from engine.quantities.quantity import InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
+from engine.scene.dimensions import described as described_dimension
+from engine.scene.formulas.by_formula import FormulaNumber
+from engine.scene.formulas.dimension_check import (
+    check_yields,
+    dimension_of,
+    dimension_of_unit,
+    dimensions_by_unit,
+    unit_of_dimension,
+)
+from engine.scene.formulas.expressions import (
+    ExpressionError,
+    TextExpression,
+    TextOperation,
+    evaluate_tree,
+    joined_by_and,
+    names_in_tree,
+)
+from engine.scene.formulas.expressions import Tree as ExpressionTree
+from engine.scene.formulas.expressions import parse as parse_expression
+from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
 from engine.scene.names import did_you_mean, input_point
 from engine.scene.names import nearest as nearest_names
@@ -100,6 +120,9 @@ __all__ = [
     "EngineElement",
     "EngineLayout",
     "EngineShaking",
+    "ExpressionError",
+    "ExpressionTree",
+    "FormulaNumber",
     "Hinged",
     "History",
     "Hodograph",
@@ -124,6 +147,8 @@ __all__ = [
     "Sliding",
     "SteadyRegime",
     "TableError",
+    "TextExpression",
+    "TextOperation",
     "TorsionSpring",
     "TurningMoment",
     "UnitError",
@@ -139,15 +164,21 @@ __all__ = [
     "body_mass",
     "boxer_engine",
     "centre_along",
+    "check_yields",
     "common_units",
     "corrected_unbalance",
     "crank_radius",
     "crankshaft_counterweights",
     "derivatives_along",
+    "described_dimension",
     "did_you_mean",
+    "dimension_of",
+    "dimension_of_unit",
+    "dimensions_by_unit",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",
+    "evaluate_tree",
     "even_firing_order",
     "firing_angles",
     "firing_intervals",
@@ -164,11 +195,14 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "joined_by_and",
     "made_engine",
     "made_ready",
+    "names_in_tree",
     "nearest_names",
     "order_groups",
     "pairs_of",
+    "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
     "radial_engine",
@@ -192,7 +226,9 @@ __all__ = [
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",
+    "unit_of_dimension",
     "unit_over",
+    "unknown_name_message",
     "usual_throws",
     "v_engine",
     "w_engine",

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
 from engine.scene.elements import MachineElement
+from engine.scene.formulas.by_formula import FormulaNumber
 from engine.scene.pair_friction import PairFriction
 from engine.scene.parts import (
     Acceleration,
@@ -105,6 +106,9 @@ def _marks(annotation: object, metadata: list) -> list:
 
 
 def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
+    if isinstance(part, FormulaNumber):
+        yield path, SceneNumber(part.value, part.dimension, ())
+        return
     for key, field in type(part).model_fields.items():
         value = getattr(part, key)
         here = f"{path}.{key}" if path else key
