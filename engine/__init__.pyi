@@ -38,6 +38,15 @@ from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.governors.governor_curves import (
+    GovernorCurves,
+    LoadChange,
+    StabilityPoint,
+    governor_curves,
+    load_change,
+    stability_point,
+)
+from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -45,6 +54,7 @@ from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.machine.full_rotation import assembly_ranges
+from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
@@ -107,6 +117,7 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
+    "AnyGovernor",
     "AskError",
     "BalanceError",
     "BalancedMachine",
@@ -123,11 +134,14 @@ __all__ = [
     "ExpressionError",
     "ExpressionTree",
     "FormulaNumber",
+    "Governor",
+    "GovernorCurves",
     "Hinged",
     "History",
     "Hodograph",
     "InductionMotor",
     "InputUnits",
+    "LoadChange",
     "Machine",
     "MasterRod",
     "Mechanics",
@@ -145,6 +159,7 @@ __all__ = [
     "SceneNumbers",
     "ScenePart",
     "Sliding",
+    "StabilityPoint",
     "SteadyRegime",
     "TableError",
     "TextExpression",
@@ -185,6 +200,8 @@ __all__ = [
     "firing_sums",
     "four_runs",
     "friction_in_pairs",
+    "governed_scene",
+    "governor_curves",
     "group_links",
     "guide_edge_forces",
     "has_cycle",
@@ -196,6 +213,7 @@ __all__ = [
     "influence_correction",
     "input_point",
     "joined_by_and",
+    "load_change",
     "made_engine",
     "made_ready",
     "names_in_tree",
@@ -221,6 +239,7 @@ __all__ = [
     "sliders_of",
     "sources_digest",
     "split_on_neighbours",
+    "stability_point",
     "threads",
     "tolerance_shares",
     "turning_moment_from_areas",

@@ -8,10 +8,12 @@ import numpy as np
 
 from engine.compiling.threads import threads
 from engine.elements.element_columns import ElementColumns, element_summaries
+from engine.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
 from engine.machine.first_failure import first_failure
+from engine.machine.governed_engines import GovernedEngines
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
@@ -282,10 +284,24 @@ class Machine:
         batch = VARIANTS_AT_ONCE * threads()
         batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]
         panels = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
-        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, self._governed(numbers, keep.size))
         if self.schedule is not None:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels))
+
+    def _governed(self, numbers: Numbers, variants: int) -> Numbers:
+        """Numbers in which the engines of governors that govern this machine have its inertia and its curves."""
+        if not self._elements.governing:
+            return numbers
+        engines, machine = self._governing
+        outcome = machine.evaluate({path: np.broadcast_to(numbers[path], (variants,)) for path in self.varied})
+        return numbers.with_values(engines.numbers(outcome, numbers))
+
+    @cached_property
+    def _governing(self) -> "tuple[GovernedEngines, Machine]":
+        """Engines that governors have in this machine, and the machine as it is asked for them."""
+        engines = GovernedEngines(self.scene, self._elements.governing)
+        return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, CYCLE_POSITIONS)
 
     def _measure(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> np.ndarray:
         """Evaluate the cycles of the variants `keep`; returns how many panels each took."""

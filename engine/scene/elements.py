@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, wedges, inclines, journals, guides, rollers, rotors, engines.
+"""Machine elements of a scene: screws, belts, wedges, inclines, journals, guides, rollers, rotors, engines, governors.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -10,6 +10,13 @@ from pydantic import Field, model_validator
 
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_element import RotorElement
+from engine.governors.governor_elements import (
+    HartnellGovernor,
+    PorterGovernor,
+    ProellGovernor,
+    TableGovernor,
+    WattGovernor,
+)
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
 
@@ -151,6 +158,11 @@ MachineElement = Annotated[
     | GuideElement
     | RollerElement
     | RotorElement
-    | EngineElement,
+    | EngineElement
+    | WattGovernor
+    | PorterGovernor
+    | ProellGovernor
+    | HartnellGovernor
+    | TableGovernor,
     Field(discriminator="type"),
 ]

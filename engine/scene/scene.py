@@ -85,6 +85,18 @@ class Scene(Part):
             raise ValueError("input is missing: only machine elements do without a mechanism")
         return self
 
+    @model_validator(mode="after")
+    def _governed_machine_turns(self) -> "Scene":
+        turns = isinstance(self.input, CrankInput) and self.input.start is None
+        for name, element in self.elements.items():
+            engine = getattr(element, "engine", None)
+            if engine is not None and engine.machine and not turns:
+                raise ValueError(
+                    f"elements.{name}.engine.machine: the scene has no crank that turns fully; give it one, or leave "
+                    "machine out and give the engine's inertia"
+                )
+        return self
+
 
 class SceneNumber(NamedTuple):
     """A number of a scene: its value (SI), its dimension, and the limits or choices it must keep."""
