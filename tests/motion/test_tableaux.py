@@ -7,8 +7,9 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pytest
 
-from engine.motion.steppers.dormand_prince import DENSE, DENSE_PARTS, DORMAND_PRINCE, ERRORS, MATRIX, NODES, STAGES
-from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC, Tableau
+from engine.motion.steppers.dormand_prince import DORMAND_PRINCE, ERRORS, MATRIX, NODES, ORDER_EIGHT
+from engine.motion.steppers.radau import ORDER_NINE, RADAU
+from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC, Method, Tableau, part_at
 
 # A rooted tree is the tuple of the trees that grow from its root.
 Tree = tuple
@@ -64,12 +65,15 @@ def test_trees__are_as_many_as_counted():
     assert [len(trees(n)) for n in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
 
 
-# Sums of some hundred products of up to eight factors, each rounded in its 16th digit.
-ROUNDED = 1e-14
+# Sums of some hundred products of up to eight factors, each rounded in its 16th digit; those of Radau IIA follow from
+# polynomials of degree five, whose own coefficients are rounded.
+ROUNDED = 1e-13
 
 
 @pytest.mark.parametrize(
-    ("method", "order"), [(CLASSICAL, 4), (LOBATTO_IIIC, 4), (DORMAND_PRINCE, 8)], ids=["RK4", "Lobatto", "DP8"]
+    ("method", "order"),
+    [(CLASSICAL, 4), (LOBATTO_IIIC, 4), (DORMAND_PRINCE, 8), (RADAU, 9)],
+    ids=["RK4", "Lobatto", "DP8", "Radau"],
 )
 def test_method__has_its_order_and_no_more(method: Tableau, order: int):
     assert np.abs(method.matrix.sum(axis=1) - method.nodes).max() < ROUNDED
@@ -84,18 +88,21 @@ def test_embedded_formulas__have_their_orders_and_no_more(row: int, order: int):
     assert missed(DORMAND_PRINCE.matrix, weights, order + 1) > 1e-6
 
 
-def dense_weights(theta: float) -> np.ndarray:
-    """Weights of all stages at a share of the step, from the parts of the polynomial."""
-    b, first, last = MATRIX[STAGES], np.eye(len(MATRIX))[0], np.eye(len(MATRIX))[STAGES]
-    parts = [b, first - b, 2.0 * b - first - last, *DENSE]
-    assert len(parts) == DENSE_PARTS
-    found = np.zeros(len(MATRIX))
-    for i, part in enumerate(reversed(parts)):
-        found = (found + part) * (theta if i % 2 == 0 else 1.0 - theta)
-    return found
-
-
 @pytest.mark.parametrize("theta", [0.1, 0.37, 0.5, 0.9, 1.0])
-def test_polynomial_within_the_step__has_order_7(theta: float):
+@pytest.mark.parametrize(("method", "order"), [(ORDER_EIGHT, 7), (ORDER_NINE, 5)], ids=["DP8", "Radau"])
+def test_polynomial_within_the_step__has_its_order(method: Method, order: int, theta: float):
+    assert np.abs(method.matrix.sum(axis=1) - method.shares[method.place_of]).max() < ROUNDED
+    weights = sum(part * part_at(i, theta) for i, part in enumerate(method.parts))
+    assert missed(method.matrix, weights, order, theta) < ROUNDED
+
+
+def test_nodes_of_dormand_and_prince__are_the_sums_of_rows():
     assert np.abs(MATRIX.sum(axis=1) - NODES).max() < ROUNDED
-    assert missed(MATRIX, dense_weights(theta), 7, theta) < ROUNDED
+
+
+def test_formulas_of_lower_order__of_radau_miss_polynomials_of_their_degree_only():
+    nodes = RADAU.nodes
+    for less, count in ((ORDER_NINE.less_fine, 4), (ORDER_NINE.less_coarse, 3)):
+        # Weights of both formulas integrate what the fewer nodes determine.
+        assert max(abs(less @ nodes**k) for k in range(count)) < ROUNDED
+        assert abs(less @ nodes**count) > 1e-4

@@ -9,10 +9,10 @@ II.10, and the program DOP853 that comes with it.
 
 import numpy as np
 
-from engine.motion.steppers.tableaux import Tableau
+from engine.motion.steppers.tableaux import Method, Tableau
 
-# Stages of a step, and with those of the polynomial within it; parts of that polynomial.
-STAGES, DENSE_STAGES, DENSE_PARTS = 12, 16, 7
+# Stages of a step, and with those of the polynomial within it.
+STAGES, DENSE_STAGES = 12, 16
 
 
 def _rows(rows: tuple[dict[int, float], ...], width: int) -> np.ndarray:
@@ -213,3 +213,26 @@ DORMAND_PRINCE = Tableau(NODES[:STAGES], MATRIX[:STAGES, :STAGES], MATRIX[STAGES
 # What the formula of order eight gives more than those of orders five and three.
 ERRORS = np.array([_rows((_LESS_FIFTH,), STAGES)[0], DORMAND_PRINCE.weights - _rows((_THIRD,), STAGES)[0]])
 DENSE = _rows(_DENSE, DENSE_STAGES)
+
+
+def _parts() -> np.ndarray:
+    """Weights of the parts of the polynomial: the first three from values and slopes at both ends."""
+    weights, first, last = MATRIX[STAGES], np.eye(DENSE_STAGES)[0], np.eye(DENSE_STAGES)[STAGES]
+    return np.array([weights, first - weights, 2.0 * weights - first - last, *DENSE])
+
+
+ORDER_EIGHT = Method(
+    implicit=False,
+    stages=STAGES,
+    dense_stages=DENSE_STAGES,
+    matrix=MATRIX,
+    inverse=np.zeros((0, 0)),
+    weights=DORMAND_PRINCE.weights.copy(),
+    # The last stage of the step and the first of the polynomial share a place.
+    shares=np.delete(NODES, STAGES),
+    place_of=np.array([s - (s >= STAGES) for s in range(DENSE_STAGES)]),
+    less_fine=ERRORS[0].copy(),
+    less_coarse=ERRORS[1].copy(),
+    parts=_parts(),
+    looked_at=np.array([0, 3, 5, 9, 10, 11]),
+)
