@@ -26,8 +26,8 @@ from engine.motion.steppers.settling import (
     STALLS_AT_ONCE,
     STALLS_HERE,
     TOO_MANY_STEPS,
-    Given,
-    new_settling_memory,
+    Settling,
+    new_block_room,
     settle,
 )
 from engine.motion.steppers.tableaux import Method
@@ -147,14 +147,14 @@ def _settled(
     # In a motion that repeats itself nothing that depends on time acts.
     parameters = variants.parameters.copy()
     parameters[source.clocks] = 0.0
-    given = Given(parameters, drive.rows, drive.exponents, *edges_of(variants, dynamics.cycle), numbers)
-    given = Given(*(np.require(part, requirements="CW") for part in given))
+    given = Settling(parameters, drive.rows, drive.exponents, *edges_of(variants, dynamics.cycle), numbers)
+    given = Settling(*(np.require(part, requirements="CW") for part in given))
     most = MOST_IMPLICIT_STEPS if method.implicit else MOST_STEPS
     found = np.empty((2, FOUND + form.channels, variants.count))
     record, asked = np.empty((2, 3, *asked.shape)), np.require(asked, requirements="CW")
 
     def arguments() -> tuple:
-        memory = new_settling_memory(form, given, source.target.size, most)
+        memory = new_block_room(form, given, source.target.size, most)
         laws, cycle = dynamics.channel_of_laws, dynamics.cycle
         return fill, source, method, form, laws, cycle, most, given, asked, found, record, memory
 

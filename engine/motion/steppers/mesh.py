@@ -39,7 +39,7 @@ SHORTEST = 1e-7
 
 
 @routine
-def judge(wide: int, method: Method, cycle: float, state: Memory, steps: Memory, at: int, stages: Memory) -> None:
+def judge_step(wide: int, method: Method, cycle: float, state: Memory, steps: Memory, at: int, stages: Memory) -> None:
     """Estimate what a step misses, of its energy and its time; OTHER is its error by what is allowed."""
     for lane in range(wide):
         state[WORK, lane] = state[SCALE, lane]
@@ -196,7 +196,7 @@ def lay_mesh(
         step = steps[at + LENGTH]
         make_stages(0, method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages)
         add_weighted(wide, method.weights, step, stages, MOMENT, state[E_AFTER])
-        judge(wide, method, cycle, state, steps, at, stages)
+        judge_step(wide, method, cycle, state, steps, at, stages)
         going = go_on(wide, cycle, edges, count, state, steps, at)
         made += 1
     return made

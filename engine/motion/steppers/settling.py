@@ -42,7 +42,7 @@ from engine.motion.steppers.mesh import (
     WORST,
     E,
     fill_step,
-    judge,
+    judge_step,
     lay_mesh,
 )
 from engine.motion.steppers.one_step import (
@@ -117,7 +117,7 @@ NEAR_TOP = 0.1
 MOST_PLACES = max(method.shares.size for method in (ORDER_EIGHT, ORDER_NINE))
 
 
-class Given(NamedTuple):
+class Settling(NamedTuple):
     """What a set of variants settles from, each (…, variants).
 
     Attributes
@@ -140,7 +140,7 @@ class Given(NamedTuple):
     numbers: np.ndarray
 
 
-class SettlingMemory(NamedTuple):
+class BlockRoom(NamedTuple):
     """Memory for a block."""
 
     numbers: np.ndarray
@@ -161,9 +161,9 @@ class SettlingMemory(NamedTuple):
     parts: np.ndarray
 
 
-def new_settling_memory(form: Form, given: Given, curves: int, most: int) -> SettlingMemory:
+def new_block_room(form: Form, given: Settling, curves: int, most: int) -> BlockRoom:
     """Memory for cycles of at most so many steps."""
-    return SettlingMemory(
+    return BlockRoom(
         rows(given.parameters.shape[0]),
         rows(3),
         rows(curves, 1),
@@ -224,7 +224,7 @@ def mean_moment(
 
 
 @routine
-def balance(
+def find_balance(
     wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, state: Memory, stages: Memory
 ) -> None:
     """Speed at which the mean moment is zero and falls with the speed, the greatest of several, in GUESS.
@@ -594,7 +594,7 @@ def gather_cycle(
             nodes[k, lane] = state[E, lane]
             state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
         make_stages(0, method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages)
-        judge(wide, method, cycle, state, steps, at, stages)
+        judge_step(wide, method, cycle, state, steps, at, stages)
         for lane in range(wide):
             state[WORST, lane] = larger(state[OTHER, lane], state[WORST, lane])
             state[SCALE, lane] = state[WORK, lane]
@@ -727,11 +727,11 @@ def settle(
     channel_of: np.ndarray,
     cycle: float,
     most: int,
-    given: Given,
+    given: Settling,
     asked: np.ndarray,
     found: np.ndarray,
     record: np.ndarray,
-    memory: SettlingMemory,
+    memory: BlockRoom,
 ) -> None:
     """Find the settled cycles of the blocks begin … end − 1 of variants.
 
@@ -807,7 +807,7 @@ def settle(
                 width * method.shares.shape[0] * k,
             )
         take_means(LANES, made, cycle, method, form, places, at_mean, steps, state)
-        balance(LANES, form, drive, exponents, places, at_mean, state, stages)
+        find_balance(LANES, form, drive, exponents, places, at_mean, state, stages)
         for lane in range(LANES):
             inverse, chosen = places[width * method.looked_at[0] + INVERSE, lane], numbers[7, lane] > 0.0
             guess = state[GUESS, lane] * state[GUESS, lane] / inverse
