@@ -109,7 +109,7 @@ def test_energy_form__keeps_its_order_across_jumps(name):
 
 
 @pytest.mark.parametrize("name", ["go.time", "go.final_speed"])
-def test_time_form__order_4_with_smooth_moments(name):
+def test_time_form__keeps_order_4_at_least_with_smooth_moments(name):
     regime = run("", from_speed=20.0, cycles=1.3)
     assert orders(values("dc fan gravity nothing", name, (60, 120, 240), regime, flywheel=0.05)) >= 3.8
 

@@ -226,7 +226,9 @@ def greatest_moment(drive: Drive, low: np.ndarray, high: np.ndarray) -> np.ndarr
     low, high : ndarray (variants,)
         [rad/s].
     """
-    share = np.linspace(0.0, 1.0, SPEEDS_BETWEEN)[:, None]
+    # A straight characteristic alone is greatest at one of its ends.
+    several = len(drive.kloss) + drive.line.any() > 1
+    share = np.linspace(0.0, 1.0, SPEEDS_BETWEEN if several else 2)[:, None]
     speeds = [low + share * (high - low)]
     for _, slip, _, synchronous, ratio in drive.kloss:
         # Motor and generator are strongest at the breakdown slip.

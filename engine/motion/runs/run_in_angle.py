@@ -61,7 +61,6 @@ def _take(runs: Progress, who: np.ndarray, state: State, turned: np.ndarray, ome
     )
     runs.slowest[who] = np.minimum(runs.slowest[who], course.slowest)
     runs.fastest[who] = np.maximum(runs.fastest[who], course.fastest)
-    runs.peak[who] = np.maximum(runs.peak[who], course.peak)
 
 
 def _finish(runs: Progress, who: np.ndarray, stop: np.ndarray, step: np.ndarray, rest: np.ndarray) -> None:

@@ -228,3 +228,17 @@ def slope_within(parts: Memory, at: int, lane: int, share: float) -> float:
         slope = slope * share + value if i % 2 == 0 else slope * rest - value
         value *= share if i % 2 == 0 else rest
     return slope
+
+
+@inlined
+def cubic_extreme(begin: float, rise: float, near: float, far: float) -> tuple[float, float, float]:
+    """Extreme of the cubic over an interval, by its change and its slopes at both ends, both over the interval.
+
+    Returns its value, its place in the interval and the second derivative there; the begin where there is none.
+    """
+    a, b = 3.0 * (near + far - 2.0 * rise), 3.0 * rise - 2.0 * near - far
+    root = math.sqrt(b * b - a * near)
+    t = near / (root - b) if near > 0.0 else -near / (root + b)
+    inside = ((near > 0.0) != (far > 0.0)) & (t > 0.0) & (t < 1.0)
+    value = begin + t * (near + t * (b + t * a / 3.0))
+    return (value if inside else begin), (t if inside else 0.0), (b + b + 2.0 * a * t if inside else 0.0)

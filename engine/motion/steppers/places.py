@@ -165,6 +165,23 @@ def moments_at_place(
     """
     for lane in range(wide):
         speed[lane] = math.sqrt(energy[lane] * places[at + INVERSE, lane])
+    moments_at_speed(wide, form, drive, exponents, places, at, speed, motors, moment)
+
+
+@routine
+def moments_at_speed(
+    wide: int,
+    form: Form,
+    drive: Memory,
+    exponents: Memory,
+    places: Memory,
+    at: int,
+    speed: Memory,
+    motors: Memory,
+    moment: Memory,
+) -> None:
+    """Moment of the motors and moment of everything by the speed; as `moments_at_place`."""
+    for lane in range(wide):
         motors[lane] = straight_motors(drive, lane, speed[lane])
     add_induction_motors(wide, drive, form.motors, speed, motors)
     for lane in range(wide):

@@ -56,6 +56,7 @@ from engine.motion.steppers.one_step import (
     SQUARE,
     STAGE_ROWS,
     add_weighted,
+    cubic_extreme,
     estimate,
     make_polynomial,
     make_stages,
@@ -447,20 +448,6 @@ def spread_errors(
         for channel in range(form.channels):
             greatest = works[form.channels + channel, lane]
             works[2 * form.channels + channel, lane] += rate * cycle * greatest
-
-
-@inlined
-def cubic_extreme(begin: float, rise: float, near: float, far: float) -> tuple[float, float, float]:
-    """Extreme of the cubic over an interval, by its change and its slopes at both ends, both over the interval.
-
-    Returns its value, its place in the interval and the second derivative there; the begin where there is none.
-    """
-    a, b = 3.0 * (near + far - 2.0 * rise), 3.0 * rise - 2.0 * near - far
-    root = math.sqrt(b * b - a * near)
-    t = near / (root - b) if near > 0.0 else -near / (root + b)
-    inside = ((near > 0.0) != (far > 0.0)) & (t > 0.0) & (t < 1.0)
-    value = begin + t * (near + t * (b + t * a / 3.0))
-    return (value if inside else begin), (t if inside else 0.0), (b + b + 2.0 * a * t if inside else 0.0)
 
 
 @routine
