@@ -205,7 +205,8 @@ def _tell_endless(runs: Progress, who: np.ndarray) -> None:
     """Give up runs that can't come to their end: backwards for ever, or ever more slowly."""
     backwards = runs.state.turned[who] <= runs.turned_round[who] - runs.dynamics.cycle
     share = FADED if runs.dynamics.fades else STILL
-    faded = np.abs(runs.state.omega[who]) < share * runs.fastest[who]
+    speed = np.abs(runs.state.omega[who])
+    faded = (speed > 0.0) & (speed < share * runs.fastest[who])
     _give_up_endless(runs, who[((runs.facing[who] < 0.0) & backwards) | faded])
 
 
