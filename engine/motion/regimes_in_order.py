@@ -1,10 +1,9 @@
 """A schedule: the regimes of a scene one after another, for many variants, with an error figure on every number.
 
-Everything is computed twice. A run goes with all steps and with half of them: its methods are of order four where the
-moments are smooth and of order two or more where they bend, so what is left of the error is at most a third of the
-change, and of order four a fifteenth; the error figure is half the change, and the rounding of the energies. A steady
-motion goes with steps as it needs them, for the second time each changed by its estimated error; the error figure is
-the change. A closed form has no steps: for the second time its moments are changed in their last digits.
+Everything is computed twice. A run goes with steps as it needs them, for the second time with some that may miss 64
+times as much. A steady motion goes with steps as it needs them, for the second time each changed by its estimated
+error. A closed form has no steps: for the second time its moments are changed in their last digits. The error figure is
+the change, and the rounding of the energies.
 """
 
 from typing import NamedTuple
@@ -34,7 +33,6 @@ from engine.verdicts import Verdict
 # What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
 # for, and at least.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
-SHARE_OF_CHANGE = 0.5
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
 # Variants in steady motion that go together: blocks of many, and few enough for a cache.
@@ -49,16 +47,14 @@ STEPS_OF_ROUNDING = 32
 DOUBT = 16 * np.finfo(float).eps
 
 
-def share_of_change(name: str, steady: bool) -> float:
-    """Which share of the change an answer may be off by: from half the steps, in a steady motion from their errors."""
+def share_of_change(name: str) -> float:
+    """Which share of the change from less sure steps an answer may be off by."""
     last = name.rpartition(".")[2]
     # Of an extreme that two places share, either may be the one; what else may be missed is a step.
     if last in ("min_at", "max_at"):
         return 0.0
     # Means over time are of no order at all where a steep motor catches up with a jump within a step.
-    if last in ("mean", "rms"):
-        return 2.0
-    return 1.0 if steady else SHARE_OF_CHANGE
+    return 2.0 if last in ("mean", "rms") else 1.0
 
 
 class Standing(NamedTuple):
@@ -184,9 +180,7 @@ class Schedule:
         errors = {}
         for name, value in values.items():
             change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
-            doubt = np.maximum(
-                share_of_change(name, name.partition(".")[0] in self.steady) * change, fine.missed.get(name, 0.0)
-            )
+            doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
             errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
         return RegimeAnswers(values, errors, fine.fields, fine.verdict)
 

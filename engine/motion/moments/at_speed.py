@@ -53,7 +53,8 @@ class Drive(NamedTuple):
     @property
     def kloss(self) -> np.ndarray:
         """Constants of the induction motors, (motors, 5, variants)."""
-        return self.rows[KLOSS:].reshape(-1, PER_MOTOR, self.rows.shape[1])
+        motors = (self.rows.shape[0] - KLOSS) // PER_MOTOR
+        return self.rows[KLOSS:].reshape(motors, PER_MOTOR, self.rows.shape[1])
 
     def some(self, chosen: np.ndarray) -> "Drive":
         """Of some of the variants, by index."""

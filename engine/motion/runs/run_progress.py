@@ -65,9 +65,9 @@ class Progress:
         Time at the begin, for moments that depend on time [s].
     ends : Ends
     steps : int
-        Steps a cycle.
+        How many instants of a cycle are noted.
     half : bool
-        Whether to make half as many, for comparison.
+        Whether steps may miss more, for comparison.
     record : bool
         Whether to keep the history (of a single variant).
 
@@ -82,7 +82,7 @@ class Progress:
     pace : ndarray
         Length of the next step in time [s]; infinite where nothing is known yet.
     tolerance, farthest_step : float
-        What a step in time may miss, as a share; how far it may turn [rad].
+        What a step may miss, as a share; how far it may turn [rad].
     facing : ndarray
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
@@ -107,13 +107,13 @@ class Progress:
     ) -> None:
         self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
         self.ends, self.steps, self.half = ends, steps, half
-        self.spacing = dynamics.cycle / (steps // 2 if half else steps)
+        self.spacing = dynamics.cycle / steps
         count, channels = variants.count, len(dynamics.channels)
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.pace = np.full(count, np.inf)
-        # For comparison, steps of about twice the length.
+        # For comparison, steps of nearly twice the length.
         self.tolerance = TOLERANCE * (2.0**6 if half else 1.0)
         self.farthest_step = FARTHEST_STEP * (2.0 if half else 1.0)
         self.done = np.zeros(count, bool)

@@ -6,7 +6,6 @@ the steady motion is stable where |λ| < 1. Newton's method on P(E) − E with t
 waiting takes hundreds.
 """
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numba
@@ -15,9 +14,8 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.grid import GAP
+from engine.motion.moments.grid import edges_of
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import form_of, source_of
 from engine.motion.steppers.radau import ORDER_NINE
@@ -147,7 +145,9 @@ def _settled(
     # In a motion that repeats itself nothing that depends on time acts.
     parameters = variants.parameters.copy()
     parameters[source.clocks] = 0.0
-    given = Settling(parameters, drive.rows, drive.exponents, *edges_of(variants, dynamics.cycle), numbers)
+    given = Settling(
+        parameters, drive.rows, drive.exponents, *edges_of(variants.direction, variants.breaks, dynamics.cycle), numbers
+    )
     given = Settling(*(np.require(part, requirements="CW") for part in given))
     most = MOST_IMPLICIT_STEPS if method.implicit else MOST_STEPS
     found = np.empty((2, FOUND + form.channels, variants.count))
@@ -176,34 +176,6 @@ def _steady_of(found: np.ndarray, record: np.ndarray) -> Steady:
     values = energy, ended, multiplier, residual, period, slowest, fastest, squares, works, record
     failed = verdict != Verdict.OK
     return Steady(verdict.astype(np.uint8), *(np.where(failed, np.nan, value) for value in values))
-
-
-def edges_of(variants: Variants, cycle: float) -> tuple[np.ndarray, np.ndarray]:
-    """Angles turned from φ = 0 where moments jump or bend, with begin and end of the cycle, in order.
-
-    Parameters
-    ----------
-    variants : Variants
-    cycle : float
-        [rad].
-
-    Returns
-    -------
-    edges, sides : ndarray (edges, variants)
-        The angles, and how far from each the moments are taken [rad].
-    """
-    count = variants.count
-    breaks = np.nan_to_num(np.mod(variants.direction * variants.breaks.angles, cycle), nan=cycle)
-    at_begin = (breaks <= GAP) | ((breaks >= cycle - GAP) & ~np.isnan(variants.breaks.angles))
-    breaks = np.sort(np.where(at_begin, cycle, breaks), axis=0)
-    for before, here in pairwise(breaks):
-        # What jumps in the same place is one edge.
-        here[:] = np.where(here - before < GAP, before, here)
-    ends = np.where(at_begin.any(axis=0), JUMP, 0.0)
-    edges = np.concatenate((np.zeros((1, count)), breaks, np.full((1, count), cycle)))
-    sides = np.where(edges < cycle, JUMP, ends)
-    sides[0] = ends
-    return edges, sides
 
 
 def no_load_speed(variants: Variants) -> tuple[np.ndarray, np.ndarray]:

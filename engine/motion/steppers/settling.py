@@ -82,14 +82,15 @@ GUESS, TOP, DRIVEN = range(MESH_STATE, MESH_STATE + 3)
 BEGIN, LOG, PENDING, RESIDUAL, HIGHEST, STALLED, LAST, VERDICT = range(MESH_STATE + 3, MESH_STATE + 11)
 # … what is gathered over the cycle …
 TIME, MOTOR, SQUARES, T_AFTER, SPEED_HERE, RISE_HERE, NODE = range(MESH_STATE + 11, MESH_STATE + 18)
-# … and of the least and the greatest speed each: itself, which step it lies in, where, how strongly it bends there.
-SLOWEST, FASTEST = MESH_STATE + 18, MESH_STATE + 22
-EXTREME, IN_STEP, AT, BEND = range(4)
+# … and of the least and the greatest speed each: itself, which step it lies in, where, how strongly it bends there, and
+# how unsure it is besides.
+SLOWEST, FASTEST = MESH_STATE + 18, MESH_STATE + 23
+EXTREME, IN_STEP, AT, BEND, UNSURE = range(5)
 # Greatest estimated errors of a step: of the energy, the time, the motors' work and squares, and ln of the multiplier.
-OF_E, OF_TIME, OF_MOTOR, OF_SQUARES, OF_LOG = range(MESH_STATE + 26, MESH_STATE + 31)
+OF_E, OF_TIME, OF_MOTOR, OF_SQUARES, OF_LOG = range(MESH_STATE + 28, MESH_STATE + 33)
 # Sums of the estimated errors, of all but the energy; the error of the step under way.
-TIME_ERROR, MOTOR_ERROR, SQUARES_ERROR, LOG_ERROR, LOST = range(MESH_STATE + 31, MESH_STATE + 36)
-STATE = MESH_STATE + 36
+TIME_ERROR, MOTOR_ERROR, SQUARES_ERROR, LOG_ERROR, LOST = range(MESH_STATE + 33, MESH_STATE + 38)
+STATE = MESH_STATE + 38
 
 # Rows of what is found: verdict, energy at the begin, ln of the multiplier, residual, time, work of the motors, their
 # moment squared over time, least and greatest speed, worst error of a step by what is allowed, energy at the end, and
@@ -113,6 +114,8 @@ OF_GREATEST = 0.3
 STEEP = 200.0
 # How far from the top of its parabola an extreme is met, of the way to it.
 NEAR_TOP = 0.1
+# Share of what the step to an extreme puts right that may be left to be put right.
+LEFT_OVER = 0.01
 
 
 MOST_PLACES = max(method.shares.size for method in (ORDER_EIGHT, ORDER_NINE))
@@ -520,6 +523,9 @@ def record_within(
     for lane in range(width):
         v, node = first + lane, int(state[NODE, lane])
         begin, length = steps[at + FROM, lane], steps[at + LENGTH, lane]
+        # What isn't taken says nothing.
+        if length <= 0.0 and not last:
+            continue
         while node < asked.shape[0] and (asked[node, v] <= begin + length or last):
             share = min((asked[node, v] - begin) / length, 1.0) if length > 0.0 else 0.0
             record[0, node, v] = value_within(parts, 0, lane, state[E, lane], share)
@@ -694,7 +700,12 @@ def go_to_extreme(
         rise *= 0.5 * places[row + INVERSE, lane] / speed
         # No farther than a part of the step: a steep motor has bent the speed otherwise in a moment.
         near = abs(rise) < NEAR_TOP * abs(bend * steps[at + LENGTH, lane])
-        state[which + EXTREME, lane] = speed - (0.5 * rise * rise / bend if near else 0.0)
+        speed -= 0.5 * rise * rise / bend if near else 0.0
+        # A part of what the step to it put right.
+        left = LEFT_OVER * abs(speed - state[which + EXTREME, lane])
+        state[which + UNSURE, lane] = left if doubt == 0.0 else state[which + UNSURE, lane]
+        away = state[which + UNSURE, lane] * (1.0 if which == FASTEST else -1.0)
+        state[which + EXTREME, lane] = speed + doubt * away
 
 
 @inlined
