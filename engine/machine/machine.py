@@ -110,7 +110,7 @@ class Machine:
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
-        self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions)
+        self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions, accuracy)
         self._check_asked()
         others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
         measured = [name for name in self.asked_summaries if name not in others]
