@@ -19,6 +19,7 @@ class Verdict(IntEnum):
     ANY_SPEED = 10
     LOCKS = 11
     NO_INERTIA = 12
+    RESONANCE = 17
     NOT_COMPUTED = 255
 
 
@@ -58,6 +59,10 @@ SENTENCES = {
     Verdict.NO_INERTIA: (
         "at a dead centre nothing moves that has mass: the reduced inertia is zero there, and no moment decides the "
         "speed; give the crank, a shaft or a flywheel its inertia"
+    ),
+    Verdict.RESONANCE: (
+        "resonance without damping: what excites an elastic element has its natural frequency, and the amplitude has "
+        "no bound; change the speed, a stiffness or a mass, or give it its damping"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }
