@@ -16,6 +16,8 @@ from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.threads import on_all_threads
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.elastic.compliances.compliance_columns import compliance_law
+from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.oscillators.oscillator_columns import oscillator_law
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elements.element_laws import LAWS, NUDGE, ROUNDING, ElementLaw, ElementResult, LawOfArrays
@@ -211,6 +213,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return engine_law(element)
         case OscillatorElement():
             return oscillator_law(element)
+        case ComplianceElement():
+            return compliance_law(element)
     return LAWS[element.type]
 
 

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_element import RotorElement
+from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
@@ -153,6 +154,7 @@ MachineElement = Annotated[
     | RollerElement
     | RotorElement
     | EngineElement
-    | OscillatorElement,
+    | OscillatorElement
+    | ComplianceElement,
     Field(discriminator="type"),
 ]
