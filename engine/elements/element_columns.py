@@ -20,6 +20,8 @@ from engine.elastic.compliances.compliance_columns import compliance_law
 from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.oscillators.oscillator_columns import oscillator_law
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.trains.train_columns import train_law
+from engine.elastic.trains.train_element import TorsionalTrain
 from engine.elements.element_laws import LAWS, NUDGE, ROUNDING, ElementLaw, ElementResult, LawOfArrays
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
@@ -215,6 +217,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return oscillator_law(element)
         case ComplianceElement():
             return compliance_law(element)
+        case TorsionalTrain():
+            return train_law(element)
     return LAWS[element.type]
 
 

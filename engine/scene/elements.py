@@ -12,6 +12,7 @@ from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.trains.train_element import TorsionalTrain
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
 
@@ -155,6 +156,7 @@ MachineElement = Annotated[
     | RotorElement
     | EngineElement
     | OscillatorElement
-    | ComplianceElement,
+    | ComplianceElement
+    | TorsionalTrain,
     Field(discriminator="type"),
 ]

@@ -38,6 +38,8 @@ class ReducedPart(NamedTuple):
         [N·m/rad], [N·m·s/rad]; the damping that doesn't depend on a frequency.
     absorption : ndarray (variants,)
         Share ψ of the greatest energy that the others dissipate in a cycle.
+    roundings : ndarray (variants,)
+        What the stiffness may be off by, over eps of it: that of the numbers with that of the calculation.
     within : dict of str to PartShare
         Of all parts that aren't made of others, by their paths such as "key" or "gearbox.parts.first".
     """
@@ -45,6 +47,7 @@ class ReducedPart(NamedTuple):
     stiffness: np.ndarray
     damping: np.ndarray
     absorption: np.ndarray
+    roundings: np.ndarray
     within: dict[str, "PartShare"]
 
 
@@ -118,6 +121,20 @@ def _own_stiffness(part: ElasticPart, n: Numbers, path: str) -> np.ndarray:
     return np.where(found > 0.0, found, math.nan)
 
 
+def _roundings(part: ElasticPart, n: Numbers, path: str, none: np.ndarray) -> np.ndarray:
+    """Roundings of a part's stiffness: of a few numbers and steps, and of a thin wall between two diameters."""
+    if not isinstance(part, ShaftPart):
+        return none + 8.0
+    diameter, bore = n[f"{path}.diameter"], n[f"{path}.bore"]
+    with np.errstate(divide="ignore"):
+        return 12.0 + np.abs((diameter + bore) / (diameter - bore))
+
+
+def _most_rounded(parts: Mapping[str, ReducedPart]) -> np.ndarray:
+    """Roundings of a sum of terms of one sign: no more than of the worst of them, and those of the sum."""
+    return np.max([part.roundings for part in parts.values()], axis=0) + 2.0 * len(parts)
+
+
 def reduced_part(part: ElasticPart, n: Numbers, path: str) -> ReducedPart:
     """A part as the shaft feels it from which its ratio is counted.
 
@@ -138,13 +155,16 @@ def reduced_part(part: ElasticPart, n: Numbers, path: str) -> ReducedPart:
         stiffness = _own_stiffness(part, n, path)
         one, none = np.ones_like(stiffness), np.zeros_like(stiffness)
         damping, absorption = (n.get(f"{path}.{key}", none) for key in ("damping", "energy_absorption"))
-        whole = ReducedPart(stiffness, damping, absorption, {"": PartShare(stiffness, one, one, one)})
+        share = PartShare(stiffness, one, one, one)
+        whole = ReducedPart(stiffness, damping, absorption, _roundings(part, n, path, none), {"": share})
     square = ratio**2
     within = {
         name: share._replace(moment=share.moment / ratio, twist=share.twist * ratio)
         for name, share in whole.within.items()
     }
-    return ReducedPart(whole.stiffness * square, whole.damping * square, whole.absorption, within)
+    return ReducedPart(
+        whole.stiffness * square, whole.damping * square, whole.absorption, whole.roundings + 4.0, within
+    )
 
 
 def in_series(parts: Mapping[str, ReducedPart]) -> ReducedPart:
@@ -162,7 +182,7 @@ def in_series(parts: Mapping[str, ReducedPart]) -> ReducedPart:
         for name, part in parts.items()
         for key, share in _named(name, part)
     }
-    return ReducedPart(1.0 / compliance, damping, _absorbed(parts, shares), within)
+    return ReducedPart(1.0 / compliance, damping, _absorbed(parts, shares), _most_rounded(parts), within)
 
 
 def in_parallel(parts: Mapping[str, ReducedPart]) -> ReducedPart:
@@ -179,7 +199,8 @@ def in_parallel(parts: Mapping[str, ReducedPart]) -> ReducedPart:
         for name, part in parts.items()
         for key, share in _named(name, part)
     }
-    return ReducedPart(stiffness, sum(part.damping for part in parts.values()), _absorbed(parts, shares), within)
+    damping = sum(part.damping for part in parts.values())
+    return ReducedPart(stiffness, damping, _absorbed(parts, shares), _most_rounded(parts), within)
 
 
 def _absorbed(parts: Mapping[str, ReducedPart], shares: Mapping[str, np.ndarray]) -> np.ndarray:
