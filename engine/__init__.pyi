@@ -39,6 +39,12 @@ from engine.compiling.threads import set_threads, threads
 from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
+from engine.elastic.trains.excitation import excitation_orders, train_excitation
+from engine.elastic.trains.holzer import HolzerTable, holzer_table
+from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
+from engine.elastic.trains.train_columns import train_numbers, train_results
+from engine.elastic.trains.train_element import TorsionalTrain
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
@@ -103,17 +109,20 @@ __all__ = [
     "Hinged",
     "History",
     "Hodograph",
+    "HolzerTable",
     "InductionMotor",
     "InputUnits",
     "Machine",
     "MasterRod",
     "Mechanics",
     "Move",
+    "NaturalVibration",
     "Outcome",
     "Pair",
     "PatternError",
     "PlainNumber",
     "Quantity",
+    "ReducedTrain",
     "Regime",
     "RotorElement",
     "RunRegime",
@@ -125,6 +134,7 @@ __all__ = [
     "SteadyRegime",
     "TableError",
     "TorsionSpring",
+    "TorsionalTrain",
     "TurningMoment",
     "UnitError",
     "Verdict",
@@ -149,6 +159,7 @@ __all__ = [
     "engine_shaking",
     "engine_torque",
     "even_firing_order",
+    "excitation_orders",
     "firing_angles",
     "firing_intervals",
     "firing_sums",
@@ -159,6 +170,7 @@ __all__ = [
     "has_cycle",
     "history",
     "holder_of",
+    "holzer_table",
     "in_line_engine",
     "in_text",
     "influence_coefficients",
@@ -166,6 +178,7 @@ __all__ = [
     "input_point",
     "made_engine",
     "made_ready",
+    "natural_vibration",
     "nearest_names",
     "order_groups",
     "pairs_of",
@@ -173,6 +186,7 @@ __all__ = [
     "piston_harmonics",
     "radial_engine",
     "recognised",
+    "reduced_train",
     "regime_text",
     "remaining_shaking",
     "residual_confidence",
@@ -189,6 +203,9 @@ __all__ = [
     "split_on_neighbours",
     "threads",
     "tolerance_shares",
+    "train_excitation",
+    "train_numbers",
+    "train_results",
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",

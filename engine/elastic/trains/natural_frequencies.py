@@ -33,7 +33,7 @@ ENCLOSED = 2.0**-50
 _LOWEST = 2.0**-400
 # Where a pivot would be 0, this share of the stiffness with a minus sign.
 _NO_PIVOT = -(2.0**-60)
-_ITERATIONS = 3
+_ITERATIONS = 2
 # Roundings of every inertia and stiffness that a mass on the way to the root stands for.
 _PER_MASS = 5.0
 
