@@ -18,6 +18,8 @@ from engine.compiling.threads import on_all_threads
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.elastic.compliances.compliance_columns import compliance_law
 from engine.elastic.compliances.elastic_parts import ComplianceElement
+from engine.elastic.drives.two_mass_columns import drive_law
+from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_law
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.trains.train_columns import train_law
@@ -219,6 +221,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return compliance_law(element)
         case TorsionalTrain():
             return train_law(element)
+        case TwoMassDrive():
+            return drive_law(element)
     return LAWS[element.type]
 
 

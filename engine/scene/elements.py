@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.elastic.compliances.elastic_parts import ComplianceElement
+from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.trains.train_element import TorsionalTrain
 from engine.scene.actions import Force, Moment
@@ -157,6 +158,7 @@ MachineElement = Annotated[
     | EngineElement
     | OscillatorElement
     | ComplianceElement
-    | TorsionalTrain,
+    | TorsionalTrain
+    | TwoMassDrive,
     Field(discriminator="type"),
 ]
