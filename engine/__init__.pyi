@@ -39,6 +39,11 @@ from engine.compiling.threads import set_threads, threads
 from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
 from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
+from engine.elastic.drives.two_mass_columns import drive_history
+from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
+from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.oscillators.run_through import run_through_motion
 from engine.elastic.trains.excitation import excitation_orders, train_excitation
 from engine.elastic.trains.holzer import HolzerTable, holzer_table
 from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
@@ -117,6 +122,7 @@ __all__ = [
     "Mechanics",
     "Move",
     "NaturalVibration",
+    "OscillatorElement",
     "Outcome",
     "Pair",
     "PatternError",
@@ -136,6 +142,7 @@ __all__ = [
     "TorsionSpring",
     "TorsionalTrain",
     "TurningMoment",
+    "TwoMassDrive",
     "UnitError",
     "Verdict",
     "Yoke",
@@ -155,6 +162,7 @@ __all__ = [
     "crankshaft_counterweights",
     "derivatives_along",
     "did_you_mean",
+    "drive_history",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",
@@ -181,6 +189,8 @@ __all__ = [
     "natural_vibration",
     "nearest_names",
     "order_groups",
+    "oscillator_columns",
+    "oscillator_numbers",
     "pairs_of",
     "permissible_unbalance",
     "piston_harmonics",
@@ -194,6 +204,7 @@ __all__ = [
     "rotor_corrections",
     "rotor_numbers",
     "rotor_unbalances",
+    "run_through_motion",
     "scale_of",
     "scene_numbers",
     "set_threads",

@@ -173,8 +173,9 @@ def _copied(part: ScenePart, changes: Mapping[str, Any], path: str) -> ScenePart
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
     """Write the columns of tables, and the throws of engines, with their units."""
     for element in data.get("elements", {}).values():
-        if "throws" in element:
-            element["throws"] = [f"{angle!r} rad" for angle in element["throws"]]
+        for part in (element, element.get("engine", {})):
+            if "throws" in part:
+                part["throws"] = [f"{angle!r} rad" for angle in part["throws"]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

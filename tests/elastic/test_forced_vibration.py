@@ -210,7 +210,7 @@ def crankshaft(stiffness):
         "masses": masses,
         "shafts": shafts,
         "engine": ENGINE,
-        "throws": names[:4],
+        "cylinders_at": names[:4],
         "load": "flywheel",
     }
 

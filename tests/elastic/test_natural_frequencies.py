@@ -193,7 +193,7 @@ def test_variants__don_t_depend_on_their_neighbours():
         ({"masses": {"m0": {"inertia": 1.0}}, "shafts": {}}, "don't vibrate"),
         ({"excitations": {"e": {"on": "m0", "order": 1, "amplitude": 1.0}}}, "speed is missing"),
         ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
-        ({"throws": ["m0"]}, "give engine"),
+        ({"cylinders_at": ["m0"]}, "give engine"),
         ({"load": "x"}, "there is no mass 'x'"),
     ],
 )

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from functools import partial
+from operator import attrgetter
 
 import numpy as np
 
@@ -101,6 +102,11 @@ def _keys(element: OscillatorElement) -> Iterator[str]:
             yield from (f"excitation.{key}" for key in ("amplitude", "speed"))
     if element.run_through is not None:
         yield from ("run_through.start", "run_through.acceleration")
+
+
+def oscillator_numbers(element: OscillatorElement) -> dict[str, np.ndarray]:
+    """An oscillator's own numbers by their keys, as one variant."""
+    return {key: np.array([attrgetter(key)(element)], float) for key in _keys(element)}
 
 
 def _rows(element: OscillatorElement, keys: tuple[str, ...], names: tuple[str, ...], table: np.ndarray) -> np.ndarray:

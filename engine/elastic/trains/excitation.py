@@ -1,4 +1,4 @@
-"""What excites a torsional train: moments of given orders, and those of an engine's cylinders on their throws."""
+"""What excites a torsional train: moments of given orders, and those of an engine's cylinders."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -73,7 +73,7 @@ def train_excitation(train: TorsionalTrain, reduced: ReducedTrain, n: Numbers) -
         of_engine = {key.removeprefix("engine."): value for key, value in n.items() if key.startswith("engine.")}
         one, _, angles = engine_torque(train.engine, of_engine, ENGINE_ORDERS)
         places = [orders.index(h) for h in ENGINE_ORDERS]
-        for k, throw in enumerate(train.throws):
+        for k, throw in enumerate(train.cylinders_at):
             node, ratio = node_of[throw], reduced.ratios[throw]
             turned = np.exp(-1j * np.multiply.outer(ENGINE_ORDERS, angles[:, k]))
             moments[node, places] += ratio * one.orders.T * turned

@@ -73,8 +73,8 @@ class TorsionalTrain(Part):
     """Masses joined by shafts and gears, in a chain or branched.
 
     The first `modes` natural frequencies above zero and their modes are computed, and the vibration under
-    `excitations` at a `speed`, whose multiples are their orders. An `engine` excites its `throws`, the masses on which
-    its cylinders work in the order of their numbers, with gas and inertia at its own speed, which is then the train's.
+    `excitations` at a `speed`, whose multiples are their orders. An `engine` excites the masses `cylinders_at`, one for
+    each cylinder in the order of their numbers, with gas and inertia at its own speed, which is then the train's.
     At the mass `load` something takes what mean moments leave over; without it that accelerates the whole train.
     """
 
@@ -86,7 +86,7 @@ class TorsionalTrain(Part):
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
     excitations: dict[Name, HarmonicMoment] = {}
     engine: EngineElement | None = None
-    throws: tuple[Name, ...] = ()
+    cylinders_at: tuple[Name, ...] = ()
     load: Name | None = None
 
     @model_validator(mode="after")
@@ -114,8 +114,8 @@ class TorsionalTrain(Part):
                 known = ", ".join(self.masses)
                 raise ValueError(f"excitations.{name}.on: there is no mass {excitation.on!r}; masses are {known}")
         if self.engine is None:
-            if self.throws:
-                raise ValueError("throws are those of an engine; give engine, or leave them out")
+            if self.cylinders_at:
+                raise ValueError("cylinders_at are those of an engine; give engine, or leave them out")
             if self.excitations and self.speed is None:
                 raise ValueError("speed is missing: excitations have orders of it")
             return
@@ -123,11 +123,12 @@ class TorsionalTrain(Part):
             raise ValueError("speed: with an engine the train turns at engine.speed; leave speed out")
         if self.engine.gas is None:
             raise ValueError("engine.gas is missing: without it the engine has no torque")
-        if len(self.throws) != self.engine.cylinders:
-            raise ValueError(f"throws: give a mass for each of the {self.engine.cylinders} cylinders, in their order")
-        unknown = [throw for throw in self.throws if throw not in self.masses]
+        if len(self.cylinders_at) != self.engine.cylinders:
+            count = self.engine.cylinders
+            raise ValueError(f"cylinders_at: give a mass for each of the {count} cylinders, in their order")
+        unknown = [mass for mass in self.cylinders_at if mass not in self.masses]
         if unknown:
-            raise ValueError(f"throws: there is no mass {unknown[0]!r}; masses are {', '.join(self.masses)}")
+            raise ValueError(f"cylinders_at: there is no mass {unknown[0]!r}; masses are {', '.join(self.masses)}")
 
     @cached_property
     def layout(self) -> TrainLayout:

@@ -1,21 +1,23 @@
-"""Pictures of the machine elements of a scene: plans of rotors, sheets of engines and trains; their tables in words."""
+"""Pictures of the machine elements of a scene: rotors, engines, elastic links; and their tables in words."""
 
 from pathlib import Path
 
-from engine import EngineElement, RotorElement, Scene, TorsionalTrain
+from engine import EngineElement, OscillatorElement, RotorElement, Scene, TorsionalTrain, TwoMassDrive
+from sweeps.pictures.elements.elastic_sheets import drive_sheet, oscillator_sheet
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.train_sheet import train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors, engines and torsional trains of a scene.
+    """Draw the rotors, engines, oscillators, torsional trains and elastic drives of a scene.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with the element's name and `_plan`, `_orders` or `_vibration` added.
+        The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_vibration` or
+        `_transient` added.
 
     Returns
     -------
@@ -40,6 +42,12 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case TorsionalTrain():
                 made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
                 train_sheet(element, made[-1], title)
+            case OscillatorElement() if element.start is not None or element.excitation is not None:
+                made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
+                oscillator_sheet(element, made[-1], title)
+            case TwoMassDrive():
+                made.append(path.with_name(f"{path.stem}_{name}_transient{path.suffix}"))
+                drive_sheet(element, made[-1], title)
     return made
 
 
