@@ -44,11 +44,11 @@ from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.oscillators.run_through import run_through_motion
-from engine.elastic.trains.excitation import excitation_orders, train_excitation
+from engine.elastic.trains.excitation import TrainExcitation, train_excitation, train_speed
 from engine.elastic.trains.holzer import HolzerTable, holzer_table
 from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
-from engine.elastic.trains.train_columns import train_numbers, train_results
+from engine.elastic.trains.train_columns import is_excited, train_numbers
 from engine.elastic.trains.train_element import TorsionalTrain
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
@@ -141,6 +141,7 @@ __all__ = [
     "TableError",
     "TorsionSpring",
     "TorsionalTrain",
+    "TrainExcitation",
     "TurningMoment",
     "TwoMassDrive",
     "UnitError",
@@ -167,7 +168,6 @@ __all__ = [
     "engine_shaking",
     "engine_torque",
     "even_firing_order",
-    "excitation_orders",
     "firing_angles",
     "firing_intervals",
     "firing_sums",
@@ -184,6 +184,7 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "is_excited",
     "made_engine",
     "made_ready",
     "natural_vibration",
@@ -216,7 +217,7 @@ __all__ = [
     "tolerance_shares",
     "train_excitation",
     "train_numbers",
-    "train_results",
+    "train_speed",
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",

@@ -6,10 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
+from engine.elastic.trains.excitation import MACHINE_KEYS
 from engine.elements.element_columns import ElementColumns, element_summaries
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
+from engine.machine.excited_trains import machine_harmonics, trains_on_machine, with_machine
 from engine.machine.first_failure import first_failure
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
@@ -18,7 +20,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
-from engine.quantities.expressions import Angle, Followed, Speed, Work
+from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -103,6 +105,7 @@ class Machine:
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
+        self._trains = trains_on_machine(scene, self._elements.elements)
         self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions)
         self._check_asked()
         others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
@@ -192,9 +195,15 @@ class Machine:
         return f"The functions of one machine: {self.scene.title or 'untitled'}."
 
     @cached_property
+    def _harmonics(self) -> list[Expression]:
+        """What the machine does to trains that it excites."""
+        return machine_harmonics(self.mechanics) if self._trains else []
+
+    @cached_property
     def measuring(self) -> Measuring:
         """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
+        expressions += self._harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
         kept = [field_node(c) for c in self._kept_curves.values()]
         moving = self.regimes.nodes
@@ -277,7 +286,7 @@ class Machine:
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
         undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
-        for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
+        for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=False):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
@@ -294,10 +303,31 @@ class Machine:
         failed = keep[outcome.status[keep] != Verdict.OK]
         for name in self._summaries:
             outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
+        if self._trains:
+            measured = answers.value_of
+            numbers = with_machine(numbers, self._trains, self.mechanics, self._harmonics, measured, keep.size)
         self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         if self.schedule is not None:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, answers)
+
+    def numbers_for_train(self, name: str) -> dict[str, np.ndarray]:
+        """What the machine as it is does to a torsional train that it excites, as one variant.
+
+        Parameters
+        ----------
+        name : str
+            The train's; something of it must be asked.
+
+        Returns
+        -------
+        dict of str to ndarray (1,)
+            By `MACHINE_KEYS`.
+        """
+        numbers = Numbers(self._limits, {})
+        answers = self.measuring(self.measuring.numbers(numbers, 1))
+        found = with_machine(numbers, (name,), self.mechanics, self._harmonics, answers.value_of, 1)
+        return {key: found[f"elements.{name}.{key}"] for key in MACHINE_KEYS}
 
     @staticmethod
     def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:

@@ -59,7 +59,9 @@ def machine_pictures(
     made = element_pictures(with_values(scene, values), path)
     if scene.input is None:
         if not made:
-            raise PictureError("the scene has machine elements alone, no rotor and no engine: there is nothing to draw")
+            raise PictureError(
+                "the scene has machine elements alone, no rotor, engine or elastic link: there is nothing to draw"
+            )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
     picture(scene, path, at, paths, values)

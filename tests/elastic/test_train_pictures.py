@@ -21,7 +21,7 @@ EXCITED = chain([1.0, 2.0, 0.5], [4e4, 9e4], speed=60.0, excitations={"e": {"on"
 
 def test_sheet__has_modes_levels_and_moments_of_the_train():
     figure = new_figure(180, 170)
-    train_sheet(element(EXCITED), figure, "Drive")
+    train_sheet(Scene.model_validate({"elements": {"it": EXCITED}}), "it", figure, "Drive")
     modes, campbell, moments = figure.axes
     found = solved(EXCITED)
     shapes = [line.get_ydata() for line in modes.get_lines() if line.get_marker() == "."]

@@ -1,4 +1,4 @@
-"""What excites a torsional train: moments of given orders, and those of an engine's cylinders."""
+"""What excites a torsional train: moments of given orders, those of an engine's cylinders, or the scene's machine."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -13,6 +13,15 @@ Numbers = Mapping[str, np.ndarray]
 EPS = float(np.finfo(float).eps)
 # Orders of an engine's torque that are counted: what lies above hardly excites a train.
 ENGINE_ORDERS = tuple(k / 2 for k in range(1, 25))
+# Harmonics of the cycle of the scene's machine.
+MACHINE_HARMONICS = 12
+# Numbers of that machine, which come with those of a train: speed and revolutions of a cycle, mean moment, cosine and
+# sine parts of the harmonics of M − ½ ω² dI/dφ, and what any of these may be off by.
+MACHINE_KEYS = (
+    "machine.speed",
+    "machine.revolutions",
+    *(f"machine.{part}_{k}" for k in range(MACHINE_HARMONICS + 1) for part in ("cosine", "sine", "error")),
+)
 
 
 class TrainExcitation(NamedTuple):
@@ -28,21 +37,46 @@ class TrainExcitation(NamedTuple):
         M(t) = Re Σ M_h e^(i h Ω t) [N·m].
     means : ndarray (nodes, variants)
         [N·m].
-    error : ndarray (variants,)
-        What any of these may be off by, over the greatest of its order.
+    moment_errors, mean_errors : ndarray
+        What they may be off by, of the same shapes [N·m].
     """
 
     orders: tuple[float, ...]
     speed: np.ndarray
     moments: np.ndarray
     means: np.ndarray
-    error: np.ndarray
+    moment_errors: np.ndarray
+    mean_errors: np.ndarray
 
 
-def excitation_orders(train: TorsionalTrain) -> tuple[float, ...]:
-    """Orders above 0 that excite a train, rising."""
+def excitation_orders(train: TorsionalTrain, revolutions: int = 1) -> tuple[float, ...]:
+    """Orders above 0 that excite a train, rising.
+
+    Parameters
+    ----------
+    train : TorsionalTrain
+    revolutions : int
+        Of a cycle of the machine that excites it.
+    """
     found = {e.order for e in train.excitations.values() if e.order > 0}
-    return tuple(sorted(found | set(ENGINE_ORDERS if train.engine is not None else ())))
+    found |= set(ENGINE_ORDERS) if train.engine is not None else set()
+    if train.machine_at is not None:
+        found |= {k / revolutions for k in range(1, MACHINE_HARMONICS + 1)}
+    return tuple(sorted(found))
+
+
+def train_speed(train: TorsionalTrain, n: Numbers) -> np.ndarray:
+    """Speed of a train, by magnitude: that of its engine, of the machine that excites it, or its own [rad/s].
+
+    Parameters
+    ----------
+    train : TorsionalTrain
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys.
+    """
+    if train.machine_at is not None:
+        return np.abs(n["machine.speed"])
+    return n["engine.speed"] if train.engine is not None else n["speed"]
 
 
 def train_excitation(train: TorsionalTrain, reduced: ReducedTrain, n: Numbers) -> TrainExcitation:
@@ -54,35 +88,45 @@ def train_excitation(train: TorsionalTrain, reduced: ReducedTrain, n: Numbers) -
         What excites it; its numbers are not used.
     reduced : ReducedTrain
     n : mapping of str to ndarray (variants,)
-        Its numbers by their keys, those of its engine among them.
+        Its numbers by their keys, those of its engine or machine among them.
     """
-    orders, layout = excitation_orders(train), train.layout
+    revolutions = int(n["machine.revolutions"][0]) if train.machine_at is not None else 1
+    orders, layout = excitation_orders(train, revolutions), train.layout
     node_of = dict(zip(layout.masses, layout.node_of, strict=True))
     nodes, variants = reduced.inertias.shape
     moments, means = np.zeros((nodes, len(orders), variants), complex), np.zeros((nodes, variants))
-    error = np.zeros(variants)
-    for name, excitation in train.excitations.items():
-        node, ratio = node_of[excitation.on], reduced.ratios[excitation.on]
-        amplitude, phase = (n[f"excitations.{name}.{key}"] for key in ("amplitude", "phase"))
-        if excitation.order == 0:
-            means[node] += ratio * amplitude * np.cos(phase)
+    moment_errors, mean_errors = np.zeros(moments.shape), np.zeros(means.shape)
+
+    def add(mass: str, order: float, moment: np.ndarray, error: np.ndarray) -> None:
+        node, ratio = node_of[mass], reduced.ratios[mass]
+        if order == 0:
+            means[node] += ratio * np.real(moment)
+            mean_errors[node] += np.abs(ratio) * error
         else:
-            moments[node, orders.index(excitation.order)] += ratio * amplitude * np.exp(1j * phase)
-        error = np.maximum(error, EPS * (4.0 + np.abs(phase)))
+            place = orders.index(order)
+            moments[node, place] += ratio * moment
+            moment_errors[node, place] += np.abs(ratio) * error
+
+    for name, excitation in train.excitations.items():
+        amplitude, phase = (n[f"excitations.{name}.{key}"] for key in ("amplitude", "phase"))
+        error = EPS * (4.0 + np.abs(phase)) * np.abs(amplitude)
+        add(excitation.on, excitation.order, amplitude * np.exp(1j * phase), error)
     if train.engine is not None:
         of_engine = {key.removeprefix("engine."): value for key, value in n.items() if key.startswith("engine.")}
         one, _, angles = engine_torque(train.engine, of_engine, ENGINE_ORDERS)
-        places = [orders.index(h) for h in ENGINE_ORDERS]
-        for k, throw in enumerate(train.cylinders_at):
-            node, ratio = node_of[throw], reduced.ratios[throw]
-            turned = np.exp(-1j * np.multiply.outer(ENGINE_ORDERS, angles[:, k]))
-            moments[node, places] += ratio * one.orders.T * turned
-            means[node] += ratio * one.mean
-        with np.errstate(invalid="ignore", divide="ignore"):
-            sized = ROUNDED_ORDERS * one.sizes[:, 1:].max(axis=1) / np.abs(one.orders).max(axis=1)
-        error = np.maximum(error, EPS * (sized + ENGINE_ORDERS[-1] * np.abs(angles).max(axis=1)))
+        for mass, fires in zip(train.cylinders_at, angles.T, strict=True):
+            add(mass, 0.0, one.mean, EPS * ROUNDED_ORDERS * one.sizes[:, 0])
+            for k, order in enumerate(ENGINE_ORDERS):
+                torque = one.orders[:, k]
+                error = EPS * (ROUNDED_ORDERS * one.sizes[:, k + 1] + order * np.abs(fires) * np.abs(torque))
+                add(mass, order, torque * np.exp(-1j * order * fires), error)
+    if train.machine_at is not None:
+        backwards = n["machine.speed"] < 0.0
+        for k in range(MACHINE_HARMONICS + 1):
+            cosine, sine, error = (n[f"machine.{part}_{k}"] for part in ("cosine", "sine", "error"))
+            # cos hφ + … = Re (c − i s) e^(ihφ), with φ falling where the machine turns backwards.
+            add(train.machine_at, k / revolutions, cosine - 1j * np.where(backwards, -sine, sine), error)
     if train.load is not None:
-        # As far as the ratio of the load's mass goes, means are reduced like all others.
         means[node_of[train.load]] -= means.sum(axis=0)
-    speed = n["engine.speed"] if train.engine is not None else n["speed"]
-    return TrainExcitation(orders, speed, moments, means, error)
+        mean_errors[node_of[train.load]] += mean_errors.sum(axis=0)
+    return TrainExcitation(orders, train_speed(train, n), moments, means, moment_errors, mean_errors)

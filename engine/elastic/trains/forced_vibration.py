@@ -44,7 +44,9 @@ class ForcedVibration(NamedTuple):
     dissipated: np.ndarray
 
 
-def forced_vibration(train: ReducedTrain, frequencies: np.ndarray, moments: np.ndarray) -> ForcedVibration:
+def forced_vibration(
+    train: ReducedTrain, frequencies: np.ndarray, moments: np.ndarray, moment_errors: np.ndarray
+) -> ForcedVibration:
     """Steady vibration under harmonic moments on the nodes.
 
     Parameters
@@ -54,6 +56,8 @@ def forced_vibration(train: ReducedTrain, frequencies: np.ndarray, moments: np.n
         Angular frequencies of the moments [rad/s].
     moments : ndarray of complex (nodes, orders, variants)
         Reduced [N·m].
+    moment_errors : ndarray (nodes, orders, variants)
+        What they may be off by [N·m].
     """
     w = frequencies
     given = EPS * (train.roundings + 2.0)
@@ -64,7 +68,7 @@ def forced_vibration(train: ReducedTrain, frequencies: np.ndarray, moments: np.n
     shaft = shaft + 1j * w * train.dampings[:, None]
     dynamic = ground - inertial + 1j * (rubbing + loss)
     dynamic_errors = (given + EPS) * (np.abs(ground) + inertial + rubbing + loss)
-    pushed, pushed_errors = moments.astype(complex), given * np.abs(moments)
+    pushed, pushed_errors = moments.astype(complex), given * np.abs(moments) + moment_errors
     pivots, pivot_errors = np.ones_like(dynamic), np.zeros_like(dynamic_errors)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for node in range(len(train.parents) - 1, 0, -1):
@@ -118,14 +122,14 @@ def _quotient(
     return np.where(nothing, 0.0, value), np.where(nothing, 0.0, error)
 
 
-def under_mean_moments(train: ReducedTrain, moments: np.ndarray) -> ForcedVibration:
+def under_mean_moments(train: ReducedTrain, moments: np.ndarray, moment_errors: np.ndarray) -> ForcedVibration:
     """A train under constant moments; what these leave over where nothing holds it accelerates it as a whole.
 
     Parameters
     ----------
     train : ReducedTrain
-    moments : ndarray (nodes, variants)
-        Reduced, constant [N·m].
+    moments, moment_errors : ndarray (nodes, variants)
+        Reduced, constant, and what they may be off by [N·m].
 
     Returns
     -------
@@ -133,14 +137,16 @@ def under_mean_moments(train: ReducedTrain, moments: np.ndarray) -> ForcedVibrat
         Of one order, 0; a free train has no angles: NaN.
     """
     if train.ground.any():
-        return forced_vibration(train, np.zeros((1, moments.shape[1])), moments[:, None])
+        still = np.zeros((1, moments.shape[1]))
+        return forced_vibration(train, still, moments[:, None], moment_errors[:, None])
     share = train.inertias / train.inertias.sum(axis=0)
     carried = share * moments.sum(axis=0) - moments
-    sizes = share * np.abs(moments).sum(axis=0) + np.abs(moments)
+    # What every moment may be off by reaches each shaft at most once on either way.
+    off = EPS * (train.roundings + 2.0 * len(train.parents) + 4.0) * np.abs(moments) + moment_errors
+    errors = share * off.sum(axis=0) + off
     for node in range(len(train.parents) - 1, 0, -1):
         carried[train.parents[node]] += carried[node]
-        sizes[train.parents[node]] += sizes[node]
-    carried[0] = sizes[0] = 0.0
-    errors = EPS * (train.roundings + 2.0 * len(train.parents) + 4.0) * sizes
+        errors[train.parents[node]] += errors[node]
+    carried[0] = errors[0] = 0.0
     nowhere = np.full((*moments.shape[:1], 1, *moments.shape[1:]), math.nan)
     return ForcedVibration(nowhere, nowhere, carried[:, None], errors[:, None], np.zeros(moments.shape[1]))

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from engine.balancing.engines.engine_columns import engine_keys
-from engine.elastic.trains.excitation import TrainExcitation, excitation_orders, train_excitation
+from engine.elastic.trains.excitation import MACHINE_KEYS, TrainExcitation, excitation_orders, train_excitation
 from engine.elastic.trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
 from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elastic.trains.order_sums import extremes_of_orders
@@ -43,7 +43,7 @@ def train_law(train: TorsionalTrain) -> LawOfArrays:
 
 def is_excited(train: TorsionalTrain) -> bool:
     """Whether anything excites a train."""
-    return bool(train.excitations) or train.engine is not None
+    return bool(train.excitations) or train.engine is not None or train.machine_at is not None
 
 
 def _keys(train: TorsionalTrain) -> Iterator[str]:
@@ -54,6 +54,8 @@ def _keys(train: TorsionalTrain) -> Iterator[str]:
         yield from (f"excitations.{name}.{key}" for key in ("amplitude", "phase"))
     if train.engine is not None:
         yield from (f"engine.{key}" for key in engine_keys(train.engine))
+    if train.machine_at is not None:
+        yield from MACHINE_KEYS
 
 
 def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
@@ -84,7 +86,7 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
 
 
 def train_numbers(train: TorsionalTrain) -> dict[str, np.ndarray]:
-    """A train's own numbers by their keys, as one variant."""
+    """A train's own numbers by their keys, as one variant; without those of a machine that excites it."""
 
     def own(key: str) -> float:
         part: object = train
@@ -92,7 +94,7 @@ def train_numbers(train: TorsionalTrain) -> dict[str, np.ndarray]:
             part = part[name] if isinstance(part, Mapping) else getattr(part, name)
         return part
 
-    return {key: np.array([own(key)], float) for key in _keys(train)}
+    return {key: np.array([own(key)], float) for key in _keys(train) if key not in MACHINE_KEYS}
 
 
 def _rows(
@@ -167,8 +169,8 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
     """Moments of the shafts, amplitudes of the masses, and what is dissipated."""
     layout, orders = train.layout, excitation.orders
     frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
-    swings = forced_vibration(reduced, frequencies, excitation.moments)
-    mean = under_mean_moments(reduced, excitation.means)
+    swings = forced_vibration(reduced, frequencies, excitation.moments, excitation.moment_errors)
+    mean = under_mean_moments(reduced, excitation.means, excitation.mean_errors)
     still = np.zeros((1, excitation.speed.size))
     found: Pairs = {}
     # What is infinite stays so whatever it is multiplied by.
@@ -177,7 +179,7 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
             own = reduced.shaft_ratios[name]
             alternating, off = _shaft_moment(train, reduced, name, swings, frequencies)
             constant, constant_off = _shaft_moment(train, reduced, name, mean, still)
-            constant_off = np.abs((constant_off[0] + excitation.error * np.abs(constant[0])) / own)
+            constant_off = np.abs(constant_off[0] / own)
             constant = constant[0].real / own
             (least, greatest), off = _range(excitation, alternating / own, off / own)
             found[f"{name}.mean_moment"] = constant, constant_off
@@ -188,7 +190,7 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
             own = reduced.ratios[mass]
             (least, greatest), off = _range(excitation, own * swings.angles[node], own * swings.angle_errors[node])
             found[f"{mass}.amplitude"] = 0.5 * (greatest - least), off
-        found["dissipated_power"] = swings.dissipated, _dissipation_error(reduced, excitation, swings)
+        found["dissipated_power"] = swings.dissipated, _dissipation_error(reduced, swings)
     return found
 
 
@@ -220,12 +222,15 @@ def _range(
     infinite = np.isinf(errors).any(axis=0)
     sound = np.where(infinite, 0.0, amplitudes)
     least, greatest = extremes_of_orders(excitation.orders, sound)
-    off = (np.where(infinite, 0.0, np.abs(errors)) + (excitation.error + 4.0 * EPS) * np.abs(sound)).sum(axis=0)
+    off = (np.where(infinite, 0.0, np.abs(errors)) + 4.0 * EPS * np.abs(sound)).sum(axis=0)
     return (np.where(infinite, -math.inf, least), np.where(infinite, math.inf, greatest)), off
 
 
-def _dissipation_error(reduced: ReducedTrain, excitation: TrainExcitation, swings: ForcedVibration) -> np.ndarray:
+def _dissipation_error(reduced: ReducedTrain, swings: ForcedVibration) -> np.ndarray:
     """What the dissipated power may be off by: twice the share that the worst of the amplitudes is."""
-    shares = np.where(np.abs(swings.angles) > 0.0, swings.angle_errors / np.abs(swings.angles), 0.0)
-    spread = 2.0 * (shares.max(axis=(0, 1), initial=0.0) + excitation.error) + EPS * (reduced.roundings + 32.0)
+    # Orders that are rounding alone dissipate nothing that counts.
+    sizes = np.abs(swings.angles).max(axis=0)
+    shares = np.where(sizes > 0.0, swings.angle_errors.max(axis=0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
+    heaviest = np.where(sizes >= 1e-6 * sizes.max(axis=0, initial=0.0), shares, 0.0).max(axis=0, initial=0.0)
+    spread = 2.0 * heaviest + EPS * (reduced.roundings + 32.0) + 1e-12
     return spread * np.abs(swings.dissipated)

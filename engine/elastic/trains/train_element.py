@@ -75,6 +75,8 @@ class TorsionalTrain(Part):
     The first `modes` natural frequencies above zero and their modes are computed, and the vibration under
     `excitations` at a `speed`, whose multiples are their orders. An `engine` excites the masses `cylinders_at`, one for
     each cylinder in the order of their numbers, with gas and inertia at its own speed, which is then the train's.
+    `machine_at` is the mass on which the scene's own machine acts with the harmonics of M − ½ ω² dI/dφ at its crank's
+    uniform speed, which is then the train's; that mass has the mean of the machine's reduced moment of inertia.
     At the mass `load` something takes what mean moments leave over; without it that accelerates the whole train.
     """
 
@@ -87,6 +89,7 @@ class TorsionalTrain(Part):
     excitations: dict[Name, HarmonicMoment] = {}
     engine: EngineElement | None = None
     cylinders_at: tuple[Name, ...] = ()
+    machine_at: Name | None = None
     load: Name | None = None
 
     @model_validator(mode="after")
@@ -107,25 +110,28 @@ class TorsionalTrain(Part):
         return self
 
     def _check_excitations(self) -> None:
-        if self.load is not None and self.load not in self.masses:
-            raise ValueError(f"load: there is no mass {self.load!r}; masses are {', '.join(self.masses)}")
+        for key, mass in (("load", self.load), ("machine_at", self.machine_at)):
+            if mass is not None and mass not in self.masses:
+                raise ValueError(f"{key}: there is no mass {mass!r}; masses are {', '.join(self.masses)}")
         for name, excitation in self.excitations.items():
             if excitation.on not in self.masses:
                 known = ", ".join(self.masses)
                 raise ValueError(f"excitations.{name}.on: there is no mass {excitation.on!r}; masses are {known}")
-        if self.engine is None:
-            if self.cylinders_at:
-                raise ValueError("cylinders_at are those of an engine; give engine, or leave them out")
-            if self.excitations and self.speed is None:
-                raise ValueError("speed is missing: excitations have orders of it")
-            return
-        if self.speed is not None:
-            raise ValueError("speed: with an engine the train turns at engine.speed; leave speed out")
-        if self.engine.gas is None:
+        given = [key for key in ("speed", "engine", "machine_at") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)}: each of them gives the train's speed; leave all but one out")
+        if self.excitations and not given:
+            raise ValueError("speed is missing: excitations have orders of it")
+        if self.engine is not None:
+            self._check_engine(self.engine)
+        elif self.cylinders_at:
+            raise ValueError("cylinders_at are those of an engine; give engine, or leave them out")
+
+    def _check_engine(self, engine: EngineElement) -> None:
+        if engine.gas is None:
             raise ValueError("engine.gas is missing: without it the engine has no torque")
-        if len(self.cylinders_at) != self.engine.cylinders:
-            count = self.engine.cylinders
-            raise ValueError(f"cylinders_at: give a mass for each of the {count} cylinders, in their order")
+        if len(self.cylinders_at) != engine.cylinders:
+            raise ValueError(f"cylinders_at: give a mass for each of the {engine.cylinders} cylinders, in their order")
         unknown = [mass for mass in self.cylinders_at if mass not in self.masses]
         if unknown:
             raise ValueError(f"cylinders_at: there is no mass {unknown[0]!r}; masses are {', '.join(self.masses)}")

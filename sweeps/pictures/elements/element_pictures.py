@@ -41,7 +41,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
                 engine_sheet(element, made[-1], title)
             case TorsionalTrain():
                 made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
-                train_sheet(element, made[-1], title)
+                train_sheet(scene, name, made[-1], title)
             case OscillatorElement() if element.start is not None or element.excitation is not None:
                 made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
                 oscillator_sheet(element, made[-1], title)

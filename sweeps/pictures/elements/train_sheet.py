@@ -10,16 +10,20 @@ from matplotlib.patches import Rectangle
 
 from engine import (
     HolzerTable,
+    Machine,
     NaturalVibration,
     ReducedTrain,
+    Scene,
     TorsionalTrain,
-    excitation_orders,
+    TrainExcitation,
     holzer_table,
+    is_excited,
+    made_ready,
     natural_vibration,
     reduced_train,
     train_excitation,
     train_numbers,
-    train_results,
+    train_speed,
 )
 from sweeps.pictures.style import GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
 from sweeps.text.engineer_units import engineer_unit
@@ -37,12 +41,14 @@ RPM = 30 / math.pi
 Numbers = dict[str, np.ndarray]
 
 
-def train_sheet(train: TorsionalTrain, target: Path | str | Figure, title: str = "") -> Figure:
+def train_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
     """Modes along the train; where something excites it, also a Campbell diagram and moments of the shafts over speed.
 
     Parameters
     ----------
-    train : TorsionalTrain
+    scene : Scene
+    name : str
+        The train among its elements.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
@@ -52,17 +58,16 @@ def train_sheet(train: TorsionalTrain, target: Path | str | Figure, title: str =
     PictureError
         The file's ending isn't a picture's, or it can't be written.
     """
-    numbers = train_numbers(train)
+    train, numbers = scene.elements[name], _numbers(scene, name)
     reduced = reduced_train(train, numbers)
     natural = natural_vibration(reduced, train.reported_modes)
-    orders = excitation_orders(train)
     with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 170 if orders else 90)
-        if orders:
+        figure = target if isinstance(target, Figure) else new_figure(180, 170 if is_excited(train) else 90)
+        if is_excited(train):
             grid = figure.add_gridspec(2, 2)
             _modes(figure.add_subplot(grid[0, :]), train, reduced, natural)
             _campbell(figure.add_subplot(grid[1, 0]), train, numbers, reduced, natural)
-            _moments(figure.add_subplot(grid[1, 1]), train, numbers)
+            _moments(figure.add_subplot(grid[1, 1]), scene, name, float(train_speed(train, numbers)[0]))
         else:
             _modes(figure.add_subplot(), train, reduced, natural)
         if title:
@@ -144,10 +149,18 @@ def _train_drawing(
     return float(heights.min()) - room
 
 
-def _strengths(train: TorsionalTrain, numbers: Numbers, reduced: ReducedTrain, modes: np.ndarray) -> np.ndarray:
+def _numbers(scene: Scene, name: str) -> Numbers:
+    """Numbers of a train as one variant, with those of the machine that excites it."""
+    train = scene.elements[name]
+    numbers = train_numbers(train)
+    if train.machine_at is not None:
+        numbers |= Machine(scene, [f"{name}.frequency_1"]).numbers_for_train(name)
+    return numbers
+
+
+def _strengths(excitation: TrainExcitation, modes: np.ndarray) -> np.ndarray:
     """How much each order does on each mode, |Σ q M_h|, over the greatest of all orders (modes, orders)."""
-    moments = train_excitation(train, reduced, numbers).moments[:, :, 0]
-    work = np.abs(np.nan_to_num(modes[:, :, 0], nan=1.0) @ moments)
+    work = np.abs(np.nan_to_num(modes[:, :, 0], nan=1.0) @ excitation.moments[:, :, 0])
     greatest = work.max(axis=1, keepdims=True)
     return work / np.where(greatest > 0.0, greatest, 1.0)
 
@@ -156,11 +169,14 @@ def _campbell(
     ax: Axes, train: TorsionalTrain, numbers: Numbers, reduced: ReducedTrain, natural: NaturalVibration
 ) -> None:
     """Natural frequencies as levels, orders as rays, marks where they meet, full where the mode feels the order."""
-    speed = float(numbers["engine.speed" if train.engine is not None else "speed"][0])
-    orders = np.array(excitation_orders(train))
+    excitation = train_excitation(train, reduced, numbers)
+    speed, orders = float(excitation.speed[0]), np.array(excitation.orders)
+    if not orders.size:
+        ax.set_axis_off()
+        return
     fastest, levels = FASTEST * speed, natural.frequencies[:MOST_MODES, 0]
     top = 1.15 * max(levels[levels <= orders.max() * fastest], default=levels[0])
-    strengths = _strengths(train, numbers, reduced, natural.modes[: len(levels)])
+    strengths = _strengths(excitation, natural.modes[: len(levels)])
     for k, level in enumerate(levels[levels < top]):
         colour = PALETTE[k % len(PALETTE)]
         ax.axhline(level * HERTZ, color=colour, linewidth=1.1)
@@ -182,14 +198,14 @@ def _campbell(
     ax.set_title("Campbell diagram (rays: orders; full dots: excited)")
 
 
-def _moments(ax: Axes, train: TorsionalTrain, numbers: Numbers) -> None:
+def _moments(ax: Axes, scene: Scene, name: str, speed: float) -> None:
     """Alternating moments of the shafts over the speed."""
-    key = "engine.speed" if train.engine is not None else "speed"
-    speed = float(numbers[key][0])
+    train, own = scene.elements[name], f"elements.{name}"
+    path = "input.speed" if train.machine_at is not None else f"{own}.engine.speed" if train.engine else f"{own}.speed"
     speeds = np.linspace(0.02, FASTEST, SPEEDS) * speed
-    swept = {name: np.broadcast_to(value, speeds.shape) for name, value in numbers.items()} | {key: speeds}
-    found = train_results(train, swept)
-    curves = {shaft: found[f"{shaft}.alternating_moment"][0] for shaft in train.shafts}
+    asked = {f"{name}.{shaft}.alternating_moment": shaft for shaft in train.shafts}
+    found = made_ready(scene, asked, varied=[path]).evaluate({path: speeds}).summaries
+    curves = {shaft: found[summary] for summary, shaft in asked.items()}
     values = np.array(list(curves.values()))
     finite = values[np.isfinite(values)]
     factor, unit = engineer_unit("N m", np.array([np.quantile(finite, 0.98)]))
