@@ -36,9 +36,6 @@ from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
-from engine.derivatives.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
-from engine.derivatives.derivatives import PLACES as PLACE_STATISTICS
-from engine.derivatives.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.elastic.drives.two_mass_columns import drive_history
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
@@ -55,6 +52,9 @@ from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_a
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
+from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
+from engine.machine.derivatives import PLACES as PLACE_STATISTICS
+from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES

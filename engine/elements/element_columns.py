@@ -179,16 +179,30 @@ def evaluate_numbers(function: TileFunction, table: np.ndarray, count: int) -> n
     ndarray (count, variants)
     """
     found = np.empty((count, table.shape[1]))
-    prepare(_fill, [types.intp, types.intp, FILLS_TILE, numba.typeof(table), numba.typeof(found)])
-    spread(_fill, -(-table.shape[1] // LANES), lambda: (function, table, found))
+    nowhere, no_tables = np.zeros((1, LANES)), np.zeros(1)
+
+    def arguments() -> tuple:
+        block, tile = np.empty((len(table), LANES)), np.empty((count, 1, LANES))
+        return (function, table, found, block, tile, nowhere, no_tables)
+
+    prepare(_fill, [types.intp, types.intp, FILLS_TILE, *(numba.typeof(a) for a in arguments()[1:])])
+    spread(_fill, -(-table.shape[1] // LANES), arguments)
     return found
 
 
 @driver
-def _fill(begin: int, end: int, function: Callable, table: np.ndarray, found: np.ndarray) -> None:
+def _fill(
+    begin: int,
+    end: int,
+    function: Callable,
+    table: np.ndarray,
+    found: np.ndarray,
+    block: np.ndarray,
+    tile: np.ndarray,
+    nowhere: np.ndarray,
+    no_tables: np.ndarray,
+) -> None:
     """Fill in what a function finds for blocks `begin` … `end` − 1 of LANES variants."""
-    block, tile = np.empty((table.shape[0], LANES)), np.empty((found.shape[0], 1, LANES))
-    nowhere, no_tables = np.zeros((1, LANES)), np.zeros(1)
     for b in range(begin, end):
         first = b * LANES
         count = min(LANES, table.shape[1] - first)

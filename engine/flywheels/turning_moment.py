@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PPoly
+from scipy import interpolate
 
 from engine.laws.tables import Table, TableError, make_table
 
@@ -171,9 +171,9 @@ def _extremes(table: Table) -> tuple[float, np.ndarray, np.ndarray]:
     # A step is a piece without length.
     long = np.diff(table.breaks) > 0.0
     breaks = np.append(table.breaks[:-1][long], table.breaks[-1])
-    moment = PPoly(table.coefficients[long].T, breaks)
+    moment = interpolate.PPoly(table.coefficients[long].T, breaks)
     mean = float(moment.integrate(breaks[0], breaks[-1]) / table.period)
-    excess = PPoly(moment.c.copy(), breaks)
+    excess = interpolate.PPoly(moment.c.copy(), breaks)
     excess.c[-1] -= mean
     crossings = excess.roots(discontinuity=False, extrapolate=False)
     # A piece that lies on the mean has a NaN among the roots; its ends are places anyway.

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy import interpolate
 
 from engine.compiling.decorators import scalar
 from engine.laws.elementary import chosen
@@ -310,7 +310,7 @@ def _coefficients(x: np.ndarray, y: np.ndarray, interpolation: str, periodic: bo
             elif interpolation == "pchip":
                 pieces = _monotone(x, y, periodic)
             else:
-                pieces = CubicSpline(x, y, bc_type="periodic" if periodic else "natural").c.T
+                pieces = interpolate.CubicSpline(x, y, bc_type="periodic" if periodic else "natural").c.T
         except ValueError:
             pieces = np.full((x.size - 1, 4), np.nan)
     if not np.isfinite(pieces).all():
@@ -334,11 +334,11 @@ def _straight(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def _monotone(x: np.ndarray, y: np.ndarray, periodic: bool) -> np.ndarray:
     """PCHIP; a slope depends on the neighbouring rows only, so one row more each side makes it periodic."""
     if not periodic:
-        return PchipInterpolator(x, y).c.T
+        return interpolate.PchipInterpolator(x, y).c.T
     period = x[-1] - x[0]
     x = np.concatenate(([x[-2] - period], x, [x[1] + period]))
     y = np.concatenate((y[-2:-1], y, y[1:2]))
-    return PchipInterpolator(x, y).c.T[1:-1]
+    return interpolate.PchipInterpolator(x, y).c.T[1:-1]
 
 
 def _with_ends(x: np.ndarray, y: np.ndarray, coefficients: np.ndarray, outside: str) -> tuple[np.ndarray, np.ndarray]:

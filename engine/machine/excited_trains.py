@@ -26,27 +26,30 @@ def machine_harmonics(m: Mechanics) -> list[Expression]:
     return [mean(m, m.input_moment), *harmonics]
 
 
-def with_machine(
+def machine_numbers(
     numbers: Numbers,
-    trains: tuple[str, ...],
     m: Mechanics,
     expressions: list[Expression],
     value_of: Callable[[Expression], Measured],
     variants: int,
-) -> Numbers:
-    """The numbers of a scene with those of its machine that its trains are given.
+) -> dict[str, np.ndarray]:
+    """What the machine does to the trains that it excites.
 
     Parameters
     ----------
     numbers : Numbers
-    trains : tuple of str
-        Elements of the scene.
+        Of the scene.
     m : Mechanics
     expressions : list of Expression
         From `machine_harmonics`.
     value_of : callable
         What was measured of an expression.
     variants : int
+
+    Returns
+    -------
+    dict of str to ndarray (variants,)
+        By `MACHINE_KEYS`.
     """
     with np.errstate(all="ignore"):
         found = [value_of(expression) for expression in expressions]
@@ -60,5 +63,4 @@ def with_machine(
     own = {"speed": numbers["input.speed"], "revolutions": m.scene.input.revolutions}
     for k, parts in enumerate(zip(cosines, sines, off, strict=True)):
         own |= {f"{name}_{k}": part for name, part in zip(("cosine", "sine", "error"), parts, strict=True)}
-    given = {key: np.broadcast_to(np.asarray(value, float), (variants,)) for key, value in own.items()}
-    return numbers.with_values({f"elements.{t}.machine.{key}": value for t in trains for key, value in given.items()})
+    return {f"machine.{key}": np.broadcast_to(np.asarray(value, float), (variants,)) for key, value in own.items()}

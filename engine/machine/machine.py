@@ -6,12 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
-from engine.elastic.trains.excitation import MACHINE_KEYS
+from engine.compiling.threads import threads
 from engine.elements.element_columns import ElementColumns, element_summaries
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.excited_trains import machine_harmonics, trains_on_machine, with_machine
+from engine.machine.excited_trains import machine_harmonics, machine_numbers, trains_on_machine
 from engine.machine.first_failure import first_failure
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
@@ -30,6 +30,8 @@ from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
+# Variants of a thread that are measured together: what is known of them stays in its caches.
+VARIANTS_AT_ONCE = 4096
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -277,57 +279,64 @@ class Machine:
         room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
         outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
         if keep.size:
-            numbers = Numbers(self._limits, arrays).of_variants(keep) if keep.size < variants else None
-            self._fill(outcome, room, keep, numbers or Numbers(self._limits, arrays))
+            whole = Numbers(self._limits, arrays)
+            self._fill(outcome, room, keep, whole if keep.size == variants else whole.of_variants(keep))
         return outcome
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
+        batch = VARIANTS_AT_ONCE * threads()
+        batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]
+        measured = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
+        panels, of_trains = zip(*measured, strict=True)
+        machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
+        given = numbers.with_values({f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()})
+        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, given)
+        if self.schedule is not None:
+            self._move(outcome, keep, numbers)
+        self._note_accuracy(outcome, keep, np.concatenate(panels))
+
+    def _measure(
+        self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Evaluate the cycles of the variants `keep`; returns how many panels each took, and what trains are given."""
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
         undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
+        own = slice(keep[0], keep[-1] + 1) if keep[-1] - keep[0] == keep.size - 1 else keep
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=False):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
-            value, error = (np.broadcast_to(part, keep.shape).astype(float) for part in (found.value, found.error))
-            error = np.where(error > 0.0, error + spread * np.abs(value), error)
-            nothing = ~np.isfinite(value)
-            undefined |= nothing & (not summary.may_be_undefined)
-            value[nothing] = error[nothing] = np.nan
-            outcome.summaries[name][keep], outcome.errors[name][keep] = value, error
+            value, error = found.value, found.error + spread * np.abs(found.value) * (found.error != 0.0)
+            nothing = np.broadcast_to(~np.isfinite(value), keep.shape)
+            if nothing.any():
+                undefined |= nothing & (not summary.may_be_undefined)
+                value, error = np.where(nothing, np.nan, value), np.where(nothing, np.nan, error)
+            outcome.summaries[name][own], outcome.errors[name][own] = value, error
         fill_found(self.measuring.functions, table, answers.outcome.landmarks)
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
         failed = keep[outcome.status[keep] != Verdict.OK]
-        for name in self._summaries:
-            outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
-        if self._trains:
-            measured = answers.value_of
-            numbers = with_machine(numbers, self._trains, self.mechanics, self._harmonics, measured, keep.size)
-        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
-        if self.schedule is not None:
-            self._move(outcome, keep, numbers)
-        self._note_accuracy(outcome, keep, answers)
+        if failed.size:
+            for name in self._summaries:
+                outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
+        return answers.outcome.panels, self._for_trains(answers, numbers, keep.size)
 
-    def numbers_for_train(self, name: str) -> dict[str, np.ndarray]:
-        """What the machine as it is does to a torsional train that it excites, as one variant.
+    def _for_trains(self, answers: MeasuredCycles, numbers: Numbers, variants: int) -> dict[str, np.ndarray]:
+        """What the machine does to trains that it excites; nothing where there are none."""
+        if not self._trains:
+            return {}
+        return machine_numbers(numbers, self.mechanics, self._harmonics, answers.value_of, variants)
 
-        Parameters
-        ----------
-        name : str
-            The train's; something of it must be asked.
+    def numbers_for_trains(self) -> dict[str, np.ndarray]:
+        """What the machine as it is does to torsional trains that it excites, as one variant: numbers by their keys.
 
-        Returns
-        -------
-        dict of str to ndarray (1,)
-            By `MACHINE_KEYS`.
+        Something of a train must be asked; else there are none.
         """
         numbers = Numbers(self._limits, {})
-        answers = self.measuring(self.measuring.numbers(numbers, 1))
-        found = with_machine(numbers, (name,), self.mechanics, self._harmonics, answers.value_of, 1)
-        return {key: found[f"elements.{name}.{key}"] for key in MACHINE_KEYS}
+        return self._for_trains(self.measuring(self.measuring.numbers(numbers, 1)), numbers, 1)
 
     @staticmethod
     def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
@@ -440,11 +449,11 @@ class Machine:
 
     # Accuracy
 
-    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, answers: MeasuredCycles) -> None:
+    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, panels: np.ndarray) -> None:
         """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
         failed = outcome.status[keep] != Verdict.OK
         if POSITIONS_USED.name in self.asked_summaries:
-            used = answers.outcome.panels * 17.0
+            used = panels * 17.0
             self._column(outcome, keep, POSITIONS_USED.name, np.where(failed, np.nan, used))
         if ACCURACY_REACHED.name in self.asked_summaries:
             reached = (self._excess(outcome, keep) <= 1.0).astype(float)

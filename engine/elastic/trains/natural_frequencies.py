@@ -34,6 +34,8 @@ _LOWEST = 2.0**-400
 # Where a pivot would be 0, this share of the stiffness with a minus sign.
 _NO_PIVOT = -(2.0**-60)
 _ITERATIONS = 2
+# Rows for all nodes, and single ones, that a block is worked on in.
+_ROWS, _SINGLE = 7, 5
 # Roundings of every inertia and stiffness that a mass on the way to the root stands for.
 _PER_MASS = 5.0
 
@@ -71,8 +73,12 @@ def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
     squares, modes = np.empty((found, variants)), np.empty((found, nodes, variants))
     arrays = (train.parents, train.inertias, train.ground, train.stiffnesses, squares, modes)
     arrays = tuple(np.ascontiguousarray(a) for a in arrays[:4]) + arrays[4:]
-    prepare(_enclose, [types.intp, types.intp, types.intp, *(numba.typeof(a) for a in arrays)])
-    spread(_enclose, -(-variants // LANES), lambda: (free, *arrays))
+
+    def arguments() -> tuple:
+        return (free, *arrays, np.empty((_ROWS, nodes, LANES)), np.empty((_SINGLE, LANES)))
+
+    prepare(_enclose, [types.intp, types.intp, types.intp, *(numba.typeof(a) for a in arguments()[1:])])
+    spread(_enclose, -(-variants // LANES), arguments)
     # Each square is off by twice as many roundings as inertias and stiffnesses are, together, and the root by half.
     rounded = EPS * (train.roundings + _PER_MASS * nodes + 1.0)
     frequencies = np.sqrt(squares)
@@ -183,13 +189,17 @@ def _enclose(
     all_stiffnesses: np.ndarray,
     squares: np.ndarray,
     modes: np.ndarray,
+    room: np.ndarray,
+    lanes: np.ndarray,
 ) -> None:
-    """Squares of natural frequencies, and modes, of blocks `begin` … `end` − 1 of LANES variants."""
+    """Squares of natural frequencies, and modes, of blocks `begin` … `end` − 1 of LANES variants.
+
+    `room` (_ROWS, nodes, LANES) and `lanes` (_SINGLE, LANES) are used meanwhile.
+    """
     nodes, variants = all_inertias.shape
-    inertias, ground, stiffnesses = np.empty((nodes, LANES)), np.empty((nodes, LANES)), np.empty((nodes, LANES))
-    dynamic, pushed, mode = np.empty((nodes, LANES)), np.empty((nodes, LANES)), np.empty((nodes, LANES))
-    low, high, middle = np.empty(LANES), np.empty(LANES), np.empty(LANES)
-    below, greatest, rows = np.empty(LANES), np.empty(LANES), np.empty((nodes, LANES))
+    inertias, ground, stiffnesses, dynamic = room[0], room[1], room[2], room[3]
+    pushed, mode, rows = room[4], room[5], room[6]
+    low, high, middle, below, greatest = lanes[0], lanes[1], lanes[2], lanes[3], lanes[4]
     for block in range(begin, end):
         first = block * LANES
         count = min(LANES, variants - first)

@@ -154,7 +154,7 @@ def _numbers(scene: Scene, name: str) -> Numbers:
     train = scene.elements[name]
     numbers = train_numbers(train)
     if train.machine_at is not None:
-        numbers |= Machine(scene, [f"{name}.frequency_1"]).numbers_for_train(name)
+        numbers |= Machine(scene, [f"{name}.frequency_1"]).numbers_for_trains()
     return numbers
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from mpmath import mpf
 
 from engine import AskError, Machine, Outcome, Scene, Verdict, made_ready
-from engine.derivatives.derivatives import LADDERS, Move, derivatives, derivatives_along, scale_of, unit_over
-from engine.derivatives.extrapolation import Differences, derivative_of, weights
+from engine.machine.derivatives import LADDERS, Move, derivatives, derivatives_along, scale_of, unit_over
+from engine.machine.extrapolation import Differences, derivative_of, weights
 
 EPS = np.finfo(float).eps
 POSITIONS = 96

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 
-from engine.derivatives.extrapolation import Differences, Estimate, derivative_of
 from engine.elements.elements_alone import ElementsAlone
+from engine.machine.extrapolation import Differences, Estimate, derivative_of
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome
 from engine.scene.parts import CrankInput
@@ -89,7 +89,7 @@ def derivatives(machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarra
     --------
     >>> import numpy as np
     >>> from engine import Machine, Scene
-    >>> from engine.derivatives.derivatives import derivatives
+    >>> from engine.machine.derivatives import derivatives
     >>> scene = Scene.model_validate({
     ...     "points": {"O": {"x": 0, "y": 0}},
     ...     "guides": {"way": {}},
