@@ -6,12 +6,13 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
+from element_samples import asked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from train_samples import BRANCHED, chain, frequencies_of, matrices, solved
 
-from engine import Scene
+from engine import Scene, Verdict
 
 some = settings(deadline=None, max_examples=25)
 
@@ -169,6 +170,17 @@ def test_thin_walled_shaft__has_a_figure_for_what_its_wall_loses():
     assert abs(value - float(exact)) <= error
     # Half a rounding of both diameters moves the wall by 2e-8 of it.
     assert 1e-9 * value < error < 1e-6 * value
+
+
+def test_shaft_without_a_wall__is_a_status_never_a_number():
+    wall = {"type": "shaft", "diameter": 0.1, "bore": 0.05, "length": 1.0, "shear_modulus": 8e10}
+    for place in (0, 1):
+        train = chain([1.0, 2.0, 0.5], [1e4, 1e4])
+        train["shafts"][f"s{place}"] = {"between": [f"m{place}", f"m{place + 1}"], "parts": {"tube": wall}}
+        path = f"it__shafts__s{place}__parts__tube__bore"
+        values, outcome = asked({"it": train}, "it.frequency_1", "it.frequency_2", **{path: [0.05, 0.1, 0.11]})
+        assert list(outcome.status) == [Verdict.OK, Verdict.NOT_FINITE, Verdict.NOT_FINITE]
+        assert np.isnan([v[1:] for v in values]).all()
 
 
 def test_variants__don_t_depend_on_their_neighbours():

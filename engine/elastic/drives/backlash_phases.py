@@ -36,30 +36,33 @@ _TURNS = 60
 _SHORT = 1e-9
 _NEVER = math.inf
 _HIGHER = 1.0 + 1e-11
+_NOTHING = 1e-12
 
 
 @inlined
 def _parts(w: float, beta: float, time: float) -> tuple[float, float]:
-    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d; beyond critical damping with hyperbolic functions."""
+    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d, up to a little beyond critical damping."""
     square = (w - beta) * (w + beta)
-    if square > 0.0:
+    x_square, decay = square * time * time, math.exp(-beta * time)
+    if x_square > 0.01:
         root = math.sqrt(square)
-        x = root * time
-        decay = math.exp(-beta * time)
-        sine = decay * math.sin(x) / root if x > 1e-4 else decay * time * (1.0 - x * x / 6.0)
-        return decay * math.cos(x), sine
-    root = math.sqrt(-square)
-    x = root * time
-    if x < 1e-4:
-        decay = math.exp(-beta * time)
-        return decay * (1.0 + 0.5 * x * x), decay * time * (1.0 + x * x / 6.0)
-    slow, fast = math.exp(-w * w / (beta + root) * time), math.exp(-(beta + root) * time)
-    return 0.5 * (slow + fast), 0.5 * (slow - fast) / root
+        return decay * math.cos(root * time), decay * math.sin(root * time) / root
+    cosine = 1.0 - x_square / 2.0 * (1.0 - x_square / 12.0 * (1.0 - x_square / 30.0 * (1.0 - x_square / 56.0)))
+    sine = 1.0 - x_square / 6.0 * (1.0 - x_square / 20.0 * (1.0 - x_square / 42.0 * (1.0 - x_square / 72.0)))
+    return decay * cosine, decay * time * sine
 
 
 @inlined
 def _vibration(w: float, beta: float, u: float, v: float, time: float) -> tuple[float, float]:
     """Deviation from the constant twist, and its rate, some time after they were u and v."""
+    square = (beta - w) * (beta + w)
+    if square * time * time > 0.01:
+        # Far from critical damping the two exponentials apart, which cancel each other in the rate.
+        root = math.sqrt(square)
+        slow, fast = -w * w / (beta + root), -(beta + root)
+        first, second = (v - fast * u) / (2.0 * root), (slow * u - v) / (2.0 * root)
+        first, second = first * math.exp(slow * time), second * math.exp(fast * time)
+        return first + second, slow * first + fast * second
     cosine, sine = _parts(w, beta, time)
     return u * cosine + (v + beta * u) * sine, v * cosine - (beta * v + w * w * u) * sine
 
@@ -216,6 +219,8 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
     for i in range(begin, end):
         first, second, k, b = given[MOTOR_INERTIA, i], given[LOAD_INERTIA, i], given[STIFFNESS, i], given[DAMPING, i]
         backlash, moment, load, horizon = given[BACKLASH, i], given[MOMENT, i], given[LOAD, i], given[TIME, i]
+        # What is lost in the rounding of the motor's moment resists nothing.
+        load = load if load > _NOTHING * moment else 0.0
         touch, e, v, speed = int(given[TOUCH, i]), given[TWIST, i], 0.0, given[SPEED, i]
         # A load that doesn't resist never sticks.
         moves = 1 if speed > 0.0 or load == 0.0 else 0

@@ -10,6 +10,9 @@ import math
 
 import numpy as np
 
+# Square of the angle ω_d t below which series take over from cosine and sine.
+_NEAR = 0.01
+
 
 def ratio_from_decrement(decrement: np.ndarray) -> np.ndarray:
     """Damping ratio of a logarithmic decrement, ζ = Λ/√(4π² + Λ²)."""
@@ -66,26 +69,17 @@ def support_resonance_ratio(ratio: np.ndarray) -> np.ndarray:
     return np.sqrt(2.0 / (1.0 + np.sqrt(1.0 + 8.0 * ratio**2)))
 
 
-def _decaying(frequency: np.ndarray, ratio: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Solutions of the free motion that begin with (1, −β) and (0, 1): e^(−βt) cos ω_d t, e^(−βt) sin(ω_d t)/ω_d.
-
-    Beyond ζ = 1 with hyperbolic functions, written with exponents that don't overflow; between them 1 − ω_d² t²/2 ….
-    """
-    beta = ratio * frequency
+def _swinging(frequency: np.ndarray, ratio: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d, with series near critical damping, and a little beyond it."""
     square = frequency**2 * (1.0 - ratio) * (1.0 + ratio)
-    root = np.sqrt(np.abs(square))
-    x = root * time
-    decay = np.exp(-beta * time)
-    # The slower exponent, −β + w = −ω₀²/(β + w), without cancellation.
-    with np.errstate(invalid="ignore", divide="ignore"):
-        slow = np.exp(-(frequency**2) / (beta + root) * time)
-        fast = np.exp(-(beta + root) * time)
-        cosine = np.where(square > 0.0, decay * np.cos(x), 0.5 * (slow + fast))
-        sine = np.where(square > 0.0, decay * np.sin(x), 0.5 * (slow - fast)) / root
-    # Near ζ = 1 what both differ by is all that counts.
-    near = np.minimum(x, 0.1) ** 2 * np.where(square > 0.0, -1.0, 1.0)
-    series = decay * time * (1.0 + near / 6.0 * (1.0 + near / 20.0 * (1.0 + near / 42.0 * (1.0 + near / 72.0))))
-    return cosine, np.where(x < 0.1, series, sine)
+    x_square, decay = square * time**2, np.exp(-ratio * frequency * time)
+    near = np.clip(x_square, -_NEAR, _NEAR)
+    cosine = 1.0 - near / 2.0 * (1.0 - near / 12.0 * (1.0 - near / 30.0 * (1.0 - near / 56.0)))
+    sine = time * (1.0 - near / 6.0 * (1.0 - near / 20.0 * (1.0 - near / 42.0 * (1.0 - near / 72.0))))
+    root = np.sqrt(np.where(x_square > _NEAR, square, 1.0))
+    cosine = np.where(x_square > _NEAR, np.cos(root * time), cosine)
+    sine = np.where(x_square > _NEAR, np.sin(root * time) / root, sine)
+    return decay * cosine, decay * sine
 
 
 def free_motion(
@@ -108,10 +102,17 @@ def free_motion(
         At that time [m], [m/s].
     """
     beta = ratio * frequency
-    cosine, sine = _decaying(frequency, ratio, time)
-    pushed = velocity + beta * displacement
-    moved = displacement * cosine + pushed * sine
-    return moved, velocity * cosine - (beta * velocity + frequency**2 * displacement) * sine
+    cosine, sine = _swinging(frequency, ratio, time)
+    moved = displacement * cosine + (velocity + beta * displacement) * sine
+    rate = velocity * cosine - (beta * velocity + frequency**2 * displacement) * sine
+    # Far beyond critical damping the two exponentials apart, −β + w = −ω₀²/(β + w) without cancellation.
+    square = frequency**2 * (ratio - 1.0) * (ratio + 1.0)
+    creeps = square * time**2 > _NEAR
+    root = np.sqrt(np.where(creeps, square, 1.0))
+    slow, fast = -(frequency**2) / (beta + root), -(beta + root)
+    first = (velocity - fast * displacement) / (2.0 * root) * np.exp(slow * time)
+    second = (slow * displacement - velocity) / (2.0 * root) * np.exp(fast * time)
+    return np.where(creeps, first + second, moved), np.where(creeps, slow * first + fast * second, rate)
 
 
 def first_turning_point(

@@ -217,12 +217,15 @@ def _enclose(
             for lane in range(LANES):
                 rows[parents[node], lane] += 2.0 * stiffnesses[node, lane]
         for lane in range(LANES):
-            greatest[lane] = 0.0
+            greatest[lane] = below[lane] = 0.0
         for node in range(nodes):
             for lane in range(LANES):
                 bound = 2.0 * rows[node, lane] / inertias[node, lane]
-                greatest[lane] = greatest[lane] if bound <= greatest[lane] else bound
+                greatest[lane] = bound if bound > greatest[lane] else greatest[lane]
+                below[lane] += bound
         for lane in range(LANES):
+            # What isn't a number must not be passed over.
+            greatest[lane] = greatest[lane] if below[lane] < math.inf else math.nan
             low[lane] = _LOWEST * greatest[lane]
         for k in range(squares.shape[0]):
             for lane in range(LANES):
