@@ -108,16 +108,17 @@ class ElementColumns:
         if not self.elements:
             return
         values, figures = self._values(numbers, keep.size)
+        every = self._every
         for name in self.elements:
-            given, law = _given(self.scene, name), law_of(self.scene.elements[name])
-            must = [i for i, (n, r) in enumerate(self._every) if n == name and r in given and not r.may_be_undefined]
+            given, law = set(_given(self.scene, name)), law_of(self.scene.elements[name])
+            must = [i for i, (n, r) in enumerate(every) if n == name and r in given and not r.may_be_undefined]
             well = status[keep] == Verdict.OK
             infinite, undefined = np.isinf(values[:, must]).any(axis=1), np.isnan(values[:, must]).any(axis=1)
             status[keep[well & infinite]] = law.infinite if isinstance(law, LawOfArrays) else Verdict.JAMS
             status[keep[well & undefined]] = Verdict.NOT_FINITE
         nothing = ~np.isfinite(values)
         values[nothing] = figures[nothing] = np.nan
-        places = {f"{name}.{r.name}": i for i, (name, r) in enumerate(self._every)}
+        places = {f"{name}.{r.name}": i for i, (name, r) in enumerate(every)}
         for name in self.names:
             summaries[name][keep], errors[name][keep] = values[:, places[name]], figures[:, places[name]]
 

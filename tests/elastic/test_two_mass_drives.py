@@ -109,7 +109,7 @@ def test_drives_of_all_kinds__are_those_of_small_steps(begin):
     b[generator.random(n) < 0.3] = 0.0
     gap = np.where(generator.random(n) < 0.3, 0.0, generator.uniform(0.001, 0.05, n))
     load = generator.uniform(0, 1.3, n) * motor
-    time, steps = 0.2, 50_000
+    time, steps = 0.1, 25_000
     drive = DRIVE | {"damping": 0.0, "time": time, "begin": begin}
     start = (-gap, np.zeros(n), np.zeros(n))
     numbers = dict(zip(KEYS, (first, second, k, b, gap, motor, load), strict=True))

@@ -222,7 +222,8 @@ def _range(
     infinite = np.isinf(errors).any(axis=0)
     sound = np.where(infinite, 0.0, amplitudes)
     least, greatest = extremes_of_orders(excitation.orders, sound)
-    off = (np.where(infinite, 0.0, np.abs(errors)) + 4.0 * EPS * np.abs(sound)).sum(axis=0)
+    rounded = EPS * (8.0 + 24.0 * max(excitation.orders)) * np.abs(sound)
+    off = (np.where(infinite, 0.0, np.abs(errors)) + rounded).sum(axis=0)
     return (np.where(infinite, -math.inf, least), np.where(infinite, math.inf, greatest)), off
 
 
