@@ -36,6 +36,17 @@ from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
+from engine.elastic.drives.two_mass_columns import drive_history
+from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
+from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.oscillators.run_through import run_through_motion
+from engine.elastic.trains.excitation import TrainExcitation, train_excitation, train_speed
+from engine.elastic.trains.holzer import HolzerTable, holzer_table
+from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
+from engine.elastic.trains.train_columns import is_excited, train_numbers
+from engine.elastic.trains.train_element import TorsionalTrain
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
 from engine.governors.governor_curves import (
@@ -139,6 +150,7 @@ __all__ = [
     "Hinged",
     "History",
     "Hodograph",
+    "HolzerTable",
     "InductionMotor",
     "InputUnits",
     "LoadChange",
@@ -146,11 +158,14 @@ __all__ = [
     "MasterRod",
     "Mechanics",
     "Move",
+    "NaturalVibration",
+    "OscillatorElement",
     "Outcome",
     "Pair",
     "PatternError",
     "PlainNumber",
     "Quantity",
+    "ReducedTrain",
     "Regime",
     "RotorElement",
     "RunRegime",
@@ -165,7 +180,10 @@ __all__ = [
     "TextExpression",
     "TextOperation",
     "TorsionSpring",
+    "TorsionalTrain",
+    "TrainExcitation",
     "TurningMoment",
+    "TwoMassDrive",
     "UnitError",
     "Verdict",
     "Yoke",
@@ -190,6 +208,7 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
+    "drive_history",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",
@@ -207,24 +226,30 @@ __all__ = [
     "has_cycle",
     "history",
     "holder_of",
+    "holzer_table",
     "in_line_engine",
     "in_text",
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "is_excited",
     "joined_by_and",
     "load_change",
     "made_engine",
     "made_ready",
     "names_in_tree",
+    "natural_vibration",
     "nearest_names",
     "order_groups",
+    "oscillator_columns",
+    "oscillator_numbers",
     "pairs_of",
     "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
     "radial_engine",
     "recognised",
+    "reduced_train",
     "regime_text",
     "remaining_shaking",
     "residual_confidence",
@@ -232,6 +257,7 @@ __all__ = [
     "rotor_corrections",
     "rotor_numbers",
     "rotor_unbalances",
+    "run_through_motion",
     "scale_of",
     "scene_numbers",
     "set_threads",
@@ -242,6 +268,9 @@ __all__ = [
     "stability_point",
     "threads",
     "tolerance_shares",
+    "train_excitation",
+    "train_numbers",
+    "train_speed",
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",

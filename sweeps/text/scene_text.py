@@ -179,8 +179,9 @@ _ROWS = {"over_radius": "m", "over_lift": "m", "controlling_force": "N", "moment
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
     """Write the columns of tables, the throws of engines and the rows of governors with their units."""
     for element in data.get("elements", {}).values():
-        if "throws" in element:
-            element["throws"] = [f"{angle!r} rad" for angle in element["throws"]]
+        for part in (element, element.get("engine", {})):
+            if "throws" in part:
+                part["throws"] = [f"{angle!r} rad" for angle in part["throws"]]
         for part in (element, element.get("engine", {}).get("throttle", {})):
             for key, unit in _ROWS.items():
                 if isinstance(part.get(key), list):

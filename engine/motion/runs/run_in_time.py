@@ -230,9 +230,10 @@ def _tell_endless(runs: Progress, who: np.ndarray) -> None:
 
 
 def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
-    instants, now = runs.dynamics.instants, runs.clock[who] + runs.state.time[who]
-    # After the last instant of its tables nothing depends on time any more.
-    settled = now > instants[-1] if instants.size else np.full(who.size, not runs.dynamics.timed)
+    instants, now = runs.variants.instants[:, who], runs.clock[who] + runs.state.time[who]
+    # After the last instant of its tables nothing depends on time any more; on a formula it may for ever.
+    last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
+    settled = ((now > last) & (len(instants) > 0) | (not runs.dynamics.timed)) & (not runs.dynamics.changing)
     runs.give_up(who[settled & ~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
 
 
