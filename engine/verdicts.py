@@ -20,6 +20,7 @@ class Verdict(IntEnum):
     LOCKS = 11
     NO_INERTIA = 12
     UNSTABLE = 13
+    RESONANCE = 17
     NOT_COMPUTED = 255
 
 
@@ -63,6 +64,10 @@ SENTENCES = {
     Verdict.UNSTABLE: (
         "a governor is stable nowhere between its stops: its controlling force rises less than in proportion to the "
         "radius; a stiffer spring with less preload, other stops or other arms help"
+    ),
+    Verdict.RESONANCE: (
+        "resonance without damping: what excites an elastic element has its natural frequency, and the amplitude has "
+        "no bound; change the speed, a stiffness or a mass, or give it its damping"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }
