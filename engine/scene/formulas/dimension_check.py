@@ -11,8 +11,17 @@ from fractions import Fraction
 
 from pint.util import UnitsContainer
 
-from engine import DIMENSIONS, base_powers, common_units, recognised
-from sweeps.text.expressions import ExpressionError, QuotedQuantity, TextExpression, TextOperation, Tree, pointed_out
+from engine.scene.dimensions import DIMENSIONS, common_units
+from engine.scene.formulas.expressions import (
+    ExpressionError,
+    TextExpression,
+    TextOperation,
+    TextQuantity,
+    Tree,
+    is_zero,
+    pointed_out,
+)
+from engine.scene.units import base_powers, in_any_unit
 
 _ANGLE = "[angle]"
 _BASES = {"[mass]": "kg", "[length]": "m", "[time]": "s"}
@@ -91,7 +100,7 @@ def check_yields(expression: TextExpression, wanted: UnitsContainer, known: Mapp
         It doesn't, or has no dimension by itself.
     """
     found = dimension_of(expression, known)
-    if _plain(found) != _plain(wanted) and not _is_zero(expression.tree):
+    if _plain(found) != _plain(wanted) and not is_zero(expression.tree):
         hint = _unit_hint([expression.tree], wanted)
         gives, wants = dimension_in_words(found), dimension_in_words(wanted)
         raise ExpressionError(f"{expression.text!r} gives {gives}, but this is {wants}{hint}")
@@ -133,13 +142,6 @@ _NUMBER = _container({})
 _AN_ANGLE = _container({_ANGLE: 1})
 
 
-def _is_zero(tree: Tree) -> bool:
-    """Whether this is a bare 0, which has whatever dimension is needed."""
-    if isinstance(tree, TextOperation) and tree.name == "negative":
-        return _is_zero(tree.operands[0])
-    return isinstance(tree, float) and tree == 0
-
-
 def _bare_number(tree: Tree) -> float | None:
     """The value of a number without a unit, with its sign; None for anything else."""
     if isinstance(tree, TextOperation) and tree.name == "negative":
@@ -166,8 +168,8 @@ class _Checker:
         self.text, self.known = text, known
 
     def dimension(self, tree: Tree) -> UnitsContainer:
-        if isinstance(tree, QuotedQuantity):
-            return dimension_of_unit(DIMENSIONS[recognised(tree.text)[1]].unit)
+        if isinstance(tree, TextQuantity):
+            return _container(in_any_unit(tree.text)[1])
         if isinstance(tree, str):
             return self.known[tree]
         if isinstance(tree, float):
@@ -185,14 +187,16 @@ class _Checker:
             case name if name in _ALIKE or name in _KEPT:
                 alike = self.alike(tree, operands)
                 return alike if name in _KEPT else _AN_ANGLE if name in _TO_ANGLE else _NUMBER
-            case "and" | "or" | "not":
+            case "and" | "or" | "not" | "sign":
                 return _NUMBER
+            case "if":
+                return self.alike(tree._replace(operands=tree.operands[1:]), operands[1:])
             case _:
                 return self.function(tree, operands[0])
 
     def alike(self, tree: TextOperation, operands: list[UnitsContainer]) -> UnitsContainer:
         """The dimension that all operands have."""
-        pairs = [(t, d) for t, d in zip(tree.operands, operands, strict=True) if not _is_zero(t)]
+        pairs = [(t, d) for t, d in zip(tree.operands, operands, strict=True) if not is_zero(t)]
         kinds = {_plain(d) for _, d in pairs}
         if len(kinds) > 1:
             first = pairs[0][1]
@@ -231,6 +235,8 @@ def _clash(operation: str, first: UnitsContainer, second: UnitsContainer) -> str
             return f"adds {other} to {one}"
         case "-":
             return f"subtracts {other} from {one}"
+        case "if":
+            return f"gives {one} or {other}"
         case "min" | "max" | "atan2":
             return f"takes the {operation} of {one} and {other}"
         case _:
