@@ -93,8 +93,8 @@ class Scene(Part):
     def _governed_machine_turns(self) -> "Scene":
         turns = isinstance(self.input, CrankInput) and self.input.start is None
         for name, element in self.elements.items():
-            engine = getattr(element, "engine", None)
-            if engine is not None and engine.machine and not turns:
+            # The engine of a governor may be the scene's machine; that of a torsional train never is.
+            if getattr(getattr(element, "engine", None), "machine", False) and not turns:
                 raise ValueError(
                     f"elements.{name}.engine.machine: the scene has no crank that turns fully; give it one, or leave "
                     "machine out and give the engine's inertia"
