@@ -60,6 +60,7 @@ AngularSpeed = quantity("angular_speed")
 Acceleration = quantity("acceleration")
 Number = quantity("number")
 Time = quantity("time")
+Pressure = quantity("pressure")
 Mode = Literal[1, -1]
 
 
@@ -415,16 +416,21 @@ class WheelForm(Part):
     """What the flywheel is to be made as.
 
     `rim`: a rim of radial thickness `thickness_ratio` × diameter; `disc`: a solid disc; `arms`: a rim with
-    `arms` straight arms of section `arm_area` and a hub. Without a diameter, the largest that the rim speed
-    allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link.
+    `arms` straight arms of section `arm_area` and a hub; `mean rim`: the textbook's rim, all of its mass at half the
+    `mean_diameter`, as wide as `width_ratio` × its thickness. Without a diameter, the largest that the rim speed
+    allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link. With the `strength` of
+    its material, a speed at which it bursts is told.
     """
 
-    type: Literal["rim", "disc", "arms"]
+    type: Literal["rim", "disc", "arms", "mean rim"]
     material: Literal["cast iron", "steel"] = "cast iron"
     density: Annotated[Density, Field(gt=0)] | None = None
     rim_speed_limit: Annotated[Speed, Field(gt=0)] | None = None
     diameter: Annotated[Length, Field(gt=0)] | None = None
+    mean_diameter: Annotated[Length, Field(gt=0)] | None = None
     thickness_ratio: Annotated[Number, Field(gt=0, lt=0.5)] = 0.1
+    width_ratio: Annotated[Number, Field(gt=0)] = 2.0
+    strength: Annotated[Pressure, Field(gt=0)] | None = None
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     arms: Annotated[int, Field(ge=2)] = 6
     arm_area: Annotated[Area, Field(gt=0)] | None = None
@@ -436,6 +442,11 @@ class WheelForm(Part):
         missing = [k for k in ("arm_area", "hub_diameter", "hub_width") if getattr(self, k) is None]
         if self.type == "arms" and missing:
             raise ValueError(f"a wheel with arms needs {', '.join(missing)}")
+        mean = self.type == "mean rim"
+        wrong = "diameter" if mean else "mean_diameter"
+        if getattr(self, wrong) is not None:
+            right = "mean_diameter" if mean else "diameter"
+            raise ValueError(f"{wrong} doesn't belong to a wheel of type {self.type!r}; give {right}, or neither")
         return self
 
 

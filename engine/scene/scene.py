@@ -49,8 +49,8 @@ class Scene(Part):
     """One machine: geometry, input, structural groups, bodies, and what acts on it.
 
     Groups may stand in any order. `gravity` acts along −y. Without `inertia_in_reactions`, for slow machines, reactions
-    are those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come from. A scene of
-    machine elements alone has no input.
+    are those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
+    from. A scene of machine elements alone has no input.
     """
 
     title: str = ""
