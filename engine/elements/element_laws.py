@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import scalar
+from engine.laws.brakes import axle_shares
 from engine.laws.friction.belts import (
     belt_moment,
     centrifugal_tension,
@@ -254,6 +255,17 @@ def roller(
     )
 
 
+@scalar
+def car(
+    speed: float, front: float, rear: float, base: float, behind: float, h: float, slope: float, delay: float, g: float
+) -> tuple[float, float, float, float]:
+    """Braking car: results as listed in `LAWS`; NaN for one that doesn't come to rest."""
+    on_front, on_rear = axle_shares(base, behind, h, front, rear)
+    held = g * (math.cos(slope) * (front * on_front + rear * on_rear) + math.sin(slope))
+    slowing = held if held > 0.0 else math.nan
+    return slowing, speed * delay + speed * speed / (2 * slowing), delay + speed / slowing, on_front
+
+
 def _screw_arguments(element: ScrewElement, given: Given) -> tuple:
     angle = given("thread_angle") if element.thread is None else THREAD_ANGLES[element.thread]
     keys = ("friction", "collar_diameter", "collar_friction")
@@ -295,6 +307,20 @@ LAWS = {
             ElementResult("lower_efficiency", "share of the sinking load's work that the screw passes on", "1"),
             _flag("self_locking", "the load stays by itself (1 or 0)"),
             ElementResult("locking_friction", "least coefficient of friction with which the load stays by itself", "1"),
+        ),
+    ),
+    "car": ElementLaw(
+        car,
+        lambda e, given: (
+            given("speed"),
+            *(given("friction") if e.brakes in (axle, "all") else 0.0 for axle in ("front", "rear")),
+            *(given(k) for k in ("wheelbase", "rear_distance", "height", "slope", "reaction_time", "gravity")),
+        ),
+        (
+            ElementResult("deceleration", "greatest deceleration of the braking car", "m s-2"),
+            ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"),
+            ElementResult("stopping_time", "time to rest, the reaction time with it", "s"),
+            ElementResult("front_share", "share of the load on the road that the front wheels bear", "1"),
         ),
     ),
     "belt": ElementLaw(

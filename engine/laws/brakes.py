@@ -5,7 +5,8 @@ released: no moment. A brake that locks by itself (friction alone presses it on)
 functions: floats in and out. Friction is Coulomb's, f = friction.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 19; Machinery's Handbook, Brakes; R. G. Budynas
-and J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 16.
+and J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 16. Band and blocks, braking of a vehicle: Khurmi and
+Gupta, chapter 19.
 """
 
 import math
@@ -140,6 +141,56 @@ def band_brake(
     if left <= 0.0:
         return math.inf if rubbing > 0.0 else rubbing
     return rubbing / left
+
+
+@scalar
+def band_and_block_grip(friction: float, block_angle: float, blocks: float) -> float:
+    """What f alpha of a plain band is for one lined with blocks: its e^(f alpha) is the ratio of the end tensions.
+
+    On a block that embraces 2 theta the band pulls with T' and T: (T' - T) cos theta = f N, (T' + T) sin theta = N, so
+    that n blocks give T_tight/T_slack = ((1 + f tan theta)/(1 - f tan theta))^n = e^(2 n artanh(f tan theta)).
+
+    Parameters
+    ----------
+    friction, block_angle, blocks : float
+        f, 2 theta below pi [rad], number n of blocks.
+
+    Returns
+    -------
+    float
+        Infinite where a block sticks, f tan theta >= 1.
+    """
+    held = friction * math.tan(block_angle / 2)
+    if held >= 1.0:
+        return math.inf
+    return 2 * blocks * math.atanh(held)
+
+
+@scalar
+def axle_shares(
+    wheelbase: float, rear_distance: float, height: float, front: float, rear: float
+) -> tuple[float, float]:
+    """Shares of a braked vehicle's weight normal to the road that its front and rear axle bear.
+
+    About the centre of mass (f_1 N_1 + f_2 N_2) h = N_1 (L - x) - N_2 x.
+
+    Parameters
+    ----------
+    wheelbase, rear_distance, height : float
+        L, distance x of the centre of mass from the rear axle, and its height h [m].
+    front, rear : float
+        f_1 and f_2 between tyres and road, 0 of an axle without brakes.
+
+    Returns
+    -------
+    front_share, rear_share : float
+        NaN where the rear axle would lift.
+    """
+    kept = wheelbase - rear_distance - front * height
+    if kept < 0.0:
+        return math.nan, math.nan
+    whole = wheelbase + (rear - front) * height
+    return (rear_distance + rear * height) / whole, kept / whole
 
 
 @scalar

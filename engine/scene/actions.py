@@ -270,14 +270,17 @@ class BandBrake(Brake):
     """A band round a drum, by Euler; a lever of `lever_arm` pulls its ends on arms of `slack_arm` and `tight_arm`.
 
     Arms are those of the band's slack and tight end about the lever's fulcrum; one of them 0 for a simple band,
-    of opposite signs for a differential band.
+    of opposite signs for a differential band. A band lined with `blocks`, each embracing `block_angle` of the drum, has
+    these in place of `wrap`; its `radius` is that of the band.
     """
 
     type: Literal["band_brake"]
     force: Annotated[Force, Field(ge=0)]
     friction: Annotated[Number, Field(ge=0)]
     radius: Annotated[Length, Field(gt=0)]
-    wrap: Annotated[Angle, Field(gt=0)]
+    wrap: Annotated[Angle, Field(gt=0)] | None = None
+    blocks: Annotated[int, Field(ge=1)] | None = None
+    block_angle: Annotated[Angle, Field(gt=0, lt=3.14)] | None = None
     lever_arm: Annotated[Length, Field(gt=0)]
     slack_arm: Length = 0.0
     tight_arm: Length = 0.0
@@ -286,6 +289,10 @@ class BandBrake(Brake):
     def _holds_an_end(self) -> "BandBrake":
         if self.slack_arm == 0.0 and self.tight_arm == 0.0:
             raise ValueError("give slack_arm or tight_arm: the lever must pull an end of the band")
+        if (self.blocks is None) != (self.block_angle is None):
+            raise ValueError("blocks and block_angle belong together: give both, or neither")
+        if (self.wrap is None) == (self.blocks is None):
+            raise ValueError("give wrap, or blocks with block_angle for a band lined with blocks")
         return self
 
 

@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, wedges, journals, guides, rollers, rotors, engines, governors, springs.
+"""Machine elements of a scene: screws, belts, guides, rollers, cars, rotors, engines, governors, springs and others.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -23,7 +23,18 @@ from engine.governors.governor_elements import (
     WattGovernor,
 )
 from engine.scene.actions import Force, Moment
-from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
+from engine.scene.parts import (
+    STANDARD_GRAVITY,
+    Acceleration,
+    Angle,
+    AngularSpeed,
+    Length,
+    Number,
+    Part,
+    Speed,
+    Time,
+    quantity,
+)
 
 LinearDensity = quantity("linear_density")
 Positive = Annotated[Length, Field(gt=0)]
@@ -154,6 +165,31 @@ class RollerElement(Part):
     mate_diameter: Positive | None = None
 
 
+class CarElement(Part):
+    """A car that brakes with the `brakes` of its front, rear or all wheels on the point of sliding, to rest.
+
+    `rear_distance` is that of its centre of mass from the rear axle, `height` that from the road. It goes up a positive
+    `slope`, down a negative one; the brakes begin to act after the `reaction_time`.
+    """
+
+    type: Literal["car"]
+    brakes: Literal["front", "rear", "all"] = "all"
+    speed: Annotated[Speed, Field(gt=0)]
+    friction: Annotated[Number, Field(gt=0)]
+    wheelbase: Positive
+    rear_distance: Positive
+    height: Positive
+    slope: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
+    reaction_time: Annotated[Time, Field(ge=0)] = 0.0
+    gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
+
+    @model_validator(mode="after")
+    def _centre_between_axles(self) -> "CarElement":
+        if not self.rear_distance < self.wheelbase:
+            raise ValueError("rear_distance must be less than wheelbase: the centre of mass lies between the axles")
+        return self
+
+
 MachineElement = Annotated[
     ScrewElement
     | BeltElement
@@ -162,6 +198,7 @@ MachineElement = Annotated[
     | JournalElement
     | GuideElement
     | RollerElement
+    | CarElement
     | RotorElement
     | EngineElement
     | LocomotiveElement

@@ -241,3 +241,50 @@ def test_results_that_need_a_number__are_offered_with_it_alone():
     ):
         assert name not in ElementsAlone(scene(it=elements)).available_summaries
         assert name in ElementsAlone(scene(it={**elements, key: 2.0})).available_summaries
+
+
+# Cars
+
+# Khurmi & Gupta, Theory of Machines, chapter 19: level road, 50 km/h, 1.2 m from the rear wheels, friction 0.6.
+CAR = {
+    "type": "car",
+    "speed": 50 / 3.6,
+    "friction": 0.6,
+    "wheelbase": 2.8,
+    "rear_distance": 1.2,
+    "height": 0.6,
+    "gravity": 9.81,
+    "slope": 0.0,
+}
+
+
+@pytest.mark.parametrize(
+    ("brakes", "slowing", "way"), [("rear", 2.98, 32.4), ("front", 2.9, 33.26), ("all", 5.886, 16.4)]
+)
+def test_car__stops_as_the_textbooks(brakes, slowing, way):
+    found = one(CAR, "deceleration", "stopping_distance", "stopping_time", brakes=brakes)
+    # The book goes on with 2.98 and 2.9 m/s², rounded.
+    assert found[:2] == pytest.approx([slowing, way], rel=4e-3)
+    assert found[2] == pytest.approx(2 * found[1] / (50 / 3.6), rel=1e-13)
+
+
+@pytest.mark.parametrize("brakes", ["rear", "front", "all"])
+@pytest.mark.parametrize("slope", [-0.1, 0.3])
+def test_car_on_a_slope__is_in_equilibrium(brakes, slope):
+    slowing, way, share = one(CAR, "deceleration", "stopping_distance", "front_share", brakes=brakes, slope=slope)
+    level, delayed = one(CAR, "stopping_distance", "stopping_distance", brakes=brakes), None
+    front, rear = share * math.cos(slope), (1 - share) * math.cos(slope)
+    pulls = 0.6 * (front * (brakes != "rear") + rear * (brakes != "front"))
+    # Along the road, and about the point under the centre of mass: inertia and weight along it have the same arm.
+    assert slowing / 9.81 == pytest.approx(pulls + math.sin(slope), rel=1e-13)
+    tipping = (slowing / 9.81 - math.sin(slope)) * 0.6
+    assert front * 1.6 - rear * 1.2 == pytest.approx(tipping, rel=1e-12)
+    (delayed,) = one(CAR, "stopping_distance", brakes=brakes, slope=slope, reaction_time=0.8)
+    assert delayed - way == pytest.approx(0.8 * 50 / 3.6, rel=1e-12)
+    assert (way > level[0]) == (slope < 0)
+
+
+def test_car_that_does_not_stop_or_tips_over__has_a_verdict():
+    _, outcome = asked({"it": CAR}, "it.stopping_distance", it__friction=[0.05, 0.6, 3.0], it__slope=[-0.2, 0.0, 0.0])
+    # With friction 3 the centre is too high for its distance to the front wheels.
+    assert outcome.status.tolist() == [Verdict.NOT_FINITE, Verdict.OK, Verdict.NOT_FINITE]

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from engine.laws.brakes import (
+    band_and_block_grip,
     band_brake,
     block_brake,
     disc_brake,
@@ -179,3 +180,28 @@ def test_unknown_number__gives_nan():
         for place in range(len(arguments)):
             unknown = [math.nan if k == place else number for k, number in enumerate(arguments)]
             assert math.isnan(function(*unknown)), (function, place)
+
+
+# Band and blocks
+
+
+@settings(deadline=None, max_examples=40)
+@given(frictions, st.floats(0.01, 1.2), st.integers(1, 20))
+def test_band_and_blocks__has_every_block_in_equilibrium(friction, block_angle, blocks):
+    half = block_angle / 2
+    tension = 1.0
+    for _ in range(blocks):
+        # Unknown: tension beyond the block and the normal force on it.
+        equations = [[math.cos(half), -friction], [math.sin(half), -1.0]]
+        tension = np.linalg.solve(equations, [tension * math.cos(half), -tension * math.sin(half)])[0]
+    # Each block's rounding is carried by those after it.
+    assert_allclose(math.exp(band_and_block_grip(friction, block_angle, blocks)), tension, rtol=40 * EPS * blocks)
+
+
+def test_many_small_blocks__are_a_plain_band():
+    # artanh(f tan theta) - f theta is of the third order in theta = 1.6e-5.
+    assert_allclose(band_and_block_grip(0.3, 3.2 / 1e5, 1e5), 0.3 * 3.2, rtol=1e-9)
+
+
+def test_block_that_sticks__grips_without_bound():
+    assert math.isinf(band_and_block_grip(1.0, math.pi / 2 + 1e-9, 3.0))

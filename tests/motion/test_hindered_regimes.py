@@ -38,6 +38,31 @@ def test_band_brake__locks_by_itself_from_the_arm_at_which_its_moment_has_no_bou
         assert found.status[:2] == [Verdict.OK, Verdict.OK]
 
 
+def test_band_lined_with_blocks__stops_as_the_band_that_grips_alike():
+    scene = braked(run("brake", from_speed=20.0, rest=True), 0.0)
+    band = scene["moments"]["brake"]
+    plain = ask(scene, "stop.time").values["stop.time"][0]
+    half = math.tanh(FRICTION * WRAP / 16) / FRICTION
+    del band["wrap"]
+    band |= {"blocks": 8, "block_angle": 2 * math.atan(half)}
+    assert ask(scene, "stop.time").values["stop.time"][0] == pytest.approx(plain, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"blocks": 8}, "blocks and block_angle belong together"),
+        ({"blocks": 8, "block_angle": 0.2}, "give wrap, or blocks with block_angle"),
+        ({"wrap": None}, "give wrap, or blocks with block_angle"),
+    ],
+)
+def test_band_of_two_kinds_or_none__is_refused(keys, message):
+    scene = braked(run("brake", from_speed=20.0, rest=True), 0.0)
+    scene["moments"]["brake"] |= keys
+    with pytest.raises(ValueError, match=message):
+        Scene.model_validate(scene)
+
+
 def test_locking_brake__is_told_by_name():
     scene = Scene.model_validate(braked(run("brake dc", from_speed=20.0, rest=True), 1.5 * LOCKING))
     assert failure_text(scene, Verdict.LOCKS).startswith("regime stop, brake: a band brake locks by itself")

@@ -3,6 +3,7 @@
 import numpy as np
 
 from engine.laws.brakes import (
+    band_and_block_grip,
     band_brake,
     block_brake,
     disc_brake,
@@ -13,7 +14,7 @@ from engine.laws.brakes import (
 from engine.scene.actions import BandBrake, BlockBrake, Brake
 from engine.scene.scene import Numbers
 
-_BAND = ("force", "lever_arm", "slack_arm", "tight_arm", "friction", "wrap", "radius")
+_LEVER = ("force", "lever_arm", "slack_arm", "tight_arm")
 
 
 def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarray:
@@ -27,7 +28,11 @@ def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarra
     numbers : Numbers
     """
     if isinstance(brake, BandBrake):
-        return _each(band_brake, *(numbers[f"{at}.{key}"] for key in _BAND))
+        lever, friction = (numbers[f"{at}.{key}"] for key in _LEVER), numbers[f"{at}.friction"]
+        if brake.blocks is None:
+            return _each(band_brake, *lever, friction, numbers[f"{at}.wrap"], numbers[f"{at}.radius"])
+        grip = _each(band_and_block_grip, friction, numbers[f"{at}.block_angle"], float(brake.blocks))
+        return _each(band_brake, *lever, 1.0, grip, numbers[f"{at}.radius"])
     force, friction = numbers[f"{at}.force"], numbers[f"{at}.friction"]
     if isinstance(brake, BlockBrake):
         factor = _each(long_block_factor, 0.5 * numbers[f"{at}.embrace"])
