@@ -14,15 +14,18 @@ from engine.compiling.kept_code import keep_compiled
 
 RULES = frozenset({"contract", "arcp", "nsz"})
 LAW_RULES = RULES | {"reassoc"}
+# Arrays are borrowed from the caller: where none is made in compiled code, none needs to be counted there.
+BORROWING = {"_nrt": False}
 
 
-class _Apart(Compiler):
+class Apart(Compiler):
     """Compiler that takes it for granted that arrays handed over don't overlap, where one of them is written to.
 
     It then needs neither checks before every loop nor another, slow loop for when they do.
     """
 
     def define_pipelines(self) -> list:
+        """Passes as usual, with the promise among the flags."""
         self.state.flags.noalias = True
         return super().define_pipelines()
 
@@ -41,9 +44,9 @@ def in_order(function: Callable) -> Callable:
     return _kept(function, frozenset(), forceinline=True)
 
 
-def driver(function: Callable) -> Callable:
+def driver(function: Callable, makes_arrays: bool = False) -> Callable:
     """Compile a function that runs without Python's lock; its machine code is kept on disk."""
-    return _kept(function, RULES, nogil=True)
+    return _kept(function, RULES, nogil=True, **({} if makes_arrays else BORROWING))
 
 
 def _kept(function: Callable, rules: frozenset[str], **options: bool) -> Callable:
@@ -59,10 +62,15 @@ def inlined(function: Callable) -> Callable:
 
 def routine(function: Callable) -> Callable:
     """Compile a function of compiled code alone that is called; what it writes to overlaps with no other argument."""
-    return _within(function, forceinline=False, pipeline_class=_Apart)
+    return _within(function, forceinline=False, pipeline_class=Apart)
 
 
 def _within(function: Callable, **options: object) -> Callable:
-    return njit(error_model="numpy", fastmath=set(RULES), no_cfunc_wrapper=True, no_cpython_wrapper=True, **options)(
-        function
-    )
+    return njit(
+        error_model="numpy",
+        fastmath=set(RULES),
+        no_cfunc_wrapper=True,
+        no_cpython_wrapper=True,
+        **BORROWING,
+        **options,
+    )(function)

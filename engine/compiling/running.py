@@ -48,7 +48,7 @@ def spread(compiled: Callable, count: int, arguments: Callable) -> None:
 
 def over_variants(function: Callable) -> Callable:
     """Compile a function over a range of variants; called with their number, it runs in pieces on all threads."""
-    kernel = driver(function)
+    kernel = driver(function, makes_arrays=True)
 
     @wraps(function)
     def run(count: int, *arguments: object) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from numba import types
 from numba.core.typing import Signature
 
-from engine.compiling.decorators import RULES
+from engine.compiling.decorators import RULES, Apart
 
 # Variants side by side. With 64 the loops over lanes are vectorised whole.
 LANES = 64
@@ -19,7 +19,7 @@ _ROWS = types.float64[:, ::1]
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
 # A function of that signature as a parameter of a driver.
 FILLS_TILE = types.FunctionType(TILE_SIGNATURE)
-TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "cache": True}
+TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "cache": True, "pipeline_class": Apart}
 
 
 def field_signature(dtype: np.dtype) -> Signature:

@@ -85,6 +85,8 @@ class Task(NamedTuple):
         Curves at whose zeros others bend.
     scan : int
         Positions at which switching functions are looked at.
+    looks : int
+        How many times: twice where some of them depend on landmarks of others.
     integrals : ndarray of int
         Curves to integrate.
     kept : ndarray of int
@@ -126,6 +128,7 @@ class Task(NamedTuple):
     cuts: np.ndarray
     kinks: np.ndarray
     scan: int
+    looks: int
     integrals: np.ndarray
     kept: np.ndarray
     works: np.ndarray
@@ -187,20 +190,27 @@ class DriverAnswers(NamedTuple):
 @routine
 def gather(numbers: np.ndarray, begin: int, block: Memory) -> None:
     """Numbers of a block of variants; lanes beyond the last variant repeat it."""
-    whole = min(LANES, numbers.shape[1] - begin)
+    count = min(LANES, numbers.shape[1] - begin)
     for i in range(numbers.shape[0]):
-        for lane in range(whole):
-            block[i, lane] = numbers[i, begin + lane]
-        for lane in range(whole, LANES):
-            block[i, lane] = block[i, whole - 1]
+        if count == LANES:
+            for lane in range(LANES):
+                block[i, lane] = numbers[i, begin + lane]
+        else:
+            for lane in range(LANES):
+                block[i, lane] = numbers[i, begin + min(lane, count - 1)]
 
 
 @routine
 def hand_out(count: int, block: Memory, begin: int, row: int, answers: np.ndarray) -> None:
     """Write rows of a block to their variants, to rows of the answers from `row` on."""
+    lanes = min(LANES, answers.shape[1] - begin)
     for i in range(count):
-        for lane in range(min(LANES, answers.shape[1] - begin)):
-            answers[row + i, begin + lane] = block[i, lane]
+        if lanes == LANES:
+            for lane in range(LANES):
+                answers[row + i, begin + lane] = block[i, lane]
+        else:
+            for lane in range(lanes):
+                answers[row + i, begin + lane] = block[i, lane]
 
 
 @routine
@@ -367,18 +377,20 @@ def cut(
     landmarks, turns, crossings = of_landmarks(work.landmarks), of_roots(work.turns), of_roots(work.crossings)
     functions = task.landmark_rows.shape[0]
     turn_rows = crossing_rows = 0 * functions
-    if functions > 0:
-        scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
-        sample(events, work.block, tables, task.scan, scan)
-        for f in range(functions):
-            turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
-        solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
-        for f in range(functions):
-            find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
-            copy_rows(landmarks[f], task.landmark_rows[f], block)
-    if task.sizes[1] > 0:
-        levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
-        copy_rows(in_lanes(work.level_tile), task.level_rows, block)
+    for _ in range(task.looks):
+        if functions > 0:
+            turn_rows = 0 * functions
+            scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
+            sample(events, work.block, tables, task.scan, scan)
+            for f in range(functions):
+                turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
+            solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
+            for f in range(functions):
+                find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
+                copy_rows(landmarks[f], task.landmark_rows[f], block)
+        if task.sizes[1] > 0:
+            levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
+            copy_rows(in_lanes(work.level_tile), task.level_rows, block)
     for c in range(task.crossings.shape[0]):
         f, row = task.crossings[c, 0], task.crossings[c, 1]
         crossing_rows = find_crossings(
@@ -470,7 +482,7 @@ def evaluate_blocks(
     to_integrals: np.ndarray,
     answers: DriverAnswers,
     work: Workspace,
-    rare: int | None,
+    arcs_asked: int | None,
 ) -> None:
     """Evaluate blocks of variants.
 
@@ -490,9 +502,8 @@ def evaluate_blocks(
         The matrices of `engine.cycle.panels.chebyshev`.
     answers : DriverAnswers
     work : Workspace
-    rare : int or None
-        None where no angles, speeds, averages, arcs and values at equal positions are asked: without them there is far
-        less to compile.
+    arcs_asked : int or None
+        None where no unloaded arcs are asked: they are asked rarely, and without them there is less to compile.
     """
     kept, integrated, count = task.kept.shape[0], task.integrals.shape[0], task.sizes[3]
     block, walk, figures, scales = (
@@ -539,9 +550,8 @@ def evaluate_blocks(
             continue
         for k in range(task.works.shape[0]):
             add_work(record, to_integrals, steps, task.works[k, 0], task.works[k, 1], first_work + k, sums)
-        if rare is not None:
-            for k in range(task.angles.shape[0]):
-                add_angle(record, steps, task.angles[k, 0], task.angles[k, 1], first_angle + k, of_one, angle)
+        for k in range(task.angles.shape[0]):
+            add_angle(record, steps, task.angles[k, 0], task.angles[k, 1], first_angle + k, of_one, angle)
         for f in range(task.landmark_rows.shape[0]):
             hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
         for k in range(integrated):
@@ -552,10 +562,9 @@ def evaluate_blocks(
             up, down = signs[0], signs[1]
             find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, up, down, high, low, result)
             hand_out(of_fluctuation, result, first, of_fluctuation * k, answers.fluctuations)
-            if rare is not None:
-                for j in range(task.speeds.shape[0]):
-                    if task.speeds[j] == k:
-                        add_speed(record, steps, x, y, speed, wheel, result, first_speed + j, of_one, spare)
+            for j in range(task.speeds.shape[0]):
+                if task.speeds[j] == k:
+                    add_speed(record, steps, x, y, speed, wheel, result, first_speed + j, of_one, spare)
         for k in range(task.extremes.shape[0]):
             x, y, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
             for side in range(2):
@@ -569,10 +578,10 @@ def evaluate_blocks(
                 else:
                     fill(four, found, math.nan)
                 hand_out(four, found, first, four * (two * k + side), answers.extremes)
-        if rare is not None:
-            for k in range(task.averages.shape[0]):
-                find_averages(record, steps, task.averages[k], of_one, spare, averages)
-                hand_out(four, averages, first, four * k, answers.averages)
+        for k in range(task.averages.shape[0]):
+            find_averages(record, steps, task.averages[k], of_one, spare, averages)
+            hand_out(four, averages, first, four * k, answers.averages)
+        if arcs_asked is not None:
             for k in range(task.arcs.shape[0]):
                 x = task.arcs[k, 2]
                 find_extreme(record, to_coefficients, steps, x, x, none, signs[0], search, found)
@@ -581,10 +590,10 @@ def evaluate_blocks(
                 x, y = task.arcs[k, 0], task.arcs[k, 1]
                 find_unloaded_arcs(record, to_coefficients, steps, x, y, spare, work.stretches, work.order, arcs)
                 hand_out(four, arcs, first, four * k, answers.arcs)
-            for k in range(task.spaced.shape[0]):
-                begins, ends = block[task.ends[0]], block[task.ends[1]]
-                intervals, values = task.intervals, answers.spaced[k]
-                fill_spaced(record, to_coefficients, steps, task.spaced[k], begins, ends, intervals, first, values)
+        for k in range(task.spaced.shape[0]):
+            begins, ends = block[task.ends[0]], block[task.ends[1]]
+            intervals, values = task.intervals, answers.spaced[k]
+            fill_spaced(record, to_coefficients, steps, task.spaced[k], begins, ends, intervals, first, values)
         for k in range(kept):
             hand_out(one, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
         hand_out(one, in_lanes(work.walk[TAKEN:]), first, one - one, answers.panels)

@@ -18,8 +18,10 @@ positions, LANES), which it fills in at the positions of q.
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numba
 import numpy as np
@@ -27,8 +29,8 @@ from numba import types
 
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.cycle.driver import DriverAnswers, Task, evaluate_blocks, new_workspace
+from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.cycle.driver import DriverAnswers, Task, Workspace, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,
     GREATEST_AT,
@@ -113,6 +115,8 @@ class Plan:
         Longest panel, no more than π/2 where the input is an angle.
     scan : int
         Positions over the range at which switching functions are looked at.
+    looks : int
+        How many times they are: twice where some of them depend on landmarks of others.
     """
 
     ends: tuple[int, int]
@@ -139,6 +143,7 @@ class Plan:
     tolerance: float | Sequence[float] = 1e-10
     longest: float = 1.26
     scan: int = 36
+    looks: int = 1
 
 
 @dataclass(frozen=True)
@@ -268,6 +273,10 @@ class CycleMachine:
     states: Callable = nothing
     _kept: tuple[int, ...] = field(init=False)
     _task: Task = field(init=False)
+    # The kinds of arguments that the driver is ready for.
+    _prepared: set[tuple] = field(init=False, default_factory=set)
+    # Each thread's workspace, for the next call.
+    _of_thread: threading.local = field(init=False, default_factory=threading.local)
 
     def __post_init__(self) -> None:
         plan = self.plan
@@ -304,6 +313,7 @@ class CycleMachine:
             _integers(plan.cuts),
             _integers(plan.kinks),
             plan.scan,
+            plan.looks,
             _integers(plan.integrals),
             _integers(kept),
             _integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),
@@ -321,6 +331,10 @@ class CycleMachine:
         )
         object.__setattr__(self, "_kept", tuple(kept))
         object.__setattr__(self, "_task", task)
+
+    @cached_property
+    def _functions(self) -> list[TileFunction]:
+        return [TileFunction(function) for function in (self.events, self.levels, self.states, self.curves)]
 
     @property
     def task(self) -> Task:
@@ -368,19 +382,28 @@ class CycleMachine:
     def _run(
         self, numbers: np.ndarray, tables: np.ndarray, answers: DriverAnswers, blocks: Sequence[int], steps: int
     ) -> None:
-        functions = (self.events, self.levels, self.states, self.curves)
-        matrices, plan = (TO_COEFFICIENTS, TO_INTEGRALS), self.plan
-        rare = 1 if any((plan.angles, plan.speeds, plan.averages, plan.arcs, plan.spaced)) else None
+        matrices, plan, functions = (TO_COEFFICIENTS, TO_INTEGRALS), self.plan, self._functions
+        arcs_asked = 1 if plan.arcs else None
         chosen = np.asarray(blocks, dtype=np.int64)
 
         def arguments() -> tuple:
-            work = new_workspace(self._task, len(numbers), steps)
-            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work, rare)
+            work = self._workspace(len(numbers), steps)
+            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work, arcs_asked)
 
-        given = arguments()
-        of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]
-        prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
+        kinds = (arcs_asked, numbers.flags.writeable, tables.flags.writeable)
+        if kinds not in self._prepared:
+            given = arguments()
+            of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]
+            prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
+            self._prepared.add(kinds)
         spread(evaluate_blocks, len(chosen), arguments)
+
+    def _workspace(self, numbers: int, steps: int) -> Workspace:
+        """Memory for this thread: that of the call before where it is large enough."""
+        mine = self._of_thread.__dict__
+        if mine.get("size") != (numbers, steps):
+            mine["size"], mine["work"] = (numbers, steps), new_workspace(self._task, numbers, steps)
+        return mine["work"]
 
     def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
         plan, marks, wheels = self.plan, answers.landmarks, answers.fluctuations

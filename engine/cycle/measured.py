@@ -21,7 +21,7 @@ class Measured:
     ----------
     value : array_like
     error : array_like
-        What the value may be off by, at least 0; NaN where the value is.
+        What the value may be off by, at least 0; it says nothing where the value is NaN.
     """
 
     __slots__ = ("error", "value")
@@ -29,7 +29,8 @@ class Measured:
 
     def __init__(self, value: object, error: object = 0.0) -> None:
         self.value = np.asarray(value, dtype=float)
-        self.error = np.where(np.isnan(self.value), np.nan, np.broadcast_to(error, self.value.shape))
+        error = np.asarray(error, dtype=float)
+        self.error = error if error.shape == self.value.shape else np.broadcast_to(error, self.value.shape)
 
     def __repr__(self) -> str:
         return f"Measured({self.value!r}, {self.error!r})"
@@ -60,6 +61,8 @@ class Measured:
         return self + -measured(other)
 
     def __mul__(self, other: object) -> Measured:
+        if isinstance(other, float):
+            return Measured(self.value * other, self.error * abs(other))._rounded()
         other = measured(other)
         error = np.abs(self.value) * other.error + (np.abs(other.value) + other.error) * self.error
         return Measured(self.value * other.value, error)._rounded()

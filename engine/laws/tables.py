@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy import interpolate
 
 from engine.compiling.decorators import scalar
 from engine.laws.elementary import chosen
@@ -112,12 +112,12 @@ def make_table(
 
 
 @scalar
-def piece_of(breaks: np.ndarray, pieces: int, u: float) -> int:
-    """The piece of a table in which u lies; at a step the one after it."""
+def piece_of(memory: np.ndarray, breaks: int, pieces: int, u: float) -> int:
+    """The piece of a table in which u lies; at a step the one after it. Its breaks begin at a place in memory."""
     piece, above = 0, pieces
     while above - piece > 1:
         middle = (piece + above) // 2
-        if breaks[middle] <= u:
+        if memory[breaks + middle] <= u:
             piece = middle
         else:
             above = middle
@@ -143,7 +143,7 @@ def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, peri
     u = x
     if period > 0.0 and (x < start or x >= start + period):
         u = start + (x - start) % period
-    piece = piece_of(breaks, coefficients.shape[0], u)
+    piece = piece_of(breaks, 0, coefficients.shape[0], u)
     t = u - breaks[piece]
     value = coefficients[piece, 0]
     for power in range(1, 4):
@@ -194,7 +194,7 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
     shift = 0.0
     if period > 0.0 and (x < start or x >= start + period):
         shift = math.floor((x - start) / period) * period
-    piece = piece_of(memory[breaks : breaks + pieces + 1], pieces, x - shift)
+    piece = piece_of(memory, breaks, pieces, x - shift)
     left = memory[breaks + piece] + shift
     first = breaks + pieces + 1 + 4 * piece
     return left, memory[first], memory[first + 1], memory[first + 2], memory[first + 3]
@@ -310,7 +310,7 @@ def _coefficients(x: np.ndarray, y: np.ndarray, interpolation: str, periodic: bo
             elif interpolation == "pchip":
                 pieces = _monotone(x, y, periodic)
             else:
-                pieces = CubicSpline(x, y, bc_type="periodic" if periodic else "natural").c.T
+                pieces = interpolate.CubicSpline(x, y, bc_type="periodic" if periodic else "natural").c.T
         except ValueError:
             pieces = np.full((x.size - 1, 4), np.nan)
     if not np.isfinite(pieces).all():
@@ -334,11 +334,11 @@ def _straight(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def _monotone(x: np.ndarray, y: np.ndarray, periodic: bool) -> np.ndarray:
     """PCHIP; a slope depends on the neighbouring rows only, so one row more each side makes it periodic."""
     if not periodic:
-        return PchipInterpolator(x, y).c.T
+        return interpolate.PchipInterpolator(x, y).c.T
     period = x[-1] - x[0]
     x = np.concatenate(([x[-2] - period], x, [x[1] + period]))
     y = np.concatenate((y[-2:-1], y, y[1:2]))
-    return PchipInterpolator(x, y).c.T[1:-1]
+    return interpolate.PchipInterpolator(x, y).c.T[1:-1]
 
 
 def _with_ends(x: np.ndarray, y: np.ndarray, coefficients: np.ndarray, outside: str) -> tuple[np.ndarray, np.ndarray]:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -91,9 +92,13 @@ class KeptFields:
         level_rows = np.array(self._functions.level_rows, np.intp)
         memory, followed = self._functions.memory, self._followed
         given = (level_rows, np.ascontiguousarray(table), memory, places, positions, ends, followed, fields, finite)
+
+        def arguments() -> tuple:
+            return (self._function, self._levels, *given, _new_scratch(len(table), level_rows.size, positions))
+
         function = types.FunctionType(field_signature(self._dtype))
-        prepare(_fill, [types.intp, types.intp, function, FILLS_TILE, *(numba.typeof(a) for a in given)])
-        spread(_fill, -(-table.shape[1] // LANES), lambda: (self._function, self._levels, *given))
+        prepare(_fill, [types.intp, types.intp, function, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
+        spread(_fill, -(-table.shape[1] // LANES), arguments)
         return finite
 
 
@@ -144,6 +149,34 @@ def _is_finite(row: np.ndarray) -> bool:
     return not lost
 
 
+class _Scratch(NamedTuple):
+    """Memory for a block of variants, used again for the next.
+
+    Attributes
+    ----------
+    block : ndarray (numbers, LANES)
+        Numbers of the block's variants.
+    p : ndarray (numbers,)
+        Those of one of them.
+    tile : ndarray (levels, 1, LANES)
+    nowhere : ndarray (1, LANES)
+        Zeros.
+    at : ndarray (3, positions)
+        Input positions with cosine and sine, of one variant.
+    """
+
+    block: np.ndarray
+    p: np.ndarray
+    tile: np.ndarray
+    nowhere: np.ndarray
+    at: np.ndarray
+
+
+def _new_scratch(numbers: int, levels: int, positions: np.ndarray) -> _Scratch:
+    block, p = np.empty((numbers, LANES)), np.empty(numbers)
+    return _Scratch(block, p, np.empty((levels, 1, LANES)), np.zeros((1, LANES)), positions.copy())
+
+
 @driver
 def _fill(
     begin: int,
@@ -159,13 +192,12 @@ def _fill(
     followed: np.ndarray,
     fields: np.ndarray,
     finite: np.ndarray,
+    scratch: _Scratch,
 ) -> None:
     """Fill the fields of blocks `begin` … `end` − 1 of LANES variants; see `KeptFields.fill`."""
     numbers, variants = table.shape
-    block, nowhere, tile = np.empty((numbers, LANES)), np.zeros((1, LANES)), np.empty((level_rows.size, 1, LANES))
-    p, at = np.empty(numbers), np.empty(positions.shape)
-    q, cos_q, sin_q = at[0], at[1], at[2]
-    at[:] = positions
+    block, p, tile, nowhere = scratch.block, scratch.p, scratch.tile, scratch.nowhere
+    q, cos_q, sin_q = scratch.at[0], scratch.at[1], scratch.at[2]
     for b in range(begin, end):
         first = b * LANES
         count = min(LANES, variants - first)
@@ -175,10 +207,12 @@ def _fill(
         if level_rows.size > 0:
             levels(block, memory, nowhere, nowhere, nowhere, tile)
             for i in range(level_rows.size):
-                block[level_rows[i]] = tile[i, 0]
+                for lane in range(LANES):
+                    block[level_rows[i], lane] = tile[i, 0, lane]
         for lane in range(count):
             place = places[first + lane]
-            p[:] = block[:, lane]
+            for row in range(numbers):
+                p[row] = block[row, lane]
             if ends[0] >= 0:
                 start, stop = block[ends[0], lane], block[ends[1], lane]
                 for k in range(q.shape[0]):

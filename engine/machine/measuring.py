@@ -174,6 +174,7 @@ class Measuring:
             levels=f.level_rows,
             states=f.held_rows,
             crossings=f.crossings,
+            looks=f.looks,
             kinks=[curve[c] for c in self._kinks],
             integrals=[curve[c] for c in self._integrals],
             extremes=[(curve[c], side) for c, side in self._extremes],
@@ -352,7 +353,7 @@ class MeasuredCycles:
         if isinstance(node, Constant):
             return Measured(node.value)
         value = self._table[self._m.functions.rows[node]]
-        return Measured(value, np.finfo(float).eps * np.abs(value))
+        return Measured(value, _ROUNDING * np.abs(value))
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Of each group the least magnitude of its quality of transmission and the position there."""
@@ -462,7 +463,8 @@ class MeasuredCycles:
 
     def _works(self, moment: Node) -> Measured:
         """Range of the work of a moment about its mean."""
-        return self.outcome.works.range[self._m._works.index(moment)]
+        k, works = self._m._works.index(moment), self.outcome.works
+        return works.greatest[k] - works.least[k]
 
     def _combination(self, asked: SteadyCycle, slope: Node, side: int) -> cycle.Extremes:
         """Extremes of the work less a multiple of the inertia, of one row."""
@@ -470,5 +472,6 @@ class MeasuredCycles:
         return cycle.Extremes(*(getattr(extremes, part)[k : k + 1] for part in _PARTS))
 
 
+_ROUNDING = np.finfo(float).eps
 _PARTS = ("least", "least_at", "greatest", "greatest_at")
 _OF_WORKS = ("excess_work", "flywheel_excess_work")

@@ -20,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -33,10 +33,10 @@ import numpy as np
 from machines import BASELINE_PATHS, CASES, all_numbers, sample
 
 from engine import Machine, Scene, scene_numbers
-from engine.scene.scene import Numbers
 
 HERE = Path(__file__).parent
-VARIANTS, POSITIONS, ROUNDS = 4096, 720, 9
+# As many variants as `sweeps run` evaluates at once.
+VARIANTS, POSITIONS, ROUNDS = 16_384, 720, 9
 COMPILER = ["g++", "-std=c++17", "-O3", "-march=native", "-ffast-math", "-fopenmp", "-shared", "-fPIC"]
 FIELDS = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment"]
 STROKES = {"press": "ram.stroke", "four_bar": "rocker.swing", "six_bar": "lever.swing"}
@@ -186,6 +186,9 @@ def race_fields(name: str, baseline: ctypes.CDLL) -> Contest:
 
 def cycle_time(name: str) -> float:
     """Time of the cycle's evaluation in the contest of fields, from which verdicts follow, in µs per variant."""
+    # Not in version 0.1, which runs this script too.
+    from engine.scene.scene import Numbers
+
     varied = geometry_and_loads(name)
     measuring = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS).measuring
     table = measuring.numbers(Numbers(scene_numbers(CASES[name].scene), varied), VARIANTS)
@@ -196,6 +199,20 @@ def cycle_time(name: str) -> float:
         measuring(table)
         times.append(time.process_time() - start)
     return float(np.median(times)) * 1e6 / VARIANTS
+
+
+def studied() -> dict[str, tuple[Scene, Sequence[str], dict[str, np.ndarray]]]:
+    """Machines of the benchmark and bundled ones: scene, what is asked, what varies."""
+    import sweeps
+    from sweeps import read_study
+
+    found = {title(name): (case.scene, asked(name), geometry_and_loads(name)) for name, case in CASES.items()}
+    for name in ("crank_press", "four_stroke_engine", "compressor"):
+        study = read_study(Path(sweeps.__file__).parent / "studies" / f"{name}.toml")
+        values, dropped = study.values(0, min(VARIANTS, study.design.size))
+        varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
+        found[name.replace("_", " ")] = (study.scene, study.summaries, varied)
+    return found
 
 
 def race_reactions(baseline: ctypes.CDLL) -> Contest:
@@ -409,6 +426,8 @@ that the error figures cover.
 
 def report(before: Path | None) -> str:
     """All tables."""
+    from shared_geometry import SHAPE_TEXT, shape_lines
+
     load = os.getloadavg()[0]
     with tempfile.TemporaryDirectory() as folder:
         baseline = build_baseline(folder)
@@ -438,6 +457,7 @@ def report(before: Path | None) -> str:
     lines += ["", f"| fields | {head}", "|---|---|---|---|---|", *(race.row() for race in fields), ""]
     lines += ["The engine's times hold the evaluation of each variant's cycle, from which its verdict follows:", cycles]
     lines += ["for I, dI/dφ and M. The C++ judges nothing and checks nothing.", ""]
+    lines += ["## Masses and loads on one geometry", "", SHAPE_TEXT, "", *shape_lines(studied())]
     lines += [
         "## Compiling",
         "",

@@ -32,6 +32,7 @@ def check(study: str, out: Path, source: bool) -> None:
 @errors_as_messages
 def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
+    from sweeps.report.check_report import between_positions_text
     from sweeps.report.result_report import answer_text, counts_text, kept_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
@@ -55,6 +56,8 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
     click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
     click.echo(counts_text(result))
     click.echo(answer_text(result))
+    if hidden := between_positions_text(found):
+        click.echo(hidden)
     tell_files([out, *([] if no_plots else plots_of(result))], started)
 
 

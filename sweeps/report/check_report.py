@@ -94,7 +94,7 @@ def between_positions_text(study: Study) -> str:
         if true > (1.0 + MISSED) * kept:
             shown = [quantity_text(value, units[name].units) for value in (true, kept)]
             lines.append(f"{name}: greatest magnitude {shown[0]}, at the {study.positions} kept positions {shown[1]}")
-    hint = "a load acts between two kept positions: its fields don't show it, summaries do; ask for more positions"
+    hint = "between two kept positions these fields reach farther; summaries tell how far; ask for more positions:"
     return "\n".join([hint, *lines]) if lines else ""
 
 

@@ -147,6 +147,8 @@ def answer_text(result: SweepResult) -> str:
 def _only_text(result: SweepResult) -> str:
     """Summaries of a single machine, those of each regime together, or why its motion fails."""
     scene, verdict = result.scene, Verdict(int(result.columns["status"][0]))
+    if not result.summaries:
+        return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
     if not scene.regimes:
         return table(_summary_rows(result, 0), "  ")
     parts, failed = [], verdict in MOTION_VERDICTS

@@ -8,7 +8,6 @@ import functools
 import math
 
 import numpy as np
-from scipy.stats import qmc
 
 SOBOL_BITS = 30
 SOBOL_LARGEST = 2**SOBOL_BITS
@@ -55,6 +54,9 @@ def _sobol_tables(dimensions: int, seed: int, chunks: int) -> tuple[np.ndarray, 
 
     SciPy reaches a point only by stepping through all before it; this way each process does so once.
     """
+    # Half a second to import: only where a study is sampled.
+    from scipy.stats import qmc
+
     engine = qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=seed)
     low = (engine.random(_SOBOL_CHUNK) * SOBOL_LARGEST).astype(np.uint32)
     high = np.zeros((chunks, dimensions), dtype=np.uint32)

@@ -156,86 +156,61 @@ def take_farthest(steps: int, candidates: Memory, search: Memory, found: Memory)
 
 @routine
 def leave_next(
-    values: Memory,
-    a: int,
-    b: int,
-    factor: Memory,
-    sign: Memory,
-    step: int,
-    candidates: Memory,
-    search: Memory,
+    values: Memory, a: int, b: int, factor: float, sign: float, lane: int, step: int, candidates: Memory, search: Memory
 ) -> None:
-    """Where a panel's best candidate was taken, the next best becomes its best if it may reach far enough.
-
-    There is none after that.
-    """
-    for lane in range(LANES):
-        if search[STEP, lane] != float(step) or candidates[step, NEXT_REACH, lane] <= search[BEST, lane]:
-            continue
-        reach, position, done = -math.inf, NONE, int(search[AT_POSITION, lane])
-        for j in range(POSITIONS):
-            # Of an end of the panel, the fall from the neighbour to the next but one.
-            inner = 1 if j == 0 else j
-            fall = combined(values, a, b, factor[lane], sign[lane], inner, lane)
-            fall -= combined(values, a, b, factor[lane], sign[lane], 2 if j == 0 else j - 1, lane)
-            inner = DEGREE - 1 if j == DEGREE else j
-            rise = combined(values, a, b, factor[lane], sign[lane], inner, lane)
-            rise -= combined(values, a, b, factor[lane], sign[lane], DEGREE - 2 if j == DEGREE else j + 1, lane)
-            fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
-            here = combined(values, a, b, factor[lane], sign[lane], j, lane)
-            mine = here + (LEFT[j] * fall + RIGHT[j] * rise)
-            if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
-                reach, position = mine, float(j)
-        candidates[step, REACH, lane] = candidates[step, NEXT_REACH, lane]
-        candidates[step, NEXT_REACH, lane] = -math.inf
-        candidates[step, POSITION, lane] = position
+    """Where a lane's best candidate of a step was taken, the next best becomes its best; there is none after that."""
+    reach, position, done = -math.inf, NONE, int(search[AT_POSITION, lane])
+    for j in range(POSITIONS):
+        # Of an end of the panel, the fall from the neighbour to the next but one.
+        inner = 1 if j == 0 else j
+        fall = combined(values, a, b, factor, sign, inner, lane)
+        fall -= combined(values, a, b, factor, sign, 2 if j == 0 else j - 1, lane)
+        inner = DEGREE - 1 if j == DEGREE else j
+        rise = combined(values, a, b, factor, sign, inner, lane)
+        rise -= combined(values, a, b, factor, sign, DEGREE - 2 if j == DEGREE else j + 1, lane)
+        fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
+        here = combined(values, a, b, factor, sign, j, lane)
+        mine = here + (LEFT[j] * fall + RIGHT[j] * rise)
+        if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
+            reach, position = mine, float(j)
+    candidates[step, REACH, lane] = candidates[step, NEXT_REACH, lane]
+    candidates[step, NEXT_REACH, lane] = -math.inf
+    candidates[step, POSITION, lane] = position
 
 
 @routine
 def fetch(
-    record: Record,
-    step: int,
-    slot_a: int,
-    slot_b: int,
-    factor: Memory,
-    base: Memory,
-    sign: Memory,
-    work: Search,
-) -> bool:
-    """Copy what is known of a step's panels for the lanes whose candidate is there, and cross this off.
+    record: Record, matrix: np.ndarray, a: int, b: int, factor: Memory, base: Memory, sign: Memory, work: Search
+) -> None:
+    """Copy what is known of the panel of each lane's candidate, and cross this off.
 
-    Returns
-    -------
-    bool
-        Whether there are other candidates in any of these panels.
+    Parameters
+    ----------
+    record, matrix, a, b, factor, sign
+        As of `find_extreme`.
+    base : row (LANES,)
+        b₀.
+    work : Search
     """
     search, series, other, coefficients = work.rows, work.series, work.other_series, record.coefficients
     candidates = work.candidates
-    for k in range(POSITIONS):
-        for lane in range(LANES):
-            mine, of_a, of_b = (
-                search[STEP, lane] == float(step),
-                coefficients[slot_a, k, lane],
-                coefficients[slot_b, k, lane],
-            )
-            series_before, other_before = series[k, lane], other[k, lane]
-            series[k, lane] = sign[lane] * (of_a - factor[lane] * of_b) if mine else series_before
-            other[k, lane] = of_b if mine else other_before
     for lane in range(LANES):
-        mine = search[STEP, lane] == float(step)
-        series[0, lane] += sign[lane] * factor[lane] * base[lane] if mine else 0.0
-        tail = record.errors[slot_a, TAIL, lane] + abs(factor[lane]) * record.errors[slot_b, TAIL, lane]
-        half, middle = record.panels[step, HALF, lane], record.panels[step, PANEL_MIDDLE, lane]
-        position, reach = candidates[step, POSITION, lane], candidates[step, REACH, lane]
-        tail_before, half_before = search[BEYOND_SERIES, lane], search[PANEL_HALF, lane]
-        middle_before, position_before = search[PANEL_CENTRE, lane], search[AT_POSITION, lane]
-        search[BEYOND_SERIES, lane] = tail if mine else tail_before
-        search[PANEL_HALF, lane] = half if mine else half_before
-        search[PANEL_CENTRE, lane] = middle if mine else middle_before
-        search[AT_POSITION, lane] = position if mine else position_before
-        candidates[step, REACH, lane] = -math.inf if mine else reach
-        search[MARK, lane] = 1.0 if mine & (candidates[step, NEXT_REACH, lane] > search[BEST, lane]) else 0.0
-    return any_positive(search[MARK])
+        if search[STEP, lane] < 0.0:
+            continue
+        step, c, way = int(search[STEP, lane]), factor[lane], sign[lane]
+        slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
+        for k in range(POSITIONS):
+            of_b = coefficients[slot_b, k, lane]
+            other[k, lane] = of_b
+            series[k, lane] = way * (coefficients[slot_a, k, lane] - c * of_b)
+        series[0, lane] += way * c * base[lane]
+        search[BEYOND_SERIES, lane] = record.errors[slot_a, TAIL, lane] + abs(c) * record.errors[slot_b, TAIL, lane]
+        search[PANEL_HALF, lane] = record.panels[step, HALF, lane]
+        search[PANEL_CENTRE, lane] = record.panels[step, PANEL_MIDDLE, lane]
+        search[AT_POSITION, lane] = candidates[step, POSITION, lane]
+        candidates[step, REACH, lane] = -math.inf
+        if candidates[step, NEXT_REACH, lane] > search[BEST, lane]:
+            leave_next(record.values, slot_a, slot_b, c, way, lane, step, candidates, search)
 
 
 @routine
@@ -385,13 +360,7 @@ def find_extreme(
     for _ in range(MOST_TOPS):
         if not take_farthest(steps, candidates, search, found):
             break
-        for step in range(steps):
-            for lane in range(LANES):
-                search[MARK, lane] = 1.0 if search[STEP, lane] == float(step) else 0.0
-            if any_positive(search[MARK]):
-                slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
-                if fetch(record, step, slot_a, slot_b, factor, base, sign, work):
-                    leave_next(record.values, slot_a, slot_b, factor, sign, step, candidates, search)
+        fetch(record, matrix, a, b, factor, base, sign, work)
         climb(work.series, search)
         value_of_series(work.other_series, search, search[HERE])
         compare(record, a, b, factor, search[HERE], search, found)

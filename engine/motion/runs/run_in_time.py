@@ -10,6 +10,10 @@ from engine.verdicts import Verdict
 
 # Times that a machine at rest looks whether a moment over time sets it going.
 WAITS = 1000
+# Time that it waits for a formula, in cycles at the speed of the scene, where nothing else ends its waiting.
+MOST_CYCLES = 100.0
+# Share of the time that it never looks sooner after: farther than both sides of a jump are apart.
+AT_ONCE = 1e-9
 HALVINGS = 60
 # Swings that differ by no more are the same but for the error of the steps [rad].
 SAME_SWING = 1e-6
@@ -36,11 +40,7 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
         runs.done[stays[begun]] = True
         stays = stays[~begun]
     # It stands until a moment over time changes, or until the time is over.
-    now, instants = runs.clock[stays] + runs.state.time[stays], runs.dynamics.instants
-    last = instants[-1] if instants.size else -np.inf
-    pause = (last - instants[0]) / WAITS if instants.size else 0.0
-    later = np.where(now < last, np.maximum(np.minimum(now + pause, last), now), np.inf) - runs.clock[stays]
-    later = np.minimum(later, runs.ends.time[stays])
+    later = np.minimum(_next_look(runs, stays) - runs.clock[stays], runs.ends.time[stays])
     waits = np.isfinite(later)
     runs.state.time[stays[waits]] = later[waits]
     runs.done[stays[waits & (later >= runs.ends.time[stays])]] = True
@@ -54,8 +54,9 @@ def step(runs: Progress, who: np.ndarray) -> None:
     """One step in time of some variants, or less of it where an end is met."""
     form, state, facing = runs.form(who), runs.absolute(runs.part(who), who), runs.facing[who]
     end = runs.clock[who] + runs.ends.time[who]
+    ahead = np.minimum(_next_instant(runs.variants.instants[:, who], state.time), end)
     goal = _next_break(runs, who, state.turned, facing)
-    h, step = _good_step(runs, form, who, state, goal, _next_instant(runs, state.time, end) - state.time)
+    h, step = _good_step(runs, form, who, state, goal, ahead - state.time)
     after, slowest, fastest = step.after, step.slowest, step.fastest
     lost = ~np.isfinite(after.omega)
     runs.give_up(who[lost], Verdict.NOT_FINITE)
@@ -75,10 +76,28 @@ def step(runs: Progress, who: np.ndarray) -> None:
     _after_step(runs, who[kept], which[kept])
 
 
-def _next_instant(runs: Progress, time: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """The next time at which a moment over time jumps or bends, or the end."""
-    instants = np.append(runs.dynamics.instants, np.inf)
-    return np.minimum(instants[np.searchsorted(instants, time * (1.0 + 1e-15), side="right")], end)
+def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
+    """When machines at rest look again whether a moment over time sets them going; infinite where none ever will.
+
+    What a table gives changes between its first and its last instant; what a formula gives, at any time.
+    """
+    begun, instants = runs.clock[who], runs.variants.instants[:, who]
+    now = begun + runs.state.time[who]
+    first = np.fmin.reduce(instants, axis=0, initial=np.inf)
+    last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
+    pause = np.where(now < first, first - now, (last - first) / WAITS)
+    if runs.dynamics.changing:
+        cycle = runs.dynamics.cycle / np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))
+        last = np.fmin(begun + runs.ends.time[who], np.fmax(last, begun + MOST_CYCLES * cycle[who]))
+        pause = (last - begun) / WAITS
+    look = np.minimum(now + np.maximum(pause, AT_ONCE * now), _next_instant(instants, now))
+    return np.where(now < last, look, np.inf)
+
+
+def _next_instant(instants: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """The next time at which a moment over time jumps or bends."""
+    later = np.where(instants > time * (1.0 + 1e-15), instants, np.inf)
+    return np.minimum.reduce(later, axis=0, initial=np.inf)
 
 
 def _good_step(
@@ -91,6 +110,9 @@ def _good_step(
     speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
     with np.errstate(all="ignore"):
         h = np.fmin(np.fmin(h, runs.farthest_step / speed), longest)
+        if runs.notes is not None:
+            # What is noted is to be seen.
+            h = np.fmin(h, form.first_step(state, runs.spacing, facing))
         # Through a jump at once.
         across = (ahead < ACROSS) & (speed * h > ahead)
         h = np.where(across, ahead / speed, h)
@@ -211,9 +233,10 @@ def _tell_endless(runs: Progress, who: np.ndarray) -> None:
 
 
 def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
-    instants, now = runs.dynamics.instants, runs.clock[who] + runs.state.time[who]
-    # After the last instant of its tables nothing depends on time any more.
-    settled = now > instants[-1] if instants.size else np.full(who.size, not runs.dynamics.timed)
+    instants, now = runs.variants.instants[:, who], runs.clock[who] + runs.state.time[who]
+    # After the last instant of its tables nothing depends on time any more; on a formula it may for ever.
+    last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
+    settled = ((now > last) & (len(instants) > 0) | (not runs.dynamics.timed)) & (not runs.dynamics.changing)
     runs.give_up(who[settled & ~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
 
 

@@ -1,1 +1,0 @@
-"""Derivatives of summaries by the numbers of a scene."""

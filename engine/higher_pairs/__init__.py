@@ -1,0 +1,1 @@
+"""Gears and cams: motion handed on by higher pairs."""

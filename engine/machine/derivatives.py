@@ -1,0 +1,294 @@
+"""Derivatives of summaries by the numbers of a scene: how a result changes with a length, a mass, a load.
+
+Neighbours of every variant, in which one number is a little more or less, are evaluated all together and by the same
+kernel as the variants themselves; their differences are extrapolated (see `extrapolation`). What is linear in a number
+comes out exact to rounding. Positions stay where they are: it is the derivative of the summary as computed, whose error
+figure takes part in that of the derivative.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from annotated_types import Ge, Gt, Le, Lt
+
+from engine.elements.elements_alone import ElementsAlone
+from engine.machine.extrapolation import Differences, Estimate, derivative_of
+from engine.machine.machine import Machine
+from engine.machine.results import AskError, Outcome
+from engine.scene.parts import CrankInput
+from engine.scene.scene import Scene, SceneNumber, scene_numbers
+from engine.verdicts import Verdict
+
+# Roundings that a summary is made of.
+ROUNDING = 16
+# Steps as shares of a number's scale; the shorter ones where the longer ones don't do.
+LADDERS = (tuple(2.0**-k for k in (2, 3, 4, 5, 6, 7)), tuple(2.0**-k for k in (9, 11, 13, 15, 17)))
+# Evaluations of a variant by one number, where the longer steps do.
+EVALUATIONS = 2 * len(LADDERS[0])
+# Shorter steps are tried where longer ones leave more than this share open.
+GOOD = 1e-8
+# The place of an extreme may jump from one peak to another.
+PLACES = (".min_at", ".max_at")
+
+
+class Move(NamedTuple):
+    """A number to be moved.
+
+    Attributes
+    ----------
+    at : ndarray (variants,)
+        Its value.
+    scale : ndarray (variants,)
+        Change of it that would make another machine: steps are shares of this.
+    varied : callable
+        From values of the number (points,) and the variants they belong to (points,) to what `evaluate` takes.
+    """
+
+    at: np.ndarray
+    scale: np.ndarray
+    varied: Callable[[np.ndarray, np.ndarray], Mapping[str, np.ndarray]]
+
+
+class Derivatives(NamedTuple):
+    """Derivatives by one number.
+
+    Attributes
+    ----------
+    values, errors : dict of str to ndarray (variants,)
+        Derivative of each asked summary and its error figure, unit of the summary over unit of the number; NaN where
+        there is none.
+    status : ndarray (variants,) of uint8
+        `Verdict` codes: OK where the variant and a neighbour on one side at least can be evaluated, else what is wrong
+        with the variant, or with its neighbours.
+    """
+
+    values: dict[str, np.ndarray]
+    errors: dict[str, np.ndarray]
+    status: np.ndarray
+
+
+def derivatives(machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray], by: str) -> Derivatives:
+    """Derivatives of all asked summaries by one number of the scene, all others held.
+
+    Parameters
+    ----------
+    machine : Machine or ElementsAlone
+        Best without fields and in float64.
+    varied : mapping of path to ndarray (variants,)
+        As for `evaluate`.
+    by : str
+        One of the paths that the machine was made to vary.
+
+    Raises
+    ------
+    AskError
+        The number isn't one of those, or there is no derivative by it, or of an asked summary.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from engine import Machine, Scene
+    >>> from engine.machine.derivatives import derivatives
+    >>> scene = Scene.model_validate({
+    ...     "points": {"O": {"x": 0, "y": 0}},
+    ...     "guides": {"way": {}},
+    ...     "input": {"type": "crank", "pivot": "O", "pin": "A", "length": "50 mm", "speed": "60 rpm"},
+    ...     "groups": {"g": {"type": "RRP", "inner": "B",
+    ...                      "first": {"link": "rod", "joint": "A", "length": "200 mm"},
+    ...                      "second": {"link": "ram", "guide": "way"}}},
+    ... })
+    >>> machine = Machine(scene, ["ram.stroke"], varied=["input.length"])
+    >>> found = derivatives(machine, {"input.length": np.array([0.05])}, "input.length")
+    >>> round(float(found.values["ram.stroke"][0]), 9)
+    2.0
+    """
+    if by not in machine.varied:
+        raise AskError(f"{by!r} is not among the numbers that this machine varies: {list(machine.varied)}")
+    return derivatives_along(machine, number_moved(machine.scene, varied, by))
+
+
+def number_moved(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> Move:
+    """One number of the scene moved by itself.
+
+    Parameters
+    ----------
+    scene : Scene
+    varied : mapping of path to ndarray (variants,)
+        Values (SI) of what varies, the number among them.
+    by : str
+    """
+    arrays = {path: np.atleast_1d(np.asarray(values, float)) for path, values in varied.items()}
+
+    def moved(values: np.ndarray, variants: np.ndarray) -> dict[str, np.ndarray]:
+        return {path: array[variants] for path, array in arrays.items()} | {by: values}
+
+    return Move(arrays[by], scale_of(scene, arrays, by), moved)
+
+
+def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivatives:
+    """Derivatives of all asked summaries by whatever a move changes.
+
+    Parameters
+    ----------
+    machine : Machine or ElementsAlone
+    move : Move
+
+    Raises
+    ------
+    AskError
+        An asked summary has no derivative.
+    """
+    for name in machine.asked_summaries:
+        if name.endswith(PLACES):
+            raise AskError(
+                f"{name!r} is the place of an extreme, which may jump from peak to peak: it has no derivative"
+            )
+    here = machine.evaluate(move.varied(move.at, np.arange(move.at.size)))
+    names, status = machine.asked_summaries, here.status.copy()
+    values, errors = ({name: np.full(move.at.shape, np.nan) for name in names} for _ in range(2))
+    left, seen = np.flatnonzero(status == Verdict.OK), []
+    for ladder in LADDERS:
+        if not left.size:
+            break
+        seen.append(_Neighbours.of(machine, move, left, ladder))
+        around = _Neighbours.joined(seen)
+        nearest = around.status[:, -1]
+        status[left] = np.where((nearest == Verdict.OK).any(axis=1), Verdict.OK, nearest[:, 0])
+        again = (nearest != Verdict.OK).any(axis=1)
+        for name in names:
+            found = _estimate(machine, around, name, here.summaries[name][left], here.errors[name][left])
+            values[name][left], errors[name][left] = found.value, found.error
+            again |= _is_open(found, here.summaries[name][left], move.scale[left])
+        left, seen = left[again], [part.some(again) for part in seen]
+    return Derivatives(values, errors, status)
+
+
+def _is_open(found: Estimate, here: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Whether shorter steps may better an estimate."""
+    small = GOOD * (np.abs(found.value) + np.abs(here) / scale)
+    # A summary that is undefined by itself has no neighbours either.
+    doubtful = (found.from_steps > small) & (found.from_steps > 0.5 * found.error)
+    return np.isfinite(here) & (~np.isfinite(found.error) | doubtful)
+
+
+class _Neighbours(NamedTuple):
+    """Variants beside some others: steps (levels,), what was moved, verdicts and results (variants, levels, 2)."""
+
+    steps: np.ndarray
+    width: np.ndarray
+    status: np.ndarray
+    summaries: dict[str, np.ndarray]
+    errors: dict[str, np.ndarray]
+
+    @classmethod
+    def of(
+        cls, machine: Machine | ElementsAlone, move: Move, variants: np.ndarray, ladder: tuple[float, ...]
+    ) -> "_Neighbours":
+        """Evaluate the neighbours of some variants."""
+        at, steps = move.at[variants, None, None], np.array(ladder)
+        places = at + move.scale[variants, None, None] * steps[:, None] * np.array([1.0, -1.0])
+        whose = np.broadcast_to(variants[:, None, None], places.shape)
+        outcome = machine.evaluate(move.varied(places.ravel(), whose.ravel()))
+        return cls(steps, places - at, outcome.status.reshape(places.shape), *_tables(outcome, places.shape))
+
+    @classmethod
+    def joined(cls, parts: "list[_Neighbours]") -> "_Neighbours":
+        """Neighbours of the same variants over several ladders."""
+        whole = [np.concatenate([part[i] for part in parts], axis=min(i, 1)) for i in range(3)]
+        tables = ({n: np.concatenate([part[i][n] for part in parts], axis=1) for n in parts[0][i]} for i in (3, 4))
+        return cls(*whole, *tables)
+
+    def some(self, chosen: np.ndarray) -> "_Neighbours":
+        """Neighbours of some of the variants."""
+        tables = ({name: values[chosen] for name, values in table.items()} for table in self[3:])
+        return _Neighbours(self.steps, self.width[chosen], self.status[chosen], *tables)
+
+
+def _tables(outcome: Outcome, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Summaries and error figures of neighbours, NaN of those that fail."""
+    failed = outcome.status != Verdict.OK
+    tables = (outcome.summaries, outcome.errors)
+    return tuple({n: np.where(failed, np.nan, v).reshape(shape) for n, v in table.items()} for table in tables)
+
+
+def _estimate(
+    machine: Machine | ElementsAlone, around: _Neighbours, name: str, here: np.ndarray, doubt: np.ndarray
+) -> Estimate:
+    samples = Differences(around.steps, around.width, here, doubt, around.summaries[name], around.errors[name])
+    return derivative_of(samples, ROUNDING * float(np.finfo(machine.dtype).eps))
+
+
+# Scales
+
+
+def scale_of(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> np.ndarray:
+    """Change of a number that would make another machine.
+
+    Of what can't be negative its own size, of coordinates and offsets the crank, of angles a radian, of all else its
+    own size; of a 0 the greatest number of its kind in the scene. It is less near a limit, so that both sides fit.
+
+    Parameters
+    ----------
+    scene : Scene
+    varied : mapping of path to ndarray (variants,)
+        Values (SI) of what varies, the number among them.
+    by : str
+
+    Returns
+    -------
+    ndarray (variants,)
+
+    Raises
+    ------
+    AskError
+        The number is a choice, such as an assembly mode.
+    """
+    numbers = scene_numbers(scene)
+    number, values = numbers[by], np.abs(varied[by])
+    if number.choices:
+        raise AskError(f"{by!r} is one of {list(number.choices)}: there is no derivative by it")
+    is_size = any(isinstance(limit, (Gt, Ge)) and _bound(limit) >= 0 for limit in number.limits)
+    if number.dimension == "angle" and not is_size:
+        scale = np.ones_like(values)
+    elif number.dimension == "length" and not is_size and scene.input is not None:
+        scale = np.broadcast_to(_reach(scene, varied), values.shape).copy()
+    else:
+        alike = [abs(n.value) for n in numbers.values() if n.dimension == number.dimension and n.value]
+        scale = np.where(values > 0, values, max(alike, default=1.0))
+    return _within(number, varied[by], scale)
+
+
+def _reach(scene: Scene, varied: Mapping[str, np.ndarray]) -> float | np.ndarray:
+    """Length of the crank, or travel of a sliding input."""
+    drive = scene.input
+    if isinstance(drive, CrankInput):
+        return varied.get("input.length", drive.length)
+    return np.abs(varied.get("input.stop", drive.stop) - varied.get("input.start", drive.start))
+
+
+def _within(number: SceneNumber, values: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Scales whose longest step goes half of the way to a limit at most, unless that is too near."""
+    for limit in number.limits:
+        room = np.abs(values - _bound(limit)) / (2 * LADDERS[0][0])
+        scale = np.where((room > LADDERS[0][-1] * scale) & (room < scale), room, scale)
+    return scale
+
+
+def _bound(limit: Gt | Ge | Lt | Le) -> float:
+    return next(float(getattr(limit, key)) for key in ("gt", "ge", "lt", "le") if hasattr(limit, key))
+
+
+# Units
+
+
+def unit_over(above: str, below: str) -> str:
+    """Quotient of two units as CF spells them: "J" over "m" is "J m-1", "N m" over "m" is "N"."""
+    powers: dict[str, int] = {}
+    for unit, sign in ((above, 1), (below, -1)):
+        for symbol in unit.split():
+            name = symbol.rstrip("-0123456789")
+            power = int(symbol[len(name) :] or 1)
+            powers[name] = powers.get(name, 0) + sign * power
+    left = sorted(((name, power) for name, power in powers.items() if name and power), key=lambda part: part[1] < 0)
+    return " ".join(name if power == 1 else f"{name}{power}" for name, power in left) or "1"
