@@ -36,8 +36,28 @@ from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
+from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.elastic.drives.two_mass_columns import drive_history
+from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
+from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.oscillators.run_through import run_through_motion
+from engine.elastic.trains.excitation import TrainExcitation, train_excitation, train_speed
+from engine.elastic.trains.holzer import HolzerTable, holzer_table
+from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
+from engine.elastic.trains.train_columns import is_excited, train_numbers
+from engine.elastic.trains.train_element import TorsionalTrain
 from engine.elements.elements_alone import ElementsAlone, made_ready
-from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.governors.governor_curves import (
+    GovernorCurves,
+    LoadChange,
+    StabilityPoint,
+    governor_curves,
+    load_change,
+    stability_point,
+)
+from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -45,6 +65,7 @@ from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.machine.full_rotation import assembly_ranges
+from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
@@ -107,6 +128,7 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
+    "AnyGovernor",
     "AskError",
     "BalanceError",
     "BalancedMachine",
@@ -123,20 +145,27 @@ __all__ = [
     "ExpressionError",
     "ExpressionTree",
     "FormulaNumber",
+    "Governor",
+    "GovernorCurves",
     "Hinged",
     "History",
     "Hodograph",
+    "HolzerTable",
     "InductionMotor",
     "InputUnits",
+    "LoadChange",
     "Machine",
     "MasterRod",
     "Mechanics",
     "Move",
+    "NaturalVibration",
+    "OscillatorElement",
     "Outcome",
     "Pair",
     "PatternError",
     "PlainNumber",
     "Quantity",
+    "ReducedTrain",
     "Regime",
     "RotorElement",
     "RunRegime",
@@ -145,12 +174,16 @@ __all__ = [
     "SceneNumbers",
     "ScenePart",
     "Sliding",
+    "StabilityPoint",
     "SteadyRegime",
     "TableError",
     "TextExpression",
     "TextOperation",
     "TorsionSpring",
+    "TorsionalTrain",
+    "TrainExcitation",
     "TurningMoment",
+    "TwoMassDrive",
     "UnitError",
     "Verdict",
     "Yoke",
@@ -175,6 +208,7 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
+    "drive_history",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",
@@ -185,28 +219,37 @@ __all__ = [
     "firing_sums",
     "four_runs",
     "friction_in_pairs",
+    "governed_scene",
+    "governor_curves",
     "group_links",
     "guide_edge_forces",
     "has_cycle",
     "history",
     "holder_of",
+    "holzer_table",
     "in_line_engine",
     "in_text",
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "is_excited",
     "joined_by_and",
+    "load_change",
     "made_engine",
     "made_ready",
     "names_in_tree",
+    "natural_vibration",
     "nearest_names",
     "order_groups",
+    "oscillator_columns",
+    "oscillator_numbers",
     "pairs_of",
     "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
     "radial_engine",
     "recognised",
+    "reduced_train",
     "regime_text",
     "remaining_shaking",
     "residual_confidence",
@@ -214,6 +257,7 @@ __all__ = [
     "rotor_corrections",
     "rotor_numbers",
     "rotor_unbalances",
+    "run_through_motion",
     "scale_of",
     "scene_numbers",
     "set_threads",
@@ -221,8 +265,12 @@ __all__ = [
     "sliders_of",
     "sources_digest",
     "split_on_neighbours",
+    "stability_point",
     "threads",
     "tolerance_shares",
+    "train_excitation",
+    "train_numbers",
+    "train_speed",
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",

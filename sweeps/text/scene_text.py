@@ -172,11 +172,20 @@ def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> S
         raise SceneError([(place.rstrip("."), message) for place, message in problems]) from None
 
 
+# Units of the rows of governors' tables.
+_ROWS = {"over_radius": "m", "over_lift": "m", "controlling_force": "N", "moment": "N m"}
+
+
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
-    """Write the columns of tables, and the throws of engines, with their units."""
+    """Write the columns of tables, the throws of engines and the rows of governors with their units."""
     for element in data.get("elements", {}).values():
-        if "throws" in element:
-            element["throws"] = [f"{angle!r} rad" for angle in element["throws"]]
+        for part in (element, element.get("engine", {})):
+            if "throws" in part:
+                part["throws"] = [f"{angle!r} rad" for angle in part["throws"]]
+        for part in (element, element.get("engine", {}).get("throttle", {})):
+            for key, unit in _ROWS.items():
+                if isinstance(part.get(key), list):
+                    part[key] = [f"{v!r} {unit}" for v in part[key]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

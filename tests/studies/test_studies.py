@@ -26,9 +26,17 @@ TEMPLATE_NAMES = (
     "watt_six_bar",
     "whitworth",
 )
-ELEMENT_TEMPLATE_NAMES = ("engine", "rotor")
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
-ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin")
+ELEMENT_TEMPLATE_NAMES = ("engine", "rotor", "governor", "oscillator", "torsional_train", "elastic_drive")
+ELEMENT_STUDY_NAMES = (
+    "crankshaft_vibration",
+    "engine_governor",
+    "fan_rotor",
+    "governed_set",
+    "press_backlash",
+    "screw_jack",
+    "v_twin",
+)
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
@@ -74,7 +82,7 @@ def close(value, exact, relative=1e-12):
 # Templates
 
 
-def test_templates__are_the_ten_mechanisms_and_two_elements_with_a_title_each():
+def test_templates__are_the_ten_mechanisms_and_six_elements_with_a_title_each():
     found = templates()
     assert set(found) == {*TEMPLATE_NAMES, *ELEMENT_TEMPLATE_NAMES}
     assert all(found.values())

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from engine.flywheels.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
+from engine.cycle.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
 from engine.laws.tables import TableError, make_table, table_value
 
 EPS = 2.3e-16

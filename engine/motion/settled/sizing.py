@@ -10,11 +10,11 @@ from collections.abc import Callable
 import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.grid import Grid
-from engine.motion.steady import Steady, refined_extremes, steady_motion
-from engine.motion.steppers.energy_form import NODES, Tables
+from engine.motion.settled.steady import steady_motion
 from engine.verdicts import Verdict
 
+# Crank angles over which the inertia is averaged.
+PLACES = 64
 MOST_ROUNDS = 60
 MOST_DOUBLINGS = 6
 HEAVY = np.log(20.0)
@@ -23,19 +23,8 @@ SIZED = 1e-10
 BOUNDED = 1e-6
 
 
-def speed_extremes(
-    dynamics: Dynamics, variants: Variants, grid: Grid, tables: Tables, steady: Steady
-) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest speed of a steady motion [rad/s]."""
-    moments = dynamics.moments(variants, tables.at(NODES), steady.omega)
-    rows = dynamics.rows(variants, grid.places[NODES])
-    inertia = tables.inertia[NODES]
-    slope = (moments.total - 0.5 * steady.omega**2 * rows.inertia_phi) / (inertia * steady.omega)
-    return refined_extremes(steady.omega, slope, tables.steps)
-
-
 def flywheel_for(
-    dynamics: Dynamics, variants: Variants, grid: Grid, tables: Tables, asked: np.ndarray
+    dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray, doubtful: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """Flywheel for an asked speed fluctuation in true steady motion.
 
@@ -44,10 +33,12 @@ def flywheel_for(
     dynamics : Dynamics
     variants : Variants
         With the flywheel they have; what is found replaces it.
-    grid : Grid
-    tables : Tables
+    tolerance : float
+        As of `steady_motion`.
     asked : ndarray (variants,)
         δ.
+    doubtful : bool
+        Whether every step is changed by its estimated error.
 
     Returns
     -------
@@ -55,18 +46,17 @@ def flywheel_for(
         Inertia on the input link [kg·m²]; 0 where the machine needs none, NaN where there is no steady motion.
     verdict : ndarray (variants,) of uint8
     """
-    bare = tables.inertia - variants.flywheel
-    lightest = np.log(bare.mean(axis=0))
+    step = dynamics.cycle / PLACES
+    places = np.broadcast_to(step * np.arange(PLACES)[:, None], (PLACES, variants.count))
+    lightest = np.log(dynamics.rows(variants._replace(flywheel=np.zeros(variants.count)), places).inertia.mean(axis=0))
 
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
         """Ln δ − ln δ_asked with a mean inertia, by its logarithm; inf where the machine doesn't run."""
-        part, rows, own = variants.some(who), tables.some(who), bare[:, who]
-        loaded = rows._replace(inertia=own + (np.exp(inertia) - np.exp(lightest[who])))
-        steady = steady_motion(dynamics, part, loaded)
+        part = variants.some(who)._replace(flywheel=np.exp(inertia) - np.exp(lightest[who]))
+        steady = steady_motion(dynamics, part, tolerance)[int(doubtful)]
         verdict[who] = steady.verdict
         with np.errstate(all="ignore"):
-            low, high = speed_extremes(dynamics, part, _part(grid, who), loaded, steady)
-            off = np.log(2.0 * (high - low) / (high + low)) - np.log(asked[who])
+            off = np.log(steady.fluctuation) - np.log(asked[who])
         return np.where(steady.verdict == Verdict.OK, off, np.inf)
 
     everyone, verdict = np.arange(variants.count), np.zeros(variants.count, np.uint8)
@@ -115,7 +105,3 @@ def _heavy_enough(
         # δ goes with 1/(I + I_F): with three times what that asks for, it is surely enough.
         heavy[who] += np.where(np.isfinite(f[who]), f[who] + np.log(3.0), HEAVY)
     return heavy, np.where(f <= 0.0, f, np.inf)
-
-
-def _part(grid: Grid, who: np.ndarray) -> Grid:
-    return Grid(*(None if x is None else np.ascontiguousarray(x[:, who]) for x in grid))

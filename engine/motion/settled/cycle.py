@@ -15,8 +15,8 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import Grid
 from engine.motion.moments.piecewise import bound, extremes, integral
 from engine.motion.quantities import Asked
-from engine.motion.steady import Steady
-from engine.motion.steppers.energy_form import NODES, Tables
+from engine.motion.settled.steady import Steady
+from engine.motion.steppers.energy_form import NODES
 
 
 class Cycle(NamedTuple):
@@ -59,7 +59,6 @@ def cycle_of(
     dynamics: Dynamics,
     variants: Variants,
     grid: Grid,
-    tables: Tables,
     steady: Steady,
     loads: PairLoads | None,
     off: frozenset[str],
@@ -68,24 +67,26 @@ def cycle_of(
 
     Parameters
     ----------
-    dynamics, variants, grid, tables, steady
-        Of the motion; the tables hold the inertia of the flywheel it goes with.
+    dynamics, variants, grid, steady
+        Of the motion, with the flywheel it goes with and what was recorded at the nodes of the grid.
     loads : PairLoads or None
     off : frozenset of str
         Actions that don't act.
     """
-    omega, angle, way = steady.omega, grid.places[NODES], variants.direction
-    moments = dynamics.moments(variants, tables.at(NODES), omega)
+    angle, way, wheel = grid.places[NODES], variants.direction, variants.flywheel
     machine = dynamics.rows(variants, angle)
-    inertia = tables.inertia[NODES]
-    epsilon = (moments.total - 0.5 * omega**2 * machine.inertia_phi) / inertia
-    wheel = inertia[0] - machine.inertia[0] + variants.flywheel
+    omega = np.sqrt(2.0 * steady.record[0] / machine.inertia)
+    moments = dynamics.moments(variants, machine, omega)
+    others = moments.loads.sum(axis=0)
+    total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
+    motors = np.where(np.isnan(steady.record[2]), moments.motors, total - others)
+    epsilon = (total - 0.5 * omega**2 * machine.inertia_phi) / machine.inertia
     rows = {
         "speed": omega,
         "acceleration": epsilon * way,
-        "motor_moment": moments.motors * way,
-        "load_moment": moments.loads.sum(axis=0) * way,
-        "input_moment": (moments.motors - wheel * epsilon) * way,
+        "motor_moment": motors * way,
+        "load_moment": others * way,
+        "input_moment": (motors - wheel * epsilon) * way,
     }
     if loads is not None:
         rows |= loads(variants, angle, omega, epsilon * way, wheel, off)

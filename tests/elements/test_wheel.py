@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.flywheels.wheel import MATERIALS, make_wheel
+from engine.elements.flywheel_wheels import MATERIALS, make_wheel
 from engine.scene.parts import WheelForm
 
 # Sums, products and quotients of a dozen numbers: tens of roundings of 1.1e-16.
