@@ -38,6 +38,8 @@ from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
+from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -91,6 +93,8 @@ __all__ = [
     "BalanceError",
     "BalancedMachine",
     "Brake",
+    "CamCurves",
+    "CamElement",
     "CounterweightPlace",
     "CrankInput",
     "DCMotor",
@@ -138,6 +142,7 @@ __all__ = [
     "bearer_of",
     "body_mass",
     "boxer_engine",
+    "cam_curves",
     "centre_along",
     "common_units",
     "corrected_unbalance",

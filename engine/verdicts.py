@@ -19,6 +19,8 @@ class Verdict(IntEnum):
     ANY_SPEED = 10
     LOCKS = 11
     NO_INERTIA = 12
+    UNDERCUT = 20
+    LIFTS_OFF = 21
     NOT_COMPUTED = 255
 
 
@@ -58,6 +60,14 @@ SENTENCES = {
     Verdict.NO_INERTIA: (
         "at a dead centre nothing moves that has mass: the reduced inertia is zero there, and no moment decides the "
         "speed; give the crank, a shaft or a flywheel its inertia"
+    ),
+    Verdict.UNDERCUT: (
+        "a cam is undercut: its profile can't move the follower by the law; a larger base circle, a smaller roller, a "
+        "longer section or another law helps"
+    ),
+    Verdict.LIFTS_OFF: (
+        "a follower lifts off its cam: the spring can't keep up with it; a greater preload or stiffness, less mass or "
+        "a lower speed helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -89,14 +89,15 @@ class LawOfArrays(NamedTuple):
     ----------
     function : callable
         From the numbers of all variants (numbers, variants) it gives their results (results, variants) and, of the same
-        shape, the magnitudes whose rounding these carry, that of the numbers with it.
+        shape, the magnitudes whose rounding these carry, that of the numbers with it; and verdicts (variants,) where
+        the law judges variants itself.
     arguments, results
         As for `ElementLaw`.
     block : int
         For how many variants at a time it is called.
     """
 
-    function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+    function: Callable[[np.ndarray], tuple[np.ndarray, ...]]
     arguments: Callable[[MachineElement, Given], tuple]
     results: tuple[ElementResult, ...]
     block: int = 2048
