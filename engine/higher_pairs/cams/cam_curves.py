@@ -190,5 +190,5 @@ def _trace(
     for k in range(u.size):
         for order, value in enumerate(motion_in(pieces, where[k], u[k])):
             motion[k, order] = value
-        if not fill_place(traits, numbers, 0, pieces, where[k], u[k], first, size, found, k):
+        if not fill_place(traits, numbers, 0, pieces, where[k], u[k], first, size, -1, found, k):
             start[0] = math.nan

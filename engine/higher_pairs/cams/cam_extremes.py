@@ -124,6 +124,7 @@ _OF = {
 }
 SOUGHT = np.array([_OF[e] for e in TurnExtreme])
 EXTREMES = len(SOUGHT)
+_HEIGHTS = int(TurnExtreme.HEIGHT_FOR_ANGLE)
 WITHOUT_FORCES = int(TurnExtreme.PRESSED)
 # After the extremes of a variant: velocity's and acceleration's greatest jumps, the velocity's greatest drop, the mean
 # moment.
@@ -239,12 +240,12 @@ def _over_turn(
             used = 1 if flat else SAMPLES
             for k in range(used):
                 u = middle + half * _POINTS[k]
-                if not fill_place(traits, numbers, row, pieces, i, u, first, off, samples, k):
+                if not fill_place(traits, numbers, row, pieces, i, u, first, off, -1, samples, k):
                     return _CANNOT_ASSEMBLE
                 if traits[DYNAMIC] == 1 and samples[k, FORCE] == NEVER:
                     return _JAMS
             narrow = half <= 0.5 * (pieces[i, TO] - pieces[i, FROM]) * 2.0**-HALVINGS * 1.5
-            if not flat and not narrow and not _resolved(samples):
+            if not flat and not narrow and not _resolved(row, samples, values):
                 stack[waiting, 0], stack[waiting, 1] = left, middle
                 stack[waiting + 1, 0], stack[waiting + 1, 1] = middle, right
                 waiting += 2
@@ -305,14 +306,16 @@ def _jumps(
 
 
 @routine
-def _resolved(samples: np.ndarray) -> bool:
-    """Whether polynomials of half the degree follow all quantities."""
+def _resolved(row: int, samples: np.ndarray, values: np.ndarray) -> bool:
+    """Whether polynomials of half the degree follow all quantities; heights matter where they may be the greatest."""
     for q in range(QUANTITIES):
         low = high = samples[0, q]
         great = 0.0
         for k in range(SAMPLES):
             low, high = min(low, samples[k, q]), max(high, samples[k, q])
             great = max(great, samples[k, QUANTITIES + q])
+        if q >= HEIGHT_RISING and high + 0.25 * (high - low) < values[row, _HEIGHTS + q - HEIGHT_RISING]:
+            continue
         allowed = COARSE * (high - low) + 1e3 * EPS * great
         for b in range(LAST // 2):
             guess = 0.0
@@ -411,7 +414,7 @@ def _top(
     """Place, value and size of a maximum in a bracket, by Brent's method."""
     near = NEAR * (pieces[i, TO] - pieces[i, FROM])
     a, b, x = low, high, start
-    fill_place(traits, numbers, row, pieces, i, x, first, off, samples, SAMPLES)
+    fill_place(traits, numbers, row, pieces, i, x, first, off, q, samples, SAMPLES)
     fx, size = sign * samples[SAMPLES, q], samples[SAMPLES, QUANTITIES + q]
     w, v, fw, fv = x, x, fx, fx
     before, step = 0.0, 0.0
@@ -436,7 +439,7 @@ def _top(
             before = (b - x) if x < middle else (a - x)
             step = GOLDEN * before
         new = x + (step if abs(step) >= near else (near if step > 0.0 else -near))
-        fill_place(traits, numbers, row, pieces, i, new, first, off, samples, SAMPLES)
+        fill_place(traits, numbers, row, pieces, i, new, first, off, q, samples, SAMPLES)
         value = sign * samples[SAMPLES, q]
         if value >= fx:
             if new >= x:

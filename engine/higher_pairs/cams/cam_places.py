@@ -78,6 +78,7 @@ def fill_place(
     u: float,
     first: float,
     size: float,
+    wanted: int,
     found: np.ndarray,
     at: int,
 ) -> bool:
@@ -96,6 +97,8 @@ def fill_place(
         Place in it.
     first, size : float
         From `first_place`.
+    wanted : int
+        The quantity that is wanted; −1 for all.
     found : ndarray (rows, 2 QUANTITIES)
     at : int
         Its row.
@@ -114,6 +117,8 @@ def fill_place(
     _write(found, at, VELOCITY, speed * s1, speed * m1)
     _write(found, at, ACCELERATION, speed**2 * s2, speed**2 * m2)
     _write(found, at, JERK, speed**3 * s3, speed**3 * m3)
+    if VELOCITY <= wanted <= JERK:
+        return True
     reached = y > 0.0 and (traits[SWINGS] == 0 or y < math.pi)
     d, arm = numbers[row, DISTANCE], numbers[row, ARM]
     sine, cosine, alpha_off, leverage = 0.0, 1.0, 0.0, 1.0
@@ -150,11 +155,13 @@ def fill_place(
             alpha_off = ((m1 + abs(d)) * along + abs(across) * off) / square
         alpha = math.atan2(across, along)
         _write(found, at, ALPHA, alpha, abs(alpha) + alpha_off)
+        if wanted == ALPHA:
+            return reached
         kappa = pitch_curvature(where, sense)
         x1, y1, x2, y2 = rolled_back(where, sense)
         spread = (o1 * (abs(x2) + abs(y2)) + (abs(x1) + abs(y1)) * o2) / (long * square)
         _write(found, at, CURVE, kappa, spread + 3.0 * abs(kappa) * (o1 * (abs(x1) + abs(y1)) / square + 1.0))
-        if traits[LIMITED] == 1:
+        if traits[LIMITED] == 1 and (wanted < 0 or wanted >= HEIGHT_RISING):
             slope, radius = numbers[row, LIMIT_SLOPE], numbers[row, LIMIT_RADIUS] + numbers[row, ROLLER]
             if slope > 0.0:
                 height = least_height_for_angle(s, s1, d, slope)
@@ -162,7 +169,7 @@ def fill_place(
             if radius > 0.0:
                 height = least_height_for_curvature(s, s1, s2, d, radius)
                 _write(found, at, HEIGHT_CURVED, height, 4.0 * (abs(height) + m0 + m1 + m2 + abs(d) + radius))
-    if traits[DYNAMIC] == 1:
+    if traits[DYNAMIC] == 1 and (wanted < 0 or FORCE <= wanted <= GROWTH):
         preload, c, load = numbers[row, PRELOAD], numbers[row, STIFFNESS], numbers[row, LOAD]
         inertia = numbers[row, INERTIA]
         still, impelled = preload + c * s + load, inertia * speed**2 * s2

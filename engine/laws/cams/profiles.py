@@ -147,12 +147,16 @@ def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, ra
     """Height s₀ above which the pitch curve of a translating follower is never more curved than 1/`radius` here.
 
     The greatest root y of R³ = ρ(R² + v s' − y s''), R² = y² + v², v = s' − e, less s; found by Newton's method from
-    above, in a bracket. Where nothing is too curved for any y > 0, that is −s.
+    above, in a bracket. It is sought above y = s alone: 0 where there is none, as any height will do.
     """
     v = s1 - offset
-    low, high = 0.0, radius + math.sqrt(radius * abs(s2)) + (radius * abs(v * s1)) ** (1.0 / 3.0)
+    low, high = max(s, 0.0), radius + math.sqrt(radius * abs(s2)) + (radius * abs(v * s1)) ** (1.0 / 3.0)
     # R³ outgrows the rest from here: each of its terms is less than a third of R³ beyond three times its own bound.
     high = 3.0 * high
+    if high <= low:
+        return 0.0
+    least = math.sqrt(low * low + v * v)
+    bends_up = 3.0 * (least * least + low * low) >= 2.0 * radius * least
     y = high
     for _ in range(100):
         square = y * y + v * v
@@ -165,6 +169,9 @@ def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, ra
         slope = 3.0 * r * y - radius * (2.0 * y - s2)
         new = y - f / slope if slope > 0.0 else 0.5 * (low + high)
         if not low <= new <= high:
+            # From above, Newton's method stays above the root of what bends upwards: passing `low`, it tells of none.
+            if f >= 0.0 and (bends_up or high - low <= 1e-6 * radius):
+                return 0.0
             new = 0.5 * (low + high)
         if abs(new - y) <= 2e-16 * high:
             break
