@@ -1,20 +1,21 @@
-"""Pictures of the machine elements of a scene: plans of rotors, sheets of engines; and their tables in words."""
+"""Pictures of the machine elements of a scene: plans of rotors, sheets of engines and cams; tables in words."""
 
 from pathlib import Path
 
-from engine import EngineElement, RotorElement, Scene
+from engine import CamElement, EngineElement, RotorElement, Scene
+from sweeps.pictures.elements.cam_sheet import cam_sheet
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors and engines of a scene.
+    """Draw the rotors, engines and cams of a scene.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with the element's name and `_plan` or `_orders` added.
+        The names of the pictures are this one's with the element's name and `_plan`, `_orders` or `_cam` added.
 
     Returns
     -------
@@ -24,7 +25,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, or it can't be written.
+        The file's ending isn't a picture's, a cam's follower doesn't reach it, or the file can't be written.
     """
     made = []
     for name, element in scene.elements.items():
@@ -36,6 +37,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case EngineElement():
                 made.append(path.with_name(f"{path.stem}_{name}_orders{path.suffix}"))
                 engine_sheet(element, made[-1], title)
+            case CamElement():
+                made.append(path.with_name(f"{path.stem}_{name}_cam{path.suffix}"))
+                cam_sheet(element, made[-1], title)
     return made
 
 
