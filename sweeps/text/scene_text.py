@@ -171,10 +171,15 @@ def _copied(part: ScenePart, changes: Mapping[str, Any], path: str) -> ScenePart
 
 
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
-    """Write the columns of tables, and the throws of engines, with their units."""
+    """Write the columns of tables, of cams too, and the throws of engines with their units."""
     for element in data.get("elements", {}).values():
         if "throws" in element:
             element["throws"] = [f"{angle!r} rad" for angle in element["throws"]]
+        if element["type"] == "cam" and "table" in element:
+            table = element["table"]
+            for key, unit in (("over_angle", "rad"), ("lift", "m"), ("swing", "rad")):
+                if key in table:
+                    table[key] = [f"{v!r} {unit}" for v in table[key]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

@@ -26,9 +26,9 @@ TEMPLATE_NAMES = (
     "watt_six_bar",
     "whitworth",
 )
-ELEMENT_TEMPLATE_NAMES = ("engine", "rotor")
+ELEMENT_TEMPLATE_NAMES = ("cam", "engine", "rotor")
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper")
-ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin")
+ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin", "valve_train")
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")

@@ -47,9 +47,9 @@ def cam_sheet(cam: CamElement, target: Path | str | Figure, title: str = "") -> 
 
 
 def _cam_with_follower(ax: Axes, cam: CamElement, curves: CamCurves) -> None:
-    """The cam at the angle of its greatest pressure angle on the rise, the contact's normal marked."""
-    away = curves.first > 0
-    at = int(np.argmax(np.where(away, np.abs(curves.pressure_angle), -1.0))) if away.any() else 0
+    """The cam at the angle of its greatest pressure angle, or velocity, on the rise; the contact's normal marked."""
+    shown = curves.first if cam.follower.contact == "flat" else np.abs(curves.pressure_angle)
+    at = int(np.argmax(np.where(curves.first > 0, shown, -1.0)))
     turned = np.exp(1j * curves.sense * curves.angle[at])
     profile, pitch, cutter = (1e3 * line * turned for line in (curves.profile, curves.pitch, curves.cutter))
     base = 1e3 * cam.base_radius * np.exp(1j * np.linspace(0, 2 * np.pi, 200))
@@ -57,7 +57,8 @@ def _cam_with_follower(ax: Axes, cam: CamElement, curves: CamCurves) -> None:
     ax.plot(base.real, base.imag, color=GREY, linewidth=0.6, linestyle=(0, (4, 3)), label="base circle", zorder=3)
     if cam.follower.contact == "roller":
         ax.plot(pitch.real, pitch.imag, color=GREY, linewidth=0.6, linestyle=(0, (8, 2, 1, 2)), label="pitch curve")
-    if cam.cutter_radius is not None:
+    # The path of a grinding wheel would dwarf the cam.
+    if cam.cutter_radius is not None and cam.cutter_radius <= cam.base_radius:
         ax.plot(cutter.real, cutter.imag, color=GREEN, linewidth=0.7, label="cutter's centre")
     ax.plot(0, 0, "+", color="black", markersize=8, zorder=4)
     contact, centre = 1e3 * curves.contact[at], 1e3 * curves.follower[at]
@@ -75,7 +76,8 @@ def _cam_with_follower(ax: Axes, cam: CamElement, curves: CamCurves) -> None:
     ends = [0.45 * cam.base_radius * 1e3 * np.exp(1j * curves.sense * a) for a in (-0.9, 0.7)]
     ax.annotate("", (ends[1].real, ends[1].imag), (ends[0].real, ends[0].imag), arrowprops=arrow, zorder=5)
     ax.set(aspect="equal", xlabel="mm")
-    ax.set_title(f"At {DEGREES * curves.angle[at]:.1f}°, α = {DEGREES * curves.pressure_angle[at]:.1f}°")
+    alpha = "" if cam.follower.contact == "flat" else f", α = {DEGREES * abs(curves.pressure_angle[at]):.1f}°"
+    ax.set_title(f"At {DEGREES * curves.angle[at]:.1f}°{alpha}")
     ax.margins(0.06)
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2)
 
@@ -102,12 +104,12 @@ def _follower(ax: Axes, cam: CamElement, contact: complex, centre: complex, size
 def _courses(figure: Figure, cam: CamElement, curves: CamCurves) -> None:
     """Courses over the cam's angle, one above the other."""
     flat, dynamic = cam.follower.contact == "flat", cam.follower.moved is not None
-    stroke = "m" if cam.translating else "rad"
+    stroke, rate = ("m", "m") if cam.translating else ("rad", "1")
     curvature = np.where(np.abs(curves.curvature) * cam.base_radius < MOST_CURVED, curves.curvature, np.nan)
     rows = [
         ("s", curves.displacement, stroke, BLUE),
-        ("s′", curves.first, stroke, BLUE),
-        ("s″", curves.second, stroke, BLUE),
+        ("s′", curves.first, rate, BLUE),
+        ("s″", curves.second, rate, BLUE),
         *([] if flat else [("α", curves.pressure_angle, "rad", VERMILION)]),
         ("κ", curvature, "", ORANGE),
         *([("N", curves.force, "N", GREEN), ("M", curves.moment, "N m", GREEN)] if dynamic else []),
@@ -123,7 +125,7 @@ def _courses(figure: Figure, cam: CamElement, curves: CamCurves) -> None:
         for end in ends:
             ax.axvline(end, color=PALE, linewidth=0.8)
         ax.plot(angle, factor * values, color=colour)
-        ax.set_ylabel(f"{name}, {unit}")
+        ax.set_ylabel(f"{name}, {unit}" if unit not in ("", "1") else name)
         ax.axhline(0, color="black", linewidth=0.5)
     axes[-1].set(xlabel="angle of the cam, °", xlim=(0, 360), xticks=range(0, 361, 60))
     figure.align_ylabels(axes)
