@@ -19,6 +19,8 @@ class Verdict(IntEnum):
     ANY_SPEED = 10
     LOCKS = 11
     NO_INERTIA = 12
+    UNSTABLE = 13
+    RESONANCE = 17
     UNDERCUT = 20
     LIFTS_OFF = 21
     NOT_COMPUTED = 255
@@ -43,7 +45,7 @@ SENTENCES = {
     Verdict.RUNS_AWAY: "the machine runs away: at no speed do the loads hold the drive; check signs, or add a load",
     Verdict.NO_END: (
         "a regime doesn't end: the state at which it should end is never reached; change the end or the drive, or "
-        "raise at_most"
+        "raise at_most. Or a governor is too stiffly damped for its change of load to be followed: damp it less"
     ),
     Verdict.JAMS: (
         "friction jams: no force or moment, however great, moves an element; less friction, a smaller angle or a "
@@ -60,6 +62,14 @@ SENTENCES = {
     Verdict.NO_INERTIA: (
         "at a dead centre nothing moves that has mass: the reduced inertia is zero there, and no moment decides the "
         "speed; give the crank, a shaft or a flywheel its inertia"
+    ),
+    Verdict.UNSTABLE: (
+        "a governor is stable nowhere between its stops: its controlling force rises less than in proportion to the "
+        "radius; a stiffer spring with less preload, other stops or other arms help"
+    ),
+    Verdict.RESONANCE: (
+        "resonance without damping: what excites an elastic element has its natural frequency, and the amplitude has "
+        "no bound; change the speed, a stiffness or a mass, or give it its damping"
     ),
     Verdict.UNDERCUT: (
         "a cam is undercut: its profile can't move the follower by the law; a larger base circle, a smaller roller, a "

@@ -20,7 +20,7 @@ from engine.higher_pairs.cams.cam_places import (
     NUMBERS,
     QUANTITIES,
     SENSE,
-    fill_place,
+    fill_cam_place,
     first_place,
 )
 from engine.higher_pairs.cams.pieces import (
@@ -190,5 +190,5 @@ def _trace(
     for k in range(u.size):
         for order, value in enumerate(motion_in(pieces, where[k], u[k])):
             motion[k, order] = value
-        if not fill_place(traits, numbers, 0, pieces, where[k], u[k], first, size, -1, found, k):
+        if not fill_cam_place(traits, numbers, 0, pieces, where[k], u[k], first, size, -1, found, k):
             start[0] = math.nan

@@ -34,7 +34,7 @@ from engine.higher_pairs.cams.cam_places import (
     SHORTFALL,
     SPEED,
     VELOCITY,
-    fill_place,
+    fill_cam_place,
     first_place,
 )
 from engine.higher_pairs.cams.pieces import (
@@ -240,7 +240,7 @@ def _over_turn(
             used = 1 if flat else SAMPLES
             for k in range(used):
                 u = middle + half * _POINTS[k]
-                if not fill_place(traits, numbers, row, pieces, i, u, first, off, -1, samples, k):
+                if not fill_cam_place(traits, numbers, row, pieces, i, u, first, off, -1, samples, k):
                     return _CANNOT_ASSEMBLE
                 if traits[DYNAMIC] == 1 and samples[k, FORCE] == NEVER:
                     return _JAMS
@@ -414,7 +414,7 @@ def _top(
     """Place, value and size of a maximum in a bracket, by Brent's method."""
     near = NEAR * (pieces[i, TO] - pieces[i, FROM])
     a, b, x = low, high, start
-    fill_place(traits, numbers, row, pieces, i, x, first, off, q, samples, SAMPLES)
+    fill_cam_place(traits, numbers, row, pieces, i, x, first, off, q, samples, SAMPLES)
     fx, size = sign * samples[SAMPLES, q], samples[SAMPLES, QUANTITIES + q]
     w, v, fw, fv = x, x, fx, fx
     before, step = 0.0, 0.0
@@ -439,7 +439,7 @@ def _top(
             before = (b - x) if x < middle else (a - x)
             step = GOLDEN * before
         new = x + (step if abs(step) >= near else (near if step > 0.0 else -near))
-        fill_place(traits, numbers, row, pieces, i, new, first, off, q, samples, SAMPLES)
+        fill_cam_place(traits, numbers, row, pieces, i, new, first, off, q, samples, SAMPLES)
         value = sign * samples[SAMPLES, q]
         if value >= fx:
             if new >= x:

@@ -69,7 +69,7 @@ def first_place(traits: np.ndarray, numbers: np.ndarray, row: int) -> tuple[floa
 
 
 @routine
-def fill_place(
+def fill_cam_place(
     traits: np.ndarray,
     numbers: np.ndarray,
     row: int,
