@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine import ElementsAlone, Verdict, cam_curves
+from engine import ElementsAlone, Verdict, cam_curves, scene_numbers
 from tests.samples.cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
 
 OMEGA = 600 * math.pi / 30
@@ -298,3 +298,52 @@ def test_sections_of_variants__that_make_no_turn_are_outside_limits():
     alone = ElementsAlone(scene, ["cam.greatest_velocity"], varied=["elements.cam.sections.out.angle"])
     outcome = alone.evaluate({"elements.cam.sections.out.angle": np.radians([100.0, 209.0, 210.0, 300.0])})
     assert outcome.status.tolist() == [Verdict.OK, Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
+
+
+FRICTION = {"follower__friction": 0.3, "follower__guide_length": "60 mm", "follower__overhang": "40 mm"}
+LINE = {"line_contact": {"width": "12 mm"}}
+EXTREME = {
+    "offset near the prime circle": (ROLLER, {"follower__offset": "37.9999 mm"}),
+    "base circle near zero": (
+        ROLLER,
+        {"base_radius": "0.01 mm", "follower__roller_radius": "0.005 mm", "follower__offset": "0 mm"},
+    ),
+    "limits": (ROLLER, LINE | {"limits": {"pressure_angle": "30 deg", "convex_radius": "4 mm"}}),
+    "roller nearly as large as the curvature": (
+        ROLLER,
+        LINE
+        | {"sections__out__angle": "40 deg", "follower__preload": "2 kN"}
+        | {"follower__roller_radius": "11.7 mm", "base_radius": "26.3 mm"},
+    ),
+    "friction": (ROLLER, FRICTION),
+    "arm nearly in line": (ARM, {"base_radius": "135 mm"}),
+    "table": (
+        FLAT,
+        {
+            "sections": None,
+            "table": {
+                "over_angle": ["0 deg", "60 deg", "120 deg", "240 deg"],
+                "lift": ["0 mm", "5 mm", "10 mm", "3 mm"],
+            },
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("name", [*CAMS, *EXTREME])
+def test_error_figures__hold_what_rounding_of_the_numbers_makes(name):
+    """Every number of the scene is moved in turn; its rounding makes as much less as it is smaller than the move."""
+    cam, changes = EXTREME.get(name, (CAMS.get(name), {}))
+    scene, nudge = cam_scene(cam, **changes), 2.0**-26
+    numbers = {path: number.value for path, number in scene_numbers(scene).items()}
+    names = [key for key in ElementsAlone(scene).available_summaries if not key.endswith("_at")]
+    moved = {path: np.full(len(numbers) + 1, value) for path, value in numbers.items()}
+    for k, values in enumerate(moved.values()):
+        values[k + 1] *= 1 + nudge
+    outcome = ElementsAlone(scene, names, varied=list(moved)).evaluate(moved)
+    assert outcome.status[0] == Verdict.OK
+    for key in names:
+        values = outcome.summaries[key]
+        if np.isfinite(values[0]):
+            made = np.nansum(np.abs(values[1:] - values[0])) * 2.0**-53 / nudge
+            assert made <= outcome.errors[key][0], key
