@@ -122,3 +122,18 @@ def test_curvature_and_pressure_angle__with_many_digits(name, u):
     # Sums of a dozen terms, none above a hundred times the result.
     assert curves.curvature[k] == pytest.approx(profile, rel=1e-12)
     assert math.cos(curves.pressure_angle[k]) == pytest.approx(float(cosine), rel=1e-13)
+
+
+def test_undercut_face__is_pushed_further_than_the_law():
+    """Beyond the limit the envelope crosses itself: points of it stand out where the law has the face already back."""
+    cam = cam_of(CAMS["face"], base_radius="30 mm")
+    curves = cam_curves(cam, DENSE)
+    assert curves.curvature.min() < 0
+    off = []
+    for degrees in range(150, 180, 5):
+        phi = math.radians(degrees)
+        surface = curves.profile * cmath.exp(1j * phi) - cam.follower.pivot_distance
+        pushed = np.angle(-surface.conj()).max() - math.asin(cam.base_radius / cam.follower.pivot_distance)
+        off.append(pushed - np.interp(phi, curves.angle, curves.displacement))
+    assert max(off) > 1e-4
+    assert min(off) > -2e-7

@@ -30,7 +30,6 @@ NUMBERS = 17
 
 # What a cam is: whether its follower swings, has a flat face; 1 where an arm opens against the rotation, else −1.
 SWINGS, FLAT, SENSE, DYNAMIC, LIMITED = range(5)
-TRAITS = 5
 
 (
     ALPHA,
@@ -86,7 +85,8 @@ def fill_cam_place(
 
     Parameters
     ----------
-    traits : ndarray (TRAITS,) of int
+    traits : ndarray of int
+        In the order of the constants above.
     numbers : ndarray (variants, NUMBERS + …)
     row : int
         Variant.
