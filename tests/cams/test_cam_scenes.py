@@ -102,7 +102,7 @@ def test_valve_train_study__answers_its_question(result):
     assert nose[best] <= nose[heavy & fast].min() + 5.0
 
 
-@pytest.mark.parametrize("name", CAMS)
+@pytest.mark.parametrize("name", ["flat", "knife edge", "arm with", "face"])
 def test_cam_is_drawn(name, tmp_path):
     path = tmp_path / "cam.svg"
     cam_sheet(cam_of(CAMS[name]), path, "a cam")
