@@ -58,6 +58,8 @@ from engine.governors.governor_curves import (
     stability_point,
 )
 from engine.governors.governor_elements import AnyGovernor, Governor
+from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
+from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -133,6 +135,8 @@ __all__ = [
     "BalanceError",
     "BalancedMachine",
     "Brake",
+    "CamCurves",
+    "CamElement",
     "CounterweightPlace",
     "CrankInput",
     "DCMotor",
@@ -196,6 +200,7 @@ __all__ = [
     "bearer_of",
     "body_mass",
     "boxer_engine",
+    "cam_curves",
     "centre_along",
     "check_yields",
     "common_units",

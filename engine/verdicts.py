@@ -21,6 +21,8 @@ class Verdict(IntEnum):
     NO_INERTIA = 12
     UNSTABLE = 13
     RESONANCE = 17
+    UNDERCUT = 20
+    LIFTS_OFF = 21
     NOT_COMPUTED = 255
 
 
@@ -68,6 +70,14 @@ SENTENCES = {
     Verdict.RESONANCE: (
         "resonance without damping: what excites an elastic element has its natural frequency, and the amplitude has "
         "no bound; change the speed, a stiffness or a mass, or give it its damping"
+    ),
+    Verdict.UNDERCUT: (
+        "a cam is undercut: its profile can't move the follower by the law; a larger base circle, a smaller roller, a "
+        "longer section or another law helps"
+    ),
+    Verdict.LIFTS_OFF: (
+        "a follower lifts off its cam: the spring can't keep up with it; a greater preload or stiffness, less mass or "
+        "a lower speed helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -29,6 +29,8 @@ from engine.governors.governor_columns import governor_law
 from engine.governors.governor_elements import Governor, governs_machine
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
+from engine.higher_pairs.cams.cam_columns import cam_law
+from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.quantities.quantity import Quantity
 from engine.scene.elements import MachineElement
 from engine.scene.scene import Numbers, Scene
@@ -241,7 +243,7 @@ def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
-    """What is computed of an element; of rotors, engines and governors it depends on their parts."""
+    """What is computed of an element; of rotors, engines, governors and cams it depends on their parts."""
     match element:
         case RotorElement():
             return rotor_law(element)
@@ -249,6 +251,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return engine_law(element)
         case Governor():
             return governor_law(element)
+        case CamElement():
+            return cam_law(element)
         case OscillatorElement():
             return oscillator_law(element)
         case ComplianceElement():

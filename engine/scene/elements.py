@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, wedges, journals, guides, rollers, rotors, engines, governors, springs.
+"""Machine elements of a scene: screws, belts, wedges, guides, rollers, rotors, engines, governors, springs, cams.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -21,6 +21,7 @@ from engine.governors.governor_elements import (
     TableGovernor,
     WattGovernor,
 )
+from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
 
@@ -171,6 +172,7 @@ MachineElement = Annotated[
     | OscillatorElement
     | ComplianceElement
     | TorsionalTrain
-    | TwoMassDrive,
+    | TwoMassDrive
+    | CamElement,
     Field(discriminator="type"),
 ]

@@ -23,7 +23,8 @@ def blocks(language):
 def folder(tmp_path_factory):
     """A folder with the README's scene and study, and the study run."""
     path = tmp_path_factory.mktemp("readme")
-    scene, study, formulas, motion, friction = blocks("toml")
+    scene, study, formulas, motion, friction, cam = blocks("toml")
+    (path / "cam.toml").write_text(cam, encoding="utf8")
     (path / "compressor.toml").write_text(scene, encoding="utf8")
     (path / "compressor_friction.toml").write_text(scene + friction, encoding="utf8")
     (path / "compressor_formulas.toml").write_text(scene + formulas, encoding="utf8")

@@ -27,7 +27,7 @@ TEMPLATE_NAMES = (
     "whitworth",
 )
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
-ELEMENT_TEMPLATE_NAMES = ("engine", "rotor", "governor", "oscillator", "torsional_train", "elastic_drive")
+ELEMENT_TEMPLATE_NAMES = ("cam", "engine", "rotor", "governor", "oscillator", "torsional_train", "elastic_drive")
 ELEMENT_STUDY_NAMES = (
     "crankshaft_vibration",
     "engine_governor",
@@ -36,6 +36,7 @@ ELEMENT_STUDY_NAMES = (
     "press_backlash",
     "screw_jack",
     "v_twin",
+    "valve_train",
 )
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")

@@ -1,8 +1,9 @@
-"""Pictures of the machine elements of a scene: rotors, engines, governors, elastic links; and their tables in words."""
+"""Pictures of the machine elements of a scene: rotors, engines, governors, springs, cams; tables in words."""
 
 from pathlib import Path
 
 from engine import (
+    CamElement,
     EngineElement,
     Governor,
     OscillatorElement,
@@ -12,6 +13,7 @@ from engine import (
     TwoMassDrive,
     governed_scene,
 )
+from sweeps.pictures.elements.cam_sheet import cam_sheet
 from sweeps.pictures.elements.elastic_sheets import drive_sheet, oscillator_sheet
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
@@ -20,14 +22,14 @@ from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors, engines, governors, oscillators, torsional trains and elastic drives of a scene.
+    """Draw the rotors, engines, governors, oscillators, torsional trains, elastic drives and cams of a scene.
 
     Parameters
     ----------
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_governor`,
-        `_vibration` or `_transient` added.
+        `_vibration`, `_transient` or `_cam` added.
 
     Returns
     -------
@@ -37,7 +39,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, or it can't be written.
+        The file's ending isn't a picture's, or it can't be written; a cam's follower doesn't reach its base circle.
     """
     made = []
     scene, cycles = governed_scene(scene)
@@ -62,6 +64,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case TwoMassDrive():
                 made.append(path.with_name(f"{path.stem}_{name}_transient{path.suffix}"))
                 drive_sheet(element, made[-1], title)
+            case CamElement():
+                made.append(path.with_name(f"{path.stem}_{name}_cam{path.suffix}"))
+                cam_sheet(element, made[-1], title)
     return made
 
 

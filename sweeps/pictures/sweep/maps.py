@@ -34,6 +34,8 @@ REASONS = {
     Verdict.NO_INERTIA: "no inertia at a dead centre",
     Verdict.UNSTABLE: "governor nowhere stable",
     Verdict.RESONANCE: "resonance without damping",
+    Verdict.UNDERCUT: "cam undercut",
+    Verdict.LIFTS_OFF: "follower lifts off",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 
