@@ -19,6 +19,9 @@ class Verdict(IntEnum):
     ANY_SPEED = 10
     LOCKS = 11
     NO_INERTIA = 12
+    DOES_NOT_FIT = 18
+    SELF_LOCKS = 19
+    STANDS = 20
     NOT_COMPUTED = 255
 
 
@@ -58,6 +61,18 @@ SENTENCES = {
     Verdict.NO_INERTIA: (
         "at a dead centre nothing moves that has mass: the reduced inertia is zero there, and no moment decides the "
         "speed; give the crank, a shaft or a flywheel its inertia"
+    ),
+    Verdict.DOES_NOT_FIT: (
+        "wheels don't fit: teeth aren't whole numbers, axes that should be one lie apart, planets can't be spaced "
+        "equally or touch each other; change numbers of teeth or of planets, or modules"
+    ),
+    Verdict.SELF_LOCKS: (
+        "a gear train locks by itself: the load can't drive it, as its meshes lose all power; another basic ratio or "
+        "less friction of the teeth helps, or a load that resists"
+    ),
+    Verdict.STANDS: (
+        "a gear train stands still: its meshes lose all power that the given moments put in; another basic ratio or "
+        "less friction of the teeth helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -16,17 +16,16 @@ from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.threads import on_all_threads
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
-from engine.elements.element_laws import LAWS, ElementLaw, ElementResult, LawOfArrays
+from engine.elements.element_laws import LAWS, NUDGE, ROUNDING, ElementLaw, ElementResult, LawOfArrays
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
+from engine.higher_pairs.gears.gear_columns import gear_law
+from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.quantities.quantity import Quantity
 from engine.scene.elements import MachineElement
 from engine.scene.scene import Numbers, Scene
 from engine.verdicts import Verdict
 
-ROUNDING = 16
-# A relative change of a number that is large against rounding and small against what laws curve over.
-NUDGE = 2.0**-26
 EPS = float(np.finfo(float).eps)
 
 Columns = dict[str, np.ndarray]
@@ -87,7 +86,8 @@ class ElementColumns:
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
         """Write what is asked of the variants `keep`, and the verdict on those of them without a complaint so far.
 
-        JAMS where a force or moment would have to be infinite, NOT_FINITE where a law has no value.
+        That of a law where it has one of its own; JAMS where a force or moment would have to be infinite, NOT_FINITE
+        where a law has no value.
 
         Parameters
         ----------
@@ -101,11 +101,13 @@ class ElementColumns:
         """
         if not self.elements:
             return
-        values, figures = self._values(numbers, keep.size)
+        values, figures, verdicts = self._values(numbers, keep.size)
         must = [
             i for i, (name, r) in enumerate(self._every) if r in _given(self.scene, name) and not r.may_be_undefined
         ]
         jams, undefined = np.isinf(values[:, must]).any(axis=1), np.isnan(values[:, must]).any(axis=1)
+        judged = (status[keep] == Verdict.OK) & (verdicts != Verdict.OK)
+        status[keep[judged]] = verdicts[judged]
         well = status[keep] == Verdict.OK
         status[keep[well & jams]] = Verdict.JAMS
         status[keep[well & undefined]] = Verdict.NOT_FINITE
@@ -120,18 +122,24 @@ class ElementColumns:
         """Everything that the laws give: element and result."""
         return [(name, r) for name in self.elements for r in law_of(self.scene.elements[name]).results]
 
-    def _values(self, numbers: Numbers, variants: int) -> tuple[np.ndarray, np.ndarray]:
-        """All results and their error figures: rounding of the numbers, as the laws pass it on, and of the results."""
+    def _values(self, numbers: Numbers, variants: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """All results, their error figures, and the first verdict of a law on each variant.
+
+        Error figures are rounding of the numbers, as the laws pass it on, and of the results.
+        """
+        verdicts = np.full(variants, Verdict.OK, np.uint8)
         by_name = self._by_scalar_laws(numbers, variants) if self._scalar_laws else {}
         for name in self.elements:
             law = law_of(self.scene.elements[name])
             if isinstance(law, LawOfArrays):
-                by_name[name] = _with_errors(law, self._arguments(name, numbers, variants))
+                value, error, verdict = _with_errors(law, self._arguments(name, numbers, variants))
+                by_name[name] = value, error
+                verdicts = np.where(verdicts == Verdict.OK, verdict, verdicts)
         values, errors = (np.concatenate([by_name[name][part] for name in self.elements]).T for part in range(2))
         for i, (_, result) in enumerate(self._every):
             if result.exact:
                 errors[:, i] = 0.0
-        return values, errors
+        return values, errors, verdicts
 
     def _by_scalar_laws(self, numbers: Numbers, variants: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Results (results, variants) of the elements with scalar laws, and their error figures."""
@@ -209,20 +217,24 @@ def _fill(
                 found[row, first + lane] = tile[row, 0, lane]
 
 
-def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Results (results, variants) of a law of arrays and their error figures, block by block."""
+def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Results (results, variants) of a law of arrays, their error figures, and verdicts, block by block."""
     pieces = np.array_split(numbers, max(1, -(-numbers.shape[1] // law.block)), axis=1)
-    values, sizes = zip(*on_all_threads(law.function, pieces), strict=True)
-    return np.concatenate(values, axis=1), ROUNDING * EPS * np.concatenate(sizes, axis=1)
+    values, sizes, *verdicts = zip(*on_all_threads(law.function, pieces), strict=True)
+    errors = ROUNDING * EPS * np.concatenate(sizes, axis=1)
+    verdict = np.concatenate(verdicts[0]) if verdicts else np.full(numbers.shape[1], Verdict.OK, np.uint8)
+    return np.concatenate(values, axis=1), errors, verdict
 
 
 def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
-    """What is computed of an element; of a rotor or an engine it depends on its unbalances and planes, or cylinders."""
+    """What is computed of an element; of rotors, engines and gear trains it depends on their parts."""
     match element:
         case RotorElement():
             return rotor_law(element)
         case EngineElement():
             return engine_law(element)
+        case GearTrain():
+            return gear_law(element)
     return LAWS[element.type]
 
 

@@ -50,6 +50,11 @@ BUSHES = {"line": 1.0, "new": NEW, "worn in": WORN_IN, "half-round, new": NEW, "
 
 Given = Callable[[str], float | np.ndarray]
 
+# A relative change of a number that is large against rounding and small against what laws curve over.
+NUDGE = 2.0**-26
+# Roundings of a result's size that an error figure is made of.
+ROUNDING = 16
+
 
 class ElementResult(NamedTuple):
     """A result of a law: its name, meaning and unit, the key it needs to be given, whether it may have no value.
@@ -89,14 +94,15 @@ class LawOfArrays(NamedTuple):
     ----------
     function : callable
         From the numbers of all variants (numbers, variants) it gives their results (results, variants) and, of the same
-        shape, the magnitudes whose rounding these carry, that of the numbers with it.
+        shape, the magnitudes whose rounding these carry, that of the numbers with it; and verdicts (variants,) where
+        the law judges variants itself.
     arguments, results
         As for `ElementLaw`.
     block : int
         For how many variants at a time it is called.
     """
 
-    function: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+    function: Callable[[np.ndarray], tuple[np.ndarray, ...]]
     arguments: Callable[[MachineElement, Given], tuple]
     results: tuple[ElementResult, ...]
     block: int = 2048

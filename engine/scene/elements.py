@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, wedges, inclines, journals, guides, rollers, rotors, engines.
+"""Machine elements of a scene: screws, belts, wedges, inclines, journals, guides, rollers, rotors, engines, gears.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_element import RotorElement
+from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
 
@@ -151,6 +152,7 @@ MachineElement = Annotated[
     | GuideElement
     | RollerElement
     | RotorElement
-    | EngineElement,
+    | EngineElement
+    | GearTrain,
     Field(discriminator="type"),
 ]

@@ -32,6 +32,9 @@ REASONS = {
     Verdict.ANY_SPEED: "nothing decides the speed",
     Verdict.LOCKS: "a brake locks by itself",
     Verdict.NO_INERTIA: "no inertia at a dead centre",
+    Verdict.DOES_NOT_FIT: "wheels don't fit",
+    Verdict.SELF_LOCKS: "gears lock by themselves",
+    Verdict.STANDS: "losses stop the gears",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 
