@@ -80,7 +80,7 @@ def test_basic_ratio_next_to_one__loses_no_digit(z):
 
 def test_basic_ratio_of_one__lets_no_speed_follow():
     roles = {"first": {"speed": SPEED}, "fourth": {"held": True}}
-    found, status = found_of(stepped_planetary(40, 60, 40, 60, roles) | {})
+    found, status = found_of(stepped_planetary(40, 60, 40, 60, roles))
     assert math.isfinite(found["arm.ratio"][0])
     found, status = found_of(stepped_planetary(40, 60, 60, 40, roles))
     assert status == Verdict.NOT_FINITE

@@ -13,6 +13,7 @@ _SPLITTER = 134217729.0
 # With pivots smaller than this beside their rows, corrections would no longer bring all digits back.
 _VANISHING = 2.0**-40
 _CORRECTIONS = 3
+_ENOUGH = 2.0**-53
 
 
 class Solution(NamedTuple):
@@ -37,7 +38,12 @@ def solve_exactly(matrix: np.ndarray, right: np.ndarray) -> Solution:
     with np.errstate(invalid="ignore", over="ignore"):
         found = _product(inverse, right)
         for _ in range(_CORRECTIONS):
-            found = found + _product(inverse, _residual(matrix, found, right))
+            change = _product(inverse, _residual(matrix, found, right))
+            # What is right already stays as it is, however many corrections others beside it need.
+            wanting = np.abs(change) > _ENOUGH * np.abs(found)
+            if not wanting.any():
+                break
+            found = np.where(wanting, found + change, found)
     return Solution(found, np.abs(inverse))
 
 

@@ -70,9 +70,9 @@ def train_moments(
     turned = TrainSpeeds((-1.0 if backwards else 1.0) * speeds.speeds, speeds.errors)
     teeth = np.array([teeth_of(place, n) for place in structure.meshes])
     equilibrium = _Equilibrium(train, teeth, turned, loads, efficiencies)
-    senses = equilibrium.solved(np.zeros(efficiencies.shape)).senses
+    senses = np.zeros(efficiencies.shape)
     found = equilibrium.solved(senses)
-    for _ in range(len(structure.meshes) + 1):
+    for _ in range(len(structure.meshes) + 2):
         again = ~found.agrees
         if not again.any():
             break
