@@ -38,6 +38,9 @@ from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
+from engine.higher_pairs.gears.gear_elements import GearTrain
+from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -100,6 +103,7 @@ __all__ = [
     "EngineElement",
     "EngineLayout",
     "EngineShaking",
+    "GearTrain",
     "Hinged",
     "History",
     "Hodograph",
@@ -127,6 +131,7 @@ __all__ = [
     "TorsionSpring",
     "TurningMoment",
     "UnitError",
+    "VelocityPicture",
     "Verdict",
     "Yoke",
     "acting_fields",
@@ -154,6 +159,8 @@ __all__ = [
     "firing_sums",
     "four_runs",
     "friction_in_pairs",
+    "gear_numbers",
+    "gear_results",
     "group_links",
     "guide_edge_forces",
     "has_cycle",
@@ -195,5 +202,6 @@ __all__ = [
     "unit_over",
     "usual_throws",
     "v_engine",
+    "velocity_picture",
     "w_engine",
 ]

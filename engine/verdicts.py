@@ -64,7 +64,7 @@ SENTENCES = {
     ),
     Verdict.DOES_NOT_FIT: (
         "wheels don't fit: teeth aren't whole numbers, axes that should be one lie apart, planets can't be spaced "
-        "equally or touch each other; change numbers of teeth or of planets, or modules"
+        "equally or touch each other, or a bore cuts the teeth; change numbers of teeth or of planets, modules or bores"
     ),
     Verdict.SELF_LOCKS: (
         "a gear train locks by itself: the load can't drive it, as its meshes lose all power; another basic ratio or "

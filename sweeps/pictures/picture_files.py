@@ -32,7 +32,7 @@ LARGEST_FIELD = 256e6
 def machine_pictures(
     scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
 ) -> list[Path]:
-    """Drawing of a machine and its diagrams in two files; its regimes, rotors and engines in further ones.
+    """Drawing of a machine and its diagrams in two files; its regimes, rotors, engines and gear trains in others.
 
     Parameters
     ----------
@@ -59,7 +59,9 @@ def machine_pictures(
     made = element_pictures(with_values(scene, values), path)
     if scene.input is None:
         if not made:
-            raise PictureError("the scene has machine elements alone, no rotor and no engine: there is nothing to draw")
+            raise PictureError(
+                "the scene has machine elements alone, no rotor, engine or gear train: there is nothing to draw"
+            )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
     picture(scene, path, at, paths, values)

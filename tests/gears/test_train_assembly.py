@@ -105,6 +105,13 @@ def test_wheel_in_a_smaller_ring__does_not_fit():
     assert found_of(train)[1] == Verdict.DOES_NOT_FIT
 
 
+def test_bore_up_to_the_teeth__does_not_fit():
+    train = simple_planetary(24, 30, 84, ROLES, module=0.002)
+    train["wheels"]["sun"] |= {"width": 0.02, "bore": 0.01}
+    # The root circle has 2 mm · (24 - 2.5) = 43 mm.
+    assert list(found_of(train, {"wheels.sun.bore": [0.042, 0.0431]})[1]) == [Verdict.OK, Verdict.DOES_NOT_FIT]
+
+
 # Inertia
 
 

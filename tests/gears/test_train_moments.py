@@ -23,8 +23,9 @@ def near(found, exact):
 
 
 def balanced(found, shafts, meshes):
-    """Moments and the frame's add up to nothing; power lost is what the meshes take from what rolls through them."""
-    moments = [found[f"{s}.moment"] for s in shafts if f"{s}.moment" in found] + [found["frame.moment"]]
+    """Moments and the frame's, which holds what is held, add up to nothing; meshes lose shares of what rolls by."""
+    free = [s for s in shafts if f"{s}.moment" in found and found[f"{s}.speed"][0] != 0]
+    moments = [found[f"{s}.moment"] for s in free] + [found["frame.moment"]]
     assert abs(sum(m for m, _ in moments)) <= 2 * sum(e for _, e in moments)
     lost = sum((1 - found[f"{m}.efficiency"][0]) * abs(found[f"{m}.rolling_power"][0]) for m in meshes)
     into, figure = found["input_power"]

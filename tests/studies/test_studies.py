@@ -26,9 +26,9 @@ TEMPLATE_NAMES = (
     "watt_six_bar",
     "whitworth",
 )
-ELEMENT_TEMPLATE_NAMES = ("engine", "rotor")
+ELEMENT_TEMPLATE_NAMES = ("engine", "rotor", "planetary_train")
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper")
-ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin")
+ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin", "planetary_reducer")
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
@@ -73,7 +73,7 @@ def close(value, exact, relative=1e-12):
 # Templates
 
 
-def test_templates__are_the_ten_mechanisms_and_two_elements_with_a_title_each():
+def test_templates__are_those_of_mechanisms_and_elements_with_a_title_each():
     found = templates()
     assert set(found) == {*TEMPLATE_NAMES, *ELEMENT_TEMPLATE_NAMES}
     assert all(found.values())

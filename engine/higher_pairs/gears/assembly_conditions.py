@@ -85,7 +85,7 @@ def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes
         fits &= n[f"wheels.{wheel}.teeth"] == np.round(n[f"wheels.{wheel}.teeth"])
     for size in sizes.values():
         fits &= size.distance > 0
-    fits &= _equal_modules(train, sizes)
+    fits &= _equal_modules(train, sizes) & _bores_leave_a_rim(train, n, sizes)
     errors = {}
     for one, other in structure.same_distance:
         at, name = (sizes[structure.meshes[j].name].distance for j in (one, other)), structure.meshes[other].name
@@ -117,6 +117,16 @@ def _equal_modules(train: GearTrain, sizes: dict[str, MeshSizes]) -> np.ndarray:
             equal = equal & (np.abs(known.module - sizes[name].module) <= _SAME * known.module)
             equal = equal & (np.abs(known.helix_angle - sizes[name].helix_angle) <= _SAME)
     return equal
+
+
+def _bores_leave_a_rim(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+    """Whether the bores of discs end below the roots of the teeth."""
+    left = np.array(True)
+    for name, mesh in train.meshes.items():
+        for wheel, diameter in zip(mesh.between, sizes[name].diameters, strict=True):
+            if train.wheels[wheel].width is not None:
+                left = left & (n[f"wheels.{wheel}.bore"] < diameter - 2.5 * sizes[name].module)
+    return left
 
 
 def _spacing_remainder(path: list[MeshPlace], n: Numbers, count: np.ndarray) -> np.ndarray:

@@ -124,7 +124,7 @@ def _results_of_loads(train: GearTrain) -> Iterator[ElementResult]:
         if name in structure.unknown_moments or train.shafts[name].moment is not None:
             yield ElementResult(f"{name}.moment", f"moment from outside on {name}", "N m")
             yield ElementResult(f"{name}.power", f"power put in at {name}", "W")
-    yield ElementResult("frame.moment", "moment that holds the frame", "N m")
+    yield ElementResult("frame.moment", "moment that holds the frame with all held shafts", "N m")
     yield ElementResult("input_power", "power put in", "W")
     yield ElementResult("loss", "power lost in all meshes", "W")
     yield ElementResult("efficiency", "power that comes out over power put in", "1", None, True)

@@ -64,6 +64,8 @@ class GearStructure(NamedTuple):
     carriers : tuple of int
         Number of the shaft that each turns in; −1 for the frame.
     meshes : tuple of MeshPlace
+    axes : dict of str to str
+        One name for the axis of every shaft and wheel: coaxial ones have the same.
     same_distance : tuple of (int, int)
         Meshes between the same two axes: their centre distances must agree.
     pin_meshes : dict of str to int
@@ -79,6 +81,7 @@ class GearStructure(NamedTuple):
     shafts: tuple[str, ...]
     carriers: tuple[int, ...]
     meshes: tuple[MeshPlace, ...]
+    axes: dict[str, str]
     same_distance: tuple[tuple[int, int], ...]
     pin_meshes: dict[str, int]
     central_paths: dict[str, tuple[tuple[int, ...], ...]]
@@ -159,8 +162,9 @@ def gear_structure(
     held = tuple(name for name, shaft in shafts.items() if shaft.held)
     driven = tuple(name for name, shaft in shafts.items() if shaft.driven)
     unknown = tuple(name for name, shaft in shafts.items() if shaft.moment_follows)
+    paths = _central_paths(names, places)
     structure = GearStructure(
-        names, carriers, places, tuple(same), pins, _central_paths(names, places), held, driven, unknown, True, True
+        names, carriers, places, axes, tuple(same), pins, paths, held, driven, unknown, True, True
     )
     rank, follow = _generic_ranks(structure)
     if rank < len(places):
@@ -231,7 +235,7 @@ def _axes(
     number: Mapping[str, int],
     places: Sequence[MeshPlace],
 ) -> dict[str, str]:
-    """One name for the axis of every wheel: coaxial ones have the same."""
+    """One name for the axis of every shaft and wheel: coaxial ones have the same."""
     # A wheel fixed to the frame has an axis of its own, as long as no planet rolls about it.
     node = {wheel: shaft if shaft != FRAME else f"{FRAME} {wheel}" for wheel, shaft in wheels.items()}
     root: dict[str, str] = {}
@@ -253,7 +257,7 @@ def _axes(
     for name, shaft in shafts.items():
         if shaft.axis is not None:
             join(name, f"axis {shaft.axis} in {shaft.carrier or FRAME}")
-    return {wheel: found(name) for wheel, name in node.items()}
+    return {wheel: found(name) for wheel, name in node.items()} | {name: found(name) for name in shafts}
 
 
 def _central_paths(names: tuple[str, ...], places: Sequence[MeshPlace]) -> dict[str, tuple[tuple[int, ...], ...]]:

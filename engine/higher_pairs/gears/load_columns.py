@@ -73,7 +73,9 @@ def load_results(
     found: Pairs = {}
     for i, name in enumerate(structure.shafts):
         found[f"{name}.moment"], found[f"{name}.power"] = (state.moments[i], state.moment_errors[i]), (power[i], off[i])
-    found["frame.moment"] = -state.moments.sum(axis=0), state.moment_errors.sum(axis=0)
+    # What is held belongs to the frame.
+    free = [i for i, name in enumerate(structure.shafts) if name not in structure.held]
+    found["frame.moment"] = 0.0 - state.moments[free].sum(axis=0), state.moment_errors[free].sum(axis=0)
     into, into_off = np.maximum(power, 0.0).sum(axis=0), np.where(power > 0, off, 0.0).sum(axis=0)
     found["input_power"] = into, into_off
     found["loss"] = power.sum(axis=0), off.sum(axis=0)

@@ -1,1 +1,1 @@
-"""Pictures of machine elements: plans of rotors' unbalances, sheets of the orders that shake engines."""
+"""Pictures of machine elements: plans of rotors' unbalances, orders that shake engines, velocities of gears."""

@@ -1,20 +1,21 @@
-"""Pictures of the machine elements of a scene: plans of rotors, sheets of engines; and their tables in words."""
+"""Pictures of the machine elements of a scene: rotors, engines, gear trains; and their tables in words."""
 
 from pathlib import Path
 
-from engine import EngineElement, RotorElement, Scene
+from engine import EngineElement, GearTrain, RotorElement, Scene
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
+from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors and engines of a scene.
+    """Draw the rotors, engines and gear trains of a scene.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with the element's name and `_plan` or `_orders` added.
+        The names of the pictures are this one's with the element's name and `_plan`, `_orders` or `_velocities` added.
 
     Returns
     -------
@@ -36,10 +37,19 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case EngineElement():
                 made.append(path.with_name(f"{path.stem}_{name}_orders{path.suffix}"))
                 engine_sheet(element, made[-1], title)
+            case GearTrain():
+                made.append(path.with_name(f"{path.stem}_{name}_velocities{path.suffix}"))
+                gear_sheet(element, made[-1], title)
     return made
 
 
 def element_tables(scene: Scene) -> str:
-    """Tables of the orders of a scene's engines, in words; "" without engines."""
-    engines = {name: e for name, e in scene.elements.items() if isinstance(e, EngineElement)}
-    return "\n".join(f"{name}: orders of the crank\n{engine_table(engine)}" for name, engine in engines.items())
+    """Tables of the orders of a scene's engines and of the shafts of its gear trains, in words; "" without any."""
+    told = []
+    for name, element in scene.elements.items():
+        match element:
+            case EngineElement():
+                told.append(f"{name}: orders of the crank\n{engine_table(element)}")
+            case GearTrain():
+                told.append(f"{name}: {gear_table(element)}")
+    return "\n".join(told)
