@@ -36,8 +36,28 @@ from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
+from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.elastic.drives.two_mass_columns import drive_history
+from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
+from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.oscillators.run_through import run_through_motion
+from engine.elastic.trains.excitation import TrainExcitation, train_excitation, train_speed
+from engine.elastic.trains.holzer import HolzerTable, holzer_table
+from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
+from engine.elastic.trains.train_columns import is_excited, train_numbers
+from engine.elastic.trains.train_element import TorsionalTrain
 from engine.elements.elements_alone import ElementsAlone, made_ready
-from engine.flywheels.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.governors.governor_curves import (
+    GovernorCurves,
+    LoadChange,
+    StabilityPoint,
+    governor_curves,
+    load_change,
+    stability_point,
+)
+from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
@@ -48,6 +68,7 @@ from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
 from engine.machine.full_rotation import assembly_ranges
+from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
@@ -59,6 +80,26 @@ from engine.quantities.quantity import InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
+from engine.scene.dimensions import described as described_dimension
+from engine.scene.formulas.by_formula import FormulaNumber
+from engine.scene.formulas.dimension_check import (
+    check_yields,
+    dimension_of,
+    dimension_of_unit,
+    dimensions_by_unit,
+    unit_of_dimension,
+)
+from engine.scene.formulas.expressions import (
+    ExpressionError,
+    TextExpression,
+    TextOperation,
+    evaluate_tree,
+    joined_by_and,
+    names_in_tree,
+)
+from engine.scene.formulas.expressions import Tree as ExpressionTree
+from engine.scene.formulas.expressions import parse as parse_expression
+from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
 from engine.scene.names import did_you_mean, input_point
 from engine.scene.names import nearest as nearest_names
@@ -90,6 +131,7 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
+    "AnyGovernor",
     "AskError",
     "BalanceError",
     "BalancedMachine",
@@ -103,21 +145,31 @@ __all__ = [
     "EngineElement",
     "EngineLayout",
     "EngineShaking",
+    "ExpressionError",
+    "ExpressionTree",
+    "FormulaNumber",
     "GearTrain",
+    "Governor",
+    "GovernorCurves",
     "Hinged",
     "History",
     "Hodograph",
+    "HolzerTable",
     "InductionMotor",
     "InputUnits",
+    "LoadChange",
     "Machine",
     "MasterRod",
     "Mechanics",
     "Move",
+    "NaturalVibration",
+    "OscillatorElement",
     "Outcome",
     "Pair",
     "PatternError",
     "PlainNumber",
     "Quantity",
+    "ReducedTrain",
     "Regime",
     "RotorElement",
     "RunRegime",
@@ -126,10 +178,16 @@ __all__ = [
     "SceneNumbers",
     "ScenePart",
     "Sliding",
+    "StabilityPoint",
     "SteadyRegime",
     "TableError",
+    "TextExpression",
+    "TextOperation",
     "TorsionSpring",
+    "TorsionalTrain",
+    "TrainExcitation",
     "TurningMoment",
+    "TwoMassDrive",
     "UnitError",
     "VelocityPicture",
     "Verdict",
@@ -144,15 +202,22 @@ __all__ = [
     "body_mass",
     "boxer_engine",
     "centre_along",
+    "check_yields",
     "common_units",
     "corrected_unbalance",
     "crank_radius",
     "crankshaft_counterweights",
     "derivatives_along",
+    "described_dimension",
     "did_you_mean",
+    "dimension_of",
+    "dimension_of_unit",
+    "dimensions_by_unit",
+    "drive_history",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",
+    "evaluate_tree",
     "even_firing_order",
     "firing_angles",
     "firing_intervals",
@@ -161,25 +226,37 @@ __all__ = [
     "friction_in_pairs",
     "gear_numbers",
     "gear_results",
+    "governed_scene",
+    "governor_curves",
     "group_links",
     "guide_edge_forces",
     "has_cycle",
     "history",
     "holder_of",
+    "holzer_table",
     "in_line_engine",
     "in_text",
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "is_excited",
+    "joined_by_and",
+    "load_change",
     "made_engine",
     "made_ready",
+    "names_in_tree",
+    "natural_vibration",
     "nearest_names",
     "order_groups",
+    "oscillator_columns",
+    "oscillator_numbers",
     "pairs_of",
+    "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
     "radial_engine",
     "recognised",
+    "reduced_train",
     "regime_text",
     "remaining_shaking",
     "residual_confidence",
@@ -187,6 +264,7 @@ __all__ = [
     "rotor_corrections",
     "rotor_numbers",
     "rotor_unbalances",
+    "run_through_motion",
     "scale_of",
     "scene_numbers",
     "set_threads",
@@ -194,12 +272,18 @@ __all__ = [
     "sliders_of",
     "sources_digest",
     "split_on_neighbours",
+    "stability_point",
     "threads",
     "tolerance_shares",
+    "train_excitation",
+    "train_numbers",
+    "train_speed",
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",
+    "unit_of_dimension",
     "unit_over",
+    "unknown_name_message",
     "usual_throws",
     "v_engine",
     "velocity_picture",

@@ -19,6 +19,8 @@ class Verdict(IntEnum):
     ANY_SPEED = 10
     LOCKS = 11
     NO_INERTIA = 12
+    UNSTABLE = 13
+    RESONANCE = 17
     DOES_NOT_FIT = 18
     SELF_LOCKS = 19
     STANDS = 20
@@ -61,6 +63,14 @@ SENTENCES = {
     Verdict.NO_INERTIA: (
         "at a dead centre nothing moves that has mass: the reduced inertia is zero there, and no moment decides the "
         "speed; give the crank, a shaft or a flywheel its inertia"
+    ),
+    Verdict.UNSTABLE: (
+        "a governor is stable nowhere between its stops: its controlling force rises less than in proportion to the "
+        "radius; a stiffer spring with less preload, other stops or other arms help"
+    ),
+    Verdict.RESONANCE: (
+        "resonance without damping: what excites an elastic element has its natural frequency, and the amplitude has "
+        "no bound; change the speed, a stiffness or a mass, or give it its damping"
     ),
     Verdict.DOES_NOT_FIT: (
         "wheels don't fit: teeth aren't whole numbers, axes that should be one lie apart, planets can't be spaced "

@@ -85,6 +85,8 @@ class Task(NamedTuple):
         Curves at whose zeros others bend.
     scan : int
         Positions at which switching functions are looked at.
+    looks : int
+        How many times: twice where some of them depend on landmarks of others.
     integrals : ndarray of int
         Curves to integrate.
     kept : ndarray of int
@@ -126,6 +128,7 @@ class Task(NamedTuple):
     cuts: np.ndarray
     kinks: np.ndarray
     scan: int
+    looks: int
     integrals: np.ndarray
     kept: np.ndarray
     works: np.ndarray
@@ -374,18 +377,20 @@ def cut(
     landmarks, turns, crossings = of_landmarks(work.landmarks), of_roots(work.turns), of_roots(work.crossings)
     functions = task.landmark_rows.shape[0]
     turn_rows = crossing_rows = 0 * functions
-    if functions > 0:
-        scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
-        sample(events, work.block, tables, task.scan, scan)
-        for f in range(functions):
-            turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
-        solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
-        for f in range(functions):
-            find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
-            copy_rows(landmarks[f], task.landmark_rows[f], block)
-    if task.sizes[1] > 0:
-        levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
-        copy_rows(in_lanes(work.level_tile), task.level_rows, block)
+    for _ in range(task.looks):
+        if functions > 0:
+            turn_rows = 0 * functions
+            scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
+            sample(events, work.block, tables, task.scan, scan)
+            for f in range(functions):
+                turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
+            solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
+            for f in range(functions):
+                find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
+                copy_rows(landmarks[f], task.landmark_rows[f], block)
+        if task.sizes[1] > 0:
+            levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
+            copy_rows(in_lanes(work.level_tile), task.level_rows, block)
     for c in range(task.crossings.shape[0]):
         f, row = task.crossings[c, 0], task.crossings[c, 1]
         crossing_rows = find_crossings(

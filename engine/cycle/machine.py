@@ -115,6 +115,8 @@ class Plan:
         Longest panel, no more than π/2 where the input is an angle.
     scan : int
         Positions over the range at which switching functions are looked at.
+    looks : int
+        How many times they are: twice where some of them depend on landmarks of others.
     """
 
     ends: tuple[int, int]
@@ -141,6 +143,7 @@ class Plan:
     tolerance: float | Sequence[float] = 1e-10
     longest: float = 1.26
     scan: int = 36
+    looks: int = 1
 
 
 @dataclass(frozen=True)
@@ -310,6 +313,7 @@ class CycleMachine:
             _integers(plan.cuts),
             _integers(plan.kinks),
             plan.scan,
+            plan.looks,
             _integers(plan.integrals),
             _integers(kept),
             _integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),

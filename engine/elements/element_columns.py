@@ -16,7 +16,17 @@ from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.threads import on_all_threads
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.elastic.compliances.compliance_columns import compliance_law
+from engine.elastic.compliances.elastic_parts import ComplianceElement
+from engine.elastic.drives.two_mass_columns import drive_law
+from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.oscillators.oscillator_columns import oscillator_law
+from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.trains.train_columns import train_law
+from engine.elastic.trains.train_element import TorsionalTrain
 from engine.elements.element_laws import LAWS, NUDGE, ROUNDING, ElementLaw, ElementResult, LawOfArrays
+from engine.governors.governor_columns import governor_law
+from engine.governors.governor_elements import Governor, governs_machine
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
 from engine.higher_pairs.gears.gear_columns import gear_law
@@ -58,6 +68,11 @@ class ElementColumns:
         self.scene, self.names = scene, [name for name in asked if name in known]
         self.elements = tuple(dict.fromkeys(name.partition(".")[0] for name in self.names))
 
+    @property
+    def governing(self) -> tuple[str, ...]:
+        """Governors among them whose engine is the scene's mechanism."""
+        return tuple(name for name in self.elements if governs_machine(self.scene.elements[name]))
+
     @cached_property
     def text(self) -> str:
         """Source of the function that computes what scalar laws give; nothing where there are none."""
@@ -86,8 +101,8 @@ class ElementColumns:
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
         """Write what is asked of the variants `keep`, and the verdict on those of them without a complaint so far.
 
-        That of a law where it has one of its own; JAMS where a force or moment would have to be infinite, NOT_FINITE
-        where a law has no value.
+        That of a law where it has one of its own; JAMS where a force or moment would have to be infinite, or what else
+        an element calls it when a result is; NOT_FINITE where a law has no value.
 
         Parameters
         ----------
@@ -102,18 +117,19 @@ class ElementColumns:
         if not self.elements:
             return
         values, figures, verdicts = self._values(numbers, keep.size)
-        must = [
-            i for i, (name, r) in enumerate(self._every) if r in _given(self.scene, name) and not r.may_be_undefined
-        ]
-        jams, undefined = np.isinf(values[:, must]).any(axis=1), np.isnan(values[:, must]).any(axis=1)
         judged = (status[keep] == Verdict.OK) & (verdicts != Verdict.OK)
         status[keep[judged]] = verdicts[judged]
-        well = status[keep] == Verdict.OK
-        status[keep[well & jams]] = Verdict.JAMS
-        status[keep[well & undefined]] = Verdict.NOT_FINITE
+        every = self._every
+        for name in self.elements:
+            given, law = set(_given(self.scene, name)), law_of(self.scene.elements[name])
+            must = [i for i, (n, r) in enumerate(every) if n == name and r in given and not r.may_be_undefined]
+            well = status[keep] == Verdict.OK
+            infinite, undefined = np.isinf(values[:, must]).any(axis=1), np.isnan(values[:, must]).any(axis=1)
+            status[keep[well & infinite]] = law.infinite if isinstance(law, LawOfArrays) else Verdict.JAMS
+            status[keep[well & undefined]] = Verdict.NOT_FINITE
         nothing = ~np.isfinite(values)
         values[nothing] = figures[nothing] = np.nan
-        places = {f"{name}.{r.name}": i for i, (name, r) in enumerate(self._every)}
+        places = {f"{name}.{r.name}": i for i, (name, r) in enumerate(every)}
         for name in self.names:
             summaries[name][keep], errors[name][keep] = values[:, places[name]], figures[:, places[name]]
 
@@ -227,12 +243,22 @@ def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
-    """What is computed of an element; of rotors, engines and gear trains it depends on their parts."""
+    """What is computed of an element; of rotors, engines, governors and gear trains it depends on their parts."""
     match element:
         case RotorElement():
             return rotor_law(element)
         case EngineElement():
             return engine_law(element)
+        case Governor():
+            return governor_law(element)
+        case OscillatorElement():
+            return oscillator_law(element)
+        case ComplianceElement():
+            return compliance_law(element)
+        case TorsionalTrain():
+            return train_law(element)
+        case TwoMassDrive():
+            return drive_law(element)
         case GearTrain():
             return gear_law(element)
     return LAWS[element.type]

@@ -44,6 +44,7 @@ from engine.laws.friction.screws import (
     thread_slope,
 )
 from engine.scene.elements import BeltElement, GuideElement, MachineElement, ScrewElement
+from engine.verdicts import Verdict
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
 BUSHES = {"line": 1.0, "new": NEW, "worn in": WORN_IN, "half-round, new": NEW, "half-round, worn in": WORN_IN}
@@ -100,12 +101,40 @@ class LawOfArrays(NamedTuple):
         As for `ElementLaw`.
     block : int
         For how many variants at a time it is called.
+    infinite : Verdict
+        On a variant with an infinite result.
     """
 
     function: Callable[[np.ndarray], tuple[np.ndarray, ...]]
     arguments: Callable[[MachineElement, Given], tuple]
     results: tuple[ElementResult, ...]
     block: int = 2048
+    infinite: Verdict = Verdict.JAMS
+
+
+def with_nudges(values: Callable[[np.ndarray], np.ndarray]) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """A law's results with the magnitudes whose rounding they carry, found by changing its numbers a little, in turn.
+
+    Parameters
+    ----------
+    values : callable
+        Results (results, variants) from numbers (numbers, variants).
+    """
+
+    def both(numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        count, variants = numbers.shape
+        # All at once, as further variants: first those that stay as they are.
+        every = np.repeat(numbers[:, None, :], count + 1, axis=1)
+        k = np.arange(count)
+        every[k, k + 1] *= 1.0 + NUDGE
+        found = values(every.reshape(count, -1)).reshape(-1, count + 1, variants)
+        rows = found[:, 0]
+        with np.errstate(invalid="ignore"):
+            moved = np.abs(found[:, 1:] - rows[:, None])
+        moved = np.where(np.isnan(moved), math.inf, moved).sum(axis=1)
+        return rows, np.abs(rows) + moved / (NUDGE * ROUNDING)
+
+    return both
 
 
 @scalar

@@ -92,9 +92,10 @@ class ElementsAlone:
                 raise AskError(f"{path!r} is not a number of this scene; {did_you_mean(path, self._limits)}")
         for name in fields:
             raise AskError(f"{name!r}: machine elements have no fields; a scene with an [input] has")
+        known = self.available_summaries
         for name in self.asked_summaries:
-            if name not in self.available_summaries:
-                hint = did_you_mean(name, self.available_summaries)
+            if name not in known:
+                hint = did_you_mean(name, known)
                 raise AskError(f"{name!r} is not a summary of this scene, which has machine elements alone; {hint}")
         self._columns = ElementColumns(scene, self.asked_summaries)
 

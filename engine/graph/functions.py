@@ -78,6 +78,8 @@ class Functions(NamedTuple):
         Row of the tile of each curve.
     memory : ndarray
         All tables.
+    looks : int
+        How many times events are to be looked at: twice where some of them depend on ends of others.
     """
 
     text: str
@@ -90,6 +92,7 @@ class Functions(NamedTuple):
     crossings: tuple[tuple[int, int], ...]
     curves: dict[Node, int]
     memory: np.ndarray
+    looks: int
 
 
 def functions_of(
@@ -247,6 +250,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
         tuple((places[c.curve], rows[c.level]) for c in plan.crossings),
         {node: i for i, node in enumerate(plan.curves)},
         np.concatenate([np.zeros(0), *graph.tables]) if graph.tables else np.zeros(1),
+        2 if _of_kind(plan.event_nodes, Found) else 1,
     )
 
 

@@ -3,7 +3,7 @@
 import math
 
 from engine.compiling.decorators import scalar
-from engine.laws.elementary import angle_of
+from engine.laws.elementary import angle_of, chosen
 
 
 @scalar
@@ -58,3 +58,48 @@ def angle_on_side(above: float, c: float, s: float) -> float:
         θ [rad], above · π/2 + atan2(−above · c, above · s).
     """
     return above * (0.5 * math.pi) + angle_of(above * s, -above * c)
+
+
+@scalar
+def exceeds(a: float, b: float) -> float:
+    """1 where one number is above another, else 0; NaN where either is not known.
+
+    Parameters
+    ----------
+    a, b : float
+    """
+    above = 1.0 if a > b else 0.0
+    return above if (a == a) & (b == b) else a - b
+
+
+@scalar
+def kept_positive(forward: float, x: float) -> float:
+    """A number whose sign is known, as a power or a root takes it: what rounding puts below 0 is 0.
+
+    Parameters
+    ----------
+    forward : float
+        The number's sense, from `sense`.
+    x : float
+
+    Returns
+    -------
+    float
+        NaN for numbers that are negative by their sense.
+    """
+    found = 0.0 if x < 0.0 else x
+    return found if forward >= 0.0 else math.nan
+
+
+@scalar
+def either(condition: float, a: float, b: float) -> float:
+    """One of two numbers: the first where a condition is 1, the second where it is 0.
+
+    Parameters
+    ----------
+    condition : float
+    a, b : float
+        Each may be anything where the other holds, infinite as well.
+    """
+    found = chosen(condition > 0.5, a, b)
+    return found if condition == condition else condition

@@ -112,12 +112,12 @@ def make_table(
 
 
 @scalar
-def piece_of(breaks: np.ndarray, pieces: int, u: float) -> int:
-    """The piece of a table in which u lies; at a step the one after it."""
+def piece_of(memory: np.ndarray, breaks: int, pieces: int, u: float) -> int:
+    """The piece of a table in which u lies; at a step the one after it. Its breaks begin at a place in memory."""
     piece, above = 0, pieces
     while above - piece > 1:
         middle = (piece + above) // 2
-        if breaks[middle] <= u:
+        if memory[breaks + middle] <= u:
             piece = middle
         else:
             above = middle
@@ -143,7 +143,7 @@ def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, peri
     u = x
     if period > 0.0 and (x < start or x >= start + period):
         u = start + (x - start) % period
-    piece = piece_of(breaks, coefficients.shape[0], u)
+    piece = piece_of(breaks, 0, coefficients.shape[0], u)
     t = u - breaks[piece]
     value = coefficients[piece, 0]
     for power in range(1, 4):
@@ -194,7 +194,7 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
     shift = 0.0
     if period > 0.0 and (x < start or x >= start + period):
         shift = math.floor((x - start) / period) * period
-    piece = piece_of(memory[breaks : breaks + pieces + 1], pieces, x - shift)
+    piece = piece_of(memory, breaks, pieces, x - shift)
     left = memory[breaks + piece] + shift
     first = breaks + pieces + 1 + 4 * piece
     return left, memory[first], memory[first + 1], memory[first + 2], memory[first + 3]

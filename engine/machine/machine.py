@@ -8,10 +8,13 @@ import numpy as np
 
 from engine.compiling.threads import threads
 from engine.elements.element_columns import ElementColumns, element_summaries
+from engine.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
+from engine.machine.excited_trains import machine_harmonics, machine_numbers, trains_on_machine
 from engine.machine.first_failure import first_failure
+from engine.machine.governed_engines import GovernedEngines
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
@@ -19,7 +22,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import kept_from
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
-from engine.quantities.expressions import Angle, Followed, Speed, Work
+from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
@@ -29,6 +32,8 @@ from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
+# Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
+ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
 # Variants of a thread that are measured together: what is known of them stays in its caches.
 VARIANTS_AT_ONCE = 4096
 # What compares two numbers with one of them, and is zero where they agree.
@@ -106,7 +111,8 @@ class Machine:
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
-        self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions)
+        self._trains = trains_on_machine(scene, self._elements.elements)
+        self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions, accuracy)
         self._check_asked()
         others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
         measured = [name for name in self.asked_summaries if name not in others]
@@ -195,9 +201,15 @@ class Machine:
         return f"The functions of one machine: {self.scene.title or 'untitled'}."
 
     @cached_property
+    def _harmonics(self) -> list[Expression]:
+        """What the machine does to trains that it excites."""
+        return machine_harmonics(self.mechanics) if self._trains else []
+
+    @cached_property
     def measuring(self) -> Measuring:
         """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
+        expressions += self._harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
         kept = [field_node(c) for c in self._kept_curves.values()]
         moving = self.regimes.nodes
@@ -279,19 +291,39 @@ class Machine:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
         batch = VARIANTS_AT_ONCE * threads()
         batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]
-        panels = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
-        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        measured = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
+        panels, of_trains = zip(*measured, strict=True)
+        machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
+        given = self._governed(numbers, keep.size)
+        given = given.with_values({f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()})
+        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, given)
         if self.schedule is not None:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels))
 
-    def _measure(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> np.ndarray:
-        """Evaluate the cycles of the variants `keep`; returns how many panels each took."""
+    def _governed(self, numbers: Numbers, variants: int) -> Numbers:
+        """Numbers in which the engines of governors that govern this machine have its inertia and its curves."""
+        if not self._elements.governing:
+            return numbers
+        engines, machine = self._governing
+        outcome = machine.evaluate({path: np.broadcast_to(numbers[path], (variants,)) for path in self.varied})
+        return numbers.with_values(engines.numbers(outcome, numbers))
+
+    @cached_property
+    def _governing(self) -> "tuple[GovernedEngines, Machine]":
+        """Engines that governors have in this machine, and the machine as it is asked for them."""
+        engines = GovernedEngines(self.scene, self._elements.governing)
+        return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, CYCLE_POSITIONS)
+
+    def _measure(
+        self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Evaluate the cycles of the variants `keep`; returns how many panels each took, and what trains are given."""
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
         undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
         own = slice(keep[0], keep[-1] + 1) if keep[-1] - keep[0] == keep.size - 1 else keep
-        for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=True):
+        for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=False):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
@@ -309,18 +341,33 @@ class Machine:
         if failed.size:
             for name in self._summaries:
                 outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
-        return answers.outcome.panels
+        return answers.outcome.panels, self._for_trains(answers, numbers, keep.size)
+
+    def _for_trains(self, answers: MeasuredCycles, numbers: Numbers, variants: int) -> dict[str, np.ndarray]:
+        """What the machine does to trains that it excites; nothing where there are none."""
+        if not self._trains:
+            return {}
+        return machine_numbers(numbers, self.mechanics, self._harmonics, answers.value_of, variants)
+
+    def numbers_for_trains(self) -> dict[str, np.ndarray]:
+        """What the machine as it is does to torsional trains that it excites, as one variant: numbers by their keys.
+
+        Something of a train must be asked; else there are none.
+        """
+        numbers = Numbers(self._limits, {})
+        return self._for_trains(self.measuring(self.measuring.numbers(numbers, 1)), numbers, 1)
 
     @staticmethod
     def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
         """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
 
-        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves.
+        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
+        on what those before it left.
         """
-        least = np.ones(variants)
+        product = np.ones(variants)
         for sine, _ in answers.sines():
-            least = np.fmin(least, np.where(sine > 0.0, sine, 1.0))
-        return 2.0 * np.finfo(float).eps / least**2
+            product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0)
+        return ROUNDING_OF_RATES / product**2
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Compute the regimes of those of the variants `keep` that have no complaint so far."""

@@ -174,6 +174,7 @@ class Measuring:
             levels=f.level_rows,
             states=f.held_rows,
             crossings=f.crossings,
+            looks=f.looks,
             kinks=[curve[c] for c in self._kinks],
             integrals=[curve[c] for c in self._integrals],
             extremes=[(curve[c], side) for c, side in self._extremes],

@@ -45,7 +45,7 @@ class Load(NamedTuple):
         Velocity × characteristic.
     role : str or None
         "useful", "driving", "harmful" or "braking".
-    order : int or str
+    order : int, float or str
         Power of the input's speed with which it grows; of a power-law drag the path of its exponent.
     """
 
@@ -56,7 +56,7 @@ class Load(NamedTuple):
     velocity: Node
     basis: Node
     role: str | None
-    order: int | str
+    order: float | str
 
 
 class Characteristic(NamedTuple):
@@ -64,7 +64,7 @@ class Characteristic(NamedTuple):
 
     coefficient: Node
     value: Node
-    order: int | str = 0
+    order: float | str = 0
 
 
 def load(action: str, size: Characteristic, grip: Grip, velocity: Node, role: str | None) -> Load:

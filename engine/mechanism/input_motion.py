@@ -35,20 +35,20 @@ class InputMotion(NamedTuple):
         speed = graph.derived("magnitude of the input's speed", lambda n: np.abs(n["input.speed"]), "load")
         return cls(square, graph.zero, speed, given=False)
 
-    def power(self, order: int | str) -> Node:
+    def power(self, order: float | str) -> Node:
         """Power of the speed by which a load of some order exceeds its coefficient.
 
         Parameters
         ----------
-        order : int or str
+        order : int, float or str
             The exponent, or where it lies in the scene.
         """
         graph = self.speed.graph
         if not self.given or order == 0:
             return graph.one
-        if isinstance(order, str):
-            return graph.apply(power, self.speed, graph.number(order))
-        return {1: self.speed, 2: self.square}[order]
+        if order in (1, 2):
+            return self.speed if order == 1 else self.square
+        return graph.apply(power, self.speed, graph.number(order) if isinstance(order, str) else order)
 
     def acceleration(self, second: Node, first: Node) -> Node:
         """Acceleration ω² r″ + ε r′ of what has the transfer functions r″ and r′."""

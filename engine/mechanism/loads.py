@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from engine.graph.nodes import Node
 from engine.mechanism.acting import Characteristic, Grip, Load, load
-from engine.mechanism.actions.characteristics import characteristic
+from engine.mechanism.actions.characteristics import characteristics
 from engine.mechanism.actions.cylinders import cylinder_load
 from engine.mechanism.actions.paths import about_link, along
 from engine.mechanism.actions.springs import spring_loads, torsion_spring
@@ -47,8 +47,8 @@ class Loads:
         self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, motors))
         self.terms: list[Load] = [
             *self._gravity(),
-            *(self._force(name) for name in scene.forces),
-            *(self._moment(name) for name in scene.moments if name not in self.motors),
+            *(load for name in scene.forces for load in self._force(name)),
+            *(load for name in scene.moments if name not in self.motors for load in self._moment(name)),
             *(load for name in scene.springs for load in spring_loads(kinematics, name)),
             *(cylinder_load(kinematics, name) for name in scene.cylinders),
         ]
@@ -75,19 +75,20 @@ class Loads:
                 size = Characteristic(weight, graph.one)
                 yield load("gravity", size, Grip(mass.link, centre, down), centre.v.dot(down), None)
 
-    def _force(self, name: str) -> Load:
+    def _force(self, name: str) -> Iterator[Load]:
         force, kinematics = self.scene.forces[name], self.kinematics
         motion = along(kinematics, name, force)
         grip = Grip(holder_of(self.scene, force.on), kinematics.points[force.on], motion.direction)
-        size = characteristic(kinematics, force, f"forces.{name}", motion, self._time)
-        return load(name, size, grip, motion.velocity, force.role)
+        for size in characteristics(kinematics, force, f"forces.{name}", motion, self._time):
+            yield load(name, size, grip, motion.velocity, force.role)
 
-    def _moment(self, name: str) -> Load:
+    def _moment(self, name: str) -> Iterator[Load]:
         moment, kinematics = self.scene.moments[name], self.kinematics
         motion = about_link(kinematics, moment.on)
         on_frame = isinstance(moment, actions.TorsionSpring | actions.Brake)
         grip = Grip(moment.on, None, None, (FRAME, kinematics.links[FRAME].origin) if on_frame else None)
         if isinstance(moment, actions.TorsionSpring):
-            return load(name, torsion_spring(kinematics, name), grip, motion.velocity, None)
-        size = characteristic(kinematics, moment, f"moments.{name}", motion, self._time)
-        return load(name, size, grip, motion.velocity, moment.role)
+            yield load(name, torsion_spring(kinematics, name), grip, motion.velocity, None)
+            return
+        for size in characteristics(kinematics, moment, f"moments.{name}", motion, self._time):
+            yield load(name, size, grip, motion.velocity, moment.role)

@@ -14,7 +14,8 @@ from engine.graph.nodes import Node, Position, reached
 from engine.mechanism.acting import Load
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Reduction
-from engine.scene.actions import InductionMotor
+from engine.scene.actions import InductionMotor, Tabled
+from engine.scene.formulas.load_formulas import load_formulas
 from engine.scene.regimes import Regime, RunRegime
 from engine.scene.scene import Scene
 
@@ -26,6 +27,7 @@ _WORDS = {
     "quadratic_drag": "resistance by ω²",
     "power_drag": "resistance by a power of ω",
     "constant": "constant",
+    "formula": "by formula",
 }
 
 
@@ -130,8 +132,14 @@ def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> Mo
     if "t" in arguments:
         reduction = dynamics.reduction
         timed = [key for key in reduction.keys if key[0] in dynamics.active and reduction.depends_on_time(key)]
-        return MomentLaw.TIMED if arguments == {"t"} and len(timed) == 1 and regime.time is not None else None
+        actions = reduction.mechanics.scene.forces | reduction.mechanics.scene.moments
+        tabled = len(timed) == 1 and isinstance(actions[timed[0][0]], Tabled)
+        return MomentLaw.TIMED if arguments == {"t"} and tabled and regime.time is not None else None
     scene = dynamics.reduction.mechanics.scene
+    formulas = load_formulas(scene)
+    if any(order > 0 and dynamics.reduction.keys[i][0] in formulas for i, _, order in dynamics.polynomial):
+        # It may drive the faster it goes, which closed forms leave out.
+        return None
     if any(isinstance(scene.moments[name], InductionMotor) for name in dynamics.motors):
         return MomentLaw.KLOSS if len(dynamics.motors) == 1 and orders <= {0} and regime.speed is not None else None
     if 2 in orders:

@@ -7,7 +7,7 @@ import numpy as np
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.regimes_in_order import Schedule, Standing
-from engine.motion.steady import steady_motion
+from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -85,7 +85,7 @@ def history(scene: Scene, steps: int = 360) -> History:
             outcome, standing = schedule.run(name, dynamics, variants, standing, record=True)
             time, turned, omega = outcome.history
         else:
-            start, (time, turned, omega), standing = 0.0, *_one_cycle(dynamics, variants, steps)
+            start, (time, turned, omega), standing = 0.0, *_one_cycle(dynamics, variants, steps, schedule.tolerance)
         parts.append((name, np.array([time + begun, start + variants.direction * turned, omega]), dynamics, variants))
         begun += time[-1]
         if standing.verdict[0] != Verdict.OK:
@@ -93,15 +93,14 @@ def history(scene: Scene, steps: int = 360) -> History:
     return _gathered(parts, Verdict(int(standing.verdict[0])))
 
 
-def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int) -> tuple[np.ndarray, Standing]:
+def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[np.ndarray, Standing]:
     zero = np.zeros(1)
-    grid = dynamics.grid(variants, zero, dynamics.cycle, steps)
-    steady = steady_motion(dynamics, variants, dynamics.tables(variants, grid))
-    turned = variants.direction * grid.places[NODES]
-    return (
-        np.array([steady.time[:, 0], turned[:, 0], steady.omega[:, 0]]),
-        Standing(zero, steady.omega[0], zero, steady.verdict),
-    )
+    places = dynamics.grid(variants, zero, dynamics.cycle, steps).places[NODES]
+    steady = steady_motion(dynamics, variants, tolerance, variants.direction * places)[0]
+    energy, time, _ = steady.record
+    omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
+    turned = variants.direction * places
+    return np.array([time[:, 0], turned[:, 0], omega[:, 0]]), Standing(zero, omega[0], zero, steady.verdict)
 
 
 def _gathered(parts: list[tuple[str, np.ndarray, Dynamics, Variants]], verdict: Verdict) -> History:

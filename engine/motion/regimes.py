@@ -23,6 +23,8 @@ class Regimes:
         Names of summaries and fields; those that belong to no regime are left aside.
     steps : int
         Steps a cycle; even.
+    accuracy : float, optional
+        How exact what is asked of steady motion should be, as a share of it.
 
     Attributes
     ----------
@@ -34,13 +36,13 @@ class Regimes:
         The regimes in their order; None where nothing is asked of them.
     """
 
-    def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int) -> None:
+    def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
         self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
         self.fields = {quantity.name: quantity for quantity in motion_fields(mechanics)}
         asked = list(dict.fromkeys(asked))
         self.summaries |= self._statistics(asked)
         self.asked = tuple(name for name in asked if name in self.summaries or name in self.fields)
-        self.schedule = Schedule(mechanics, set(self.asked), steps) if self.asked else None
+        self.schedule = Schedule(mechanics, set(self.asked), steps, accuracy) if self.asked else None
 
     def _statistics(self, names: Iterable[str]) -> dict[str, Quantity]:
         """The statistics of fields among some names."""

@@ -1,9 +1,9 @@
 """A schedule: the regimes of a scene one after another, for many variants, with an error figure on every number.
 
-Everything is computed twice, with all steps and with half of them. The methods are of order four where the moments
-are smooth and of order two or more where they bend, so what is left of the error is at most a third of the change,
-and of order four a fifteenth; the error figure is half the change, and the rounding of the energies. A closed form
-has no steps: for the second time its moments are changed in their last digits.
+Everything is computed twice. A run goes with steps as it needs them, for the second time with some that may miss 64
+times as much. A steady motion goes with steps as it needs them, for the second time each changed by its estimated
+error. A closed form has no steps: for the second time its moments are changed in their last digits. The error figure is
+the change, and the rounding of the energies.
 """
 
 from typing import NamedTuple
@@ -16,21 +16,27 @@ from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
-from engine.motion.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.loads import PairLoads
+from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
 from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
-from engine.motion.sizing import flywheel_for, speed_extremes
-from engine.motion.steady import steady_motion
+from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
+from engine.motion.settled.sizing import flywheel_for
+from engine.motion.settled.steady import steady_motion
+from engine.motion.steppers.energy_form import NODES
 from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
 
-SHARE_OF_CHANGE = 0.5
+# What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
+# for, and at least.
+TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
+# Variants in steady motion that go together: blocks of many, and few enough for a cache.
+TOGETHER = 4096
 WORTH_A_THREAD = 128
 # A line of the cache holds so many numbers.
 ODD = 8
@@ -42,16 +48,13 @@ DOUBT = 16 * np.finfo(float).eps
 
 
 def share_of_change(name: str) -> float:
-    """Which share of the change from half the steps an answer may be off by."""
+    """Which share of the change from less sure steps an answer may be off by."""
     last = name.rpartition(".")[2]
     # Of an extreme that two places share, either may be the one; what else may be missed is a step.
     if last in ("min_at", "max_at"):
         return 0.0
     # Means over time are of no order at all where a steep motor catches up with a jump within a step.
-    if last in ("mean", "rms"):
-        return 2.0
-    # The multiplier is an integral of order two beside a jump, the rest of order four.
-    return 1.0 if last == "multiplier" else SHARE_OF_CHANGE
+    return 2.0 if last in ("mean", "rms") else 1.0
 
 
 class Standing(NamedTuple):
@@ -102,17 +105,23 @@ class Schedule:
         Summaries and fields, "REGIME.quantity".
     steps : int
         Steps a cycle; even.
+    accuracy : float, optional
+        How exact what is asked of steady motion should be, as a share of it.
 
     Attributes
     ----------
+    tolerance : float
+        What a step of a steady motion may miss, of the greatest work of a step.
     loads : PairLoads or None
         Loads on the pairs, where any are asked.
     """
 
-    def __init__(self, mechanics: Mechanics, asked: set[str], steps: int) -> None:
+    def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
         self.scene, self.asked, self.steps = mechanics.scene, asked, steps
+        self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
         scene = mechanics.scene
         self.regimes = dict(scene.regimes)
+        self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
         known, fields = {q.name for q in motion_fields(mechanics)}, [Asked.of(name) for name in sorted(asked)]
         fields = [one for one in fields if f"{one.regime}.{one.field}" in known]
@@ -150,7 +159,9 @@ class Schedule:
         numbers : Numbers
         count : int
         """
-        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1
+        # Runs keep tables over the steps of a cycle.
+        runs = any(name not in self.steady or self.cycles[name] for name in self.needed)
+        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if runs else TOGETHER
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
         # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
         width = -(-count // pieces)
@@ -198,7 +209,7 @@ class Schedule:
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 found, scale = self._of_run(dynamics, outcome, energy), {}
             else:
-                found, cycle, standing = self._steady(name, dynamics, variants, standing, steps)
+                found, cycle, standing = self._steady(name, dynamics, variants, standing, half)
                 made, energy = float(steps), found["energy"]
                 # δ is a difference of speeds, and rounds as they do.
                 found, scale = found | cycle.values, cycle.scales | {"speed_fluctuation": np.ones(count)}
@@ -276,36 +287,41 @@ class Schedule:
     # Steady motion
 
     def _steady(
-        self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, steps: int
+        self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
     ) -> tuple[dict[str, np.ndarray], CycleAnswers, Standing]:
-        zero, asked = np.zeros(variants.count), self.cycles[name]
-        # A force may jump where its moment only bends, for want of motion: at a dead centre.
-        sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
-        grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
-        tables = dynamics.tables(variants, grid)
+        zero, asked, which = np.zeros(variants.count), self.cycles[name], int(half)
         found, verdict = {}, np.full(variants.count, Verdict.OK, np.uint8)
         if f"{name}.flywheel" in self.asked:
             delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
-            found["flywheel"], verdict = flywheel_for(dynamics, variants, grid, tables, delta)
+            found["flywheel"], verdict = flywheel_for(dynamics, variants, self.tolerance, delta, half)
             wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
-            tables = tables._replace(inertia=tables.inertia + (wheel - variants.flywheel))
-        steady = steady_motion(dynamics, variants, tables)
-        low, high = speed_extremes(dynamics, variants, grid, tables, steady)
-        period = np.where(steady.verdict == Verdict.OK, steady.time[-1], np.nan)
-        found |= {"speed_min": low, "speed_max": high, "speed_fluctuation": 2.0 * (high - low) / (high + low)}
+            variants = variants._replace(flywheel=wheel, kept=None)
+        # A force may jump where its moment only bends, for want of motion: at a dead centre.
+        sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
+        grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if asked else None
+        nodes = None if grid is None else variants.direction * grid.places[NODES]
+        if nodes is None and variants.kept is not None:
+            # Found together, both are kept for the second time.
+            if "steady" not in variants.kept:
+                variants.kept["steady"] = steady_motion(dynamics, variants, self.tolerance)
+            steady = variants.kept["steady"][which]
+        else:
+            steady = steady_motion(dynamics, variants, self.tolerance, nodes)[which]
+        low, high, period = steady.slowest, steady.fastest, steady.period
+        found |= {"speed_min": low, "speed_max": high, "speed_fluctuation": steady.fluctuation}
         found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
-        found |= {"return_residual": steady.residual, "motor_moment_peak": steady.course.peak}
-        found["energy"] = steady.energy
-        change = steady.course.energy - steady.energy
-        found |= _work_values(dynamics, steady.course.works, steady.course.squares, period, change, steady.energy)
+        found |= {"return_residual": steady.residual, "energy": steady.energy}
+        found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
+        change = steady.ended - steady.energy
+        found |= _work_values(dynamics, steady.works, steady.squares, period, change, steady.energy)
         found |= self._slips(name, variants, dynamics.cycle / period)
         cycle = CycleAnswers({}, {}, {}, {})
         if asked:
             off = frozenset(self.regimes[name].off)
-            whole = cycle_of(dynamics, variants, grid, tables, steady, self.loads, off)
-            cycle = answers_of(whole, asked, dynamics.cycle)
+            cycle = answers_of(cycle_of(dynamics, variants, grid, steady, self.loads, off), asked, dynamics.cycle)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
-        return found, cycle, Standing(zero, steady.omega[0], zero, verdict.astype(np.uint8))
+        begin = np.sqrt(2.0 * steady.energy / dynamics.rows(variants, zero[None]).inertia[0])
+        return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8))
 
     def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
         scene, n, slips = self.scene, variants.numbers, {}

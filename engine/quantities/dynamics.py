@@ -7,10 +7,24 @@ flywheels.
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Speed, SteadyCycle, Unbalanced, VariantNumber, Work, peak, share
+from engine.quantities.expressions import (
+    Expression,
+    Integral,
+    Speed,
+    SteadyCycle,
+    Unbalanced,
+    VariantNumber,
+    Work,
+    hypot,
+    peak,
+    share,
+)
+from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 
 _USEFUL = frozenset({"useful"})
+# Of the input moment's cycle.
+HARMONICS = 12
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -53,8 +67,34 @@ def declare(mechanics: Mechanics) -> Declared:
             lambda: VariantNumber(number),
         )
     if m.has_cycle:
+        yield from _orders(m, u.moment)
         yield from _drive(m)
         yield from _flywheel(m)
+
+
+def _orders(m: Mechanics, units: str) -> Declared:
+    """Orders of the input moment by the crank's speed: halves too where a cycle is two revolutions."""
+    for k in range(1, HARMONICS + 1):
+        order = f"{k / m.scene.input.revolutions:g}"
+        words = f"order {order} of the input moment by the crank's speed, its amplitude"
+        name = f"input_moment.order_{order.replace('.', '_')}"
+        yield Summary(name, words, units, lambda k=k: hypot(*input_moment_harmonic(m, k)))
+
+
+def input_moment_harmonic(m: Mechanics, k: int) -> tuple[Expression, Expression]:
+    """Cosine and sine part of a harmonic of the input moment's cycle, 2/T ∫ M_in cos(2πkφ/T) dφ and so on.
+
+    Parameters
+    ----------
+    m : Mechanics
+        With a cycle.
+    k : int
+        At least 1.
+    """
+    half = VariantNumber(m.last - m.first) / 2.0
+    turned = multiple_angle(m, k, m.scene.input.revolutions)
+    cosine, sine = (Integral(m.input_moment * part) / half for part in turned)
+    return cosine, sine
 
 
 def _drive(m: Mechanics) -> Declared:

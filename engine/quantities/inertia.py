@@ -4,6 +4,7 @@ from engine.laws.replacement_masses import inertia_error
 from engine.mechanism.inertia import moment_centre
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Integral, VariantNumber, hypot
+from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.inertia import body_inertia
 from engine.scene.masses import CENTRE, count_points, point_name, replacement
@@ -91,19 +92,10 @@ def order_of_force(m: Mechanics, n: int) -> Expression:
     With the complex force z = F_x + i F_y, order n is c₊ e^{inφ} + c₋ e^{−inφ}, c± = 1/T ∫ z e^{∓inφ} dφ, and the half
     axes are ||c₊| ± |c₋||.
     """
-    cosine, sine = _multiple_angle(m, n)
+    cosine, sine = multiple_angle(m, n)
     x, y = m.shaking.force
     xc, xs, yc, ys = (Integral(part * turn) for part in (x, y) for turn in (cosine, sine))
     length = VariantNumber(m.last - m.first)
     forward = hypot(xc + ys, yc - xs)
     backward = hypot(xc - ys, yc + xs)
     return (forward + backward) / length
-
-
-def _multiple_angle(m: Mechanics, n: int) -> tuple:
-    """Cosine and sine of n times the crank's angle."""
-    cosine, sine = m.graph.cos_q, m.graph.sin_q
-    c, s = cosine, sine
-    for _ in range(n - 1):
-        c, s = c * cosine - s * sine, s * cosine + c * sine
-    return c, s

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.flywheels.wheel import Wheel, make_wheel
+from engine.elements.flywheel_wheels import Wheel, make_wheel
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.dynamics import steady_cycle
 from engine.quantities.expressions import Expression, Formula, VariantNumber

@@ -15,6 +15,7 @@ from pydantic import Field, field_validator, model_validator
 
 from engine.laws.motor_characteristics import nameplate_trouble
 from engine.laws.tables import TableError, make_table
+from engine.scene.formulas.by_formula import ByFormula, FormulaText
 from engine.scene.parts import FRAME, Angle, AngularSpeed, Length, Name, Number, Part, quantity
 
 Force = quantity("force")
@@ -159,6 +160,19 @@ class PowerDragForce(ResistingOnPoint):
     exponent: Annotated[Number, Field(ge=0)]
 
 
+class FormulaForce(ResistingOnPoint, ByFormula):
+    """A force by a formula, positive along `angle`, or along the motion of the point where no angle is given.
+
+    Beside its own `numbers` the formula may use the crank angle `phi`, the velocity `v` of the point along the force,
+    the crank's angular velocity `omega`, the time `t`, the motion of the machine, such as `ram.slide`, and numbers of
+    the scene by their paths: see `engine.scene.formulas.load_formulas`.
+    """
+
+    type: Literal["formula"]
+    force: FormulaText
+    role: Role = "useful"
+
+
 class ConstantMoment(OnLink):
     """A moment of constant value."""
 
@@ -171,6 +185,13 @@ class TableMoment(OnLink, Tabled):
 
     type: Literal["table"]
     moment: list[Moment]
+
+
+class FormulaMoment(OnLink, ByFormula):
+    """A moment by a formula, as for forces; `omega` is the angular velocity of the link that it acts on."""
+
+    type: Literal["formula"]
+    moment: FormulaText
 
 
 class MomentAgainstMotion(ResistingOnLink):
@@ -334,12 +355,19 @@ class InductionMotor(Part):
 
 
 ForceAction = Annotated[
-    ConstantForce | TableForce | ForceAgainstMotion | LinearDragForce | QuadraticDragForce | PowerDragForce,
+    ConstantForce
+    | TableForce
+    | FormulaForce
+    | ForceAgainstMotion
+    | LinearDragForce
+    | QuadraticDragForce
+    | PowerDragForce,
     Field(discriminator="type"),
 ]
 MomentAction = Annotated[
     ConstantMoment
     | TableMoment
+    | FormulaMoment
     | MomentAgainstMotion
     | LinearDragMoment
     | QuadraticDragMoment

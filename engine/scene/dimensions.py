@@ -57,33 +57,52 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
 )
 
 
+_SI_UNIT = re.compile(r"(?:kg|m|s|rad)(?:-?[1-9])?(?: (?:kg|m|s|rad)(?:-?[1-9])?)*")
+
+
+def described(dimension: str) -> Dimension:
+    """How a dimension is written: a key of `DIMENSIONS`, or without a name of its own its SI unit, "kg m-2 s-2".
+
+    Raises
+    ------
+    KeyError
+        It is neither.
+    """
+    if dimension not in DIMENSIONS and _SI_UNIT.fullmatch(dimension):
+        return Dimension(dimension, f"1 {_with_bars(dimension)}")
+    if dimension not in DIMENSIONS:
+        raise KeyError(f"unknown dimension {dimension!r}; known are {', '.join(DIMENSIONS)}")
+    return DIMENSIONS[dimension]
+
+
 def common_units(dimension: str) -> tuple[str, ...]:
     """Units as a text may have them: the one of the dimension's example, and the SI unit if that is another.
 
     Parameters
     ----------
     dimension : str
-        A key of `DIMENSIONS`, "number" apart.
+        As for `described`, "number" apart.
 
     Returns
     -------
     tuple of str
         For instance ("mm", "m").
     """
-    return tuple(dict.fromkeys([DIMENSIONS[dimension].example.partition(" ")[2], _plain(dimension)]))
+    described_so = described(dimension)
+    return tuple(dict.fromkeys([described_so.example.partition(" ")[2], _with_bars(described_so.unit)]))
 
 
-def _plain(dimension: str) -> str:
-    """Spell the SI unit with a slash: "N s2 m-2" as "N s2/m2"."""
-    return re.sub(r" ([a-z]+)-(?:1\b)?", r"/\1", DIMENSIONS[dimension].unit)
+def _with_bars(unit: str) -> str:
+    """Spell an SI unit with bars: "N s2 m-2" as "N s2/m2"."""
+    return re.sub(r" ([a-z]+)-(?:1\b)?", r"/\1", unit)
 
 
 def in_words(dimension: str, *, article: bool = False) -> str:
     """A dimension as messages have it: "angular speed", with its article "an angular speed"."""
-    words = dimension.replace("_", " ")
+    words = dimension.replace("_", " ") if dimension in DIMENSIONS else f"quantity in {dimension}"
     return f"{'an' if words[0] in 'aeio' else 'a'} {words}" if article else words
 
 
 def with_example(dimension: str) -> str:
     """A dimension and how a text has it: "a length such as '80 mm'"."""
-    return f"{in_words(dimension, article=True)} such as '{DIMENSIONS[dimension].example}'"
+    return f"{in_words(dimension, article=True)} such as '{described(dimension).example}'"

@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, wedges, inclines, journals, guides, rollers, rotors, engines, gears.
+"""Machine elements of a scene: screws, belts, journals, guides, rollers, rotors, engines, governors, springs, gears.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -10,6 +10,17 @@ from pydantic import Field, model_validator
 
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.rotors.rotor_element import RotorElement
+from engine.elastic.compliances.elastic_parts import ComplianceElement
+from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.trains.train_element import TorsionalTrain
+from engine.governors.governor_elements import (
+    HartnellGovernor,
+    PorterGovernor,
+    ProellGovernor,
+    TableGovernor,
+    WattGovernor,
+)
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
@@ -153,6 +164,15 @@ MachineElement = Annotated[
     | RollerElement
     | RotorElement
     | EngineElement
+    | WattGovernor
+    | PorterGovernor
+    | ProellGovernor
+    | HartnellGovernor
+    | TableGovernor
+    | OscillatorElement
+    | ComplianceElement
+    | TorsionalTrain
+    | TwoMassDrive
     | GearTrain,
     Field(discriminator="type"),
 ]

@@ -3,6 +3,7 @@
 import difflib
 from collections.abc import Iterable
 
+from engine.governors.governor_elements import governs_machine
 from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
 from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
@@ -119,6 +120,9 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append(("balance.about", "point", scene.balance.about))
     for name, regime in scene.regimes.items():
         refs += [(f"regimes.{name}.off", "action", action) for action in regime.off]
+    for name, element in scene.elements.items():
+        if governs_machine(element):
+            refs += [(f"elements.{name}.engine.throttled", "action", action) for action in element.engine.throttled]
     return refs
 
 

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
 from engine.scene.elements import MachineElement
+from engine.scene.formulas.by_formula import FormulaNumber
 from engine.scene.pair_friction import PairFriction
 from engine.scene.parts import (
     Acceleration,
@@ -82,6 +83,22 @@ class Scene(Part):
         rest = any(getattr(self, key) != field.default for key, field in fields.items())
         if self.input is None and (rest or not self.elements):
             raise ValueError("input is missing: only machine elements do without a mechanism")
+        turns = isinstance(self.input, CrankInput) and self.input.start is None
+        for name, element in self.elements.items():
+            if getattr(element, "machine_at", None) is not None and not turns:
+                raise ValueError(f"elements.{name}.machine_at: only a crank that turns fully excites a train")
+        return self
+
+    @model_validator(mode="after")
+    def _governed_machine_turns(self) -> "Scene":
+        turns = isinstance(self.input, CrankInput) and self.input.start is None
+        for name, element in self.elements.items():
+            engine = getattr(element, "engine", None)
+            if engine is not None and engine.machine and not turns:
+                raise ValueError(
+                    f"elements.{name}.engine.machine: the scene has no crank that turns fully; give it one, or leave "
+                    "machine out and give the engine's inertia"
+                )
         return self
 
 
@@ -105,6 +122,9 @@ def _marks(annotation: object, metadata: list) -> list:
 
 
 def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
+    if isinstance(part, FormulaNumber):
+        yield path, SceneNumber(part.value, part.dimension, ())
+        return
     for key, field in type(part).model_fields.items():
         value = getattr(part, key)
         here = f"{path}.{key}" if path else key

@@ -6,6 +6,7 @@ degrees of freedom as input links, one. Lower pairs only: W = 3n − 2p₁ (Cheb
 
 from typing import NamedTuple
 
+from engine.scene.formulas.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
 from engine.scene.names import acting, definitions, did_you_mean, input_point, misplaced, references, sliders
 from engine.scene.pairs import friction_problems
@@ -162,7 +163,7 @@ def order(scene: Scene) -> Structure:
     if not problems:
         problems = _check_movable(scene, known_points, known_guides) + misplaced(scene)
     if not problems:
-        problems = replacement_problems(scene) + friction_problems(scene)
+        problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:
         raise SceneError(problems)
     return Structure(tuple(elements), _moving_links(scene), sliders(scene))

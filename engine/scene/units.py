@@ -18,12 +18,12 @@ from collections.abc import Mapping
 from decimal import Context, Decimal, localcontext
 from typing import TYPE_CHECKING
 
-from engine.scene.dimensions import DIMENSIONS, common_units, in_words, with_example
+from engine.scene.dimensions import DIMENSIONS, common_units, described, in_words, with_example
 
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["UnitError", "any_quantity", "base_powers", "in_text", "recognised", "to_si"]
+__all__ = ["UNIT_NAMES", "UnitError", "any_quantity", "base_powers", "in_any_unit", "in_text", "recognised", "to_si"]
 
 
 class UnitError(ValueError):
@@ -82,7 +82,7 @@ PS = 735.49875 W
 percent = 0.01
 """.strip().splitlines()
 
-_NAMES = tuple(line.partition(" ")[0] for line in _DEFINITIONS)
+UNIT_NAMES = tuple(line.partition(" ")[0] for line in _DEFINITIONS)
 
 # Every legitimate quantity is far shorter; the bound keeps hostile texts cheap.
 _LONGEST = 100
@@ -95,6 +95,7 @@ _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _FRACTION = re.compile(rf"({_NUMBER})\s*/\s*([0-9]+\.?[0-9]*)")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
+_SYMBOLS = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad"}
 _SPELLINGS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
     | dict(zip("⁻¹²³⁴⁵⁶⁷⁸⁹", "-123456789", strict=True))
@@ -111,27 +112,26 @@ def to_si(value: str | float | int, dimension: str) -> float:
         ``"40 N s/m"``, ``"40 N/(m/s)"``. For ``"number"`` a text is a plain number, a fraction ``"1/30"`` or
         a percentage ``"2 %"``. As a speed of rotation, ``1/min`` means revolutions per minute.
     dimension : str
-        A key of `DIMENSIONS`.
+        A key of `DIMENSIONS`, or an SI unit without a name in it.
 
     Returns
     -------
     float
-        The value in ``DIMENSIONS[dimension].unit``, finite and correctly rounded.
+        The value in SI, finite and correctly rounded.
 
     Raises
     ------
     UnitError
         If the value is neither number nor text, is not finite, cannot be read, or its unit does not fit.
     KeyError
-        If `dimension` is not a key of `DIMENSIONS`.
+        If `dimension` is neither.
     """
-    if dimension not in DIMENSIONS:
-        raise KeyError(f"unknown dimension {dimension!r}; known are {', '.join(DIMENSIONS)}")
+    described(dimension)
     if isinstance(value, str):
         return _read_text(value, dimension)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise UnitError(f"expected {with_example(dimension)}, got a value of type {type(value).__name__}")
-    return _in_range(value, "the number", dimension)
+    return _in_range(value, "the number", in_words(dimension))
 
 
 def in_text(value: str | float | int, dimension: str) -> float:
@@ -142,19 +142,19 @@ def in_text(value: str | float | int, dimension: str) -> float:
     value : str, float or int
         As in `to_si`, but a number is accepted only for the dimension ``"number"`` or if it is exactly 0.
     dimension : str
-        A key of `DIMENSIONS`.
+        As in `to_si`.
 
     Returns
     -------
     float
-        The value in ``DIMENSIONS[dimension].unit``.
+        The value in SI.
 
     Raises
     ------
     UnitError
         As `to_si`, and for a bare number; the message proposes texts with a unit.
     KeyError
-        If `dimension` is not a key of `DIMENSIONS`.
+        As `to_si`.
     """
     number = to_si(value, dimension)
     if not isinstance(value, str) and number != 0 and dimension != "number":
@@ -163,28 +163,25 @@ def in_text(value: str | float | int, dimension: str) -> float:
 
 
 def _read_text(text: str, dimension: str) -> float:
-    if len(text) > _LONGEST:
-        begin = text[:20] + "..."
-        raise UnitError(f"expected {with_example(dimension)}, got a text of {len(text)} characters: {begin!r}")
-    stripped = text.strip().replace("\N{MINUS SIGN}", "-")
+    stripped = _stripped(text, with_example(dimension))
     with localcontext(Context(prec=_DIGITS)):
         try:
-            return _in_range(_evaluate(stripped, dimension), f"{text!r}", dimension)
+            return _in_range(_evaluate(stripped, dimension), f"{text!r}", in_words(dimension))
         except ArithmeticError:
             raise UnitError(f"{text!r} is not a finite {in_words(dimension)}") from None
+
+
+def _stripped(text: str, expected: str) -> str:
+    if len(text) > _LONGEST:
+        begin = text[:20] + "..."
+        raise UnitError(f"expected {expected}, got a text of {len(text)} characters: {begin!r}")
+    return text.strip().replace("\N{MINUS SIGN}", "-")
 
 
 def _evaluate(text: str, dimension: str) -> Decimal:
     if dimension == "number" and (fraction := _FRACTION.fullmatch(text)):
         return Decimal(fraction[1]) / Decimal(fraction[2])
-    quantity = _QUANTITY.fullmatch(text)
-    if quantity is None:
-        raise UnitError(f"expected {with_example(dimension)}, got {text!r}, which does not begin with a number")
-    number, unit = Decimal(quantity[1]), quantity[2]
-    if unit.startswith(","):
-        raise UnitError(f"{text!r}: use a decimal point, not a comma, as in '1.5'")
-    if re.match(r"[0-9.](?!\s*/)", unit):
-        raise UnitError(f"{text!r}: write the number in one piece, without gaps, as in '1000'")
+    number, unit = _number_and_unit(text, with_example(dimension))
     if unit:
         return number * _factor(unit, dimension)
     if number != 0 and dimension != "number":
@@ -192,30 +189,43 @@ def _evaluate(text: str, dimension: str) -> Decimal:
     return number
 
 
-def _in_range(value: numbers.Real | Decimal, shown: str, dimension: str) -> float:
+def _number_and_unit(text: str, expected: str) -> tuple[Decimal, str]:
+    quantity = _QUANTITY.fullmatch(text)
+    if quantity is None:
+        raise UnitError(f"expected {expected}, got {text!r}, which does not begin with a number")
+    unit = quantity[2]
+    if unit.startswith(","):
+        raise UnitError(f"{text!r}: use a decimal point, not a comma, as in '1.5'")
+    if re.match(r"[0-9.](?!\s*/)", unit):
+        raise UnitError(f"{text!r}: write the number in one piece, without gaps, as in '1000'")
+    return Decimal(quantity[1]), unit
+
+
+def _in_range(value: numbers.Real | Decimal, shown: str, words: str) -> float:
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number) or (number == 0 and value != 0):
-        raise UnitError(f"{shown} is not a finite {in_words(dimension)} within the range of float64")
+        raise UnitError(f"{shown} is not a finite {words} within the range of float64")
     return number
 
 
 def _factor(unit: str, dimension: str) -> Decimal:
     """Return what 1 `unit` is in the SI unit of `dimension`."""
-    powers = _read_unit(unit, dimension)
+    expected = with_example(dimension)
+    powers = _read_unit(unit, expected)
     if dimension == "angular_speed" and powers == {"min": -1}:
         powers = {"rpm": 1}
     factor, kind = _factor_and_kind(powers)
-    target = {} if dimension == "number" else _read_unit(DIMENSIONS[dimension].unit, dimension)
+    target = {} if dimension == "number" else _read_unit(described(dimension).unit, expected)
     _, wanted = _factor_and_kind(target)
     if kind == wanted:
         return factor
     if "[angle]" in wanted and kind == {base: power for base, power in wanted.items() if base != "[angle]"}:
         units = " or ".join(common_units(dimension))
         raise UnitError(f"{unit!r} is ambiguous for {in_words(dimension, article=True)}: write {units}")
-    raise UnitError(f"expected {with_example(dimension)}, got {unit!r}")
+    raise UnitError(f"expected {expected}, got {unit!r}")
 
 
 def _factor_and_kind(powers: Mapping[str, int]) -> tuple[Decimal, dict[str, int]]:
@@ -233,22 +243,22 @@ def _registry() -> pint.UnitRegistry:
     return pint.UnitRegistry(_DEFINITIONS, non_int_type=Decimal)
 
 
-def _read_unit(unit: str, dimension: str) -> dict[str, int]:
+def _read_unit(unit: str, expected: str) -> dict[str, int]:
     """Read "N m/rad" as {"N": 1, "m": 1, "rad": -1}."""
     rest, tokens = unit.translate(_SPELLINGS), deque()
     while rest:
         token = _TOKEN.match(rest)
         if token is None:
-            raise _unreadable(unit, dimension)
+            raise _unreadable(unit, expected)
         tokens.append(token[1])
         rest = rest[token.end() :]
-    powers = _read_product(tokens, unit, dimension)
+    powers = _read_product(tokens, unit, expected)
     if tokens or ("percent" in powers and powers != {"percent": 1}):
-        raise _unreadable(unit, dimension)
+        raise _unreadable(unit, expected)
     return powers
 
 
-def _read_product(tokens: deque[str], unit: str, dimension: str) -> dict[str, int]:
+def _read_product(tokens: deque[str], unit: str, expected: str) -> dict[str, int]:
     """Consume tokens up to a closing bracket or the end; return the power of each unit name."""
     powers: dict[str, int] = {}
     divided = False
@@ -262,40 +272,40 @@ def _read_product(tokens: deque[str], unit: str, dimension: str) -> dict[str, in
         divided = divides
         if divides or tokens[0] == "*":
             tokens.popleft()
-        for name, power in _read_factor(tokens, unit, dimension).items():
+        for name, power in _read_factor(tokens, unit, expected).items():
             powers[name] = powers.get(name, 0) + (-power if divides else power)
     if not powers:
-        raise _unreadable(unit, dimension)
+        raise _unreadable(unit, expected)
     return powers
 
 
-def _read_factor(tokens: deque[str], unit: str, dimension: str) -> dict[str, int]:
+def _read_factor(tokens: deque[str], unit: str, expected: str) -> dict[str, int]:
     token = tokens.popleft() if tokens else ""
     if token == "(":
-        powers = _read_product(tokens, unit, dimension)
+        powers = _read_product(tokens, unit, expected)
         if not tokens:
-            raise _unreadable(unit, dimension)
+            raise _unreadable(unit, expected)
         tokens.popleft()
         return powers
     factor = _FACTOR.fullmatch(token)
     if factor is None:
-        raise _unreadable(unit, dimension)
+        raise _unreadable(unit, expected)
     name, power = factor.groups()
-    if name not in _NAMES:
-        raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {with_example(dimension)})")
+    if name not in UNIT_NAMES:
+        raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {expected})")
     return {name: int(power or 1)}
 
 
 def _did_you_mean(name: str) -> str:
-    folded = [known.lower() for known in _NAMES]
+    folded = [known.lower() for known in UNIT_NAMES]
     # Of "mN" and "MN" for "mn" neither is likelier, so every spelling of a match is shown.
     close = [name.lower()] if name.lower() in folded else difflib.get_close_matches(name.lower(), folded, n=2)
-    names = [repr(known) for match in dict.fromkeys(close) for known in _NAMES if known.lower() == match]
+    names = [repr(known) for match in dict.fromkeys(close) for known in UNIT_NAMES if known.lower() == match]
     return f": did you mean {' or '.join(names)}?" if names else ""
 
 
-def _unreadable(unit: str, dimension: str) -> UnitError:
-    return UnitError(f"cannot read the unit {unit!r}; expected {with_example(dimension)}")
+def _unreadable(unit: str, expected: str) -> UnitError:
+    return UnitError(f"cannot read the unit {unit!r}; expected {expected}")
 
 
 def _no_unit(number: str, dimension: str) -> UnitError:
@@ -322,12 +332,12 @@ def base_powers(unit: str) -> dict[str, int]:
     UnitError
         The unit is not known.
     """
-    powers = {} if unit == "1" else _read_unit(unit, "number")
+    powers = {} if unit == "1" else _read_unit(unit, "a unit such as 'N m'")
     return {base: int(power) for base, power in _factor_and_kind(powers)[1].items()}
 
 
 def recognised(value: float | str) -> tuple[float, str]:
-    """SI value and dimension of a quantity of whatever dimension; of several that fit the unit, the plainest.
+    """SI value and dimension of a quantity in whatever unit, as for `to_si`; of several that fit it, the plainest.
 
     Raises
     ------
@@ -339,9 +349,47 @@ def recognised(value: float | str) -> tuple[float, str]:
             return in_text(value, dimension), dimension
         except UnitError:
             continue
-    raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+    if not isinstance(value, str):
+        raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+    number, powers = in_any_unit(value)
+    return number, " ".join(f"{_SYMBOLS[base]}{'' if power == 1 else power}" for base, power in powers.items())
+
+
+def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
+    """SI value of a quantity in whatever unit, and the powers of length, mass, time and angle that it has.
+
+    Parameters
+    ----------
+    text : str
+        As for `to_si`; what `1/min` measures is a speed of rotation.
+
+    Returns
+    -------
+    value : float
+    powers : dict of str to int
+        As from `base_powers`.
+
+    Raises
+    ------
+    UnitError
+        The text is not a number with a known unit.
+    """
+    expected = "a quantity such as '80 mm'"
+    stripped = _stripped(text, expected)
+    with localcontext(Context(prec=_DIGITS)):
+        try:
+            if (fraction := _FRACTION.fullmatch(stripped)) is not None:
+                number, kind = Decimal(fraction[1]) / Decimal(fraction[2]), {}
+            else:
+                number, unit = _number_and_unit(stripped, expected)
+                powers = _read_unit(unit, expected) if unit else {}
+                factor, kind = _factor_and_kind({"rpm": 1} if powers == {"min": -1} else powers)
+                number *= factor
+            return _in_range(number, f"{text!r}", "quantity"), {base: int(power) for base, power in kind.items()}
+        except ArithmeticError:
+            raise UnitError(f"{text!r} is not a finite quantity") from None
 
 
 def any_quantity(text: str) -> float:
-    """SI value of a quantity of whatever dimension, in an expression."""
-    return recognised(text)[0]
+    """SI value of a quantity in whatever unit, in an expression."""
+    return in_any_unit(text)[0]

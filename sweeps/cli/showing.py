@@ -87,8 +87,9 @@ def plot(
     """Draw: of a scene its machine and diagrams; of a result file the sweep, or the machine of one variant.
 
     Of a mechanism that is a drawing and diagrams over its cycle; of rotors and engines among the machine elements plans
-    of their unbalances and sheets of the orders that shake them, of gear trains pictures of their velocities, told in
-    tables too.
+    of their unbalances and sheets of the orders that shake them, told in a table too; of governors what holds their
+    balls; of torsional trains their modes, Campbell diagram and moments over speed, of gear trains pictures of their
+    velocities, told in tables too.
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files

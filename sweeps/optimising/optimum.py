@@ -4,11 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, any_quantity, scene_numbers
+from engine import Verdict, any_quantity, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition, errors_in
 from sweeps.text.engineer_units import engineer_unit, quantity_text
-from sweeps.text.expressions import parse
 from sweeps.text.tables import table
 
 # A number this close to an end of its range, as a share of the range, lies on it; so do conditions on their limit.
@@ -55,7 +54,7 @@ def met(result: SweepResult) -> np.ndarray:
 
 def _conditions(result: SweepResult) -> list[Condition]:
     """What results had to meet, besides what was required of parameters."""
-    return [Condition(parse(text, any_quantity)) for text in result.record["search"]["subject_to"]]
+    return [Condition(parse_expression(text, any_quantity)) for text in result.record["search"]["subject_to"]]
 
 
 def choices(result: SweepResult) -> list[Choice]:
@@ -146,7 +145,7 @@ def _limits(result: SweepResult, variant: int) -> list[str]:
     """Conditions on whose limit a candidate lies, each by itself; an equality always is."""
     fixed = {path: number.value for path, number in scene_numbers(result.scene).items()}
     here = {name: column[variant : variant + 1] for name, column in result.columns.items()}
-    required = [Condition(parse(text, any_quantity)) for text in result.record["require"]]
+    required = [Condition(parse_expression(text, any_quantity)) for text in result.record["require"]]
     found = []
     for part in (part for condition in (*required, *_conditions(result)) for part in condition.parts):
         if not part.is_equality and (np.abs(part.margins(fixed | here, errors_in(here), 1)) <= ON_LIMIT).any():

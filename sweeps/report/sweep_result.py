@@ -8,15 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from engine import Scene, Verdict, any_quantity, scene_numbers
+from engine import (
+    ExpressionError,
+    Scene,
+    Verdict,
+    any_quantity,
+    dimensions_by_unit,
+    parse_expression,
+    scene_numbers,
+    unknown_name_message,
+)
 from sweeps.store import Description, StoreError, describe_result, read_columns
 from sweeps.study.study import misses
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
-from sweeps.text.dimension_check import dimensions_by_unit
-from sweeps.text.expressions import ExpressionError, parse
 from sweeps.text.input_files import InputError
-from sweeps.text.names import unknown_name_message
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +200,7 @@ class SweepResult:
         if not self.record["require"]:
             return {}
         fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
-        conditions = [Condition(parse(text, any_quantity)) for text in self.record["require"]]
+        conditions = [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]]
         found = misses(conditions, fixed | self.columns, self.description.variants)
         found &= self.columns["status"] != Verdict.NOT_COMPUTED
         return {condition.text: row for condition, row in zip(conditions, found, strict=True)}

@@ -9,16 +9,28 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from pint.util import UnitsContainer
 
-from engine import AskError, UnitError, any_quantity, in_text, made_ready, recognised, scene_numbers
+from engine import (
+    AskError,
+    ExpressionError,
+    TextExpression,
+    UnitError,
+    any_quantity,
+    dimension_of,
+    dimensions_by_unit,
+    in_text,
+    made_ready,
+    parse_expression,
+    recognised,
+    scene_numbers,
+    unit_of_dimension,
+    unknown_name_message,
+)
 from sweeps.study.search_variables import Variables
 from sweeps.study.study_text import Optimise
 from sweeps.study.tolerances import Tolerance, read_tolerances
 from sweeps.text.conditions import Condition
-from sweeps.text.dimension_check import dimension_of, dimensions_by_unit, unit_of_dimension
 from sweeps.text.engineer_units import quantity_text
-from sweeps.text.expressions import ExpressionError, TextExpression, parse
 from sweeps.text.input_files import InputError
-from sweeps.text.names import unknown_name_message
 from sweeps.text.toml_text import line_of
 
 if TYPE_CHECKING:
@@ -189,7 +201,7 @@ class _TaskReader:
         """An expression that yields a number, if all of its names can be had."""
         keys = ["optimise", key]
         try:
-            expression = parse(text, any_quantity)
+            expression = parse_expression(text, any_quantity)
             if expression.is_condition:
                 raise ExpressionError(f"{text!r} is a condition; a number is needed here")
             if not self._are_known(expression, keys):
@@ -205,7 +217,7 @@ class _TaskReader:
     def _condition(self, text: str) -> Condition | None:
         keys = ["optimise", "subject_to"]
         try:
-            condition = Condition(parse(text, any_quantity))
+            condition = Condition(parse_expression(text, any_quantity))
             if not self._are_known(condition.expression, keys):
                 return None
             condition.check(self._dimensions(condition.expression))

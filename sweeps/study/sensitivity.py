@@ -27,10 +27,10 @@ from engine import (
     scale_of,
     scene_numbers,
     unit_over,
+    unknown_name_message,
 )
 from sweeps.store import Column
 from sweeps.study.tolerances import Tolerance, read_tolerances
-from sweeps.text.names import unknown_name_message
 
 if TYPE_CHECKING:
     from sweeps.study.study import Study

@@ -9,12 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from engine import (
-    DIMENSIONS,
     AskError,
     ElementsAlone,
+    ExpressionError,
     Machine,
     Scene,
     SceneError,
+    TextExpression,
+    described_dimension,
+    dimensions_by_unit,
     made_ready,
     scene_numbers,
 )
@@ -26,8 +29,6 @@ from sweeps.study.study_reader import StudyReader
 from sweeps.study.study_record import study_digest
 from sweeps.study.study_text import Best, Optimise, StudyText, ToleranceText
 from sweeps.text.conditions import Condition, UnknownNameError
-from sweeps.text.dimension_check import dimensions_by_unit
-from sweeps.text.expressions import ExpressionError, TextExpression
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml
@@ -114,7 +115,7 @@ class Study:
     def unit(self, name: str) -> str:
         """SI unit of a parameter as CF spells it; "" where that isn't known."""
         number = scene_numbers(self.scene).get(name)
-        return DIMENSIONS[number.dimension].unit if number else self.free_units.get(name, "")
+        return described_dimension(number.dimension).unit if number else self.free_units.get(name, "")
 
     def machine(self) -> Machine | ElementsAlone:
         """The machine, or the machine elements alone, that answer the study; made once.

@@ -8,14 +8,22 @@ from typing import Any
 
 from engine import (
     ACCURACY_SUMMARIES,
-    DIMENSIONS,
     AskError,
+    ExpressionError,
     Scene,
+    TextExpression,
     UnitError,
     any_quantity,
+    check_yields,
+    described_dimension,
+    dimension_of,
+    dimension_of_unit,
     in_text,
+    parse_expression,
     recognised,
     scene_numbers,
+    unit_of_dimension,
+    unknown_name_message,
 )
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
@@ -23,10 +31,7 @@ from sweeps.study.sensitivity import RSS, WORST_CASE, AskedDerivative
 from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
 from sweeps.text.conditions import Condition
 from sweeps.text.csv_text import read_csv
-from sweeps.text.dimension_check import check_yields, dimension_of, dimension_of_unit, unit_of_dimension
-from sweeps.text.expressions import ExpressionError, TextExpression, parse
 from sweeps.text.input_files import InputError, read_text
-from sweeps.text.names import unknown_name_message
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml, validate
 
@@ -59,7 +64,9 @@ class StudyReader:
         self.scene = self._scene()
         self.numbers = scene_numbers(self.scene)
         self.problems: list[tuple[int | None, str, str]] = []
-        self.dimensions = {path: dimension_of_unit(DIMENSIONS[n.dimension].unit) for path, n in self.numbers.items()}
+        self.dimensions = {
+            path: dimension_of_unit(described_dimension(n.dimension).unit) for path, n in self.numbers.items()
+        }
 
     def _scene(self) -> Scene:
         if isinstance(self.raw.scene, dict):
@@ -173,7 +180,7 @@ class StudyReader:
         found: set[str] = set()
         for text in (*self.raw.derive.values(), *self.raw.require):
             with suppress(ExpressionError):
-                found.update(parse(text, any_quantity).names)
+                found.update(parse_expression(text, any_quantity).names)
         return found
 
     def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
@@ -191,7 +198,7 @@ class StudyReader:
             words = " and ".join(kind.replace("_", " ") for kind in kinds)
             self._problem(keys, f"takes values of several kinds ({words}); give all of them in units of one kind")
             return None
-        self.dimensions[path] = dimension_of_unit(DIMENSIONS[next(iter(kinds))].unit)
+        self.dimensions[path] = dimension_of_unit(described_dimension(next(iter(kinds))).unit)
         return [number for number, _ in found]
 
     def _add(self, axes: list[Axis], path: str, axis: Range | Listing) -> None:
@@ -279,7 +286,7 @@ class StudyReader:
 
     def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> TextExpression | None:
         try:
-            expression = parse(text, any_quantity)
+            expression = parse_expression(text, any_quantity)
         except ExpressionError as error:
             self._problem(keys, str(error))
             return None

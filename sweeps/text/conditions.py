@@ -5,7 +5,6 @@ and is missed for sure where it holds for none of it; what lies between is undec
 than 90 mm nor not.
 """
 
-import ast
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,18 +13,19 @@ from typing import NamedTuple
 import numpy as np
 from pint.util import UnitsContainer
 
-from engine import any_quantity
-from sweeps.text.dimension_check import dimension_of
-from sweeps.text.expressions import (
+from engine import (
     ExpressionError,
+    ExpressionTree,
     TextExpression,
     TextOperation,
-    Tree,
+    any_quantity,
+    dimension_of,
     evaluate_tree,
+    joined_by_and,
     names_in_tree,
-    parse,
+    parse_expression,
+    unknown_name_message,
 )
-from sweeps.text.names import unknown_name_message
 
 WORST = 1.0
 
@@ -84,7 +84,7 @@ class Condition:
         ExpressionError
             It can't be read, is a number, has other names, or compares what differs in dimension.
         """
-        condition = cls(parse(text, any_quantity))
+        condition = cls(parse_expression(text, any_quantity))
         condition.check(dimensions)
         return condition
 
@@ -124,7 +124,7 @@ class Condition:
     @cached_property
     def parts(self) -> tuple["Condition", ...]:
         """The conditions that `and` joins in this one, each by itself."""
-        return tuple(Condition(parse(part, any_quantity)) for part in _joined_texts(self.text))
+        return tuple(Condition(parse_expression(part, any_quantity)) for part in joined_by_and(self.text))
 
     def met(self, values: Values, count: int) -> np.ndarray:
         """Which variants meet it, taking all values as exact.
@@ -193,7 +193,7 @@ def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {name: columns[f"{name}_error"] for name in columns if f"{name}_error" in columns}
 
 
-def value_with_error(tree: Tree, values: Values, errors: Values) -> tuple[np.ndarray, np.ndarray]:
+def value_with_error(tree: ExpressionTree, values: Values, errors: Values) -> tuple[np.ndarray, np.ndarray]:
     """A number and its error figure: what the error figures of its names make of it, added up.
 
     Parameters
@@ -239,15 +239,7 @@ def _bounds(tree: TextOperation, values: Values, errors: Values) -> tuple[np.nda
             return (apart == 0) & (error == 0), np.abs(apart) <= error
 
 
-def _joined_texts(text: str) -> list[str]:
-    """Texts of the conditions that `and` joins in one that can be parsed."""
-    tree = ast.parse(text, mode="eval").body
-    if not (isinstance(tree, ast.BoolOp) and isinstance(tree.op, ast.And)):
-        return [text]
-    return [part for value in tree.values for part in _joined_texts(ast.get_source_segment(text, value))]
-
-
-def _joined(tree: Tree) -> list[Tree]:
+def _joined(tree: ExpressionTree) -> list[ExpressionTree]:
     """Parts of a condition that must all hold."""
     if isinstance(tree, TextOperation) and tree.name == "and":
         return [part for operand in tree.operands for part in _joined(operand)]

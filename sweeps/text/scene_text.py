@@ -7,7 +7,7 @@ from typing import Any
 import tomli_w
 from pydantic import ValidationError
 
-from engine import DIMENSIONS, Scene, SceneError, ScenePart, order_groups, scene_numbers
+from engine import FormulaNumber, Scene, SceneError, ScenePart, described_dimension, order_groups, scene_numbers
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.toml_text import line_of, parse_toml, validate
@@ -78,7 +78,7 @@ def _table_columns(folder: Path, name: object, source: str, where: tuple[int | N
 # CF spellings that the reader of texts takes as they are, but for a number without a unit.
 def number_text(value: float, dimension: str) -> str | float:
     """A number as a scene text writes it, in SI units."""
-    unit = DIMENSIONS[dimension].unit
+    unit = described_dimension(dimension).unit
     if dimension == "number":
         return value
     return f"{value!r} {_TEXT_UNITS.get(dimension, unit)}"
@@ -152,8 +152,10 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     return _copied(scene, by_path, "") if values else scene
 
 
-def _copied(part: ScenePart, changes: Mapping[str, Any], path: str) -> ScenePart:
+def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> ScenePart:
     """A part of a scene with changes in it, checked as when it was made; parts without changes are shared."""
+    if isinstance(part, FormulaNumber):
+        return part.at(changes)
     given = {key: getattr(part, key) for key in part.model_fields_set}
     for key, change in changes.items():
         here, old = f"{path}{key}.", getattr(part, key)
@@ -170,11 +172,20 @@ def _copied(part: ScenePart, changes: Mapping[str, Any], path: str) -> ScenePart
         raise SceneError([(place.rstrip("."), message) for place, message in problems]) from None
 
 
+# Units of the rows of governors' tables.
+_ROWS = {"over_radius": "m", "over_lift": "m", "controlling_force": "N", "moment": "N m"}
+
+
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
-    """Write the columns of tables, and the throws of engines, with their units."""
+    """Write the columns of tables, the throws of engines and the rows of governors with their units."""
     for element in data.get("elements", {}).values():
-        if "throws" in element:
-            element["throws"] = [f"{angle!r} rad" for angle in element["throws"]]
+        for part in (element, element.get("engine", {})):
+            if "throws" in part:
+                part["throws"] = [f"{angle!r} rad" for angle in part["throws"]]
+        for part in (element, element.get("engine", {}).get("throttle", {})):
+            for key, unit in _ROWS.items():
+                if isinstance(part.get(key), list):
+                    part[key] = [f"{v!r} {unit}" for v in part[key]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

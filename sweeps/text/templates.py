@@ -4,8 +4,8 @@ import tomllib
 from importlib.resources import files
 from pathlib import Path
 
+from engine import unknown_name_message
 from sweeps.text.input_files import InputError
-from sweeps.text.names import unknown_name_message
 
 TEMPLATES = Path(str(files("sweeps") / "templates"))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from engine import Machine, Verdict
+from engine import ElementsAlone, Machine, Verdict
 from sweeps import read_scene
 from sweeps.cli import main
 
@@ -23,10 +23,14 @@ def blocks(language):
 def folder(tmp_path_factory):
     """A folder with the README's scene and study, and the study run."""
     path = tmp_path_factory.mktemp("readme")
-    scene, study, motion, friction = blocks("toml")
+    scene, study, formulas, motion, friction, gears = blocks("toml")
     (path / "compressor.toml").write_text(scene, encoding="utf8")
     (path / "compressor_friction.toml").write_text(scene + friction, encoding="utf8")
+    (path / "compressor_formulas.toml").write_text(scene + formulas, encoding="utf8")
+    (path / "reducer.toml").write_text(gears, encoding="utf8")
     (path / "compressor_motion.toml").write_text(scene + motion, encoding="utf8")
+    # All of it together.
+    (path / "compressor_whole.toml").write_text(scene + formulas + motion + friction, encoding="utf8")
     (path / "study.toml").write_text(study, encoding="utf8")
     (runs,) = blocks("csv")
     (path / "runs.csv").write_text(runs, encoding="utf8")
@@ -64,9 +68,38 @@ def test_python__runs(folder, monkeypatch):
     assert dict(names["data"].sizes)["variant"] == 21 * 3 * 256
 
 
+def test_formulas__work_as_the_readme_says(folder):
+    """The spring of the buffer is met on the way out, over 10 mm of the 250 mm that the piston reaches."""
+    scene = read_scene(folder / "compressor_formulas.toml")
+    asked = ["rings.moment.mean", "buffer.moment.mean", "fan.moment.mean"]
+    outcome = Machine(scene, asked, varied=["forces.buffer.numbers.x0"]).evaluate(
+        {"forces.buffer.numbers.x0": np.array([0.24, 0.245])}
+    )
+    assert (outcome.status == Verdict.OK).all()
+    turn, rings, stop, fan = 2 * np.pi, *(outcome.summaries[name] for name in asked)
+    # There and back over the stroke of 100 mm.
+    np.testing.assert_allclose(rings, -2 * 0.1 * (40 + 120 / 3) / turn, rtol=1e-12)
+    np.testing.assert_allclose(stop, -0.5 * 8e3 * np.array([0.01, 0.005]) ** 2 / turn, rtol=1e-11)
+    np.testing.assert_allclose(fan, -1 - 3e-4 * (10 * np.pi) ** 2, rtol=1e-13)
+
+
+def test_all_together__can_be_ordered(folder):
+    scene = read_scene(folder / "compressor_whole.toml")
+    assert {"rings", "buffer", "fan", "motor"} <= {*scene.forces, *scene.moments}
+
+
 def test_friction__works_as_the_readme_says(folder):
     scene = read_scene(folder / "compressor_friction.toml")
     asked = ["friction_loss", "drive.inner.friction_work", "mechanical_efficiency", "input.reaction.max"]
     outcome = Machine(scene, [*asked, "shaking_force.order_1", "jamming_margin"]).evaluate({})
     assert outcome.status == [Verdict.OK]
     assert outcome.summaries["friction_loss"] > 0.0
+
+
+def test_gear_train__has_what_the_readme_names(folder):
+    scene = read_scene(folder / "reducer.toml")
+    known = ElementsAlone(scene).available_summaries
+    named = [name for name in re.findall(r"`(reducer\.[a-z_.]+)`", README) if not name.endswith("reduced_inertia")]
+    assert len(named) >= 12
+    assert set(named) <= set(known)
+    assert ElementsAlone(scene, named).evaluate({}).status == [Verdict.OK]

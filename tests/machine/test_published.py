@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from engine import Machine, Scene
-from engine.flywheels.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
+from engine.cycle.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
 
 DEGREE = math.pi / 180
 

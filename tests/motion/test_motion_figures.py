@@ -40,17 +40,19 @@ def random_machines(count: int, seed: int) -> dict[str, np.ndarray]:
     return {path: np.exp(rng.uniform(np.log(a), np.log(b), count)) for path, (a, b) in ranges.items()}
 
 
-def test_error_figures__hold_for_nearly_all_of_200_random_machines():
+def test_error_figures__hold_for_nearly_all_of_200_random_machines(monkeypatch):
     machines = random_machines(200, 7)
     scene = slider_crank(REGIMES)
     found = ask(scene, " ".join(NAMES), 120, varied=machines)
-    exact = ask(scene, " ".join(NAMES), 960, varied=machines)
+    monkeypatch.setattr("engine.motion.runs.run_progress.TOLERANCE", 1e-13)
+    monkeypatch.setattr("engine.motion.regimes_in_order.TOLERANCE", 1e-12)
+    exact = ask(scene, " ".join(NAMES), 120, varied=machines)
     sound = np.array([a == b == Verdict.OK for a, b in zip(found.status, exact.status, strict=True)])
     assert sound.mean() > 0.95
     shares, ratios = {}, {}
     for name in NAMES:
         value, figure = found.values[name][sound], found.errors[name][sound]
-        # The reference has an error of its own: that of eight times the steps.
+        # The reference has an error of its own.
         error = np.abs(value - exact.values[name][sound])
         shares[name] = np.mean(error <= figure + exact.errors[name][sound])
         told = error > 1e-13 * np.abs(value)
@@ -58,10 +60,9 @@ def test_error_figures__hold_for_nearly_all_of_200_random_machines():
     print("share of honest figures, median of figure over error:")
     print("\n".join(f"  {name:28} {shares[name]:.3f} {ratios[name]:8.2f}" for name in NAMES))
     assert np.mean([*shares.values()]) >= 0.97, shares
-    # The multiplier is found by trapezoids, whose error scatters with where in a step a jump lies.
-    assert shares.pop("on.multiplier") >= 0.75
-    assert min(shares.values()) >= 0.9, shares
-    assert all(1 / 30 <= ratio <= 30 for ratio in ratios.values()), ratios
+    assert min(shares.values()) >= 0.97, shares
+    # What is estimated is a formula of lower order: with steps as small as these it errs some thousand times as much.
+    assert all(1 <= ratio <= 1e4 for ratio in ratios.values()), ratios
 
 
 @pytest.fixture

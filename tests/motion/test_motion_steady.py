@@ -52,11 +52,11 @@ def test_steady_motion__is_the_limit_of_a_long_run(name):
     assert 0.0 < multiplier < 1.0
     # From a speed that is off by a twentieth; what is left of it after so many cycles is below 1e-10.
     cycles = math.ceil(math.log(1e-10) / math.log(multiplier)) + 1
-    long = ask(scene_of(name, {"go": run("", from_speed=0.95 * at_zero, cycles=cycles)}), "go.final_speed", 240)
-    # They differ by what is left, and by grids of their own: of order four, about (2 pi/240)^4/180 = 3e-9 of the
-    # fluctuation where a moment jumps or bends, else the same.
+    long = ask(scene_of(name, {"go": run("", from_speed=0.95 * at_zero, cycles=cycles)}), "go.final_speed", 960)
+    # They differ by what is left, and by the error of the run: of order four, about (2 pi/960)^4/180 = 1e-11 of the
+    # fluctuation where a moment jumps or bends.
     assert long["go.final_speed"] == pytest.approx(at_zero, rel=1e-9)
-    once = ask(scene_of(name, {"go": run("", from_speed=at_zero, cycles=1.0)}), "go.time go.final_speed", 240)
+    once = ask(scene_of(name, {"go": run("", from_speed=at_zero, cycles=1.0)}), "go.time go.final_speed", 960)
     assert once["go.time"] == pytest.approx(found["on.period"], rel=1e-9)
     assert found["on.mean_speed"] == pytest.approx(2 * math.pi / once["go.time"], rel=1e-9)
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 
 from engine import Verdict
+from engine.scene.formulas.expressions import parse
 from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.trials import Trials
 from sweeps.pictures.picture_error import PictureError
@@ -22,7 +23,6 @@ from sweeps.study.search_task import task_of
 from sweeps.study.search_variables import Span, Variables
 from sweeps.study.study import read_study
 from sweeps.text.conditions import Condition
-from sweeps.text.expressions import parse
 from sweeps.text.input_files import InputError
 
 # Margins

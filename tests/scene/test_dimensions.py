@@ -7,9 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine.scene.dimensions import DIMENSIONS
-from engine.scene.units import any_quantity
-from sweeps.text.conditions import Condition
-from sweeps.text.dimension_check import (
+from engine.scene.formulas.dimension_check import (
     check_yields,
     dimension_in_words,
     dimension_of,
@@ -17,7 +15,9 @@ from sweeps.text.dimension_check import (
     dimensions_by_unit,
     unit_of_dimension,
 )
-from sweeps.text.expressions import ExpressionError, parse
+from engine.scene.formulas.expressions import ExpressionError, parse
+from engine.scene.units import any_quantity
+from sweeps.text.conditions import Condition
 
 UNITS = {
     "length": "m",

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import any_quantity
+from engine.scene.formulas.dimension_check import dimension_of_unit, dimensions_by_unit
+from engine.scene.formulas.expressions import ExpressionError, parse
 from sweeps.text.conditions import Condition, UnknownNameError, errors_in, value_with_error
-from sweeps.text.dimension_check import dimension_of_unit, dimensions_by_unit
-from sweeps.text.expressions import ExpressionError, parse
 
 UNITS = {"stroke": "m", "rod": "m", "mass": "kg", "count": "1", "reach": ""}
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sweeps.text.expressions import DEEPEST, LONGEST, ExpressionError, parse
-from sweeps.text.names import unknown_name_message
+from engine.scene.formulas.expressions import DEEPEST, LONGEST, ExpressionError, joined_by_and, parse
+from engine.scene.formulas.unknown_names import unknown_name_message
 
 # --- random trees, evaluated by the test itself ------------------------------------------------------------
 
@@ -55,6 +55,7 @@ numbers = st.recursive(
         st.tuples(st.sampled_from("+-*/"), inner, inner),
         st.tuples(st.just("negative"), inner),
         st.tuples(st.sampled_from(["min", "abs", "sqrt"]), inner, inner),
+        st.tuples(st.just("if"), inner, inner),
     ),
     max_leaves=12,
 )
@@ -83,6 +84,8 @@ def result_of(tree):
         case ("sqrt", inner, _):
             value = result_of(inner)
             return math.sqrt(value) if value >= 0 else math.nan
+        case ("if", left, right):
+            return result_of(left) if result_of(left) < result_of(right) else result_of(right)
         case (operation, left, right):
             return BINARY[operation][1](result_of(left), result_of(right))
 
@@ -100,6 +103,9 @@ def text_of(tree):
             return f"min({text_of(left)[0]}, {text_of(right)[0]})", 9
         case (("abs" | "sqrt") as function, inner, _):
             return f"{function}({text_of(inner)[0]})", 9
+        case ("if", left, right):
+            one, other = text_of(left)[0], text_of(right)[0]
+            return f"(({one}) if ({one}) < ({other}) else {other})", 9
         case (operation, left, right):
             precedence = BINARY[operation][0]
             return f"{enclosed(left, precedence)} {operation} {enclosed(right, precedence + 1)}", precedence
@@ -172,6 +178,13 @@ def test_function__agrees_with_fifty_digits(name):
         ("1 == 1 != 2 >= 2", True),
         ("not 1 < 2 or 2 < 3", True),
         ("1 > 2 or 2 > 1 and 1 > 2", False),
+        ("-2^2", -4.0),
+        ("2^3^2", 512.0),
+        ("3 * 2^2", 12.0),
+        ("2^-1", 0.5),
+        ("1 if 1 < 2 else 2", 1.0),
+        ("1 if 1 > 2 else 2 if 1 > 3 else 3", 3.0),
+        ("sign(-3) + sign(0) + 10 * sign(7)", 9.0),
     ],
 )
 def test_constant_expression__has_value(text, expected):
@@ -231,6 +244,45 @@ def test_quantity__is_converted_by_the_callback():
     assert expression.evaluate({"groups.rod.first.length": np.array([0.2, 0.4])}).tolist() == [False, True]
 
 
+QUANTITIES = [
+    ("12 N m + x", ["12 N m"]),
+    ("3 N m s2 * x^2", ["3 N m s2"]),
+    ("3kN/mm*x", ["3kN/mm"]),
+    ("3 kN/mm / x", ["3 kN/mm"]),
+    ("3 kN/x", ["3 kN"]),
+    ("3 N/(m s) * x", ["3 N/(m s)"]),
+    ("5 mm-1 mm", ["5 mm", "1 mm"]),
+    ("2 m^2 + 3 s^-1 + 4 kg m2", ["2 m^2", "3 s^-1", "4 kg m2"]),
+    ("x > 10 mm and x < 20 mm", ["10 mm", "20 mm"]),
+    ("1 N if x > 1 in else 2 N", ["1 N", "1 in", "2 N"]),
+    ("min(1 min, 2 s) + 1e3m * x", ["1 min", "2 s", "1e3m"]),
+    ("x1 * 2 mm + y[3]", ["2 mm"]),
+    ("'12 N m' + x", ["12 N m"]),
+    ("2 N * m + 3 * s", ["2 N"]),
+]
+
+
+@pytest.mark.parametrize(("text", "expected"), QUANTITIES)
+def test_quantity_without_quotes__is_a_number_and_the_units_that_follow(text, expected):
+    given_texts = []
+    parse(text, quantity=lambda text: given_texts.append(text) or 1.0)
+    assert sorted(given_texts) == sorted(expected)
+
+
+def test_bar_before_a_name__divides():
+    expression = parse("3 kN/x", quantity=lambda text: 3000.0)
+    assert expression.evaluate({"x": 2.0}) == 1500.0
+
+
+def test_conditions_joined_by_and__are_given_as_written():
+    assert joined_by_and("a > 3 mm and (b^2 < 4 or c > '1 s') and not d < 1") == [
+        "a > 3 mm",
+        "b^2 < 4 or c > '1 s'",
+        "not d < 1",
+    ]
+    assert joined_by_and("  (a < 1 and b < 2) and c < 3") == ["a < 1", "b < 2", "c < 3"]
+
+
 def test_odd_backslash_in_quantity__is_left_to_the_callback():
     assert parse(r"'3\d'", quantity=lambda text: len(text)).evaluate({}) == 3.0
 
@@ -267,7 +319,9 @@ def test_odd_backslash_in_quantity__is_left_to_the_callback():
         ("atan2(1)", 0, "takes 2"),
         ("min(1)", 0, "takes 2 or more"),
         ("f'{x}'", 0, "text"),
-        ("1 if x < 1 else 2", 0, "'if'"),
+        ("1 if x else 2", 5, "condition is needed"),
+        ("1 if x < 1 else y > 2", 16, "number is needed"),
+        ("(x < 1 if x < 2 else x < 3) and x < 4", 1, "number is needed"),
         ("(y := 1)", 1, "NamedExpr"),
         ("x = 1", 2, ""),
         ("a; b", 1, ""),
@@ -277,8 +331,8 @@ def test_odd_backslash_in_quantity__is_left_to_the_callback():
         ("(a) & b", 4, "'and'"),
         ("a | b", 2, "'or'"),
         ("~a", 0, "'not'"),
-        ("a ^ 2", 2, "**"),
-        ("a % 2", 2, "Mod"),
+        ("a ^ + b", 4, "leading +"),
+        ("a % 2", 2, "quotes, '6 %'"),
         ("a // 2", 2, "FloorDiv"),
         ("a @ b", 2, "MatMult"),
         ("a << 2", 2, "LShift"),
@@ -292,7 +346,11 @@ def test_odd_backslash_in_quantity__is_left_to_the_callback():
         ("b'x'", 0, "no real number"),
         ("1e999", 0, "not finite"),
         ("1" + "0" * 400, 0, "not finite"),
-        ("x < '3 mm'", 4, "quotes"),
+        ("x < '3 mm'", 4, "a quantity can't be used"),
+        ("x < 3 mm", 4, "a quantity can't be used"),
+        ("x * 3 y", 6, "'y' is no unit"),
+        ("x * '3 mm' y", 11, "'y' is no unit"),
+        ("x^2 + [1]", 6, "List"),
         ("a < b and c", 10, "condition is needed"),
         ("not x", 4, "condition is needed"),
         ("(a < b) + 1", 1, "number is needed"),
@@ -302,7 +360,7 @@ def test_odd_backslash_in_quantity__is_left_to_the_callback():
         ("", 0, "missing"),
         (" \n ", 0, "missing"),
         ("x\x00", 0, ""),
-        ("  δ + é ^ 2", 8, "**"),
+        ("  δ + é^2 @ 3", 10, "MatMult"),
         ("a +\n  δ + sin", 10, "write sin"),
     ],
 )  # fmt: skip
@@ -343,10 +401,10 @@ def test_extreme_nesting__is_refused_not_fatal(text):
 
 def test_far_place__is_shown_in_an_excerpt():
     with pytest.raises(ExpressionError) as caught:
-        parse("a + " * 20 + "b ^ 2" + " + a" * 20)
+        parse("a + " * 20 + "b @ 2" + " + a" * 20)
     _, shown, caret, _ = str(caught.value).split("\n")
     assert len(shown) <= 104
-    assert shown[caret.index("^") :].startswith("^ 2 + a")
+    assert shown[caret.index("^") :].startswith("@ 2 + a")
 
 
 def test_wrong_quantity__is_refused_with_the_reason():

@@ -9,11 +9,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from engine import Verdict, any_quantity
+from engine.scene.formulas.expressions import parse
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import read_study
-from sweeps.text.expressions import parse
 
 STUDIES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi

@@ -25,7 +25,10 @@ def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
     assert after == before | new
 
 
-@pytest.mark.parametrize("name", ["press_with_motor", "engine", "rotor", "planetary_train", "watt_six_bar"])
+@pytest.mark.parametrize(
+    "name",
+    ["press_with_motor", "engine", "rotor", "torsional_train", "elastic_drive", "planetary_train", "watt_six_bar"],
+)
 def test_copy__is_what_its_text_says(name):
     scene, rng = scene_of(name), np.random.default_rng(1)
     numbers = {path: n for path, n in scene_numbers(scene).items() if not n.choices and n.value}

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
+from engine.scene.formulas.expressions import parse
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import read_study
-from sweeps.text.expressions import parse
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import TEMPLATES, template_text, templates
 
@@ -26,9 +26,26 @@ TEMPLATE_NAMES = (
     "watt_six_bar",
     "whitworth",
 )
-ELEMENT_TEMPLATE_NAMES = ("engine", "rotor", "planetary_train")
-STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper")
-ELEMENT_STUDY_NAMES = ("fan_rotor", "screw_jack", "v_twin", "planetary_reducer")
+STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
+ELEMENT_TEMPLATE_NAMES = (
+    "engine",
+    "rotor",
+    "governor",
+    "oscillator",
+    "torsional_train",
+    "elastic_drive",
+    "planetary_train",
+)
+ELEMENT_STUDY_NAMES = (
+    "crankshaft_vibration",
+    "engine_governor",
+    "fan_rotor",
+    "governed_set",
+    "planetary_reducer",
+    "press_backlash",
+    "screw_jack",
+    "v_twin",
+)
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
@@ -47,6 +64,7 @@ FIELDS = {
     "jaw_crusher": ("S.x",),
     "shaper": ("lever.angle", "ram.slide_phi", "cutting.moment"),
     "compressor": (),
+    "stirling_engine": (),
     "engine_bearings": ("gas.moment",),
     "toggle_press": (),
 }
@@ -73,7 +91,7 @@ def close(value, exact, relative=1e-12):
 # Templates
 
 
-def test_templates__are_those_of_mechanisms_and_elements_with_a_title_each():
+def test_templates__are_the_ten_mechanisms_and_seven_elements_with_a_title_each():
     found = templates()
     assert set(found) == {*TEMPLATE_NAMES, *ELEMENT_TEMPLATE_NAMES}
     assert all(found.values())
@@ -233,7 +251,7 @@ def as_it_is(name):
     return {k: (v[-1], s.errors[k][-1]) for k, v in s.summaries.items()}, {k: v[-1] for k, v in s.fields.items()}
 
 
-def test_studies__are_the_five_with_one_question_each_and_those_of_elements_and_motion():
+def test_studies__are_the_six_with_one_question_each_and_those_of_elements_and_motion():
     named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
     assert tuple(bundled_studies()) == tuple(sorted(named))
     for name in STUDY_NAMES:
@@ -294,6 +312,26 @@ def test_crank_press_study__knows_how_fast_the_punch_meets_the_plate():
     met = (rate[k] + share * (rate[k + 1] - rate[k])) * values["input.speed"][0]
     # Linear between two positions a quarter of a degree apart: some (0.004)^2 / 8 of the value.
     assert values["contact_speed"][0] == pytest.approx(met[0], rel=1e-5)
+
+
+def test_stirling_study__does_the_work_of_schmidts_theory():
+    """p = S/(1 + b cos ψ) against dV = −½ V sin φ: work π V S sin θ (1/√(1 − b²) − 1)/b, of both volumes in turn."""
+    values, o, e = variants("stirling_engine")
+    volumes = {side: values[f"{side}_volume"] for side in ("hot", "cold")}
+    warm, alpha, ratio = 0.378 * volumes["hot"], values["v_angle"], 0.378
+    swing = np.hypot(warm + volumes["cold"] * np.cos(alpha), volumes["cold"] * np.sin(alpha)) / 2
+    theta = np.arctan2(volumes["cold"] * np.sin(alpha), warm + volumes["cold"] * np.cos(alpha))
+    mean = (warm + volumes["cold"]) / 2 + 40e-6
+    b, pressure = swing / mean, 11e5 * (mean - swing) / mean
+    work = math.pi * volumes["hot"] * pressure * np.sin(theta) * (1 / np.sqrt(1 - b**2) - 1) / b
+    # Clockwise, so that what drives is negative. What the cold side takes is the work times the temperatures' ratio.
+    for side, share in (("hot", 1.0), ("cold", -ratio)):
+        apart = np.abs(o[f"{side}_gas.moment.mean"] + share * work / TURN)
+        assert (apart <= e[f"{side}_gas.moment.mean"] + 1e-12 * work).all()
+    speed = 1000 * TURN / 60
+    power = (work * (1 - ratio) / TURN - 0.5 - 0.01 * speed) * speed
+    assert np.allclose(o["required_power"], -power, rtol=1e-11, atol=0)
+    assert np.allclose(o["hot.stroke"], 2 * values["input.length"], rtol=1e-12, atol=0)
 
 
 def test_compressor_study__does_the_indicated_work_of_the_closed_form():

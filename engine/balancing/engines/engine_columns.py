@@ -83,7 +83,7 @@ def engine_law(engine: EngineElement) -> LawOfArrays:
     ----------
     engine : EngineElement
     """
-    keys, results = tuple(_keys(engine)), tuple(_results(engine))
+    keys, results = tuple(engine_keys(engine)), tuple(_results(engine))
     positions = POSITIONS * engine.cylinders if engine.master_index is not None else 256
     return LawOfArrays(
         partial(_rows, engine, keys, tuple(r.name for r in results)),
@@ -93,7 +93,8 @@ def engine_law(engine: EngineElement) -> LawOfArrays:
     )
 
 
-def _keys(engine: EngineElement) -> Iterator[str]:
+def engine_keys(engine: EngineElement) -> Iterator[str]:
+    """Keys of all numbers that an engine is given."""
     yield from (*_KEYS, *_SHARES, *(key for key in _OPTIONAL if getattr(engine, key) is not None))
     if engine.master_index is not None:
         yield from _LINK_RODS
@@ -104,7 +105,7 @@ def _keys(engine: EngineElement) -> Iterator[str]:
 def engine_numbers(engine: EngineElement) -> dict[str, np.ndarray]:
     """An engine's own numbers by their keys, as one variant."""
     found = {}
-    for key in _keys(engine):
+    for key in engine_keys(engine):
         owner, _, name = key.rpartition(".")
         found[key] = np.array([getattr(engine.gas if owner else engine, name)], dtype=float)
     return found

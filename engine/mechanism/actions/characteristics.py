@@ -1,10 +1,10 @@
-"""The characteristics of forces and moments as nodes: constant, by a table, against the motion, drag, brakes.
+"""The characteristics of forces and moments as nodes: constant, by a table or a formula, against the motion, drag.
 
 With v the transfer velocity along a load and ω the input's speed the real velocity is v ω: what grows with a power of
 it is the same power of v times a number of the variant. What switches with the sign of v is held.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -13,17 +13,21 @@ from engine.laws.elementary import power
 from engine.laws.loads import acts_in_direction, constant_against_motion
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.brakes import braking_moment
-from engine.mechanism.actions.paths import Along
+from engine.mechanism.actions.formulas import formula_characteristics
+from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.actions.tables import tabled
 from engine.mechanism.kinematics import Kinematics
 from engine.scene import actions
+from engine.scene.formulas.load_formulas import LoadFormula
 
 _SENSES = {"along": 1.0, "against": -1.0}
 _Action = actions.ForceAction | actions.MomentAction
 
 
-def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Along, time: Node) -> Characteristic:
-    """How large a force or moment is.
+def characteristics(
+    kinematics: Kinematics, action: _Action, at: str, along: Along, time: Node
+) -> Iterator[Characteristic]:
+    """How large a force or moment is; one by a formula is several, each with a power of the speed of its own.
 
     Parameters
     ----------
@@ -37,8 +41,18 @@ def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Alon
     time : Node
         [s].
     """
-    graph, v = kinematics.graph, along.velocity
     acts = _acts(kinematics, action, along)
+    if isinstance(action, (actions.FormulaForce, actions.FormulaMoment)):
+        factor = kinematics.graph.held(acts)
+        yield from formula_characteristics(kinematics, LoadFormula(action, at), along, factor, time)
+    else:
+        yield _characteristic(kinematics, action, at, along, acts, time)
+
+
+def _characteristic(
+    kinematics: Kinematics, action: _Action, at: str, along: Along, acts: Node, time: Node
+) -> Characteristic:
+    graph, v = kinematics.graph, along.velocity
     value = f"{at}.force" if at.startswith("forces.") else f"{at}.moment"
     match action.type:
         case "constant":
@@ -64,11 +78,6 @@ def characteristic(kinematics: Kinematics, action: _Action, at: str, along: Alon
         case _:
             moment = graph.derived(f"{at} at speed", lambda n: braking_moment(action, at, n) * _sense(n), "load")
             return Characteristic(moment, _against(along, acts))
-
-
-def input_sense(kinematics: Kinematics) -> Node:
-    """Sign of the input's speed: which way the cycle is run through."""
-    return kinematics.graph.derived("sense of the input", lambda n: _sense(n) + 0.0)
 
 
 def _sense(numbers: Mapping) -> float | np.ndarray:

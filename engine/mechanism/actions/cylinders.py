@@ -21,7 +21,7 @@ from engine.laws.indicator_diagrams import (
     two_stroke_branch,
 )
 from engine.mechanism.acting import Characteristic, Grip, Load, load
-from engine.mechanism.actions.characteristics import input_sense
+from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.pairs import bearer_of
 

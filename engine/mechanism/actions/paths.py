@@ -8,6 +8,8 @@ sense of the motion held: smooth to the very end of its stroke, and beyond.
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from engine.graph.nodes import Node, Stage
 from engine.laws.loads import direction_of_motion
 from engine.laws.senses import sense
@@ -24,8 +26,8 @@ class Along(NamedTuple):
 
     Attributes
     ----------
-    velocity : Node
-        Transfer velocity along the direction; of a moment that of the link.
+    velocity, slope : Node
+        Transfer velocity along the direction, of a moment that of the link; and its derivative by the input.
     direction : Vector or None
         Unit vector; None for a moment.
     turning : tuple of (Node, Node) or None
@@ -34,6 +36,7 @@ class Along(NamedTuple):
     """
 
     velocity: Node
+    slope: Node
     direction: Vector | None
     turning: tuple[Node, Node] | None
 
@@ -45,10 +48,15 @@ class Along(NamedTuple):
         return graph.apply(law, *operands, self.velocity)
 
 
+def input_sense(kinematics: Kinematics) -> Node:
+    """Sign of the input's speed: which way the cycle is run through."""
+    return kinematics.graph.derived("sense of the input", lambda n: np.sign(n["input.speed"]) + 0.0)
+
+
 def about_link(kinematics: Kinematics, link: str) -> Along:
     """Motion of a link under a moment."""
     turning = kinematics.links[link]
-    return Along(turning.w, None, (turning.w, turning.e))
+    return Along(turning.w, turning.e, None, (turning.w, turning.e))
 
 
 def along(kinematics: Kinematics, name: str, force: ForceAction) -> Along:
@@ -68,25 +76,28 @@ def along(kinematics: Kinematics, name: str, force: ForceAction) -> Along:
     straight = _straight(kinematics, force.on)
     if straight is not None and direction.x.stage < Stage.POSITION:
         slide, way = straight
-        return Along(slide.v * way.dot(direction), direction, (slide.v, slide.a))
+        share = way.dot(direction)
+        return Along(slide.v * share, slide.a * share, direction, (slide.v, slide.a))
     velocity = point.v.dot(direction)
     slope = point.a.dot(direction) + link.w * point.v.dot(direction.normal)
-    return Along(velocity, direction, (velocity, slope))
+    return Along(velocity, slope, direction, (velocity, slope))
 
 
 def _along_motion(kinematics: Kinematics, name: str) -> Along:
     """Motion of a point along its path: its speed."""
     point, graph = kinematics.points[name], kinematics.graph
     if point.v == kinematics.nowhere:
-        return Along(graph.zero, kinematics.nowhere, None)
+        return Along(graph.zero, graph.zero, kinematics.nowhere, None)
     track = _track(kinematics, name)
     if track is None:
-        return Along(point.v.length, Vector(*graph.apply(direction_of_motion, *point.v)), None)
+        speed, unit = point.v.length, Vector(*graph.apply(direction_of_motion, *point.v))
+        return Along(speed, point.a.dot(unit), unit, None)
     rate, slope, tangent = track
     graph.switches(rate, slope)
     forward = graph.held(graph.apply(sense, rate))
     unit = Vector(*graph.apply(direction_of_motion, *tangent))
-    return Along(forward * rate * tangent.length, forward * unit, None)
+    # On a line or a circle the tangent keeps its length.
+    return Along(forward * rate * tangent.length, forward * slope * tangent.length, forward * unit, None)
 
 
 def _track(kinematics: Kinematics, name: str) -> tuple[Node, Node, Vector] | None:

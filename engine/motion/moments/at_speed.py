@@ -26,6 +26,10 @@ PER_MOTOR = 5
 POLYNOMIAL = 3
 
 
+# Between two speeds, where several motors together are looked at.
+SPEEDS_BETWEEN = 33
+
+
 class Drive(NamedTuple):
     """What depends on the speed alone, for every variant.
 
@@ -49,7 +53,8 @@ class Drive(NamedTuple):
     @property
     def kloss(self) -> np.ndarray:
         """Constants of the induction motors, (motors, 5, variants)."""
-        return self.rows[KLOSS:].reshape(-1, PER_MOTOR, self.rows.shape[1])
+        motors = (self.rows.shape[0] - KLOSS) // PER_MOTOR
+        return self.rows[KLOSS:].reshape(motors, PER_MOTOR, self.rows.shape[1])
 
     def some(self, chosen: np.ndarray) -> "Drive":
         """Of some of the variants, by index."""
@@ -211,3 +216,25 @@ def moments_of_blocks(
                 add_power(LANES, place[0], exponents[law], speed, moments[2 + channel_of[law]])
                 add_power_slope(LANES, place[0], exponents[law], speed, slope)
             hand_out(found.shape[0], moments, first, 0, found[:, j])
+
+
+def greatest_moment(drive: Drive, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Greatest moment of the motors by magnitude, at any speed between two of each variant.
+
+    Parameters
+    ----------
+    drive : Drive
+    low, high : ndarray (variants,)
+        [rad/s].
+    """
+    # A straight characteristic alone is greatest at one of its ends.
+    several = len(drive.kloss) + drive.line.any() > 1
+    share = np.linspace(0.0, 1.0, SPEEDS_BETWEEN if several else 2)[:, None]
+    speeds = [low + share * (high - low)]
+    for _, slip, _, synchronous, ratio in drive.kloss:
+        # Motor and generator are strongest at the breakdown slip.
+        speeds += [np.clip(synchronous / ratio * (1.0 + way * slip), low, high)[None] for way in (-1.0, 1.0)]
+    none = np.zeros((1, POLYNOMIAL, 1, low.size))
+    at = np.concatenate(speeds)
+    motors = moments_at(drive, np.zeros(0, np.int64), none, np.zeros((0, 1, low.size)), at).motors
+    return np.abs(motors).max(axis=0)

@@ -11,7 +11,8 @@ import numpy as np
 from engine.graph.nodes import Constant, Crossing, Given, Held, Node, Operation, reached
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.tables import kinks_of
-from engine.scene.scene import Scene
+from engine.scene.formulas.load_formulas import load_formulas
+from engine.scene.scene import Numbers, Scene
 
 # Of a curve with more places at which something only bends, the first and the last count.
 MOST_BENDS = 24
@@ -19,6 +20,8 @@ MOST_BENDS = 24
 JUMP = 1e-10
 # Half the width of a jump in time, of the times of its table.
 INSTANT = 1e-12
+# The same about the time 0 [s].
+LEAST_INSTANT = 1e-200
 
 
 class Watch(NamedTuple):
@@ -121,15 +124,30 @@ def _vanishes(velocity: Node, crossing: Crossing) -> bool:
     return any(_vanishes(factor, crossing) for factor in factors)
 
 
-def instants_of(scene: Scene, active: Iterable[str]) -> np.ndarray:
-    """Times at which moments over time jump or bend [s], on both sides of a jump, in order."""
-    found = []
+def instants_of(scene: Scene, active: Iterable[str], numbers: Numbers, count: int) -> np.ndarray:
+    """Times at which moments over time jump or bend [s], on both sides of a jump, (instants, variants).
+
+    Parameters
+    ----------
+    scene : Scene
+    active : iterable of str
+        Actions.
+    numbers : Numbers
+        Of the variants.
+    count : int
+        How many variants there are.
+    """
+    found: list[float | np.ndarray] = []
     for name, action in (scene.forces | scene.moments).items():
         if name in active and getattr(action, "over_time", None) is not None:
             width = INSTANT * (abs(action.over_time[0]) + abs(action.over_time[-1]))
             for x, kink in _instants(kinks_of(action)).items():
                 found += [x - width, x + width] if kink == 0 else [x]
-    return np.unique(found)
+    for name, formula in load_formulas(scene).items():
+        for x in formula.switching_times(numbers) if name in active else ():
+            width = INSTANT * np.abs(x) + LEAST_INSTANT
+            found += [x - width, x + width]
+    return np.array([np.broadcast_to(x, count) for x in found]).reshape(len(found), count)
 
 
 def _instants(kinks: Mapping[float, int]) -> dict[float, int]:

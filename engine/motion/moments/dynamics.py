@@ -18,12 +18,15 @@ from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.steppers.energy_form import Tables
 from engine.scene.actions import Brake, DCMotor
+from engine.scene.formulas.load_formulas import load_formulas
 from engine.scene.scene import Numbers
 
 # Crank angles at which the inertia of a machine without a constant part is looked at.
 LOOKED_AT = 720
 # Share of its greatest value below which the least one is rounding: of the square of a speed that vanishes.
 NO_INERTIA = 1e-18
+# Powers of the speed whose loads are tabulated together; all others are power laws.
+POLYNOMIAL_ORDERS = (0, 1, 2)
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 
@@ -45,6 +48,8 @@ class Variants(NamedTuple):
         Of all actions.
     drive : Drive or None
         The motors at work, from `Dynamics.driven`.
+    instants : ndarray (instants, variants) or None
+        When the moments at work jump or bend by themselves [s], from `Dynamics.driven`.
     kept : dict
         Grid and tables of the last stretch.
     """
@@ -56,6 +61,7 @@ class Variants(NamedTuple):
     ends: Ends
     breaks: Breaks
     drive: Drive | None = None
+    instants: np.ndarray | None = None
     kept: dict | None = None
 
     @property
@@ -76,6 +82,7 @@ class Variants(NamedTuple):
             {node: end[chosen] for node, end in self.ends.items()},
             self.breaks.some(chosen),
             None if drive is None else drive.some(chosen),
+            None if self.instants is None else self.instants[:, chosen],
             {},
         )
 
@@ -94,7 +101,7 @@ class Reduction:
     time : Given
         On which loads over time depend.
     loads : Loads
-    keys : list of (str, int or str)
+    keys : list of (str, int, float or str)
         Action and order of each row of a moment.
     nodes : list of Node
         I, dI/dφ and a moment for each key.
@@ -107,7 +114,7 @@ class Reduction:
         graph, reduced = mechanics.graph, mechanics.reduced
         self.mechanics, self.time = mechanics, graph.given("time")
         self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time)
-        moments: dict[tuple[str, int | str], Node] = {}
+        moments: dict[tuple[str, float | str], Node] = {}
         for key in dict.fromkeys((load.action, load.order) for load in self.loads.terms):
             own = [(t.coefficient, t.basis) for t in self.loads.terms if (t.action, t.order) == key]
             moments[key] = graph.combination(own)
@@ -126,7 +133,7 @@ class Reduction:
         """Period of everything but time [rad]."""
         return 2.0 * np.pi * self.mechanics.scene.input.revolutions
 
-    def depends_on_time(self, key: tuple[str, int | str]) -> bool:
+    def depends_on_time(self, key: tuple[str, float | str]) -> bool:
         """Whether the moment of a key does."""
         own = [t.basis for t in self.loads.terms if (t.action, t.order) == key]
         return self.time in reached(own)
@@ -144,7 +151,7 @@ class Reduction:
         """
         ends, breaks = self.landmarks(numbers, direction)
         parameters = self.tabulation.parameters(numbers, direction, ends)
-        return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, {})
+        return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, None, {})
 
     def without_inertia(self, variants: "Variants") -> np.ndarray:
         """Which variants have no reduced inertia at some crank angle, (variants,) of bool."""
@@ -195,13 +202,15 @@ class Dynamics:
         acting = [(i, key) for i, key in enumerate(reduction.keys) if key[0] not in off]
         self.active = frozenset(load.action for load in loads.terms if load.action not in off)
         self.timed = any(reduction.depends_on_time(key) for _, key in acting)
-        self.instants = instants_of(scene, self.active)
+        # Whether a moment may change at any time.
+        formulas = load_formulas(scene)
+        self.changing = any(formulas[name].depends_on_time for name in self.active if name in formulas)
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
         roles = {load.action: load.role for load in loads.terms}
         self.polynomial, self.laws = [], []
         for i, (action, order) in acting:
             place = (i, self._channel(roles[action]), order)
-            (self.laws if isinstance(order, str) else self.polynomial).append(place)
+            (self.polynomial if order in POLYNOMIAL_ORDERS else self.laws).append(place)
         # Whether all that acts vanishes with the speed: then nothing stops the machine, nor sets it going.
         self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
         # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
@@ -223,7 +232,8 @@ class Dynamics:
     def driven(self, variants: Variants) -> Variants:
         """The variants with the motors that are at work here."""
         drive = self._drive(variants.numbers, variants.count)
-        return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, kept={})
+        instants = instants_of(self.reduction.mechanics.scene, self.active, variants.numbers, variants.count)
+        return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, instants=instants, kept={})
 
     def locked(self, variants: Variants) -> np.ndarray:
         """Which variants have a brake at work that locks by itself, (variants,) of bool."""
@@ -244,7 +254,7 @@ class Dynamics:
             else:
                 constants = (*kloss_constants(motor, at, numbers), ratio)
                 kloss.append(np.array([np.broadcast_to(c, count) for c in constants]))
-        exponents = [np.broadcast_to(numbers[path], count) for _, _, path in self.laws]
+        exponents = [np.broadcast_to(numbers[n] if isinstance(n, str) else n, count) for _, _, n in self.laws]
         return Drive(np.concatenate((line, *kloss)), np.array(exponents).reshape(len(exponents), count))
 
     def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:

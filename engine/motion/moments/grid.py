@@ -5,6 +5,7 @@ In the other they are equal between one break and the next, and even in number: 
 it, with everything that is tabulated there.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -67,6 +68,40 @@ def make_grid(
         turned = np.take_along_axis(every, order, axis=0)
         even = np.argsort(order, axis=0, kind="stable")[: steps + 1]
     return Grid(start + direction * _with_middles(turned), np.diff(turned, axis=0), even)
+
+
+def edges_of(
+    direction: np.ndarray, breaks: Breaks, cycle: float, begin: float | np.ndarray = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Angles turned where moments jump or bend, with begin and end of the cycle, in order.
+
+    Parameters
+    ----------
+    direction : ndarray (variants,)
+        +1 or −1.
+    breaks : Breaks
+    cycle : float
+        [rad].
+    begin : float or ndarray (variants,)
+        Crank angle that angles are turned from [rad].
+
+    Returns
+    -------
+    edges, sides : ndarray (edges, variants)
+        The angles, and how far from each the moments are taken [rad].
+    """
+    count = direction.size
+    turned = np.nan_to_num(np.mod(direction * (breaks.angles - begin), cycle), nan=cycle)
+    at_begin = ((turned <= GAP) | (turned >= cycle - GAP)) & ~np.isnan(breaks.angles)
+    turned = np.sort(np.where(at_begin, cycle, turned), axis=0)
+    for before, here in pairwise(turned):
+        # What jumps in the same place is one edge.
+        here[:] = np.where(here - before < GAP, before, here)
+    ends = np.where(at_begin.any(axis=0), JUMP, 0.0)
+    edges = np.concatenate((np.zeros((1, count)), turned, np.full((1, count), cycle)))
+    sides = np.where(edges < cycle, JUMP, ends)
+    sides[0] = ends
+    return edges, sides
 
 
 def _edges(

@@ -60,7 +60,8 @@ class Landmarks:
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
         crossings = [(events[w.crossing.curve], functions.rows[w.crossing.level]) for w in self.watches]
         marks = [mark[1:] for mark in functions.landmarks]
-        plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, scan=scan)
+        looked_at = {"scan": scan, "looks": functions.looks}
+        plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, **looked_at)
         return CycleMachine(plan, nothing).task
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:

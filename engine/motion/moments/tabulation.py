@@ -123,7 +123,7 @@ class Tabulation:
         """
         return self._filled("curves_at", len(self.functions.curves), parameters, q, given, sums)
 
-    def _function(self, name: str) -> TileFunction:
+    def function(self, name: str) -> TileFunction:
         """One of the printed functions, compiled."""
         if name not in self._compiled:
             self._compiled[name] = TileFunction(getattr(load_printed(self.functions.text), name))
@@ -148,7 +148,7 @@ class Tabulation:
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
         every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, *q.shape)
         asked = rows, sums.target, sums.turned, sums.direction
-        machine = self._function(function), parameters, self.functions.memory
+        machine = self.function(function), parameters, self.functions.memory
         given = *machine, np.require(q, requirements="CW"), every, given_rows
         count = len(parameters) + rows + sums.count + _ALSO
 

@@ -7,6 +7,7 @@ the last step is shortened until the wanted angle, time or speed is reached.
 
 import numpy as np
 
+from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.runs.run_in_angle import stretch
 from engine.motion.runs.run_in_time import set_off, step
 from engine.motion.runs.run_progress import Progress, RunOutcome
@@ -14,8 +15,8 @@ from engine.verdicts import Verdict
 
 # The energy form takes over where moments change the energy by less than twice this share per radian. It doesn't depend
 # on the step: so near to rest that it would, 1/ω is a root of the angle, and no refinement of the grid helps.
-BRISK = 2.0
-# Steps in time before a run is given up: it neither ends nor gets going.
+BRISK = 0.2
+# Steps in time, none of them a cycle farther than before, after which a run without an end in time is given up.
 MOST_TIME_STEPS = 40_000
 
 
@@ -36,12 +37,11 @@ def _run(runs: Progress) -> RunOutcome:
     started = runs.energy()
     runs.note_now()
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
-    runs.feel_motors(np.arange(runs.variants.count))
     if runs.ends.rest and runs.dynamics.fades:
         # What vanishes with the speed stops no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
     brisk = _brisk(runs, np.arange(runs.variants.count))
-    time_steps = np.zeros(runs.variants.count, np.int64)
+    time_steps, reached = np.zeros(runs.variants.count, np.int64), np.zeros(runs.variants.count)
     while not runs.done.all():
         fast = np.flatnonzero(brisk & ~runs.done)
         if fast.size:
@@ -52,15 +52,18 @@ def _run(runs: Progress) -> RunOutcome:
         if slow.size:
             step(runs, slow)
             brisk[slow] = _brisk(runs, slow)
+            gained = runs.state.turned > reached + runs.dynamics.cycle
+            reached[gained], time_steps[gained] = runs.state.turned[gained], 0
             time_steps[slow] += 1
-            runs.give_up(np.flatnonzero(~runs.done & (time_steps > MOST_TIME_STEPS)), Verdict.NO_END)
+            lost = (time_steps > MOST_TIME_STEPS) & np.isinf(runs.ends.time)
+            runs.give_up(np.flatnonzero(~runs.done & lost), Verdict.NO_END)
     history = None if runs.notes is None else np.concatenate(runs.notes, axis=1)
     return RunOutcome(
         runs.verdict,
         runs.state,
         runs.slowest,
         runs.fastest,
-        runs.peak,
+        greatest_moment(runs.variants.drive, runs.slowest, runs.fastest),
         started,
         runs.energy(),
         history,

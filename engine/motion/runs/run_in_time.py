@@ -5,16 +5,26 @@ import numpy as np
 from engine.motion.moments.grid import JUMP
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
-from engine.motion.steppers.time_form import State, TimeForm
+from engine.motion.steppers.time_form import State, Step, TimeForm
 from engine.verdicts import Verdict
 
 # Times that a machine at rest looks whether a moment over time sets it going.
 WAITS = 1000
+# Time that it waits for a formula, in cycles at the speed of the scene, where nothing else ends its waiting.
+MOST_CYCLES = 100.0
+# Share of the time that it never looks sooner after: farther than both sides of a jump are apart.
+AT_ONCE = 1e-9
 HALVINGS = 60
 # Swings that differ by no more are the same but for the error of the steps [rad].
 SAME_SWING = 1e-6
 # Share of its greatest speed below which a machine that nothing stops has all its way behind it.
 FADED = 1e-9
+# What stops does so from a speed that isn't next to nothing.
+STILL = 1e-12
+# A step's estimated error goes with its length to the eighth power.
+SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
+# Widths of jumps that are gone through in one step [rad]; how far beyond a break a step may go, of the way to it.
+ACROSS, BEYOND = 4.0 * JUMP, 1.02
 # Of the ends that a step in time may meet, the first and the last.
 REST, BREAK = 0, 4
 
@@ -30,11 +40,7 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
         runs.done[stays[begun]] = True
         stays = stays[~begun]
     # It stands until a moment over time changes, or until the time is over.
-    now, instants = runs.clock[stays] + runs.state.time[stays], runs.dynamics.instants
-    last = instants[-1] if instants.size else -np.inf
-    pause = (last - instants[0]) / WAITS if instants.size else 0.0
-    later = np.where(now < last, np.maximum(np.minimum(now + pause, last), now), np.inf) - runs.clock[stays]
-    later = np.minimum(later, runs.ends.time[stays])
+    later = np.minimum(_next_look(runs, stays) - runs.clock[stays], runs.ends.time[stays])
     waits = np.isfinite(later)
     runs.state.time[stays[waits]] = later[waits]
     runs.done[stays[waits & (later >= runs.ends.time[stays])]] = True
@@ -48,9 +54,10 @@ def step(runs: Progress, who: np.ndarray) -> None:
     """One step in time of some variants, or less of it where an end is met."""
     form, state, facing = runs.form(who), runs.absolute(runs.part(who), who), runs.facing[who]
     end = runs.clock[who] + runs.ends.time[who]
-    h = np.minimum(form.proper_step(state, runs.spacing, facing), _next_instant(runs, state.time, end) - state.time)
+    ahead = np.minimum(_next_instant(runs.variants.instants[:, who], state.time), end)
     goal = _next_break(runs, who, state.turned, facing)
-    h, after = _short_enough(form, state, h, facing, goal)
+    h, step = _good_step(runs, form, who, state, goal, ahead - state.time)
+    after, slowest, fastest = step.after, step.slowest, step.fastest
     lost = ~np.isfinite(after.omega)
     runs.give_up(who[lost], Verdict.NOT_FINITE)
     over = _overshoot(runs, after, who, facing, goal)
@@ -58,31 +65,75 @@ def step(runs: Progress, who: np.ndarray) -> None:
     if late.any():
         sub = np.flatnonzero(late)
         shorter, which[sub] = _first_end(runs, form, state, h, facing, goal, who, over[:, sub], sub)
-        after = _merged(after, form.step(state, _scattered(shorter, sub, h), facing, goal), late)
+        part = form.step(state, _scattered(shorter, sub, h), facing, goal, runs.tolerance)
+        after = _merged(after, part.after, late)
+        slowest, fastest = np.where(late, part.slowest, slowest), np.where(late, part.fastest, fastest)
     kept = ~lost
+    runs.slowest[who[kept]] = np.minimum(runs.slowest[who[kept]], slowest[kept])
+    runs.fastest[who[kept]] = np.maximum(runs.fastest[who[kept]], fastest[kept])
     runs.put(who[kept], State(*(x[..., kept] for x in after))._replace(time=(after.time - runs.clock[who])[kept]))
-    runs.feel_motors(who[kept])
     runs.note_now()
     _after_step(runs, who[kept], which[kept])
 
 
-def _next_instant(runs: Progress, time: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """The next time at which a moment over time jumps or bends, or the end."""
-    instants = np.append(runs.dynamics.instants, np.inf)
-    return np.minimum(instants[np.searchsorted(instants, time * (1.0 + 1e-15), side="right")], end)
+def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
+    """When machines at rest look again whether a moment over time sets them going; infinite where none ever will.
+
+    What a table gives changes between its first and its last instant; what a formula gives, at any time.
+    """
+    begun, instants = runs.clock[who], runs.variants.instants[:, who]
+    now = begun + runs.state.time[who]
+    first = np.fmin.reduce(instants, axis=0, initial=np.inf)
+    last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
+    pause = np.where(now < first, first - now, (last - first) / WAITS)
+    if runs.dynamics.changing:
+        cycle = runs.dynamics.cycle / np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))
+        last = np.fmin(begun + runs.ends.time[who], np.fmax(last, begun + MOST_CYCLES * cycle[who]))
+        pause = (last - begun) / WAITS
+    look = np.minimum(now + np.maximum(pause, AT_ONCE * now), _next_instant(instants, now))
+    return np.where(now < last, look, np.inf)
 
 
-def _short_enough(
-    form: TimeForm, state: State, h: np.ndarray, facing: np.ndarray, goal: np.ndarray
-) -> tuple[np.ndarray, State]:
-    """A step that doesn't come back to rest where it sets off from rest: its length, and the state after it."""
+def _next_instant(instants: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """The next time at which a moment over time jumps or bends."""
+    later = np.where(instants > time * (1.0 + 1e-15), instants, np.inf)
+    return np.minimum.reduce(later, axis=0, initial=np.inf)
+
+
+def _good_step(
+    runs: Progress, form: TimeForm, who: np.ndarray, state: State, goal: np.ndarray, longest: np.ndarray
+) -> tuple[np.ndarray, Step]:
+    """A step that misses little enough, and its length, no more than the longest."""
+    facing, h = runs.facing[who], runs.pace[who]
+    if np.isinf(h).any():
+        h = np.where(np.isinf(h), form.first_step(state, runs.spacing, facing), h)
+    speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
+    with np.errstate(all="ignore"):
+        h = np.fmin(np.fmin(h, runs.farthest_step / speed), longest)
+        # Through a jump at once.
+        across = (ahead < ACROSS) & (speed * h > ahead)
+        h = np.where(across, ahead / speed, h)
     for _ in range(HALVINGS):
-        after = form.step(state, h, facing, goal)
+        step = form.step(state, h, facing, goal, runs.tolerance)
+        after, missed = step.after, step.missed
+        with np.errstate(all="ignore"):
+            share = np.clip(SAFETY * missed ** (-1.0 / 8.0), SHRINK, GROW)
+        share = np.where(np.isnan(share), SHRINK, share)
+        # From rest, a step mustn't come back to it.
         back = (state.omega == 0.0) & (after.omega * facing <= 0.0)
-        if not back.any():
+        far = np.where(back, 0.0, np.abs(after.turned - state.turned))
+        # What moments do beyond a break isn't known: to just behind it.
+        beyond = far > BEYOND * ahead
+        worse = ~(missed <= 1.0) & ~across
+        again = back | worse
+        if not again.any():
             break
-        h = np.where(back, 0.5 * h, h)
-    return h, after
+        with np.errstate(all="ignore"):
+            h = np.where(again, h * np.where(beyond & ~back, np.fmin(share, BEYOND * ahead / far), share), h)
+            h = np.where(back, np.fmin(h, 0.5 * h), h)
+    runs.pace[who] = np.where(across, runs.pace[who], h * share)
+    after.turned[across] = goal[across]
+    return h, step
 
 
 def _next_break(runs: Progress, who: np.ndarray, turned: np.ndarray, facing: np.ndarray) -> np.ndarray:
@@ -126,7 +177,7 @@ def _first_end(
     for end in np.flatnonzero((over > 0.0).any(axis=1)):
 
         def excess(length: np.ndarray, end: int = end) -> np.ndarray:
-            after = form.step(state, _scattered(length, sub, h), facing, goal)
+            after = form.step(state, _scattered(length, sub, h), facing, goal, runs.tolerance).after
             return _overshoot(runs, after, who, facing, goal)[end, sub]
 
         length = regula_falsi(excess, np.zeros(sub.size), h[sub])
@@ -172,13 +223,18 @@ def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
 def _tell_endless(runs: Progress, who: np.ndarray) -> None:
     """Give up runs that can't come to their end: backwards for ever, or ever more slowly."""
     backwards = runs.state.turned[who] <= runs.turned_round[who] - runs.dynamics.cycle
-    faded = runs.dynamics.fades & (np.abs(runs.state.omega[who]) < FADED * runs.fastest[who])
+    share = FADED if runs.dynamics.fades else STILL
+    speed = np.abs(runs.state.omega[who])
+    faded = (speed > 0.0) & (speed < share * runs.fastest[who])
     _give_up_endless(runs, who[((runs.facing[who] < 0.0) & backwards) | faded])
 
 
 def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
-    if not runs.dynamics.timed:
-        runs.give_up(who[~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
+    instants, now = runs.variants.instants[:, who], runs.clock[who] + runs.state.time[who]
+    # After the last instant of its tables nothing depends on time any more; on a formula it may for ever.
+    last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
+    settled = ((now > last) & (len(instants) > 0) | (not runs.dynamics.timed)) & (not runs.dynamics.changing)
+    runs.give_up(who[settled & ~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
 
 
 def _scattered(values: np.ndarray, places: np.ndarray, base: np.ndarray) -> np.ndarray:

@@ -8,6 +8,8 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.steppers.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
+TOLERANCE, FARTHEST_STEP = 1e-10, 0.25 * np.pi
+
 
 class Ends(NamedTuple):
     """Where runs end, (variants,): angle turned from the run's begin [rad], time [s], speed [rad/s]; inf for never.
@@ -63,9 +65,9 @@ class Progress:
         Time at the begin, for moments that depend on time [s].
     ends : Ends
     steps : int
-        Steps a cycle.
+        How many instants of a cycle are noted.
     half : bool
-        Whether to make half as many, for comparison.
+        Whether steps may miss more, for comparison.
     record : bool
         Whether to keep the history (of a single variant).
 
@@ -73,10 +75,14 @@ class Progress:
     ----------
     state : State
         Now; angle and time counted from the begin of the run.
-    verdict, slowest, fastest, peak : ndarray
+    verdict, slowest, fastest : ndarray
         As of `RunOutcome`, so far.
     done : ndarray of bool
         Whether the run is over.
+    pace : ndarray
+        Length of the next step in time [s]; infinite where nothing is known yet.
+    tolerance, farthest_step : float
+        What a step may miss, as a share; how far it may turn [rad].
     facing : ndarray
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
@@ -101,11 +107,15 @@ class Progress:
     ) -> None:
         self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
         self.ends, self.steps, self.half = ends, steps, half
-        self.spacing = dynamics.cycle / (steps // 2 if half else steps)
+        self.spacing = dynamics.cycle / steps
         count, channels = variants.count, len(dynamics.channels)
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
-        self.slowest, self.fastest, self.peak = self.state.omega.copy(), self.state.omega.copy(), np.zeros(count)
+        self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
+        self.pace = np.full(count, np.inf)
+        # For comparison, steps of nearly twice the length.
+        self.tolerance = TOLERANCE * (2.0**6 if half else 1.0)
+        self.farthest_step = FARTHEST_STEP * (2.0 if half else 1.0)
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)
@@ -154,9 +164,3 @@ class Progress:
     def absolute(self, state: State, who: np.ndarray) -> State:
         """A state of some variants, its time on the clock that moments over time go by."""
         return state._replace(time=state.time + self.clock[who])
-
-    def feel_motors(self, who: np.ndarray) -> None:
-        """Note the moment of the motors where they are now."""
-        state, way = self.part(who), np.where(self.facing[who] < 0.0, -1.0, 1.0)
-        moment = self.form(who).acceleration(state.turned, state.omega, state.time + self.clock[who], way)[2]
-        self.peak[who] = np.maximum(self.peak[who], np.abs(moment))

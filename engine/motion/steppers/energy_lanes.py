@@ -15,17 +15,11 @@ from engine.cycle.driver import fill, gather
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, lane_of, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.motion.moments.at_speed import (
-    FALL,
     KLOSS,
     PER_MOTOR,
     POLYNOMIAL,
-    add_induction_motors,
-    add_induction_slopes,
     add_power,
-    add_power_slope,
     polynomial,
-    polynomial_slope,
-    straight_motors,
 )
 from engine.motion.steppers.energy_form import (
     ABOVE,
@@ -41,6 +35,7 @@ from engine.motion.steppers.energy_form import (
     Limits,
     Tables,
 )
+from engine.motion.steppers.places import INVERSE, LOADS, Form, add_share, moments_at_place, slopes_at_place
 from engine.motion.steppers.tableaux import CLASSICAL, LOBATTO_IIIC
 
 # Stages of the two methods lie at nodes of the tables and in the middle between them.
@@ -58,9 +53,6 @@ STATE = 20
 # Rows of its stages: speed, motors' moment, moment of everything; slope and energy where the step is implicit.
 SPEED, FROM_MOTORS, MOMENT, SLOPE, ENERGY = (i * MOST_STAGES for i in range(5))
 STAGE_ROWS = 5 * MOST_STAGES
-# Rows of a place: 2/I, then loads.
-INVERSE, LOADS = range(2)
-
 # Lanes that the compiled code takes at once, or a multiple of that: what is left over would go a scalar way. Loops over
 # a number that the compiler doesn't know aren't unrolled, so that the code of a step stays small enough to be decoded
 # once.
@@ -68,19 +60,6 @@ TOGETHER = 32
 
 MOST_ROUNDS = 60
 SOLVED = 1e-14
-
-
-class Form(NamedTuple):
-    """How many there are of what differs between machines: induction motors, power laws, channels of work.
-
-    `width` is the number of rows of a place: 2/I, all loads by powers of the speed, power laws, and where there are
-    several channels, the loads of each.
-    """
-
-    motors: int
-    laws: int
-    channels: int
-    width: int
 
 
 @routine
@@ -124,54 +103,6 @@ def begin_block(energy: np.ndarray, limits: Limits, first: int, width: int, plac
         state[MOVING, lane] = 1.0 if lane < width else 0.0
         state[STEPS, lane], state[UNTIL, lane] = float(limits.steps[v]), limits.time[v]
         state[OVER, lane], state[UNDER, lane] = limits.above[v], limits.below[v]
-
-
-@routine
-def add_share(wide: int, share: float, step: Memory, rates: Memory, energy: Memory) -> None:
-    """Add to an energy what a moment does over a share of the step; all are rows, (LANES,)."""
-    for lane in range(wide):
-        energy[lane] += share * step[lane] * rates[lane]
-
-
-@routine
-def moments_at_place(
-    wide: int,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    at: int,
-    energy: Memory,
-    speed: Memory,
-    motors: Memory,
-    moment: Memory,
-) -> None:
-    """Speed, moment of the motors and moment of everything by the energy, at the place that begins at row `at`.
-
-    They go into rows, (LANES,).
-    """
-    for lane in range(wide):
-        speed[lane] = math.sqrt(energy[lane] * places[at + INVERSE, lane])
-        motors[lane] = straight_motors(drive, lane, speed[lane])
-    add_induction_motors(wide, drive, form.motors, speed, motors)
-    for lane in range(wide):
-        moment[lane] = motors[lane] + polynomial(places, at + LOADS, lane, speed[lane])
-    for law in range(form.laws):
-        add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
-
-
-@routine
-def slopes_at_place(
-    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, speed: Memory, slope: Memory
-) -> None:
-    """∂M/∂E = ∂M/∂ω/(Iω) at a place; as `moments_at_place`."""
-    for lane in range(wide):
-        slope[lane] = drive[FALL, lane] + polynomial_slope(places, at + LOADS, lane, speed[lane])
-    add_induction_slopes(wide, drive, form.motors, speed, slope)
-    for law in range(form.laws):
-        add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
-    for lane in range(wide):
-        slope[lane] *= 0.5 * places[at + INVERSE, lane] / speed[lane]
 
 
 @routine

@@ -9,7 +9,8 @@ from engine.compiling.tiles import LANES
 from engine.motion.moments.at_speed import POLYNOMIAL
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.steppers.energy_form import NEAR_REST, STIFF, Course, Limits, Tables, new_course
-from engine.motion.steppers.energy_lanes import LOADS, Form, carry, new_block_memory
+from engine.motion.steppers.energy_lanes import carry, new_block_memory
+from engine.motion.steppers.places import LOADS, Form
 
 # Where a step times the decay rate of the energy exceeds this, slowing down is the method's doing, not the machine's.
 STEEP = 1.0

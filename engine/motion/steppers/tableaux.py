@@ -43,3 +43,54 @@ LOBATTO_IIIC = Tableau(
     np.array([[2.0, -4.0, 2.0], [2.0, 5.0, -1.0], [2.0, 8.0, 2.0]]) / 12.0,
     np.array([1.0, 4.0, 1.0]) / 6.0,
 )
+
+
+class Method(NamedTuple):
+    """A method with everything that steps of lengths of their own need of it.
+
+    Attributes
+    ----------
+    implicit : bool
+        Whether it is a collocation method, whose last stage is the end of the step.
+    stages, dense_stages : int
+        How many stages a step has, and with those of its polynomial.
+    matrix : ndarray (dense stages, dense stages)
+        A.
+    inverse : ndarray (stages, stages)
+        That of A, of an implicit method.
+    weights : ndarray (stages,)
+        b.
+    shares : ndarray (places,)
+        Where the places of stages lie, shares of the step.
+    place_of : ndarray (dense stages,) of int
+        The place of each stage.
+    less_fine, less_coarse : ndarray (stages,)
+        What its formula gives more than two of lower orders.
+    parts : ndarray (DENSE_PARTS, dense stages)
+        Weights of the parts of the polynomial p within the step,
+        p(θ) = p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + p₃θ²(1−θ)² + …
+    looked_at : ndarray of int
+        Some of the places, in order from the begin to the end, between which extremes are searched.
+    """
+
+    implicit: bool
+    stages: int
+    dense_stages: int
+    matrix: np.ndarray
+    inverse: np.ndarray
+    weights: np.ndarray
+    shares: np.ndarray
+    place_of: np.ndarray
+    less_fine: np.ndarray
+    less_coarse: np.ndarray
+    parts: np.ndarray
+    looked_at: np.ndarray
+
+
+# Parts of the polynomial within a step.
+DENSE_PARTS = 7
+
+
+def part_at(part: int, theta: np.ndarray) -> np.ndarray:
+    """One of the functions θ, θ(1−θ), θ²(1−θ), θ²(1−θ)², … that the polynomial within a step is made of."""
+    return theta ** ((part + 2) // 2) * (1.0 - theta) ** ((part + 1) // 2)

@@ -1,24 +1,40 @@
-"""The equation of motion in time, I·ε + ½ω²·dI/dφ = M(φ, ω, t), by the classical Runge–Kutta method of order four.
+"""The equation of motion in time, I·ε + ½ω²·dI/dφ = M(φ, ω, t), by the method of Dormand and Prince of order eight.
 
 For what the energy form can't do: start from rest, the last of a run-down, ω through zero, moments that depend on
 time. Every stage evaluates the machine at the angles it comes to, for all variants at once; nothing is interpolated.
-The step of each variant follows its motion, so the method is of order four in the number of steps a turn.
+The step of each variant follows its motion, by the estimated error.
 
 Angles here are turned in the direction of motion that the scene gives; ω may be negative.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
+import numba
 import numpy as np
+from numba import types
 
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants
-from engine.motion.steppers.tableaux import CLASSICAL
+from engine.motion.steppers.dormand_prince import ORDER_EIGHT
+from engine.motion.steppers.places import form_of, source_of
+from engine.motion.steppers.time_lanes import (
+    AFTER,
+    FASTEST,
+    FOUND,
+    MISSED,
+    MOTOR,
+    OMEGA_AFTER,
+    SLOWEST,
+    SQUARES,
+    new_time_room,
+    step_in_time,
+)
 
-# Product of step and decay rate up to which the method stays accurate; unstable from 2.8.
+# Product of step and decay rate with which a first step is tried.
 STIFFEST = 1.0
-# Share of a time constant that a step takes, in units of the angle it may turn.
+# Share of a time constant that it takes, in units of the angle it may turn.
 FINER = 2.0
 
 
@@ -39,6 +55,15 @@ class State(NamedTuple):
 def state_at(turned: np.ndarray, omega: np.ndarray, time: np.ndarray, channels: int) -> State:
     """State without works yet."""
     return State(turned, omega, time, np.zeros((channels + 1, turned.size)), np.zeros(turned.size))
+
+
+class Step(NamedTuple):
+    """A step: the state after it, what it misses by what it may miss, and the least and greatest speed on the way."""
+
+    after: State
+    missed: np.ndarray
+    slowest: np.ndarray
+    fastest: np.ndarray
 
 
 class TimeForm:
@@ -68,15 +93,19 @@ class TimeForm:
 
     def _backwards(self, places: np.ndarray, time: np.ndarray) -> Rows:
         """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
-        own = self.variants
-        if self._mirrored is None:
-            parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
-            self._mirrored = own._replace(direction=-own.direction, parameters=parameters)
-        rows = self.dynamics.rows(self._mirrored, places, time[None])
+        rows = self.dynamics.rows(self._mirror(), places, time[None])
         # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
         # each odd power of ω.
         signs = np.array([-1.0, 1.0, -1.0])[None, :, None, None]
         return Rows(rows.inertia, -rows.inertia_phi, signs * rows.loads, -rows.powers)
+
+    def _mirror(self) -> Variants:
+        """The variants as if they turned the other way."""
+        if self._mirrored is None:
+            own = self.variants
+            parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
+            self._mirrored = own._replace(direction=-own.direction, parameters=parameters)
+        return self._mirrored
 
     def acceleration(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
@@ -90,8 +119,8 @@ class TimeForm:
         powers = np.concatenate((moments.motors, moments.loads[:, 0])) * omega
         return epsilon, powers, moments.motors[0], rate
 
-    def step(self, state: State, h: np.ndarray, facing: np.ndarray, goal: np.ndarray) -> State:
-        """State after one step of the given length.
+    def step(self, state: State, h: np.ndarray, facing: np.ndarray, goal: np.ndarray, tolerance: float) -> Step:
+        """One step of the given length.
 
         A step up to a jump of the moments must not look beyond it: no stage goes farther than the goal.
 
@@ -104,18 +133,34 @@ class TimeForm:
             +1 or −1, the sign of ω throughout the step.
         goal : ndarray (variants,)
             Angle turned, ahead, that is not passed [rad].
+        tolerance : float
+            What may be missed, as a share of the angle turned and of the speed or its change.
         """
+        dynamics, own = self.dynamics, self.variants
+        form = form_of(dynamics, len(own.drive.kloss))
+        source, tabulation = source_of(dynamics, form), dynamics.reduction.tabulation
+        parameters = own.parameters
+        if (facing < 0.0).any():
+            parameters = np.where(facing > 0.0, parameters, self._mirror().parameters)
+        given = np.array(
+            [self.start, own.direction, own.flywheel, state.turned, state.omega, state.time, h, facing, goal], float
+        )
+        found = np.empty((FOUND + form.channels, own.count))
+        parts = parameters, own.drive.rows, own.drive.exponents, given
+        parts = [np.require(part, requirements="CW") for part in parts]
 
-        def up_to_goal(angle: np.ndarray) -> np.ndarray:
-            return np.where(facing > 0.0, np.minimum(angle, goal), np.maximum(angle, goal))
+        def arguments() -> tuple:
+            room = new_time_room(form, parameters.shape[0], source.target.size)
+            fill, laws = tabulation.function("curves_at"), dynamics.channel_of_laws
+            return fill, source, ORDER_EIGHT, form, laws, tolerance, *parts, found, room
 
-        method, rates = CLASSICAL, []
-        for node, row in zip(method.nodes, method.matrix, strict=True):
-            at = _moved(state, h, row, rates)
-            angle, time = up_to_goal(at.turned), state.time + node * h
-            epsilon, powers, motors, _ = self.acceleration(angle, at.omega, time, facing)
-            rates.append(State(at.omega, epsilon, np.ones_like(h), powers, motors * motors))
-        return _moved(state, h, method.weights, rates)
+        if not step_in_time.overloads:
+            kinds = (numba.typeof(part) for part in arguments()[1:])
+            prepare(step_in_time, [types.intp, types.intp, FILLS_TILE, *kinds])
+        spread(step_in_time, -(-own.count // LANES), arguments)
+        works = state.works + np.concatenate((found[MOTOR : MOTOR + 1], found[FOUND:]))
+        after = State(found[AFTER], found[OMEGA_AFTER], state.time + h, works, state.squares + found[SQUARES])
+        return Step(after, found[MISSED], found[SLOWEST], found[FASTEST])
 
     def at_rest(self, state: State) -> np.ndarray:
         """Which way a machine at rest sets off: +1, −1, or 0 where resistances hold it."""
@@ -124,12 +169,12 @@ class TimeForm:
             ways.append(self.acceleration(state.turned, still, state.time, facing)[0])
         return np.where(ways[0] > 0.0, 1.0, np.where(ways[1] < 0.0, -1.0, 0.0))
 
-    def proper_step(self, state: State, spacing: float, facing: np.ndarray) -> np.ndarray:
-        """Length of a step that turns no farther than `spacing` [rad] and follows the acceleration as finely.
+    def first_step(self, state: State, spacing: float, facing: np.ndarray) -> np.ndarray:
+        """Length of a step to try first, which turns no farther than `spacing` [rad].
 
         From rest, time is counted in units of the time that one radian takes. Where a motor pulls the speed towards
-        its own, the more finely the farther off it is: RK4's error is (h·rate)⁵/120 of the way there. Kloss' curve
-        bends within the breakdown slip, however little it falls before.
+        its own, the more finely the farther off it is. Kloss' curve bends within the breakdown slip, however little it
+        falls before.
         """
         epsilon, _, _, rate = self.acceleration(state.turned, state.omega, state.time, facing)
         ahead = self.acceleration(state.turned + facing * spacing, state.omega, state.time, facing)[0]
@@ -143,15 +188,6 @@ class TimeForm:
                 near = np.abs(synchronous / ratio - state.omega) + slip * synchronous / ratio
                 h = np.fmin(h, FINER * spacing * near / change)
         return h
-
-
-def _moved(state: State, h: np.ndarray, weights: np.ndarray, rates: Sequence[State]) -> State:
-    """A state moved over a step by a weighted mean of rates, of as many as there are."""
-    moved = list(state)
-    for weight, rate in zip(weights, rates, strict=False):
-        if weight:
-            moved = [part + (weight * h) * change for part, change in zip(moved, rate, strict=True)]
-    return State(*moved)
 
 
 def _choose(forward: np.ndarray, one: Rows, other: Rows) -> Rows:

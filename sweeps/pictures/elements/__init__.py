@@ -1,1 +1,1 @@
-"""Pictures of machine elements: plans of rotors' unbalances, orders that shake engines, velocities of gears."""
+"""Pictures of machine elements: plans of rotors' unbalances, orders that shake engines, governors, gears."""

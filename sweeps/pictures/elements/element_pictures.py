@@ -1,21 +1,35 @@
-"""Pictures of the machine elements of a scene: rotors, engines, gear trains; and their tables in words."""
+"""Pictures of the machine elements of a scene: rotors, engines, governors, elastic links, gears; and their tables."""
 
 from pathlib import Path
 
-from engine import EngineElement, GearTrain, RotorElement, Scene
+from engine import (
+    EngineElement,
+    GearTrain,
+    Governor,
+    OscillatorElement,
+    RotorElement,
+    Scene,
+    TorsionalTrain,
+    TwoMassDrive,
+    governed_scene,
+)
+from sweeps.pictures.elements.elastic_sheets import drive_sheet, oscillator_sheet
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
+from sweeps.pictures.elements.governor_sheet import governor_sheet
+from sweeps.pictures.elements.train_sheet import train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors, engines and gear trains of a scene.
+    """Draw the rotors, engines, governors, oscillators, torsional trains, elastic drives and gear trains of a scene.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with the element's name and `_plan`, `_orders` or `_velocities` added.
+        The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_governor`,
+        `_vibration`, `_transient` or `_velocities` added.
 
     Returns
     -------
@@ -28,6 +42,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
         The file's ending isn't a picture's, or it can't be written.
     """
     made = []
+    scene, cycles = governed_scene(scene)
     for name, element in scene.elements.items():
         title = f"{scene.title}: {name}" if scene.title else name
         match element:
@@ -37,6 +52,18 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case EngineElement():
                 made.append(path.with_name(f"{path.stem}_{name}_orders{path.suffix}"))
                 engine_sheet(element, made[-1], title)
+            case Governor():
+                made.append(path.with_name(f"{path.stem}_{name}_governor{path.suffix}"))
+                governor_sheet(element, made[-1], title, cycles.get(name))
+            case TorsionalTrain():
+                made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
+                train_sheet(scene, name, made[-1], title)
+            case OscillatorElement() if element.start is not None or element.excitation is not None:
+                made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
+                oscillator_sheet(element, made[-1], title)
+            case TwoMassDrive():
+                made.append(path.with_name(f"{path.stem}_{name}_transient{path.suffix}"))
+                drive_sheet(element, made[-1], title)
             case GearTrain():
                 made.append(path.with_name(f"{path.stem}_{name}_velocities{path.suffix}"))
                 gear_sheet(element, made[-1], title)
@@ -44,12 +71,14 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
 
 
 def element_tables(scene: Scene) -> str:
-    """Tables of the orders of a scene's engines and of the shafts of its gear trains, in words; "" without any."""
+    """Tables of engines' orders, of torsional trains' modes and of gear trains' shafts, in words; "" without any."""
     told = []
     for name, element in scene.elements.items():
         match element:
             case EngineElement():
                 told.append(f"{name}: orders of the crank\n{engine_table(element)}")
+            case TorsionalTrain():
+                told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{train_table(element)}")
             case GearTrain():
                 told.append(f"{name}: {gear_table(element)}")
     return "\n".join(told)

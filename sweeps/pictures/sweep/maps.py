@@ -32,6 +32,8 @@ REASONS = {
     Verdict.ANY_SPEED: "nothing decides the speed",
     Verdict.LOCKS: "a brake locks by itself",
     Verdict.NO_INERTIA: "no inertia at a dead centre",
+    Verdict.UNSTABLE: "governor nowhere stable",
+    Verdict.RESONANCE: "resonance without damping",
     Verdict.DOES_NOT_FIT: "wheels don't fit",
     Verdict.SELF_LOCKS: "gears lock by themselves",
     Verdict.STANDS: "losses stop the gears",

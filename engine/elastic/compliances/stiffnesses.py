@@ -1,0 +1,38 @@
+"""Stiffness of the parts of machines.
+
+Sources: S. P. Timoshenko, Strength of Materials, part I (torsion of round shafts, tension, bending of a cantilever);
+for gear teeth ISO 6336-1, which gives the mesh stiffness c_γ of a width.
+"""
+
+import math
+
+import numpy as np
+
+
+def shaft_stiffness(diameter: np.ndarray, bore: np.ndarray, length: np.ndarray, modulus: np.ndarray) -> np.ndarray:
+    """Torsional stiffness of a round shaft, G π (D⁴ − d⁴)/(32 L) [N·m/rad]; without length it is rigid."""
+    # D⁴ − d⁴ in factors that don't cancel more than they must.
+    polar = math.pi / 32.0 * (diameter - bore) * (diameter + bore) * (diameter**2 + bore**2)
+    with np.errstate(divide="ignore"):
+        return modulus * polar / length
+
+
+def rod_stiffness(area: np.ndarray, length: np.ndarray, modulus: np.ndarray) -> np.ndarray:
+    """Stiffness of a rod in tension, E A/L [N/m]."""
+    return modulus * area / length
+
+
+def cantilever_stiffness(diameter: np.ndarray, bore: np.ndarray, length: np.ndarray, modulus: np.ndarray) -> np.ndarray:
+    """Stiffness of a round cantilever against a force across its end, 3 E I/L³ [N/m]."""
+    second_moment = math.pi / 64.0 * (diameter - bore) * (diameter + bore) * (diameter**2 + bore**2)
+    return 3.0 * modulus * second_moment / length**3
+
+
+def at_radius(stiffness: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Torsional stiffness k r² of what gives way along a circle: teeth, strands of a belt or a chain [N·m/rad]."""
+    return stiffness * radius**2
+
+
+def damping_of_absorption(absorption: np.ndarray, stiffness: np.ndarray, frequency: np.ndarray) -> np.ndarray:
+    """Damping that dissipates the share ψ of the greatest energy in a cycle at a frequency [rad/s], ψ k/(2 π ω)."""
+    return absorption * stiffness / (math.tau * frequency)

@@ -1,0 +1,240 @@
+"""What is computed of a drive of two masses with backlash: its shaft's greatest moment, impacts, speeds at the end."""
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.running import prepare, spread
+from engine.elastic.compliances.reduction import in_series, part_keys, reduced_part
+from engine.elastic.compliances.stiffnesses import damping_of_absorption
+from engine.elastic.drives.backlash_phases import (
+    CLOSINGS,
+    FOUND,
+    GREATEST,
+    GREATEST_AT,
+    IMPACT_AT,
+    IMPACT_SPEED,
+    LOAD_AT,
+    LOAD_SPEED,
+    MOTOR_SPEED,
+    PHASE,
+    follow_drives,
+)
+from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.oscillators.one_mass import free_motion
+from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
+
+Numbers = Mapping[str, np.ndarray]
+
+# Phases of a drive that a picture can show.
+MOST_SHOWN = 2000
+_RESULTS = (
+    ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
+    ElementResult("damping", "torsional damping of the shaft", "N m s rad-1"),
+    ElementResult("natural_frequency", "natural frequency of the drive in touch", "rad s-1"),
+    ElementResult("rigid_moment", "moment of the shaft, were it rigid and without backlash", "N m"),
+    ElementResult("greatest_moment", "greatest magnitude of the shaft's moment", "N m"),
+    ElementResult("greatest_moment_at", "when the shaft's moment is greatest", "s"),
+    ElementResult("dynamic_factor", "greatest moment over that of a rigid shaft", "1"),
+    ElementResult("closings", "how often the backlash closes", "1", exact=True),
+    ElementResult("first_impact_at", "when the backlash closes first", "s", None, True),
+    ElementResult("first_impact_speed", "relative speed at which the backlash closes first", "rad s-1", None, True),
+    ElementResult("load_starts_at", "when the load starts to move", "s", None, True),
+    ElementResult("motor_speed", "speed of the motor at the end", "rad s-1"),
+    ElementResult("load_speed", "speed of the load at the end", "rad s-1"),
+)
+
+
+class DriveShaft(NamedTuple):
+    """Stiffness [N·m/rad] and damping [N·m·s/rad] of a drive's shaft, and its natural frequency in touch [rad/s]."""
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+    frequency: np.ndarray
+
+
+def drive_law(drive: TwoMassDrive) -> LawOfArrays:
+    """The law of a drive of two masses: its numbers in an order of their own, and its results.
+
+    Parameters
+    ----------
+    drive : TwoMassDrive
+    """
+    keys = tuple(drive_keys(drive))
+    return LawOfArrays(
+        with_nudges(partial(_rows, drive, keys)),
+        lambda element, given: tuple(given(key) for key in keys),
+        _RESULTS,
+    )
+
+
+def drive_keys(drive: TwoMassDrive) -> Iterator[str]:
+    """Keys of all numbers that a drive is given."""
+    yield from ("motor_inertia", "load_inertia", "backlash", "motor_moment", "load_moment", "time")
+    optional = ("stiffness", "damping", "damping_ratio", "load_before", "speed")
+    yield from (key for key in optional if getattr(drive, key) is not None)
+    for name, part in (drive.parts or {}).items():
+        yield from part_keys(part, f"parts.{name}")
+
+
+def drive_shaft(drive: TwoMassDrive, n: Numbers) -> DriveShaft:
+    """The shaft of a drive, with all dampers as they are at its natural frequency.
+
+    Parameters
+    ----------
+    drive : TwoMassDrive
+        How its shaft is given; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys.
+    """
+    absorption = np.zeros_like(n["motor_inertia"])
+    if drive.parts is None:
+        stiffness, damping = n["stiffness"], n.get("damping", absorption)
+    else:
+        whole = in_series({name: reduced_part(part, n, f"parts.{name}") for name, part in drive.parts.items()})
+        stiffness, damping, absorption = whole.stiffness, whole.damping, whole.absorption
+        damping = damping + n.get("damping", 0.0)
+    frequency = np.sqrt(stiffness * (1.0 / n["motor_inertia"] + 1.0 / n["load_inertia"]))
+    damping = damping + damping_of_absorption(absorption, stiffness, frequency)
+    if drive.damping_ratio is not None:
+        damping = damping + 2.0 * n["damping_ratio"] * stiffness / frequency
+    return DriveShaft(stiffness, damping, frequency)
+
+
+def rigid_moment(motor: np.ndarray, load: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Moment of a rigid shaft between a motor of the first inertia and a load of the second [N·m].
+
+    (M I₂ + M_c I₁)/(I₁ + I₂), M being the motor's moment and M_c the load's.
+    """
+    return (motor * second + load * first) / (first + second)
+
+
+def followed_drive(drive: TwoMassDrive, n: Numbers, shown: int = 0) -> tuple[np.ndarray, np.ndarray, DriveShaft]:
+    """Follow drives through their phases.
+
+    Parameters
+    ----------
+    drive : TwoMassDrive
+        How it is given and how it begins; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "motor_moment".
+    shown : int
+        How many phases to return.
+
+    Returns
+    -------
+    found : ndarray (FOUND, variants)
+    phases : ndarray (variants, shown, PHASE)
+        Both as for `follow_drives`.
+    shaft : DriveShaft
+    """
+    shaft = drive_shaft(drive, n)
+    none = np.zeros_like(shaft.stiffness)
+    inertias = n["motor_inertia"], n["load_inertia"]
+    if drive.begin == "running":
+        twist = rigid_moment(n["motor_moment"], n["load_before"], *inertias) / shaft.stiffness
+        speed, touch = n["speed"], none + 1.0
+    else:
+        # The whole backlash is open; without any, the shaft is in touch.
+        twist, speed, touch = -n["backlash"], none, np.where(n["backlash"] > 0.0, 0.0, 1.0)
+    moments = n["backlash"], n["motor_moment"], n["load_moment"], n["time"]
+    rows = (*inertias, shaft.stiffness, shaft.damping, *moments, twist, speed, touch)
+    given = np.array([np.broadcast_to(row, none.shape) for row in rows])
+    found, phases = np.empty((FOUND, none.size)), np.empty((none.size, shown, PHASE))
+    prepare(follow_drives, [types.intp, types.intp, *(numba.typeof(a) for a in (given, found, phases))])
+    spread(follow_drives, none.size, lambda: (given, found, phases))
+    return found, phases, shaft
+
+
+def _rows(drive: TwoMassDrive, keys: tuple[str, ...], table: np.ndarray) -> np.ndarray:
+    n = dict(zip(keys, table, strict=True))
+    found, _, shaft = followed_drive(drive, n)
+    rigid = rigid_moment(n["motor_moment"], n["load_moment"], n["motor_inertia"], n["load_inertia"])
+    return np.stack(
+        [
+            shaft.stiffness,
+            shaft.damping,
+            shaft.frequency,
+            rigid,
+            found[GREATEST],
+            found[GREATEST_AT],
+            found[GREATEST] / rigid,
+            found[CLOSINGS],
+            found[IMPACT_AT],
+            found[IMPACT_SPEED],
+            found[LOAD_AT],
+            found[MOTOR_SPEED],
+            found[LOAD_SPEED],
+        ]
+    )
+
+
+class DriveHistory(NamedTuple):
+    """A drive over time.
+
+    Attributes
+    ----------
+    time : ndarray (instants,)
+        [s].
+    moment : ndarray (instants,)
+        Of the shaft [N·m].
+    motor_speed, load_speed : ndarray (instants,)
+        [rad/s].
+    gap : ndarray (instants,)
+        e = φ₁ − φ₂, 0 where the shaft touches forwards [rad].
+    """
+
+    time: np.ndarray
+    moment: np.ndarray
+    motor_speed: np.ndarray
+    load_speed: np.ndarray
+    gap: np.ndarray
+
+
+def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
+    """What a drive does, at equally spaced instants.
+
+    Parameters
+    ----------
+    drive : TwoMassDrive
+    instants : int
+    """
+    numbers = {}
+    for key in drive_keys(drive):
+        part: object = drive
+        for name in key.split("."):
+            part = part[name] if isinstance(part, Mapping) else getattr(part, name)
+        numbers[key] = np.array([part], float)
+    _, phases, shaft = followed_drive(drive, numbers, MOST_SHOWN)
+    phases = phases[0][~np.isnan(phases[0, :, 0])]
+    time = np.linspace(0.0, drive.time, instants)
+    k, b = float(shaft.stiffness[0]), float(shaft.damping[0])
+    rows = np.searchsorted(phases[:, 0], time, side="right") - 1
+    moment, motor, load, gap = np.empty((4, instants))
+    for row, (begins, touch, moves, e, v, speed) in enumerate(phases):
+        here = rows == row
+        t = time[here] - begins
+        if touch == 0:
+            push = drive.motor_moment / drive.motor_inertia + moves * drive.load_moment / drive.load_inertia
+            gap[here], rate = e + (v + 0.5 * push * t) * t, v + push * t
+            moment[here] = 0.0
+            load[here] = speed - moves * drive.load_moment / drive.load_inertia * t
+        else:
+            behind = drive.backlash if touch < 0 else 0.0
+            mobility = 1.0 / drive.motor_inertia + (1.0 / drive.load_inertia if moves else 0.0)
+            push = drive.motor_moment / drive.motor_inertia + moves * drive.load_moment / drive.load_inertia
+            frequency = np.full(t.shape, math.sqrt(k * mobility))
+            twist = push / (k * mobility)
+            deviation, rate = free_motion(frequency, 0.5 * b * mobility / frequency, e + behind - twist, v, t)
+            gap[here], moment[here] = twist + deviation - behind, k * (twist + deviation) + b * rate
+            total = drive.motor_inertia + drive.load_inertia
+            momentum = drive.motor_inertia * (v + speed) + drive.load_inertia * speed
+            momentum = momentum + (drive.motor_moment - moves * drive.load_moment) * t
+            load[here] = (momentum - drive.motor_inertia * rate) / total if moves else 0.0
+        motor[here] = load[here] + rate
+    return DriveHistory(time, moment, motor, load, gap)

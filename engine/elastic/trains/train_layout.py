@@ -1,0 +1,129 @@
+"""How a torsional train hangs together: masses that gears make one, and the tree of shafts between them.
+
+Everything is reduced to the shaft of the first mass. With g the speed of a mass over that of the first one, were all
+shafts rigid, its inertia counts g² times, as do the stiffness and damping of a shaft that turns with g, and a moment g
+times. Masses joined by gears are one node then, and a twist is a difference of two nodes' angles.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+FRAME_END = "frame"
+
+
+class LayoutProblem(ValueError):
+    """Masses, shafts and gears that make no tree."""
+
+
+class Joint(NamedTuple):
+    """A shaft or a gear: its name, the masses (or the frame) at its ends, whether it is a gear."""
+
+    name: str
+    first: str
+    second: str
+    rigid: bool
+
+
+class TrainLayout(NamedTuple):
+    """The tree of a train.
+
+    Attributes
+    ----------
+    masses : tuple of str
+    node_of : tuple of int
+        Node of each mass; that of the first mass is 0, and parents have lower numbers than their children.
+    parents : tuple of int
+        Node before each node; -1 for node 0.
+    shaft_to : tuple of str
+        Shaft between each node and its parent; "" for node 0.
+    grounded : tuple of (str, str)
+        Shafts to the frame, and the mass at the other end.
+    path : tuple of (str, str, str, bool)
+        Masses in the order in which they are reached: the mass, the one before it, the joint, and whether it is passed
+        from its first end to its second.
+    """
+
+    masses: tuple[str, ...]
+    node_of: tuple[int, ...]
+    parents: tuple[int, ...]
+    shaft_to: tuple[str, ...]
+    grounded: tuple[tuple[str, str], ...]
+    path: tuple[tuple[str, str, str, bool], ...]
+
+    @property
+    def is_chain(self) -> bool:
+        """Whether no node has more than two others beside it."""
+        beside = [0] * len(self.parents)
+        for node, parent in enumerate(self.parents[1:], 1):
+            beside[node] += 1
+            beside[parent] += 1
+        return max(beside) <= 2
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the whole train can turn: no shaft holds it to the frame."""
+        return not self.grounded
+
+
+def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
+    """The tree that shafts and gears make of a train's masses.
+
+    Parameters
+    ----------
+    masses : sequence of str
+    joints : sequence of Joint
+        Between masses, or from a mass to the frame.
+
+    Raises
+    ------
+    LayoutProblem
+        The joints close a loop, leave masses apart, or name a mass that there isn't.
+    """
+    beside: Mapping[str, list[tuple[Joint, str]]] = {mass: [] for mass in masses}
+    grounded = []
+    for joint in joints:
+        ends = [end for end in (joint.first, joint.second) if end != FRAME_END]
+        unknown = [end for end in ends if end not in beside]
+        if unknown:
+            raise LayoutProblem(f"{joint.name}: there is no mass {unknown[0]!r}; masses are {', '.join(masses)}")
+        if len(ends) == 2:
+            beside[ends[0]].append((joint, ends[1]))
+            beside[ends[1]].append((joint, ends[0]))
+        elif len(ends) == 1 and not joint.rigid:
+            grounded.append((joint.name, ends[0]))
+        else:
+            raise LayoutProblem(f"{joint.name}: one end must be a mass, and of a gear both")
+    node_of, parents, shaft_to, path = {masses[0]: 0}, [-1], [""], []
+    # Whatever gears join belongs to the node before shafts go on from it.
+    passed, waiting = set(), [masses[0]]
+    while waiting:
+        mass = waiting.pop(0)
+        for joint, other in sorted(beside[mass], key=lambda found: not found[0].rigid):
+            if joint.name in passed:
+                continue
+            passed.add(joint.name)
+            if other in node_of:
+                raise LayoutProblem(
+                    f"{joint.name} closes a loop of shafts and gears: a train is a chain or a tree; shafts side by "
+                    "side are one with parts in parallel"
+                )
+            path.append((other, mass, joint.name, joint.first == mass))
+            if joint.rigid:
+                node_of[other] = node_of[mass]
+                waiting.insert(0, other)
+            else:
+                node_of[other] = len(parents)
+                parents.append(node_of[mass])
+                shaft_to.append(joint.name)
+                waiting.append(other)
+    apart = [mass for mass in masses if mass not in node_of]
+    if apart:
+        raise LayoutProblem(f"{', '.join(apart)}: no shafts or gears join them to {masses[0]!r}")
+    return TrainLayout(
+        tuple(masses),
+        tuple(node_of[mass] for mass in masses),
+        tuple(parents),
+        tuple(shaft_to),
+        tuple(grounded),
+        tuple(path),
+    )

@@ -1,1 +1,0 @@
-"""The flywheel as a wheel, and flywheels straight from turning-moment diagrams."""

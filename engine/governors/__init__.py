@@ -1,0 +1,1 @@
+"""Speed governors: characteristics, stability with the engine they govern, and what a change of load does."""

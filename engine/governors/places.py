@@ -1,0 +1,235 @@
+"""A governor at one position: everything that statics and motion need of it, whatever its kind.
+
+The numbers of a variant stand in a row, in the order of the constants below; what a kind of governor or an engine
+doesn't have is not read. Tables are the same for all variants and stand one after another in a memory.
+"""
+
+import math
+from enum import IntEnum
+
+from engine.compiling.decorators import routine
+from engine.cycle.panels.lanes import Memory
+from engine.laws.governors.equilibrium import holding, sleeve_equivalent, stability_margin
+from engine.laws.governors.linkages import balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
+from engine.laws.tables import table_segment
+
+BALL, SLEEVE, STIFFNESS, PRELOAD, GRAVITY, FRICTION, DAMPING, LEAST, GREATEST, CHANGE = range(10)
+GEOMETRY = 10
+GEOMETRY_NUMBERS = 6
+ENGINE = GEOMETRY + GEOMETRY_NUMBERS
+INERTIA, RATIO, FULL, CLOSED, SELF_REGULATION, LOAD, NEW_LOAD, DURATION, BAND, SWITCH = range(ENGINE, ENGINE + 10)
+NUMBERS = ENGINE + 10
+# Where the engine is a mechanism, curves over its cycle follow, each at so many equally spaced crank angles: what its
+# reduced inertia is beside the mean, the derivative of that by the angle, what drives it over the mean of that, and
+# what else acts, without its mean; and the length of the cycle.
+CYCLE_POSITIONS = 360
+CURVES = 4
+CYCLE_LENGTH = NUMBERS + CURVES * CYCLE_POSITIONS
+
+
+class Holding(IntEnum):
+    """What a governor is: how its balls move, or over what its controlling force is tabled."""
+
+    UPPER_ARMS = 0
+    LOWER_ARMS = 1
+    BELL_CRANKS = 2
+    OVER_RADIUS = 3
+    OVER_LIFT = 4
+
+
+class Throttling(IntEnum):
+    """How the engine's moment depends on the lift of the sleeve; none without an engine."""
+
+    NONE = 0
+    LINEAR = 1
+    TABLE = 2
+    FULL_AND_SHUT = 3
+
+
+_UPPER_ARMS, _LOWER_ARMS, _BELL_CRANKS = (int(k) for k in tuple(Holding)[:3])
+_OVER_RADIUS = int(Holding.OVER_RADIUS)
+_LINEAR, _TABLE, _FULL_AND_SHUT = (int(k) for k in tuple(Throttling)[1:])
+
+EPS = 2.0**-52
+# Samples in which a position is sought for a radius that no formula gives. Newton's method then takes a handful of
+# rounds, halving of the bracket one for each bit.
+_SAMPLES, _ROUNDS = 64, 100
+
+
+@routine
+def linkage_at(kind: int, p: Memory, x: float) -> tuple[float, float, float, float, float, float, float, float]:
+    """r, r', r'', h', h'', z, z', z'' of a governor at a position.
+
+    Parameters
+    ----------
+    kind : int
+        `Holding`.
+    p : Memory (NUMBERS,)
+    x : float
+        Position: radius of the joint of arms, or of the balls [m].
+
+    Returns
+    -------
+    tuple of 8 floats
+        As `engine.laws.governors.linkages` has them.
+    """
+    g = GEOMETRY
+    if kind == _UPPER_ARMS:
+        return balls_on_upper_arms(x, p[g], p[g + 1], p[g + 2], p[g + 3], p[g + 4])
+    if kind == _LOWER_ARMS:
+        return balls_on_lower_arms(x, p[g], p[g + 1], p[g + 2], p[g + 3], p[g + 4], p[g + 5])
+    if kind == _BELL_CRANKS:
+        return balls_on_bell_cranks(x, p[g], p[g + 1], p[g + 2])
+    return x, 1.0, 0.0, 0.0, 0.0, (x - p[LEAST]) * p[g], p[g], 0.0
+
+
+@routine
+def value_and_rate(memory: Memory, offset: float, u: float) -> tuple[float, float]:
+    """Value and slope of a table in memory.
+
+    It is called, not inlined: what arrays cost in bookkeeping is then paid for by governors with tables alone.
+    """
+    left, c3, c2, c1, c0 = table_segment(memory, offset, u)
+    t = u - left
+    return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
+
+
+@routine
+def held_at(kind: int, p: Memory, memory: Memory, x: float, link: tuple, zero: float) -> tuple[float, float, float]:
+    """V', V'' at a position, and the magnitudes that V' is a sum of.
+
+    Parameters
+    ----------
+    kind : int
+    p : Memory (NUMBERS,)
+    memory : Memory
+        Tables, that of the controlling force first.
+    x : float
+    link : tuple of 8 floats
+        `linkage_at` that position.
+    zero : float
+        Height of the sleeve at the inner stop, as `linkage_at` counts it [m].
+
+    Returns
+    -------
+    tuple of 3 floats
+    """
+    _, _, _, h1, h2, z, z1, z2 = link
+    if kind >= _OVER_RADIUS:
+        u, rate = (x, 1.0) if kind == _OVER_RADIUS else (z - zero, z1)
+        force, change = value_and_rate(memory, 0.0, u)
+        return 2.0 * force, 2.0 * rate * change, abs(2.0 * force)
+    ball = p[BALL] * p[GRAVITY]
+    spring, weight = p[STIFFNESS] * (z - zero), p[SLEEVE] * p[GRAVITY]
+    slope, curvature = holding(ball, weight + p[PRELOAD] + spring, p[STIFFNESS], h1, h2, z1, z2)
+    size = 2.0 * ball * abs(h1) + (weight + abs(p[PRELOAD]) + p[STIFFNESS] * (abs(z) + abs(zero))) * abs(z1)
+    return slope, curvature, size
+
+
+@routine
+def margin_at(kind: int, p: Memory, memory: Memory, x: float, zero: float) -> tuple[float, float, float, float, float]:
+    """Stability at a position, and whether the governor works there at all.
+
+    Parameters
+    ----------
+    kind, p, memory, x, zero
+        As for `held_at`.
+
+    Returns
+    -------
+    margin : float
+        `stability_margin`.
+    rounding : float
+        What rounding may amount to in it.
+    sleeve : float
+        E; NaN or ≤ 0 where nothing holds the balls.
+    radius_rate, lift_rate : float
+        r' and z'; NaN where arms don't reach, above 0 where balls and sleeve rise together.
+    """
+    link = linkage_at(kind, p, x)
+    slope, curvature, size = held_at(kind, p, memory, x, link, zero)
+    margin = stability_margin(link[0], link[1], link[2], slope, curvature)
+    rounding = 32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope))
+    return margin, rounding, sleeve_equivalent(slope, link[6]), link[1], link[6]
+
+
+@routine
+def _narrowed(kind: int, p: Memory, radius: float, low: float, high: float) -> float:
+    """Position between two others at which the balls have a radius: Newton's method, halving where that leaves them."""
+    x = high
+    for _ in range(_ROUNDS):
+        link = linkage_at(kind, p, x)
+        if link[0] < radius:
+            low = x
+        else:
+            high = x
+        following = x - (link[0] - radius) / link[1]
+        following = following if low < following < high else 0.5 * (low + high)
+        done = abs(following - x) <= EPS * abs(x)
+        x = following
+        if done:
+            break
+    return x
+
+
+@routine
+def position_of(kind: int, p: Memory, radius: float) -> float:
+    """Position at which the balls have a radius; NaN where they can't.
+
+    Parameters
+    ----------
+    kind : int
+    p : Memory (NUMBERS,)
+    radius : float
+        [m]
+    """
+    g = GEOMETRY
+    if kind == _UPPER_ARMS:
+        return p[g + 2] + (radius - p[g + 2]) * p[g] / p[g + 4]
+    if kind != _LOWER_ARMS:
+        return radius
+    low = max(p[g + 2] - p[g], p[g + 3] - p[g + 1])
+    high = min(p[g + 2] + p[g], p[g + 3] + p[g + 1])
+    before, step = math.nan, (high - low) / _SAMPLES
+    for k in range(_SAMPLES):
+        # Both ends are left out: there an arm lies at right angles to the axis.
+        x = low + (k + 0.5) * step
+        link = linkage_at(kind, p, x)
+        off = link[0] - radius
+        if before < 0.0 <= off:
+            return _narrowed(kind, p, radius, x - step, x)
+        # The sleeve rises with the balls where the governor can work.
+        before = off if link[6] > 0.0 else math.nan
+    return math.nan
+
+
+@routine
+def throttle_at(
+    throttle: int, p: Memory, memory: Memory, offset: float, lift: float, whole: float
+) -> tuple[float, float]:
+    """Moment of the engine at the mean speed of the governor, and by how much it falls for each metre of lift.
+
+    Parameters
+    ----------
+    throttle : int
+        `Throttling`, but NONE.
+    p : Memory (NUMBERS,)
+    memory : Memory
+        Tables.
+    offset : float
+        Where the table of the throttle begins in it.
+    lift, whole : float
+        Of the sleeve, and its greatest [m].
+
+    Returns
+    -------
+    tuple of 2 floats
+        [N·m], [N]; a valve that is open or shut falls by nothing beside its switch.
+    """
+    if throttle == _LINEAR:
+        fall = (p[FULL] - p[CLOSED]) / whole
+        return p[FULL] - fall * lift, fall
+    if throttle == _TABLE:
+        moment, rise = value_and_rate(memory, offset, lift)
+        return moment, -rise
+    return (p[FULL] if lift <= p[SWITCH] else p[CLOSED]), 0.0

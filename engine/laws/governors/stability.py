@@ -1,0 +1,188 @@
+"""Stability of an engine with its governor: the linear equation of third order and what it says.
+
+A sleeve with mass m, stiffness c and damping b, on which a change of speed ω̃ acts with f ω̃, governs an engine of
+inertia I whose moment falls by K for each metre of lift and by s for each rad/s:
+
+    m z̈ + b ż + c z = f ω̃,   I ω̃' = −K z − s ω̃ − f ż
+
+The term f ż is what balls that move outwards take of the angular momentum; textbooks leave it out (f² below is small
+against I c but for governors as heavy as the engine's wheel). The characteristic polynomial is
+
+    I m λ³ + (I b + s m) λ² + (I c + s b + f²) λ + (s c + K f)
+
+Sources: I. A. Vyshnegradsky, Sur la théorie générale des régulateurs, C. R. Acad. Sci. 83 (1876); A. Hurwitz (1895);
+T. Bevan, The Theory of Machines, chapter 10.
+"""
+
+import math
+
+from engine.compiling.decorators import scalar
+
+EPS = 2.0**-52
+# Newton's method takes a handful of them, halving of the bracket one for each bit.
+MOST_ROUNDS = 80
+
+
+@scalar
+def governed_polynomial(
+    inertia: float, mass: float, damping: float, stiffness: float, self_regulation: float, lift_gain: float, pull: float
+) -> tuple[float, float, float, float]:
+    """Coefficients of the characteristic polynomial, highest power first.
+
+    Parameters
+    ----------
+    inertia, mass, damping, stiffness, self_regulation, lift_gain, pull : float
+        I, m, b, c, s, K and f of the module's equations.
+
+    Returns
+    -------
+    tuple of 4 floats
+    """
+    return (
+        inertia * mass,
+        inertia * damping + self_regulation * mass,
+        inertia * stiffness + self_regulation * damping + pull * pull,
+        self_regulation * stiffness + lift_gain * pull,
+    )
+
+
+@scalar
+def vyshnegradsky(a3: float, a2: float, a1: float, a0: float) -> tuple[float, float, float]:
+    """Vyshnegradsky's parameters X and Y, and the time τ they are made with.
+
+    In units of τ = (a3/a0)^⅓ the polynomial is λ³ + X λ² + Y λ + 1. Stable where X Y > 1, X > 0.
+
+    Parameters
+    ----------
+    a3, a2, a1, a0 : float
+        Coefficients, the last above 0.
+
+    Returns
+    -------
+    tuple of 3 floats
+        X, Y, τ [s].
+    """
+    time = (a3 / a0) ** (1.0 / 3.0)
+    return a2 / a3 * time, a1 / a3 * time * time, time
+
+
+@scalar
+def oscillates(x: float, y: float) -> bool:
+    """Whether λ³ + X λ² + Y λ + 1 has a pair of complex roots: X²Y² − 4 (X³ + Y³) + 18 X Y − 27 < 0."""
+    return x * x * y * y - 4.0 * (x * x * x + y * y * y) + 18.0 * x * y - 27.0 < 0.0
+
+
+@scalar
+def normal_roots(x: float, y: float) -> tuple[float, float, float]:
+    """Roots of λ³ + X λ² + Y λ + 1 for X, Y ≥ 0.
+
+    Parameters
+    ----------
+    x, y : float
+
+    Returns
+    -------
+    real : float
+        The one that is real always; below 0.
+    middle, square : float
+        The others are middle ± √square.
+    """
+    # The polynomial read backwards has the inverse roots: of the two, one has its real root between −1 and 0.
+    backwards = x > y
+    p, q = (y, x) if backwards else (x, y)
+    low, high = -1.0, 0.0
+    root = -1.0 / (1.0 + q)
+    for _ in range(MOST_ROUNDS):
+        value = ((root + p) * root + q) * root + 1.0
+        if value > 0.0:
+            high = root
+        else:
+            low = root
+        following = root - value / ((3.0 * root + 2.0 * p) * root + q)
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        done = abs(following - root) <= EPS * abs(root)
+        root = following
+        if done:
+            break
+    real = 1.0 / root if backwards else root
+    # λ² + t λ − 1/real is left, with t = X + real; where these are large and alike, t follows from Y.
+    total = (-1.0 / real - y) / real if backwards else x + real
+    middle = -0.5 * total
+    return real, middle, middle * middle + 1.0 / real
+
+
+@scalar
+def most_gain(
+    inertia: float, mass: float, damping: float, stiffness: float, self_regulation: float, pull: float
+) -> float:
+    """Gain K at which the engine with its governor begins to hunt, by Hurwitz; 0 where it does at any gain.
+
+    Parameters
+    ----------
+    inertia, mass, damping, stiffness, self_regulation, pull : float
+        I, m, b, c, s and f of the module's equations.
+
+    Returns
+    -------
+    float
+        [N]
+    """
+    a2 = inertia * damping + self_regulation * mass
+    a1 = inertia * stiffness + self_regulation * damping + pull * pull
+    return max((a2 * a1 / (inertia * mass) - self_regulation * stiffness) / pull, 0.0)
+
+
+@scalar
+def critical_damping_of_sleeve(
+    inertia: float, mass: float, stiffness: float, self_regulation: float, lift_gain: float, pull: float
+) -> float:
+    """Least damping b at the sleeve with which the engine doesn't hunt; m K f/(I c) without s and f².
+
+    Hurwitz' condition as an equation in b: I s b² + (I (I c + f²) + s² m) b + m (s f² − I K f) = 0.
+
+    Parameters
+    ----------
+    inertia, mass, stiffness, self_regulation, lift_gain, pull : float
+        I, m, c, s, K and f of the module's equations.
+
+    Returns
+    -------
+    float
+        [N s/m]; 0 where none is needed, infinite where none suffices.
+    """
+    constant = mass * (inertia * lift_gain * pull - self_regulation * pull * pull)
+    if constant <= 0.0:
+        return 0.0
+    square = inertia * self_regulation
+    linear = inertia * (inertia * stiffness + pull * pull) + self_regulation * self_regulation * mass
+    return 2.0 * constant / (linear + math.sqrt(linear * linear + 4.0 * square * constant))
+
+
+@scalar
+def critical_inertia_of_engine(
+    mass: float, damping: float, stiffness: float, self_regulation: float, lift_gain: float, pull: float
+) -> float:
+    """Inertia I from which on the engine doesn't hunt; m K f/(b c) without s and f².
+
+    Hurwitz' condition as an equation in I: b c I² + (s b² + b f² − m K f) I + s m (s b + f²) = 0.
+
+    Parameters
+    ----------
+    mass, damping, stiffness, self_regulation, lift_gain, pull : float
+        m, b, c, s, K and f of the module's equations.
+
+    Returns
+    -------
+    float
+        [kg·m²]; 0 where any will do, infinite where none will.
+    """
+    square = damping * stiffness
+    needed = mass * lift_gain * pull - self_regulation * damping * damping - damping * pull * pull
+    constant = self_regulation * mass * (self_regulation * damping + pull * pull)
+    if needed <= 0.0:
+        return 0.0
+    discriminant = needed * needed - 4.0 * square * constant
+    if discriminant < 0.0:
+        return 0.0
+    return (needed + math.sqrt(discriminant)) / (2.0 * square)

@@ -1,0 +1,455 @@
+"""Loads given by formulas, as nodes: what is written is what is computed, with what switches in it held.
+
+Where a piece of a formula switches — the sign of a number, the lesser of two, a comparison — is where a curve crosses a
+level: the panels end there. The derivative by the input of that curve follows from the formula's own structure, by the
+rules of differentiation.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.graph.nodes import Node, Stage
+from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
+from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, sense, side
+from engine.laws.tables import periods_before
+from engine.mechanism.acting import Characteristic
+from engine.mechanism.actions.paths import Along, input_sense
+from engine.mechanism.actions.tables import time_per_input
+from engine.mechanism.assembly import Slide
+from engine.mechanism.kinematics import Kinematics
+from engine.scene.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
+from engine.scene.formulas.load_formulas import TIME, LoadFormula
+from engine.scene.formulas.speed_powers import NoPowerError, powers_of_speed
+from engine.scene.parts import CrankInput
+
+# Powers up to this one are products.
+LARGEST_PRODUCT = 16
+
+
+class Differentiated(NamedTuple):
+    """A number along the motion, and its derivative by the input."""
+
+    value: Node
+    rate: Node
+
+
+def formula_characteristics(
+    kinematics: Kinematics, formula: LoadFormula, along: Along, factor: Node, time: Node
+) -> Iterator[Characteristic]:
+    """How large a load by a formula is: a characteristic for each power of the input's speed.
+
+    What is no sum of such powers is one characteristic, true at the input's uniform speed alone.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    formula : LoadFormula
+    along : Along
+        Motion of what it acts on.
+    factor : Node
+        What the value is multiplied by; held.
+    time : Node
+        [s].
+    """
+    graph, tree = kinematics.graph, formula.expression.tree
+    forward = input_sense(kinematics)
+    try:
+        parts, speed = powers_of_speed(tree, formula.velocities), forward
+    except NoPowerError:
+        parts, speed = {Fraction(0): tree}, graph.number("input.speed")
+    if along.direction is not None and formula.action.angle is None:
+        # Along the motion, whichever way the input moves.
+        factor = factor * forward
+    curves = _Curves(kinematics, formula, along, speed, time)
+    for exponent, part in parts.items():
+        order = int(exponent) if exponent in (0, 1, 2) else float(exponent)
+        size = graph.derived(f"{formula.at} over speed^{order}", _speed_to(order), "load")
+        yield Characteristic(size, curves.of(part).value * factor, order)
+
+
+def _speed_to(order: float) -> Callable:
+    return lambda numbers: np.abs(numbers["input.speed"]) ** order
+
+
+class _Curves:
+    """The parts of a formula as curves; `speed` is the one at which velocities are taken."""
+
+    def __init__(self, kinematics: Kinematics, formula: LoadFormula, along: Along, speed: Node, time: Node) -> None:
+        self.kinematics, self.graph, self.formula = kinematics, kinematics.graph, formula
+        self.along, self.speed, self.time = along, speed, time
+        # Parts are shared, so that each is followed once; and they must live as long as their place in memory counts.
+        self._known: dict[int, tuple[Tree, Differentiated]] = {}
+        self._names: dict[str, Differentiated] = {}
+        # Curves with the same zeros, without a number that they are multiplied by.
+        self._bare: dict[Node, Differentiated] = {}
+        # Distances from an end of a stroke: the slide, the sense in which they grow with it, and the end.
+        self._distances: dict[Node, tuple[Differentiated, float, Node]] = {}
+
+    def of(self, tree: Tree) -> Differentiated:
+        """Differentiated of a part of the formula."""
+        if id(tree) not in self._known:
+            self._known[id(tree)] = tree, self._found(tree)
+        return self._known[id(tree)][1]
+
+    def _found(self, tree: Tree) -> Differentiated:
+        if isinstance(tree, str):
+            return self._named(tree)
+        if isinstance(tree, float):
+            return self._constant(tree)
+        if isinstance(tree, TextQuantity):
+            return self._constant(tree.value)
+        if not names_in_tree(tree):
+            return self._constant(evaluate_tree(tree, {}).item())
+        if tree.name == "if":
+            condition, *choices = tree.operands
+            return self._either(self._condition(condition), *(self.of(choice) for choice in choices))
+        if tree.name == "**":
+            return self._power(*tree.operands)
+        if tree.name == "sqrt":
+            return self._root(*tree.operands)
+        if tree.name in ("sin", "cos", "tan"):
+            return self._of_angle(tree.name, tree.operands[0])
+        return getattr(self, _METHODS[tree.name])(*(self.of(operand) for operand in tree.operands))
+
+    def _constant(self, value: float) -> Differentiated:
+        return Differentiated(self.graph.constant(value), self.graph.zero)
+
+    # Arithmetic
+
+    def _sum(self, a: Differentiated, b: Differentiated) -> Differentiated:
+        return Differentiated(a.value + b.value, a.rate + b.rate)
+
+    def _difference(self, a: Differentiated, b: Differentiated) -> Differentiated:
+        return Differentiated(a.value - b.value, a.rate - b.rate)
+
+    def _product(self, a: Differentiated, b: Differentiated) -> Differentiated:
+        found = Differentiated(a.value * b.value, a.rate * b.value + a.value * b.rate)
+        for number, curve in ((a, b), (b, a)):
+            if number.value.stage < Stage.POSITION:
+                self._bare[found.value] = self._bare.get(curve.value, curve)
+        return found
+
+    def _quotient(self, a: Differentiated, b: Differentiated) -> Differentiated:
+        found = a.value / b.value
+        return Differentiated(found, (a.rate - found * b.rate) / b.value)
+
+    def _negative(self, a: Differentiated) -> Differentiated:
+        return self._product(self._constant(-1.0), a)
+
+    def _power(self, base: Tree, exponent: Tree) -> Differentiated:
+        if names_in_tree(exponent):
+            return self._varying_power(base, self.of(exponent))
+        n = evaluate_tree(exponent, {}).item()
+        if n == 0.5:
+            return self._root(base)
+        if n != int(n) or abs(n) > LARGEST_PRODUCT:
+            return self._varying_power(base, self._constant(n))
+        x = self.of(base)
+        value = self._multiplied(x.value, abs(int(n)))
+        if n < 0:
+            value = 1.0 / value
+        return Differentiated(value, n * (value / x.value) * x.rate)
+
+    def _multiplied(self, x: Node, times: int) -> Node:
+        if times < 2:
+            return x if times else self.graph.one
+        half = self._multiplied(x, times // 2)
+        return half * half * x if times % 2 else half * half
+
+    def _varying_power(self, base: Tree, n: Differentiated) -> Differentiated:
+        x = self._not_negative(base)
+        value = self.graph.apply(power, x.value, n.value)
+        grown = n.value * self.graph.apply(power, x.value, n.value - 1.0) * x.rate
+        if n.rate is not self.graph.zero:
+            grown = grown + value * self.graph.apply(logarithm, x.value) * n.rate
+        return Differentiated(value, grown)
+
+    def _not_negative(self, tree: Tree) -> Differentiated:
+        """What a root or a broken power is taken of: where it vanishes, rounding may put it below 0."""
+        if isinstance(tree, TextOperation) and tree.name == "abs":
+            return Differentiated(abs(self.of(tree.operands[0]).value), self.of(tree).rate)
+        x = self.of(tree)
+        if x.value.stage < Stage.POSITION:
+            return x
+        return Differentiated(self.graph.apply(kept_positive, self._held_sign(sense, x, 1), x.value), x.rate)
+
+    # Functions
+
+    def _root(self, square: Tree) -> Differentiated:
+        x = self._not_negative(square)
+        value = self.graph.function("sqrt", x.value)
+        return Differentiated(value, x.rate / (2.0 * value))
+
+    def _exponential(self, x: Differentiated) -> Differentiated:
+        value = self.graph.apply(exponential, x.value)
+        return Differentiated(value, value * x.rate)
+
+    def _logarithm(self, x: Differentiated) -> Differentiated:
+        return Differentiated(self.graph.apply(logarithm, x.value), x.rate / x.value)
+
+    def _of_angle(self, name: str, angle: Tree) -> Differentiated:
+        """Sine, cosine or tangent; what turns with the crank a whole number of times a cycle goes on beyond a cycle."""
+        graph = self.graph
+        if angle == "phi":
+            x, cosine, sine = Differentiated(graph.q, graph.one), graph.cos_q, graph.sin_q
+        else:
+            x = self._unfolded(angle) if self._turns_wholly(angle) else self.of(angle)
+            cosine, sine = graph.apply(direction_of, x.value)
+        if name == "sin":
+            return Differentiated(sine, cosine * x.rate)
+        if name == "cos":
+            return Differentiated(cosine, -sine * x.rate)
+        return Differentiated(sine / cosine, x.rate / (cosine * cosine))
+
+    def _turns_wholly(self, angle: Tree) -> bool:
+        slope = self._slope(angle) if "phi" in names_in_tree(angle) else None
+        return slope is not None and (slope * self._revolutions).is_integer()
+
+    def _slope(self, tree: Tree) -> float | None:
+        """Derivative of a part by phi where it is a multiple of phi, and numbers added to it; else None."""
+        if tree == "phi":
+            return 1.0
+        if isinstance(tree, TextOperation) and tree.name in ("+", "-", "*", "/", "negative"):
+            slopes = [self._slope(operand) for operand in tree.operands]
+            if None in slopes:
+                return None
+            match tree.name:
+                case "+":
+                    return slopes[0] + slopes[1]
+                case "-":
+                    return slopes[0] - slopes[1]
+                case "negative":
+                    return -slopes[0]
+            still = [not names_in_tree(operand) for operand in tree.operands]
+            if not any(slopes):
+                return 0.0
+            if tree.name == "*" and any(still):
+                number, angle = (0, 1) if still[0] else (1, 0)
+                return slopes[angle] * evaluate_tree(tree.operands[number], {}).item()
+            return slopes[0] / evaluate_tree(tree.operands[1], {}).item() if tree.name == "/" and still[1] else None
+        names = names_in_tree(tree)
+        return 0.0 if all(self._named(name).value.stage < Stage.POSITION for name in names) else None
+
+    def _unfolded(self, angle: Tree) -> Differentiated:
+        """An angle with the crank's angle in it that goes on from one cycle to the next."""
+        beyond = _Curves(self.kinematics, self.formula, self.along, self.speed, self.time)
+        beyond._names["phi"] = Differentiated(self.graph.q, self.graph.one)
+        return beyond.of(angle)
+
+    def _arcsine(self, x: Differentiated) -> Differentiated:
+        cosine = self.graph.function("sqrt", (1.0 - x.value) * (1.0 + x.value))
+        return Differentiated(self.graph.apply(angle_of, cosine, x.value), x.rate / cosine)
+
+    def _arccosine(self, x: Differentiated) -> Differentiated:
+        sine = self.graph.function("sqrt", (1.0 - x.value) * (1.0 + x.value))
+        return Differentiated(self.graph.apply(angle_of, x.value, sine), -x.rate / sine)
+
+    def _arctangent(self, x: Differentiated) -> Differentiated:
+        return Differentiated(self.graph.apply(angle_of, 1.0, x.value), x.rate / (1.0 + x.value * x.value))
+
+    def _direction(self, y: Differentiated, x: Differentiated) -> Differentiated:
+        """Angle of a vector; it jumps where that points along −x."""
+        if max(x.value.stage, y.value.stage) < Stage.POSITION:
+            return Differentiated(self.graph.apply(angle_of, x.value, y.value), self.graph.zero)
+        above = self._held_sign(side, y, 0)
+        value = self.graph.apply(angle_on_side, above, x.value, y.value)
+        return Differentiated(value, (x.value * y.rate - y.value * x.rate) / (x.value * x.value + y.value * y.value))
+
+    def _in_radians(self, x: Differentiated) -> Differentiated:
+        return self._product(self._constant(math.pi / 180.0), x)
+
+    def _in_degrees(self, x: Differentiated) -> Differentiated:
+        return self._product(self._constant(180.0 / math.pi), x)
+
+    # What switches
+
+    def _held_sign(self, law: Callable, x: Differentiated, kink: int) -> Node:
+        """Sign of a number, or its side, held; something of the given kink switches with it."""
+        curve = self._bare.get(x.value, x)
+        self.graph.switches(*curve, 0.0, kink)
+        return self.graph.held(self.graph.apply(law, x.value))
+
+    def _sign(self, x: Differentiated) -> Differentiated:
+        return Differentiated(self._held_sign(sense, x, 0), self.graph.zero)
+
+    def _magnitude(self, x: Differentiated) -> Differentiated:
+        if x.value.stage < Stage.POSITION:
+            return Differentiated(abs(x.value), self.graph.zero)
+        forward = self._held_sign(sense, x, 1)
+        return Differentiated(forward * x.value, forward * x.rate)
+
+    def _least(self, *of: Differentiated) -> Differentiated:
+        return self._chosen(of, lambda a, b: (b, a))
+
+    def _greatest(self, *of: Differentiated) -> Differentiated:
+        return self._chosen(of, lambda a, b: (a, b))
+
+    def _chosen(
+        self,
+        of: Iterable[Differentiated],
+        order: Callable[[Differentiated, Differentiated], tuple[Differentiated, Differentiated]],
+    ) -> Differentiated:
+        found, *others = of
+        for other in others:
+            found = self._either(self._exceeds(found, other, 1), *order(found, other))
+        return found
+
+    def _either(self, condition: Node, a: Differentiated, b: Differentiated) -> Differentiated:
+        value, rate = (x if x is y else self.graph.apply(either, condition, x, y) for x, y in zip(a, b, strict=True))
+        return Differentiated(value, rate)
+
+    def _condition(self, tree: TextOperation) -> Node:
+        """1 where a condition holds, 0 where it doesn't."""
+        if tree.name in ("and", "or", "not"):
+            parts = [self._condition(part) for part in tree.operands]
+            found = parts[0] if tree.name == "and" else 1.0 - parts[0]
+            for part in parts[1:]:
+                found = found * (part if tree.name == "and" else 1.0 - part)
+            return 1.0 - found if tree.name == "or" else found
+        a, b = (self.of(operand) for operand in tree.operands)
+        match tree.name:
+            case ">":
+                return self._exceeds(a, b, 0)
+            case "<":
+                return self._exceeds(b, a, 0)
+            case ">=":
+                return 1.0 - self._exceeds(b, a, 0)
+            case _:
+                return 1.0 - self._exceeds(a, b, 0)
+
+    def _exceeds(self, a: Differentiated, b: Differentiated, kink: int) -> Node:
+        """1 where one number is above another, else 0, held; something of the given kink switches with it."""
+        graph, zero = self.graph, self.graph.zero
+        if b.value.stage == Stage.POSITION and a.value.stage == Stage.POSITION:
+            a, b = self._difference(a, b), Differentiated(zero, zero)
+        curve, level = (a, b.value) if a.value.stage == Stage.POSITION else (b, a.value)
+        if level is zero:
+            curve = self._bare.get(curve.value, curve)
+        if curve.value in self._distances:
+            # The slide itself is known before its ends are.
+            curve, way, end = self._distances[curve.value]
+            level = end + way * level
+        graph.switches(*curve, level, kink)
+        return graph.held(graph.apply(exceeds, a.value, b.value))
+
+    # Names
+
+    def _named(self, name: str) -> Differentiated:
+        if name not in self._names:
+            self._names[name] = self._of_name(name)
+        return self._names[name]
+
+    def _of_name(self, name: str) -> Differentiated:
+        numbers, k = self.formula.action.numbers, self.kinematics
+        if name in numbers:
+            return self._number(f"{self.formula.at}.numbers.{name}")
+        match name:
+            case "phi":
+                return self._crank_angle()
+            case "v":
+                along = self._at_speed(Differentiated(self.along.velocity, self.along.slope))
+                return self._product(self._forward, along) if self.formula.action.angle is None else along
+            case "omega":
+                on = self.formula.action.on
+                link = k.links[on if self.along.direction is None else k.scene.input.link]
+                return self._at_speed(Differentiated(link.w, link.e))
+        if name == TIME:
+            return Differentiated(self.time, time_per_input(k))
+        owner, _, quantity = name.rpartition(".")
+        if owner in k.slides and quantity in _OF_SLIDE:
+            return self._of_slider(owner, quantity)
+        if owner in k.points and quantity in _OF_POINT:
+            point, axis = k.points[owner], "xy".index(quantity[-1])
+            if quantity[0] == "v":
+                return self._at_speed(Differentiated(point.v[axis], point.a[axis]))
+            return Differentiated(point.r[axis], point.v[axis])
+        if owner in k.links and quantity == "angular_velocity":
+            return self._at_speed(Differentiated(k.links[owner].w, k.links[owner].e))
+        if owner in k.links and quantity == "angle":
+            return self._link_angle(owner)
+        return self._number(name)
+
+    def _number(self, path: str) -> Differentiated:
+        # As an array's, a number divided by 0 is infinite.
+        number = self.graph.derived(f"{path} in formulas", lambda n: np.float64(1.0) * n[path])
+        return Differentiated(number, self.graph.zero)
+
+    def _at_speed(self, transfer: Differentiated) -> Differentiated:
+        """A velocity, by its transfer function."""
+        return self._product(Differentiated(self.speed, self.graph.zero), transfer)
+
+    @property
+    def _forward(self) -> Differentiated:
+        return Differentiated(input_sense(self.kinematics), self.graph.zero)
+
+    @property
+    def _revolutions(self) -> int:
+        return self.kinematics.scene.input.revolutions
+
+    def _crank_angle(self) -> Differentiated:
+        """The crank's angle within a cycle, of a crank that turns fully; beyond the end of a cycle it begins anew."""
+        graph, drive = self.graph, self.kinematics.scene.input
+        if drive.start is not None:
+            return Differentiated(graph.q, graph.one)
+        graph.switches(graph.q, graph.one, 0.0, 0)
+        before = graph.apply(periods_before, 0.0, 2.0 * math.pi * drive.revolutions, graph.q)
+        return Differentiated(graph.q - graph.held(before), graph.one)
+
+    def _link_angle(self, name: str) -> Differentiated:
+        link, drive = self.kinematics.links[name], self.kinematics.scene.input
+        if name == drive.link and isinstance(drive, CrankInput):
+            return self._named("phi")
+        turned = self._direction(
+            Differentiated(link.u.y, link.w * link.u.x), Differentiated(link.u.x, -link.w * link.u.y)
+        )
+        return Differentiated(turned.value, link.w)
+
+    def _of_slider(self, name: str, quantity: str) -> Differentiated:
+        graph, slide, zero = self.graph, self.kinematics.slides[name], self.graph.zero
+        low, high = (graph.found(slide.d, slide.v, which) for which in ("low", "high"))
+        match quantity:
+            case "slide":
+                return Differentiated(slide.d, slide.v)
+            case "velocity":
+                return self._at_speed(Differentiated(slide.v, slide.a))
+            case "stroke":
+                return Differentiated(high - low, zero)
+            case "stroke_low":
+                return Differentiated(low, zero)
+            case "stroke_high":
+                return Differentiated(high, zero)
+            case "from_low":
+                return self._distance(Differentiated(slide.d - low, slide.v), slide, 1.0, low)
+            case _:
+                return self._distance(Differentiated(high - slide.d, -slide.v), slide, -1.0, high)
+
+    def _distance(self, found: Differentiated, slide: Slide, way: float, end: Node) -> Differentiated:
+        self._distances[found.value] = Differentiated(slide.d, slide.v), way, end
+        return found
+
+
+_OF_SLIDE = ("slide", "velocity", "stroke", "stroke_low", "stroke_high", "from_low", "from_high")
+_OF_POINT = ("x", "y", "vx", "vy")
+_METHODS = {
+    "+": "_sum",
+    "-": "_difference",
+    "*": "_product",
+    "/": "_quotient",
+    "negative": "_negative",
+    "exp": "_exponential",
+    "log": "_logarithm",
+    "asin": "_arcsine",
+    "acos": "_arccosine",
+    "atan": "_arctangent",
+    "atan2": "_direction",
+    "radians": "_in_radians",
+    "degrees": "_in_degrees",
+    "sign": "_sign",
+    "abs": "_magnitude",
+    "min": "_least",
+    "max": "_greatest",
+}

@@ -1,0 +1,207 @@
+"""Fields of a settled cycle, and their statistics: extremes at its nodes, means over its time.
+
+The nodes are those of the motion, on both sides of every place where a load sets in, bends or changes its direction.
+"""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.running import over_variants
+from engine.motion.loads import PairLoads
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.grid import Grid
+from engine.motion.moments.piecewise import bound, extremes, integral
+from engine.motion.quantities import Asked
+from engine.motion.settled.steady import Steady
+from engine.motion.steppers.energy_form import NODES
+
+
+class Cycle(NamedTuple):
+    """A settled cycle of a number of variants, at the nodes of its grid; arrays (nodes, variants).
+
+    Attributes
+    ----------
+    angle : ndarray
+        Crank angle [rad].
+    steps : ndarray (nodes − 1, variants)
+        [rad].
+    even : ndarray (equal steps + 1, variants) of int
+        Nodes with equal steps between them.
+    omega : ndarray
+        Speed by magnitude [rad/s].
+    direction : ndarray (variants,)
+        +1 or −1.
+    rows : dict of str to ndarray
+        Fields by name, counter-clockwise positive.
+    """
+
+    angle: np.ndarray
+    steps: np.ndarray
+    even: np.ndarray
+    omega: np.ndarray
+    direction: np.ndarray
+    rows: dict[str, np.ndarray]
+
+    def field(self, name: str) -> np.ndarray:
+        """A field over the crank angle, (variants, equal steps)."""
+        found = np.take_along_axis(self.rows[name], self.even, axis=0)[:-1].T
+        found[np.isnan(self.omega[0])] = np.nan
+        # The crank angle falls where the crank turns clockwise.
+        back = self.direction < 0.0
+        found[back] = np.roll(found[back, ::-1], 1, axis=1)
+        return found
+
+
+def cycle_of(
+    dynamics: Dynamics,
+    variants: Variants,
+    grid: Grid,
+    steady: Steady,
+    loads: PairLoads | None,
+    off: frozenset[str],
+) -> Cycle:
+    """The settled cycle with its fields: those of the motion, and the loads on the pairs if there are any to find.
+
+    Parameters
+    ----------
+    dynamics, variants, grid, steady
+        Of the motion, with the flywheel it goes with and what was recorded at the nodes of the grid.
+    loads : PairLoads or None
+    off : frozenset of str
+        Actions that don't act.
+    """
+    angle, way, wheel = grid.places[NODES], variants.direction, variants.flywheel
+    machine = dynamics.rows(variants, angle)
+    omega = np.sqrt(2.0 * steady.record[0] / machine.inertia)
+    moments = dynamics.moments(variants, machine, omega)
+    others = moments.loads.sum(axis=0)
+    total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
+    motors = np.where(np.isnan(steady.record[2]), moments.motors, total - others)
+    epsilon = (total - 0.5 * omega**2 * machine.inertia_phi) / machine.inertia
+    rows = {
+        "speed": omega,
+        "acceleration": epsilon * way,
+        "motor_moment": motors * way,
+        "load_moment": others * way,
+        "input_moment": (motors - wheel * epsilon) * way,
+    }
+    if loads is not None:
+        rows |= loads(variants, angle, omega, epsilon * way, wheel, off)
+    even = np.broadcast_to(np.arange(omega.shape[0])[:, None], omega.shape) if grid.even is None else grid.even
+    return Cycle(angle, grid.steps, even, omega, way, rows)
+
+
+class CycleAnswers(NamedTuple):
+    """Fields asked of a cycle (variants, equal steps), and statistics (variants,), by their names without the regime's.
+
+    Attributes
+    ----------
+    fields, values : dict of str to ndarray
+    missed : dict of str to ndarray
+        How far each may be off by what lies between nodes.
+    scales : dict of str to ndarray
+        Magnitude that rounding is a share of.
+    """
+
+    fields: dict[str, np.ndarray]
+    values: dict[str, np.ndarray]
+    missed: dict[str, np.ndarray]
+    scales: dict[str, np.ndarray]
+
+
+def answers_of(cycle: Cycle, asked: Iterable[Asked], period: float) -> CycleAnswers:
+    """What is asked of a settled cycle.
+
+    Parameters
+    ----------
+    cycle : Cycle
+    asked : iterable of Asked
+    period : float
+        Of the crank angle [rad].
+    """
+    found = CycleAnswers({}, {}, {}, {})
+    known: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
+    for _, name, statistic in asked:
+        if not statistic:
+            found.fields[name] = cycle.field(name)
+            continue
+        if name not in known:
+            known[name] = statistics_of(cycle, name, period)
+        values, missed = known[name]
+        key = f"{name}.{statistic}"
+        found.values[key], found.missed[key], found.scales[key] = values[statistic], missed[statistic], values["peak"]
+    return found
+
+
+def statistics_of(cycle: Cycle, name: str, period: float) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Statistics of a field of a settled cycle, and how far each may be missed between nodes, (variants,).
+
+    Parameters
+    ----------
+    cycle : Cycle
+    name : str
+    period : float
+        Of the crank angle [rad].
+    """
+    row, count = cycle.rows[name], cycle.direction.size
+    found = np.empty((9, count))
+    over_time(count, np.ascontiguousarray(row), cycle.omega, cycle.steps, found)
+    low, high, mean, rms, beyond, hidden, hidden_rms = found[:7]
+    columns = np.arange(count)
+    places = []
+    for place in found[7:]:
+        known = np.isfinite(place)
+        at = cycle.angle[np.where(known, place, 0.0).astype(int), columns]
+        places.append(np.where(known, np.mod(at, period), np.nan))
+    values = {"min": low, "max": high, "range": high - low, "peak": np.maximum(np.abs(low), np.abs(high))}
+    values |= {"mean": mean, "rms": rms, "min_at": places[0], "max_at": places[1]}
+    step = np.full(count, period / (cycle.even.shape[0] - 1))
+    missed = dict.fromkeys(values, beyond) | {"mean": hidden, "rms": hidden_rms, "min_at": step, "max_at": step}
+    return values, missed
+
+
+@over_variants
+def over_time(
+    begin: int,
+    end: int,
+    row: np.ndarray,
+    omega: np.ndarray,
+    steps: np.ndarray,
+    found: np.ndarray,
+) -> None:
+    """Statistics of a row, over the time ∫dφ/ω: nine numbers of each variant into `found`.
+
+    Least and greatest value, mean, root mean square; how far the extremes, the mean and the root mean square may be
+    missed between nodes; nodes of the least and the greatest value.
+    """
+    nodes = row.shape[0]
+    own, pace, first, second = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
+    h = np.empty(nodes - 1)
+    for v in range(begin, end):
+        for k in range(nodes):
+            own[k] = row[k, v]
+            pace[k] = 1.0 / omega[k, v]
+            first[k] = own[k] * pace[k]
+            second[k] = own[k] * first[k]
+        for k in range(nodes - 1):
+            h[k] = steps[k, v]
+        low, low_at, high, high_at = extremes(own)
+        if math.isnan(low):
+            for i in range(found.shape[0]):
+                found[i, v] = math.nan
+            continue
+        time, _ = integral(pace, h)
+        total, hidden = integral(first, h)
+        squares, hidden_squares = integral(second, h)
+        mean, rms = total / time, math.sqrt(max(squares, 0.0) / time)
+        found[0, v], found[1, v], found[2, v], found[3, v] = low, high, mean, rms
+        beyond = bound(own, h) - high
+        for k in range(nodes):
+            first[k] = -own[k]
+        found[4, v] = max(beyond, low + bound(first, h))
+        found[5, v] = hidden / time
+        found[6, v] = 0.5 * hidden_squares / (time * rms) if rms > 0.0 else 0.0
+        found[7, v], found[8, v] = low_at, high_at

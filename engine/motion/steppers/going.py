@@ -1,0 +1,355 @@
+"""Motion in the energy form over as many steps as it takes to an end, in lanes, each step as long as its error allows.
+
+Every step evaluates the machine where it stands; none goes across a break of the moments.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.decorators import driver, routine
+from engine.compiling.tiles import LANES
+from engine.cycle.driver import gather, hand_out
+from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
+from engine.cycle.panels.series import larger, smaller
+from engine.motion.moments.at_speed import KLOSS, PER_MOTOR
+from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF
+from engine.motion.steppers.energy_form import TIME as TIME_OVER
+from engine.motion.steppers.mesh import (
+    E_AFTER,
+    FROM,
+    HIGH,
+    LENGTH,
+    LOW,
+    NEXT,
+    OTHER,
+    SCALE,
+    START,
+    STEP_ROWS,
+    TOLERANCE,
+    TRY,
+    TURNED,
+    WAY,
+    WHEEL,
+    WORK,
+    E,
+    fill_step,
+    judge_step,
+)
+from engine.motion.steppers.one_step import (
+    FROM_MOTORS,
+    MOMENT,
+    SLOWNESS,
+    SPEED,
+    SQUARE,
+    STAGE_ROWS,
+    add_weighted,
+    make_polynomial,
+    make_stages,
+)
+from engine.motion.steppers.places import INVERSE, Form, Source
+from engine.motion.steppers.settling import (
+    FASTEST,
+    MOTOR,
+    SLOWEST,
+    SQUARES,
+    STATE,
+    T_AFTER,
+    TIME,
+    add_cycle_works,
+    look_for_extremes,
+    record_within,
+)
+from engine.motion.steppers.tableaux import DENSE_PARTS, Method
+
+# Rows of a block's state beside those of a cycle that settles: cycles gone through, whole cycles and rest of one to go,
+# ends of time and speed, longest step, steps since the last cycle, whether the lane moves, and why it stopped.
+CYCLES, WHOLE, REST, UNTIL, ABOVE_ALL, BELOW_ALL, LONGEST, TAKEN, MOVING, WHY, PASSED, TRIED = range(STATE, STATE + 12)
+ALL_STATE = STATE + 12
+# Rows of what is found: why it stopped, cycles and angle turned in the last one, energy, time, work of the motors,
+# their moment squared over time, least and greatest speed, length of the step that wasn't taken, length of the next
+# one; then works of channels.
+FOUND = 11
+# Numbers of each variant that are given, in this order.
+GIVEN_ROWS = (START, WAY, WHEEL, TOLERANCE, E, WHOLE, REST, UNTIL, ABOVE_ALL, BELOW_ALL, LONGEST, TRY)
+
+# Too near to rest for the energy form: where loads take so many times the energy per radian 1/ω is a root of the
+# angle.
+TIMES_PER_RADIAN = 4.0
+SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
+# Steps of a cycle after which an explicit method is given up, and a step that is taken whatever it misses [rad].
+MOST_EXPLICIT, SHORTEST = 400.0, 1e-9
+
+
+class GoingRoom(NamedTuple):
+    """Memory for a block."""
+
+    numbers: np.ndarray
+    position: np.ndarray
+    tile: np.ndarray
+    drive: np.ndarray
+    exponents: np.ndarray
+    edges: np.ndarray
+    sides: np.ndarray
+    given: np.ndarray
+    state: np.ndarray
+    steps: np.ndarray
+    places: np.ndarray
+    stages: np.ndarray
+    works: np.ndarray
+    parts: np.ndarray
+
+
+def new_going_room(form: Form, parameters: int, edges: int, curves: int, method: Method) -> GoingRoom:
+    """Memory for machines of so many numbers, edges and curves."""
+    return GoingRoom(
+        rows(parameters),
+        rows(3),
+        rows(curves, 1),
+        rows(KLOSS + PER_MOTOR * form.motors),
+        rows(form.laws),
+        rows(edges),
+        rows(edges),
+        rows(len(GIVEN_ROWS)),
+        rows(ALL_STATE),
+        rows(STEP_ROWS),
+        rows(form.width * method.shares.size),
+        rows(STAGE_ROWS, aside=ASIDE),
+        # Totals, greatest errors and sums of errors of each channel; and totals before the step.
+        rows(4 * form.channels),
+        rows(2 * DENSE_PARTS),
+    )
+
+
+@routine
+def choose_next(edges: Memory, sides: Memory, count: int, state: Memory, steps: Memory) -> None:
+    """Length of each lane's next step: that to try, or an equal part of the way to the next edge or the goal."""
+    for lane in range(LANES):
+        k, turned = int(state[NEXT, lane]), state[TURNED, lane]
+        goal = state[REST, lane] if state[CYCLES, lane] >= state[WHOLE, lane] else math.inf
+        end = smaller(edges[k, lane], goal)
+        rest = end - turned
+        parts = math.ceil(rest / smaller(state[TRY, lane], state[LONGEST, lane]) * (1.0 - 1e-9))
+        steps[LENGTH, lane] = rest / parts if parts > 1.0 else rest
+        steps[LENGTH, lane] = steps[LENGTH, lane] if state[MOVING, lane] > 0.0 else 0.0
+        steps[FROM, lane] = turned
+        steps[LOW, lane] = edges[k - 1, lane] + sides[k - 1, lane]
+        steps[HIGH, lane] = edges[k, lane] - sides[k, lane]
+        state[PASSED, lane] = 1.0 if parts <= 1.0 else 0.0
+
+
+@routine
+def decide(
+    implicit: bool, edges: Memory, count: int, places: Memory, row: int, steps: Memory, state: Memory, stages: Memory
+) -> None:
+    """Take the step where it misses little enough and passes no end: what follows for each lane.
+
+    LENGTH becomes zero where it isn't taken. `row` is where the end of the step stands among the places.
+    """
+    for lane in range(LANES):
+        if state[MOVING, lane] == 0.0:
+            continue
+        length, missed = steps[LENGTH, lane], state[OTHER, lane]
+        lost = not missed < math.inf
+        good = (missed <= 1.0) | ((length < SHORTEST) & (not lost))
+        share = SHRINK if lost else GROW
+        if missed > 0.0 and not lost:
+            share = smaller(larger(SAFETY / math.sqrt(math.sqrt(math.sqrt(missed))), SHRINK), GROW)
+        state[TRIED, lane] = length
+        # How far the next one goes follows from what was tried, were it cut short by an edge.
+        state[TRY, lane] = larger(length * share, state[TRY, lane]) if good else length * share
+        energy, speed = state[E_AFTER, lane], math.sqrt(state[E_AFTER, lane] * places[row + INVERSE, lane])
+        why = -1.0
+        if -stages[MOMENT, lane] > TIMES_PER_RADIAN * state[E, lane] and state[BELOW_ALL, lane] >= 0.0:
+            why = float(NEAR_REST)
+        elif not good:
+            state[TAKEN, lane] += 1.0
+            too_many = (state[TAKEN, lane] > MOST_EXPLICIT) and not implicit
+            why = float(NEAR_REST) if length < SHORTEST else (float(STIFF) if too_many else -1.0)
+        elif not energy > 0.0:
+            why = float(NEAR_REST)
+        elif speed >= state[ABOVE_ALL, lane]:
+            why = float(ABOVE)
+        elif speed <= state[BELOW_ALL, lane]:
+            why = float(BELOW)
+        elif state[T_AFTER, lane] >= state[UNTIL, lane]:
+            why = float(TIME_OVER)
+        if why >= 0.0:
+            state[WHY, lane], state[MOVING, lane] = why, 0.0
+        if why >= 0.0 or not good:
+            steps[LENGTH, lane] = 0.0
+            state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
+            continue
+        state[SCALE, lane], state[TAKEN, lane] = state[WORK, lane], state[TAKEN, lane] + 1.0
+        if state[TAKEN, lane] > MOST_EXPLICIT and not implicit:
+            state[WHY, lane], state[MOVING, lane] = float(STIFF), 0.0
+
+
+@routine
+def move_on(edges: Memory, count: int, state: Memory, steps: Memory) -> float:
+    """Move lanes on over the step they take; how many still move."""
+    moving = 0.0
+    for lane in range(LANES):
+        length, k = steps[LENGTH, lane], int(state[NEXT, lane])
+        if length > 0.0:
+            at_goal = state[CYCLES, lane] >= state[WHOLE, lane] and state[REST, lane] <= edges[k, lane]
+            end = state[REST, lane] if at_goal else edges[k, lane]
+            passed = state[PASSED, lane] > 0.0
+            state[TURNED, lane] = end if passed else state[TURNED, lane] + length
+            if passed and at_goal:
+                state[WHY, lane], state[MOVING, lane] = float(ANGLE), 0.0
+            while k < count and edges[k, lane] <= state[TURNED, lane]:
+                k += 1
+            if k >= count and state[MOVING, lane] > 0.0:
+                state[CYCLES, lane], state[TURNED, lane], state[TAKEN, lane] = state[CYCLES, lane] + 1.0, 0.0, 0.0
+                k = 1
+                while k < count and edges[k, lane] <= 0.0:
+                    k += 1
+                if state[CYCLES, lane] >= state[WHOLE, lane] and state[REST, lane] <= 0.0:
+                    state[WHY, lane], state[MOVING, lane] = float(ANGLE), 0.0
+            state[NEXT, lane] = float(k)
+        moving += state[MOVING, lane]
+    return moving
+
+
+@driver
+def go_on_to_end(
+    begin: int,
+    end: int,
+    fill: Callable,
+    source: Source,
+    method: Method,
+    form: Form,
+    channel_of: np.ndarray,
+    cycle: float,
+    parameters: np.ndarray,
+    drives: np.ndarray,
+    every_exponent: np.ndarray,
+    every_edge: np.ndarray,
+    every_side: np.ndarray,
+    every_given: np.ndarray,
+    asked: np.ndarray,
+    record: np.ndarray,
+    found: np.ndarray,
+    room: GoingRoom,
+) -> None:
+    """Carry the blocks begin … end − 1 of variants to their ends.
+
+    `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + channels, variants) receives what is
+    found; `record` (3, nodes, variants) as of `settle`, at `asked` angles turned in the first cycle.
+    """
+    drive, exponents = in_lanes(room.drive), in_lanes(room.exponents)
+    edges, sides, given = in_lanes(room.edges), in_lanes(room.sides), in_lanes(room.given)
+    state, steps, places = in_lanes(room.state), in_lanes(room.steps), in_lanes(room.places)
+    stages, works, parts = in_lanes(room.stages), in_lanes(room.works), in_lanes(room.parts)
+    numbers, position, tile, width, count = room.numbers, room.position, room.tile, form.width, every_edge.shape[0]
+    row = width * (method.stages - 1)
+    for b in range(begin, end):
+        first = b * LANES
+        own = min(LANES, found.shape[1] - first)
+        gather(parameters, first, in_lanes(numbers))
+        gather(drives, first, drive)
+        gather(every_exponent, first, exponents)
+        gather(every_edge, first, edges)
+        gather(every_side, first, sides)
+        gather(every_given, first, given)
+        for r in range(ALL_STATE):
+            for lane in range(LANES):
+                state[r, lane] = 0.0
+        for i in range(len(GIVEN_ROWS)):
+            for lane in range(LANES):
+                state[GIVEN_ROWS[i], lane] = given[i, lane]
+        for channel in range(4 * form.channels):
+            for lane in range(LANES):
+                works[channel, lane] = 0.0
+        for lane in range(LANES):
+            k = 1
+            while k < count - 1 and edges[k, lane] <= 0.0:
+                k += 1
+            state[NEXT, lane], state[SLOWEST, lane], state[FASTEST, lane] = float(k), math.inf, -math.inf
+            ended = state[WHOLE, lane] <= 0.0 and state[REST, lane] <= 0.0
+            state[MOVING, lane], state[WHY, lane] = 0.0 if ended or lane >= own else 1.0, float(ANGLE)
+        moving = 0.0
+        for lane in range(LANES):
+            moving += state[MOVING, lane]
+        while moving > 0.0:
+            choose_next(edges, sides, count, state, steps)
+            step = steps[LENGTH]
+            fill_step(
+                0,
+                method.shares.shape[0],
+                method,
+                fill,
+                source,
+                numbers,
+                position,
+                tile,
+                width,
+                state,
+                steps,
+                0,
+                places,
+                0,
+            )
+            for lane in range(LANES):
+                state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
+            make_stages(0, method.stages, LANES, method, form, drive, exponents, places, 0, state[E], step, stages)
+            judge_step(LANES, method, cycle, state, steps, 0, stages)
+            add_weighted(LANES, method.weights, step, stages, MOMENT, state[E_AFTER])
+            add_weighted(LANES, method.weights, step, stages, SLOWNESS, state[T_AFTER])
+            decide(method.implicit, edges, count, places, row, steps, state, stages)
+            for s in range(method.stages):
+                for lane in range(LANES):
+                    motors = stages[FROM_MOTORS + s, lane]
+                    stages[SQUARE + s, lane] = motors * motors * stages[SLOWNESS + s, lane]
+                    # A step that isn't taken may have led nowhere.
+                    taken = step[lane] > 0.0
+                    stages[SQUARE + s, lane] = stages[SQUARE + s, lane] if taken else 0.0
+                    stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
+            add_weighted(LANES, method.weights, step, stages, FROM_MOTORS, state[MOTOR])
+            add_weighted(LANES, method.weights, step, stages, SQUARE, state[SQUARES])
+            if form.channels > 1:
+                for channel in range(form.channels):
+                    for lane in range(LANES):
+                        works[3 * form.channels + channel, lane] = works[channel, lane]
+                add_cycle_works(LANES, 1.0, method, form, channel_of, exponents, places, 0, step, state, stages, works)
+                for channel in range(form.channels):
+                    for lane in range(LANES):
+                        before = works[3 * form.channels + channel, lane]
+                        works[channel, lane] = works[channel, lane] if step[lane] > 0.0 else before
+            make_stages(
+                method.stages,
+                method.dense_stages,
+                LANES,
+                method,
+                form,
+                drive,
+                exponents,
+                places,
+                0,
+                state[E],
+                step,
+                stages,
+            )
+            make_polynomial(LANES, method, step, stages, MOMENT, parts, 0)
+            if asked.shape[0] > 0:
+                for s in range(method.stages, method.dense_stages):
+                    for lane in range(LANES):
+                        stages[SLOWNESS + s, lane] = 1.0 / stages[SPEED + s, lane]
+                make_polynomial(LANES, method, step, stages, SLOWNESS, parts, DENSE_PARTS)
+                record_within(method.implicit, first, own, asked, record, 0, False, steps, state, stages, parts)
+            look_for_extremes(LANES, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
+            for lane in range(LANES):
+                taken = step[lane] > 0.0
+                state[E, lane] = state[E_AFTER, lane] if taken else state[E, lane]
+                state[TIME, lane] = state[T_AFTER, lane] if taken else state[TIME, lane]
+            moving = move_on(edges, count, state, steps)
+        for lane in range(own):
+            v = first + lane
+            found[0, v], found[1, v], found[2, v] = state[WHY, lane], state[CYCLES, lane], state[TURNED, lane]
+            found[3, v], found[4, v], found[5, v] = state[E, lane], state[TIME, lane], state[MOTOR, lane]
+            found[6, v], found[7, v], found[8, v] = state[SQUARES, lane], state[SLOWEST, lane], state[FASTEST, lane]
+            found[9, v], found[10, v] = state[TRIED, lane], state[TRY, lane]
+        hand_out(form.channels, works, first, FOUND, found)

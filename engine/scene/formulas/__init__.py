@@ -1,0 +1,1 @@
+"""Formulas in texts: arithmetic with units, read safely, its dimensions checked; and the formulas of loads."""

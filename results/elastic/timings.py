@@ -1,0 +1,81 @@
+"""Time of elastic links for each variant on one thread: python results/elastic/timings.py.
+
+The least of several runs, in processor time, which other work on the machine changes least.
+"""
+
+import time
+
+import numpy as np
+
+from engine import ElementsAlone, Scene, set_threads
+
+VARIANTS, RUNS = 20_000, 5
+
+
+def train(masses: int, **others: object) -> dict:
+    """A free chain of equal masses and shafts."""
+    return {
+        "type": "torsional_train",
+        "masses": {f"m{i}": {"inertia": 1.0} for i in range(masses)},
+        "shafts": {
+            f"s{i}": {"between": [f"m{i}", f"m{i + 1}"], "stiffness": 1e4, "energy_absorption": 0.05}
+            for i in range(masses - 1)
+        },
+        "modes": masses - 1,
+        **others,
+    }
+
+
+ORDERS = {f"e{h}": {"on": "m0", "order": h, "amplitude": 10.0} for h in range(1, 13)}
+START = {
+    "type": "two_mass_drive",
+    "motor_inertia": 0.5,
+    "load_inertia": 3.0,
+    "stiffness": 2e4,
+    "damping_ratio": 0.03,
+    "backlash": 0.02,
+    "motor_moment": 100.0,
+    "load_moment": 60.0,
+    "time": 0.05,
+}
+ROTOR = {
+    "type": "oscillator",
+    "mass": 40.0,
+    "stiffness": 4e5,
+    "damping_ratio": 0.04,
+    "excitation": {"type": "unbalance", "mass": 0.02, "radius": 0.08, "speed": 150.0},
+}
+CASES = {
+    "train of 6 masses: 5 frequencies and modes": (train(6), "shafts.s2.stiffness"),
+    "train of 20 masses: 19 frequencies and modes": (train(20), "shafts.s2.stiffness"),
+    "train of 6 masses under 12 orders": (train(6, speed=10.0, excitations=ORDERS), "shafts.s2.stiffness"),
+    "start through backlash, with its figures": (START, "stiffness"),
+    "one mass, forced, with its figures": (ROTOR, "stiffness"),
+    "one mass, run through its resonance too": (
+        ROTOR | {"run_through": {"start": 150.0, "acceleration": -2.0}},
+        "stiffness",
+    ),
+}
+
+
+def microseconds(element: dict, path: str, variants: int) -> float:
+    """Processor time of one variant, one of its numbers varied."""
+    scene = Scene.model_validate({"elements": {"it": element}})
+    path = f"elements.it.{path}"
+    names = list(ElementsAlone(scene).available_summaries)
+    ready = ElementsAlone(scene, names, varied=[path])
+    values = {path: np.random.default_rng(1).uniform(1e4, 1e5, variants)}
+    ready.evaluate(values)
+    taken = []
+    for _ in range(RUNS):
+        before = time.process_time()
+        ready.evaluate(values)
+        taken.append(time.process_time() - before)
+    return min(taken) / variants * 1e6
+
+
+if __name__ == "__main__":
+    set_threads(1)
+    for name, (element, path) in CASES.items():
+        count = VARIANTS // 10 if "run through" in name else VARIANTS
+        print(f"{name:50s} {microseconds(element, path, count):8.2f} µs a variant")

@@ -1,0 +1,176 @@
+"""Oscillators and drives with backlash to be looked at: vibration over speed and over time, a start over time."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from engine import (
+    OscillatorElement,
+    TwoMassDrive,
+    drive_history,
+    oscillator_columns,
+    oscillator_numbers,
+    run_through_motion,
+)
+from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, house_style, new_figure, save
+from sweeps.text.engineer_units import engineer_unit
+
+INSTANTS = 2001
+# Damping ratios drawn beside the oscillator's own, and the range of frequency ratios.
+RATIOS, WIDEST = (0.05, 0.1, 0.2, 0.5), 3.0
+RPM = 30 / math.pi
+
+
+def oscillator_sheet(element: OscillatorElement, target: Path | str | Figure, title: str = "") -> Figure:
+    """What an oscillator is asked about: free motion, vibration over the exciting frequency, run through resonance.
+
+    Parameters
+    ----------
+    element : OscillatorElement
+        With a start or an excitation.
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, or it can't be written.
+    """
+    drawn = [draw for draw, given in (
+        (_free, element.start), (_forced, element.excitation), (_run_through, element.run_through)
+    ) if given is not None]  # fmt: skip
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(max(90, 60 * len(drawn) + 30), 75)
+        for ax, draw in zip(figure.subplots(1, len(drawn), squeeze=False)[0], drawn, strict=True):
+            draw(ax, element)
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _swept(element: OscillatorElement, **changed: np.ndarray) -> dict[str, np.ndarray]:
+    """Results of an oscillator with some of its numbers swept; double underscores stand for dots."""
+    given = {key.replace("__", "."): values for key, values in changed.items()}
+    shape = np.broadcast_shapes(*(np.shape(values) for values in given.values()))
+    numbers = {key: np.broadcast_to(value, shape) for key, value in oscillator_numbers(element).items()} | given
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return oscillator_columns(element, numbers)
+
+
+def _free(ax: Axes, element: OscillatorElement) -> None:
+    own = {key: float(value[0]) for key, value in _swept(element, mass=np.array([element.mass])).items()}
+    beta = own["damping_ratio"] * own["natural_frequency"]
+    # Some periods, or until it has died away.
+    long = 10 * math.tau / own["natural_frequency"]
+    span = max(element.start.time, own["free_greatest_at"], min(long, 6.0 / beta) if beta > 0 else long)
+    time = np.linspace(0.0, span, INSTANTS)
+    moved = _swept(element, start__time=time)["free_displacement"]
+    factor, unit = engineer_unit("m", moved)
+    ax.plot(time, factor * moved, color=BLUE)
+    if own["damping_ratio"] < 1.0 and beta > 0.0:
+        root = own["natural_frequency"] * math.sqrt(1.0 - own["damping_ratio"] ** 2)
+        start = element.start
+        size = math.hypot(start.displacement, (start.velocity + beta * start.displacement) / root)
+        for sign in (1, -1):
+            ax.plot(time, sign * factor * size * np.exp(-beta * time), color=GREY, linewidth=0.7, linestyle="--")
+    if element.start.time:
+        ax.plot(element.start.time, factor * own["free_displacement"], "o", color=VERMILION, markersize=4)
+    ax.axhline(0.0, color="black", linewidth=0.6)
+    ax.set(xlabel="time, s", ylabel=f"displacement, {unit}", title="Free motion", xlim=(0, span))
+
+
+def _forced(ax: Axes, element: OscillatorElement) -> None:
+    own = {key: float(value[0]) for key, value in _swept(element, mass=np.array([element.mass])).items()}
+    widest = max(WIDEST, 1.2 * own["frequency_ratio"])
+    eta = np.linspace(0.0, widest, INSTANTS)
+    plain = element.model_copy(update=dict.fromkeys(("damping", "decrement", "energy_absorption")))
+    for ratio in RATIOS:
+        curve = _swept(
+            plain.model_copy(update={"damping_ratio": ratio}), excitation__speed=eta * own["natural_frequency"]
+        )
+        ax.plot(eta, curve["dynamic_factor"], color=GREY, linewidth=0.7)
+    factor = _swept(element, excitation__speed=eta * own["natural_frequency"])["dynamic_factor"]
+    ax.plot(eta, factor, color=BLUE, label=f"ζ = {own['damping_ratio']:.3g}")
+    ax.plot(own["frequency_ratio"], own["dynamic_factor"], "o", color=VERMILION, markersize=4, label="as given")
+    top = min(np.nanmax(factor), 12.0)
+    ax.set(xlim=(0, widest), ylim=(0, 1.1 * max(top, 2.0)), xlabel="frequency ratio", ylabel="dynamic factor")
+    ax.set_title(f"Forced (grey: ζ = {', '.join(f'{r:g}' for r in RATIOS)})")
+    ax.legend(loc="upper right")
+
+
+def _run_through(ax: Axes, element: OscillatorElement) -> None:
+    own = {key: float(value[0]) for key, value in _swept(element, mass=np.array([element.mass])).items()}
+    run, excitation = element.run_through, element.excitation
+    unit_size = excitation.mass * excitation.radius / element.mass
+    centre = abs((own["natural_frequency"] - run.start) / run.acceleration)
+    time = np.linspace(0.0, 2.0 * centre, 4 * INSTANTS)
+    frequency, ratio, start, acceleration = (
+        np.full(time.shape, value)
+        for value in (own["natural_frequency"], own["damping_ratio"], run.start, run.acceleration)
+    )
+    speed = start + acceleration * time
+    kept = speed >= 0.0
+    size = unit_size * np.abs(run_through_motion(frequency, ratio, start, acceleration, time))
+    steady = _swept(element, excitation__speed=np.maximum(speed, 0.0))["amplitude"]
+    factor, unit = engineer_unit("m", size)
+    ax.plot(RPM * speed[kept], factor * steady[kept], color=GREY, linewidth=0.8, label="at steady speed")
+    ax.plot(RPM * speed[kept], factor * size[kept], color=BLUE, label="on the way")
+    ax.plot(RPM * own["run_through_speed"], factor * own["run_through_amplitude"], "o", color=VERMILION, markersize=4)
+    ax.set(xlabel="speed, rpm", ylabel=f"amplitude, {unit}")
+    if np.isfinite(own["run_through_amplitude"]):
+        # Steady vibration without damping goes beyond all bounds.
+        ax.set_ylim(0, 1.6 * factor * own["run_through_amplitude"])
+    if run.acceleration < 0:
+        ax.invert_xaxis()
+    ax.set_title("Through the resonance")
+    ax.legend(loc="upper right")
+
+
+def drive_sheet(drive: TwoMassDrive, target: Path | str | Figure, title: str = "") -> Figure:
+    """Moment of the shaft, speeds of motor and load, and play of a drive with backlash over time.
+
+    Parameters
+    ----------
+    drive : TwoMassDrive
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, or it can't be written.
+    """
+    history = drive_history(drive, 4 * INSTANTS)
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+        top, middle, bottom = figure.subplots(3, 1, sharex=True)
+        factor, unit = engineer_unit("N m", history.moment)
+        top.plot(history.time, factor * history.moment, color=BLUE)
+        peak = np.abs(history.moment).argmax()
+        top.plot(history.time[peak], factor * history.moment[peak], "o", color=VERMILION, markersize=4)
+        for value, label in ((drive.motor_moment, "motor"), (drive.load_moment, "load")):
+            top.axhline(factor * value, color=GREY, linewidth=0.8, linestyle=(0, (6, 2)))
+            top.annotate(label, (1.0, factor * value), (3, 0), xycoords=("axes fraction", "data"),
+                         textcoords="offset points", va="center", color=GREY, fontsize=7)  # fmt: skip
+        top.set_ylabel(f"shaft, {unit}")
+        for speed, colour, label in ((history.motor_speed, BLUE, "motor"), (history.load_speed, ORANGE, "load")):
+            middle.plot(history.time, RPM * speed, color=colour, label=label)
+        middle.set_ylabel("speed, rpm")
+        middle.legend(loc="best")
+        degrees = np.degrees(history.gap)
+        bottom.axhspan(-math.degrees(drive.backlash), 0.0, color=GREY, alpha=0.25, linewidth=0, label="backlash")
+        bottom.plot(history.time, degrees, color=BLUE)
+        bottom.set(ylabel="motor ahead of load, °", xlabel="time, s", xlim=(0, drive.time))
+        bottom.legend(loc="best")
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure

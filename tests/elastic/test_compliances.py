@@ -1,0 +1,149 @@
+"""Stiffness and damping of parts together: against equilibrium solved as a system of equations, and against energy."""
+
+import math
+
+import numpy as np
+import pytest
+from element_samples import asked, one
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from engine import Scene, Verdict
+
+STEEL = 8e10
+SHAFT = {"type": "shaft", "diameter": 0.05, "length": 0.4, "shear_modulus": STEEL}
+COUPLING = {"type": "coupling", "stiffness": 2e4}
+
+
+def drive(parts, **others):
+    return {"type": "compliance", "parts": parts, **others}
+
+
+def test_stepped_and_hollow_shaft__is_the_polar_moment_over_length():
+    steps = {
+        "thick": SHAFT | {"diameter": 0.08, "bore": 0.03, "length": 0.5},
+        "thin": SHAFT | {"diameter": 0.04, "length": 0.2},
+    }
+    twist = sum(
+        32 * 300 * part["length"] / (math.pi * STEEL * (part["diameter"] ** 4 - part.get("bore", 0.0) ** 4))
+        for part in steps.values()
+    )
+    found = one(drive(steps, moment=300.0), "twist", "stiffness", "thick.share", "thin.share", "thin.moment")
+    assert found[:2] == pytest.approx([twist, 300 / twist], rel=1e-13)
+    assert found[2] + found[3] == pytest.approx(1.0, rel=1e-14)
+    assert found[4] == pytest.approx(300.0)
+
+
+def test_parts_by_their_kinds():
+    parts = {
+        "rod": {"type": "rod", "area": 3e-4, "length": 0.7, "elastic_modulus": 2e11, "radius": 0.1, "strands": 2},
+        "chain": {"type": "strand", "stiffness": 4e6, "radius": 0.05},
+        "mesh": {"type": "gear_mesh", "mesh_stiffness": 14e9, "width": 0.03, "base_radius": 0.06},
+    }
+    found = one(drive(parts), "rod.stiffness", "chain.stiffness", "mesh.stiffness")
+    assert found == pytest.approx([2 * 2e11 * 3e-4 / 0.7 * 0.01, 1e4, 14e9 * 0.03 * 0.0036], rel=1e-13)
+
+
+def test_mesh_stiffness__takes_the_unit_of_the_standard():
+    mesh = {"type": "gear_mesh", "mesh_stiffness": "20 N/(mm um)", "width": "30 mm", "base_radius": "60 mm"}
+    assert one(drive({"mesh": mesh}), "mesh.stiffness") == pytest.approx([20e9 * 0.03 * 0.06**2])
+
+
+stiffness = st.floats(2, 8).map(lambda x: 10**x)
+ratios = st.floats(0.05, 20.0)
+
+
+@st.composite
+def drives(draw, depth=0):
+    """Parts nested in series and in parallel."""
+    kind = draw(st.sampled_from(["coupling"] if depth == 2 else ["coupling", "series", "parallel"]))
+    own = {"type": kind, "ratio": draw(ratios)}
+    if kind == "coupling":
+        damper = draw(st.sampled_from([{}, {"damping": draw(st.floats(0.1, 10))}]))
+        return own | damper | {"stiffness": draw(stiffness)}
+    return own | {"parts": {name: draw(drives(depth + 1)) for name in draw(st.sampled_from(["a", "ab", "abc"]))}}
+
+
+def loaded(part, moment):
+    """Twist under a moment about the reference axis, and energy and dissipation at a twist rate equal to the twist."""
+    moment = moment / part["ratio"]
+    if part["type"] == "coupling":
+        twist = moment / part["stiffness"]
+        energy, lost = 0.5 * moment * twist, part.get("damping", 0.0) * twist**2
+    elif part["type"] == "series":
+        each = [loaded(p, moment) for p in part["parts"].values()]
+        twist, energy, lost = (sum(e[i] for e in each) for i in range(3))
+    else:
+        # Unknown moments of the parts and the common twist: one twist for all, moments adding up.
+        parts = list(part["parts"].values())
+        n = len(parts)
+        matrix, right = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+        unit = [loaded(p, 1.0)[0] for p in parts]
+        matrix[range(n), range(n)], matrix[:n, n], matrix[n, :n], right[n] = unit, -1.0, 1.0, moment
+        scale = np.array([*[1.0] * n, max(unit)])
+        solved = np.linalg.solve(matrix * scale, right) * scale
+        each = [loaded(p, m) for p, m in zip(parts, solved, strict=False)]
+        twist, energy, lost = solved[n], sum(e[1] for e in each), sum(e[2] for e in each)
+    return twist / part["ratio"], energy, lost
+
+
+@settings(deadline=None, max_examples=60)
+@given(drives(), st.floats(10, 1000))
+def test_parts_together__twist_store_and_dissipate_as_each_of_them_does(part, frequency):
+    element = drive({"all": part}, moment=100.0, frequency=frequency)
+    twist, energy, lost = loaded(part, 100.0)
+    names = ["twist", "stiffness", "damping", "energy_absorption"]
+    _, outcome = asked({"it": element}, *(f"it.{n}" for n in names))
+    assert outcome.status[0] == Verdict.OK
+    # What a cycle of this amplitude dissipates at the frequency, over the greatest energy.
+    absorbed = math.pi * frequency * lost / energy
+    for name, exact in zip(names, [twist, 100.0 / twist, lost / twist**2, absorbed], strict=True):
+        value, error = outcome.summaries[f"it.{name}"][0], outcome.errors[f"it.{name}"][0]
+        # The oracle solves systems with condition up to 1e6.
+        assert abs(value - exact) <= error + 1e-9 * abs(exact)
+        assert error <= 1e-12 * abs(value)
+
+
+def test_shares__add_up_to_one_and_first_stages_of_a_reducer_matter_least():
+    parts = {"motor": SHAFT | {"ratio": 20.0}, "middle": SHAFT | {"ratio": 5.0}, "output": SHAFT}
+    shares = one(drive(parts), "motor.share", "middle.share", "output.share")
+    assert sum(shares) == pytest.approx(1.0)
+    assert shares[0] / shares[2] == pytest.approx(1 / 400)
+    assert shares[1] / shares[2] == pytest.approx(1 / 25)
+
+
+def test_energy_absorption__of_equal_parts_is_that_of_each():
+    part = COUPLING | {"energy_absorption": 0.3}
+    pair = {"type": "parallel", "parts": {"left": part, "right": part}}
+    found = one(drive({"one": part, "two": pair}, frequency=50.0), "energy_absorption", "damping", "stiffness")
+    assert found[0] == pytest.approx(0.3, rel=1e-14)
+    assert found[1] == pytest.approx(0.3 * found[2] / (math.tau * 50.0), rel=1e-14)
+
+
+def test_parts_vary_by_their_paths():
+    pair = {"type": "parallel", "parts": {"left": COUPLING, "right": COUPLING}}
+    path = "elements.it.parts.pair.parts.left.stiffness"
+    values, _ = asked({"it": drive({"pair": pair})}, "it.stiffness", **{path[9:].replace(".", "__"): [2e4, 6e4]})
+    assert values[0] == pytest.approx([4e4, 8e4])
+
+
+@pytest.mark.parametrize(
+    ("part", "said"),
+    [
+        (SHAFT | {"bore": 0.05}, "less than the diameter"),
+        (COUPLING | {"stiffness": -1.0}, "greater than 0"),
+        (COUPLING | {"damping": 1.0, "energy_absorption": 0.1}, "one of the two"),
+        ({"type": "series", "parts": {"a": COUPLING}, "damping": 1.0}, "give it to them"),
+        ({"type": "series", "parts": {}}, "at least 1 item"),
+    ],
+)
+def test_part_that_cannot_be__says_what_to_mend(part, said):
+    with pytest.raises(ValidationError, match=said):
+        Scene.model_validate({"elements": {"it": drive({"a": part})}})
+
+
+def test_bore_that_varies_beyond_the_diameter__is_a_status():
+    values, outcome = asked({"it": drive({"a": SHAFT})}, "it.stiffness", it__parts__a__bore=[0.01, 0.05, 0.06])
+    assert list(outcome.status) == [Verdict.OK, Verdict.NOT_FINITE, Verdict.NOT_FINITE]
+    assert np.isnan(values[0][1:]).all()

@@ -1,0 +1,247 @@
+"""Forced vibration of trains: against dense matrices, energy, sampled sums, rigid limits and an engine's own torque."""
+
+import math
+
+import numpy as np
+import pytest
+from element_samples import asked
+from engine_samples import EPS
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from train_samples import BRANCHED, chain, matrices, solved
+
+from engine import ElementsAlone, Scene, Verdict, engine_numbers, engine_torque
+from engine.elastic.trains.order_sums import extremes_of_orders
+
+some = settings(deadline=None, max_examples=30)
+
+
+def harmonic(on, order, amplitude, phase=0.0):
+    return {"on": on, "order": order, "amplitude": amplitude, "phase": phase}
+
+
+def dense(train, excitations):
+    """Complex amplitudes of all masses for each order, by the matrices of the gear constraints."""
+    found = {}
+    for e in excitations:
+        frequency = e["order"] * train["speed"]
+        _, _, dynamic, basis = matrices(train, frequency)
+        push = np.array([e["amplitude"] * np.exp(1j * e.get("phase", 0.0)) * (m == e["on"]) for m in train["masses"]])
+        found[e["order"]] = found.get(e["order"], 0) + basis @ np.linalg.solve(dynamic, basis.T @ push)
+    return {order: dict(zip(train["masses"], angles, strict=True)) for order, angles in found.items()}
+
+
+def over_time(amplitudes, turns=2):
+    """Values of Σ Re A e^(i h φ), finely sampled over some revolutions."""
+    phi = np.linspace(0, turns * math.tau, 200_001)
+    return sum((a * np.exp(1j * h * phi)).real for h, a in amplitudes.items())
+
+
+EXCITED = [
+    harmonic("motor", 2, 30.0),
+    harmonic("table", 0.5, 400.0, 0.7),
+    harmonic("fan", 3, -25.0, 2.0),
+    harmonic("motor", 3, 10.0),
+]
+
+
+@pytest.mark.parametrize("grounded", [False, True])
+def test_vibration_of_a_branched_train__is_that_of_the_dense_matrices(grounded):
+    train = BRANCHED | {"excitations": {f"e{i}": e for i, e in enumerate(EXCITED)}}
+    if grounded:
+        bar = {"between": ["frame", "table"], "stiffness": 5e4, "damping": 2.0, "energy_absorption": 0.1}
+        train = train | {"shafts": train["shafts"] | {"bar": bar}}
+    angles, found = dense(train, EXCITED), solved(train)
+    lost = 0.0
+    for mass, data in train["masses"].items():
+        swing = over_time({h: a[mass] for h, a in angles.items()})
+        # Sampling misses the top by less than (π · 3/50000)²/2.
+        assert found[f"{mass}.amplitude"][0] == pytest.approx(np.ptp(swing) / 2, rel=1e-7)
+        lost += sum(0.5 * data.get("damping", 0.0) * abs(h * 40.0 * a[mass]) ** 2 for h, a in angles.items())
+    for name, shaft in train["shafts"].items():
+        stiffness, damping = shaft["stiffness"], shaft.get("damping", 0.0)
+        moments = {}
+        for h, a in angles.items():
+            held = stiffness * (1 + 1j * shaft.get("energy_absorption", 0.0) / math.tau) + 1j * h * 40.0 * damping
+            first, second = (0.0 if end == "frame" else a[end] for end in shaft["between"])
+            moments[h] = held * (first - second)
+            lost += 0.5 * h * 40.0 * held.imag * abs(first - second) ** 2
+        swing = over_time(moments)
+        assert found[f"{name}.alternating_moment"][0] == pytest.approx(np.ptp(swing) / 2, rel=1e-7)
+        assert found[f"{name}.greatest_moment"][0] == pytest.approx(np.abs(swing).max(), rel=1e-7)
+        assert found[f"{name}.mean_moment"][0] == 0.0
+    # What the moments put in over a cycle, by the angles of the dense matrices.
+    put_in = 0.0
+    for e in EXCITED:
+        turned = np.exp(-1j * e["phase"]) * angles[e["order"]][e["on"]]
+        put_in -= 0.5 * e["order"] * 40.0 * e["amplitude"] * turned.imag
+    assert found["dissipated_power"][0] == pytest.approx(lost, rel=1e-9)
+    assert found["dissipated_power"][0] == pytest.approx(put_in, rel=1e-9)
+
+
+@some
+@given(
+    st.lists(st.floats(-2, 2), min_size=4, max_size=4),
+    st.lists(st.floats(2, 7), min_size=3, max_size=3),
+    st.floats(-1, 3),
+    st.floats(0, 0.3),
+)
+def test_figures_of_amplitudes_and_moments__hold_against_50_digits(inertias, stiffnesses, speed, absorption):
+    mpmath = pytest.importorskip("mpmath")
+    inertias, stiffnesses, speed = [10.0**x for x in inertias], [10.0**x for x in stiffnesses], 10.0**speed
+    train = chain(inertias, stiffnesses, speed=speed, excitations={"e": harmonic("m0", 2, 5.0)})
+    for shaft in train["shafts"].values():
+        shaft["energy_absorption"] = absorption
+    with mpmath.workdps(50):
+        w = 2 * mpmath.mpf(speed)
+        matrix = mpmath.matrix(4)
+        for i, inertia in enumerate(inertias):
+            matrix[i, i] -= w**2 * mpmath.mpf(inertia)
+        held = [mpmath.mpf(k) * (1 + 1j * mpmath.mpf(absorption) / (2 * mpmath.pi)) for k in stiffnesses]
+        for i, k in enumerate(held):
+            for a, b, sign in ((i, i, 1), (i + 1, i + 1, 1), (i, i + 1, -1), (i + 1, i, -1)):
+                matrix[a, b] += sign * k
+        q = mpmath.lu_solve(matrix, mpmath.matrix([5.0, 0, 0, 0]))
+        angles = [float(abs(x)) for x in q]
+        moments = [float(abs(k * (q[i] - q[i + 1]))) for i, k in enumerate(held)]
+    found = solved(train)
+    for i, exact in enumerate(angles):
+        value, error = found[f"m{i}.amplitude"]
+        assert abs(value - exact) <= error
+    for i, exact in enumerate(moments):
+        value, error = found[f"s{i}.alternating_moment"]
+        assert abs(value - exact) <= error
+
+
+def test_two_masses__have_the_closed_form_of_their_shaft_moment():
+    a, b, k, w, m = 0.8, 2.0, 5e4, 120.0, 70.0
+    train = chain([a, b], [k], speed=60.0, excitations={"e": harmonic("m0", 2, m)})
+    # Relative motion: a b/(a + b) q″ + k q = m b/(a + b) cos w t.
+    expected = m * b / (a + b) / abs(1 - w**2 * a * b / (a + b) / k)
+    found = solved(train)
+    assert found["s0.alternating_moment"][0] == pytest.approx(expected, rel=1e-13)
+    assert found["margin_1"][0] == pytest.approx(abs(w / math.sqrt(k * (a + b) / (a * b)) - 1), rel=1e-12)
+
+
+def test_stiff_shaft__carries_what_the_mass_behind_it_needs():
+    train = chain([0.8, 2.0], [1e15], speed=60.0, excitations={"e": harmonic("m0", 2, 70.0)})
+    found = solved(train, "s0.alternating_moment", "m1.amplitude")
+    assert found["s0.alternating_moment"][0] == pytest.approx(70.0 * 2.0 / 2.8, rel=1e-9)
+    assert found["m1.amplitude"][0] == pytest.approx(70.0 / 2.8 / 120.0**2, rel=1e-9)
+
+
+def test_resonance_without_damping__is_a_status_and_with_damping_a_number():
+    # ω² = 1e4 · (1 + 1)/(1 · 1) / 2: the order's frequency is exactly 100.
+    train = chain([1.0, 1.0], [5e3], speed=50.0, excitations={"e": harmonic("m0", 2, 1.0)})
+    values, outcome = asked({"it": train}, "it.s0.alternating_moment", it__speed=[49.0, 50.0, 51.0])
+    assert list(outcome.status) == [Verdict.OK, Verdict.RESONANCE, Verdict.OK]
+    assert np.isnan(values[0][1])
+    train["shafts"]["s0"]["damping"] = 0.5
+    # At resonance the damper carries all: amplitude of the twist m/(w b) · share, moment with the damper's part.
+    twist = 0.5 / (0.5 * 100.0)
+    expected = twist * math.hypot(5e3, 0.5 * 100.0)
+    assert solved(train, "s0.alternating_moment")["s0.alternating_moment"][0] == pytest.approx(expected, rel=1e-11)
+
+
+def test_mean_moments__go_from_the_motor_to_the_load_through_the_gears():
+    mean = {"e": harmonic("motor", 0, 80.0)}
+    found = solved(BRANCHED | {"excitations": mean, "load": "table"})
+    assert found["motor_shaft.mean_moment"][0] == pytest.approx(80.0, rel=1e-13)
+    # 4 times the moment on the slow shaft; the table is its first end, and its shaft is driven from the wheel.
+    assert found["table_shaft.mean_moment"][0] == pytest.approx(4 * 80.0, rel=1e-13)
+    assert found["fan_shaft.mean_moment"][0] == pytest.approx(0.0, abs=1e-12)
+    assert found["table.amplitude"][0] == 0.0
+
+
+def test_mean_moment_without_a_load__accelerates_the_whole_train():
+    train = chain([1.0, 2.0, 5.0], [1e4, 1e4], speed=1.0, excitations={"e": harmonic("m0", 0, 16.0)})
+    found = solved(train, "s0.mean_moment", "s1.mean_moment")
+    assert [found["s0.mean_moment"][0], found["s1.mean_moment"][0]] == pytest.approx([14.0, 10.0], rel=1e-14)
+
+
+def test_mean_moment_on_a_held_train__goes_to_the_frame():
+    train = chain([1.0, 2.0], [1e4], speed=1.0, excitations={"e": harmonic("m1", 0, 16.0)})
+    train["shafts"]["bar"] = {"between": ["m0", "frame"], "stiffness": 100.0}
+    found = solved(train, "s0.mean_moment", "bar.mean_moment")
+    # Each at its first end: s0 is turned back by its second one, the bar forward by m0.
+    assert [found["s0.mean_moment"][0], found["bar.mean_moment"][0]] == pytest.approx([-16.0, 16.0], rel=1e-12)
+
+
+@some
+@given(st.lists(st.tuples(st.integers(1, 12), st.floats(-3, 3), st.floats(-3, 3)), min_size=1, max_size=6))
+def test_sums_of_orders__reach_what_fine_samples_do(parts):
+    orders = sorted({k / 2 for k, _, _ in parts})
+    amplitudes = np.array([sum(complex(a, b) for k, a, b in parts if k / 2 == h) for h in orders])
+    least, greatest = extremes_of_orders(orders, amplitudes[:, None])
+    phi = np.linspace(0, 2 * math.tau, 40_001)
+    values = (amplitudes[:, None] * np.exp(1j * np.multiply.outer(orders, phi))).real.sum(axis=0)
+    size = np.abs(amplitudes).sum()
+    # Between samples: (6 · π/10000)²/2 of the size.
+    assert values.max() - 1e-13 * size <= greatest[0] <= values.max() + 2e-6 * size
+    assert values.min() - 2e-6 * size <= least[0] <= values.min() + 1e-13 * size
+
+
+def test_orders_without_a_common_period__come_as_near_as_can_be_to_adding_up():
+    least, greatest = extremes_of_orders([1.0, math.sqrt(2)], np.array([[1.0 + 1j], [2.0]]))
+    assert greatest[0] == -least[0] == pytest.approx(2 + math.sqrt(2))
+
+
+ENGINE = {
+    "type": "engine",
+    "layout": "in-line",
+    "cylinders": 4,
+    "stroke": 0.1,
+    "rod": 0.16,
+    "piston_mass": 0.9,
+    "speed": 150.0,
+    "gas": {"bore": 0.09, "clearance": 0.07, "intake": 0.9e5, "exhaust": 1.1e5, "peak": 55e5},
+}
+
+
+def crankshaft(stiffness):
+    masses = {name: {"inertia": 0.02} for name in ("t1", "t2", "t3", "t4")} | {"flywheel": {"inertia": 0.6}}
+    names = list(masses)
+    shafts = {
+        f"s{i}": {"between": [names[i], names[i + 1]], "stiffness": stiffness, "energy_absorption": 0.05}
+        for i in range(4)
+    }
+    return {
+        "type": "torsional_train",
+        "masses": masses,
+        "shafts": shafts,
+        "engine": ENGINE,
+        "cylinders_at": names[:4],
+        "load": "flywheel",
+    }
+
+
+def test_engine_on_a_stiff_crankshaft__turns_it_with_its_whole_torque():
+    found = solved(crankshaft(1e13), "flywheel.amplitude", "s3.mean_moment", "s3.alternating_moment")
+    element = Scene.model_validate({"elements": {"it": ENGINE}}).elements["it"]
+    orders = [k / 2 for k in range(1, 25)]
+    one, torque, _ = engine_torque(element, engine_numbers(element), orders)
+    assert found["s3.mean_moment"][0] == pytest.approx(4 * one.mean[0], rel=1e-12)
+    # The rigid whole: all of the torque's orders on the sum of inertias, of which the flywheel takes its share.
+    swing = over_time(dict(zip(orders, torque[0], strict=True)))
+    assert found["s3.alternating_moment"][0] == pytest.approx(np.ptp(swing) / 2 * 0.6 / 0.68, rel=1e-6)
+    angles = {h: -t / (0.68 * (h * 150.0) ** 2) for h, t in zip(orders, torque[0], strict=True)}
+    assert found["flywheel.amplitude"][0] == pytest.approx(np.ptp(over_time(angles)) / 2, rel=1e-6)
+
+
+def test_engine_on_an_elastic_crankshaft__excites_orders_that_cancel_on_a_rigid_one():
+    train = crankshaft(2e5)
+    found = solved(train, "frequency_1", "nearest_order_1", "margin_1", "s3.alternating_moment")
+    assert found["margin_1"][0] == pytest.approx(
+        abs(found["nearest_order_1"][0] * 150.0 / found["frequency_1"][0] - 1), rel=1e-9
+    )
+    value, error = found["s3.alternating_moment"]
+    assert 0 < error < 1e-9 * value
+
+
+def test_numbers_of_the_engine__vary_by_their_paths():
+    train = crankshaft(2e5)
+    scene = Scene.model_validate({"elements": {"it": train}})
+    path = "elements.it.engine.speed"
+    outcome = ElementsAlone(scene, ["it.margin_1"], varied=[path]).evaluate({path: np.array([100.0, 150.0])})
+    assert outcome.summaries["it.margin_1"][1] == pytest.approx(solved(train, "margin_1")["margin_1"][0], rel=8 * EPS)
+    assert outcome.summaries["it.margin_1"][0] != outcome.summaries["it.margin_1"][1]

@@ -1,0 +1,110 @@
+"""Trains that the scene's own machine excites: against harmonics of its kept curves, and the rigid limit."""
+
+import math
+
+import numpy as np
+import pytest
+from machines import crank, frame, rrp
+from pydantic import ValidationError
+from train_samples import matrices
+
+from engine import Machine, Scene, Verdict
+from sweeps.pictures.elements.train_sheet import train_sheet
+from sweeps.pictures.style import new_figure
+
+TRAIN = {
+    "type": "torsional_train",
+    "masses": {"motor": {"inertia": 0.2, "damping": 0.02}, "crank_end": {"inertia": 0.05}},
+    "shafts": {"shaft": {"between": ["motor", "crank_end"], "stiffness": 800.0, "damping": 0.3}},
+    "machine_at": "crank_end",
+    "load": "motor",
+}
+
+
+def scene(train=TRAIN, drive=None, **parts) -> Scene:
+    return Scene.model_validate(
+        {
+            "points": {"O": frame(0.0, 0.0)},
+            "guides": {"way": {}},
+            "input": crank(length=0.05) | {"speed": 20.0} | (drive or {}),
+            "groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")},
+            "bodies": {"piston_body": {"link": "piston", "mass": 8.0}},
+            "forces": {"load": {"type": "linear_drag", "on": "B", "coefficient": 200.0}},
+            "elements": {"train": train},
+            **parts,
+        }
+    )
+
+
+def excited(made: Scene, speed: float, revolutions: int = 1):
+    """Alternating and mean moment of the shaft, by the transform of the kept input moment and the dense matrices."""
+    machine = Machine(made, [], ["input_moment"], ["input.speed"])
+    rows = machine.evaluate({"input.speed": np.array([speed])}).fields["input_moment"][0]
+    harmonics = np.fft.rfft(-rows) * 2 / rows.size
+    swing, phi = 0.0, np.linspace(0, math.tau * revolutions, 100_001)
+    for k in range(1, 13):
+        w = k / revolutions * abs(speed)
+        amplitude = harmonics[k] if speed > 0 else harmonics[k].conj()
+        _, _, dynamic, basis = matrices(TRAIN, w)
+        angles = basis @ np.linalg.solve(dynamic, basis.T @ np.array([0.0, amplitude]))
+        moment = (800.0 + 1j * w * 0.3) * (angles[0] - angles[1])
+        swing = swing + (moment * np.exp(1j * k / revolutions * phi)).real
+    return np.ptp(swing) / 2, -harmonics[0].real / 2
+
+
+@pytest.mark.parametrize("speed", [20.0, -20.0, 45.0])
+def test_shaft_moment__is_that_of_the_transformed_curves(speed):
+    made = scene()
+    names = ["train.shaft.alternating_moment", "train.shaft.mean_moment", "input_moment.order_2"]
+    outcome = Machine(made, names, varied=["input.speed"]).evaluate({"input.speed": np.array([speed])})
+    assert outcome.status[0] == Verdict.OK
+    alternating, mean = excited(made, speed)
+    # 720 positions of a smooth curve leave rounding, 100 000 samples of 12 waves 4e-8.
+    assert outcome.summaries[names[0]][0] == pytest.approx(alternating, rel=1e-7)
+    assert outcome.summaries[names[1]][0] == pytest.approx(mean, abs=1e-9)
+    assert outcome.errors[names[0]][0] < 1e-6 * alternating
+
+
+def test_cycle_of_two_revolutions__has_half_orders():
+    made = scene(drive={"revolutions": 2})
+    names = ["train.shaft.alternating_moment", "input_moment.order_0_5", "input_moment.order_1"]
+    found = Machine(made, names).evaluate({}).summaries
+    assert found[names[0]][0] == pytest.approx(excited(made, 20.0, 2)[0], rel=1e-7)
+    # Both revolutions are the same.
+    assert found[names[1]][0] < 1e-10 * found[names[2]][0]
+
+
+def test_rigid_shaft__carries_what_the_motor_needs_to_turn_with_the_machine():
+    stiff = TRAIN | {"shafts": {"shaft": {"between": ["motor", "crank_end"], "stiffness": 1e12}}, "load": None}
+    names = ["train.shaft.alternating_moment", *(f"input_moment.order_{k}" for k in range(1, 13))]
+    found = Machine(scene(stiff, forces={}), names).evaluate({}).summaries
+    orders = math.fsum(found[name][0] for name in names[1:])
+    # Peaks of orders don't add, but the greatest of them is there.
+    greatest = max(found[name][0] for name in names[1:])
+    assert 0.8 * greatest < found[names[0]][0] / (0.2 / 0.25) < orders
+
+
+def test_sheet__is_drawn_with_the_machines_orders():
+    figure = new_figure(180, 170)
+    train_sheet(scene(), "train", figure)
+    assert len(figure.axes) == 3
+    curve = next(line for line in figure.axes[2].get_lines() if line.get_label() == "shaft")
+    assert np.isfinite(curve.get_ydata()).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "drive", "said"),
+    [
+        ({"machine_at": "x"}, None, "there is no mass 'x'"),
+        ({"speed": 3.0}, None, "leave all but one out"),
+        ({}, {"start": 0.1, "stop": 1.0}, "only a crank that turns fully"),
+    ],
+)
+def test_train_on_a_machine_that_cannot_be__says_what_to_mend(change, drive, said):
+    with pytest.raises(ValidationError, match=said):
+        scene(TRAIN | change, drive)
+
+
+def test_train_on_a_machine_without_a_mechanism__is_refused():
+    with pytest.raises(ValidationError, match="only a crank that turns fully"):
+        Scene.model_validate({"elements": {"train": TRAIN}})

@@ -1,0 +1,189 @@
+"""Starts and sudden loads of two masses with backlash: closed forms, small steps, momentum along the way, limits."""
+
+import math
+
+import numpy as np
+import pytest
+from element_samples import asked, one
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from engine import Scene, Verdict
+from engine.elastic.drives.two_mass_columns import drive_history
+
+DRIVE = {
+    "type": "two_mass_drive",
+    "motor_inertia": 0.5,
+    "load_inertia": 3.0,
+    "stiffness": 2e4,
+    "backlash": 0.02,
+    "motor_moment": 100.0,
+    "load_moment": 60.0,
+    "time": 0.05,
+}
+KEYS = ("motor_inertia", "load_inertia", "stiffness", "damping", "backlash", "motor_moment", "load_moment")
+
+
+def element(drive):
+    return Scene.model_validate({"elements": {"it": drive}}).elements["it"]
+
+
+def found(drive, *names):
+    """Results and their figures."""
+    values, outcome = asked({"it": drive}, *(f"it.{n}" for n in names))
+    assert outcome.status[0] == Verdict.OK
+    return {n: (float(v[0]), float(outcome.errors[f"it.{n}"][0])) for n, v in zip(names, values, strict=True)}
+
+
+def peak_of_start(first, second, k, gap, motor, load):
+    """Greatest moment of a start without damping: by the work of the motor, then the vibration of both masses."""
+    v0 = 2 * motor * gap / first
+    held = load / k
+    v1 = v0 + 2 / first * (motor * held - k * held**2 / 2)
+    square = k * (1 / first + 1 / second)
+    twist = (motor / first + load / second) / square
+    return k * (twist + math.sqrt((held - twist) ** 2 + v1 / square))
+
+
+sizes = st.floats(-1, 1).map(lambda x: 10**x)
+
+
+@settings(deadline=None, max_examples=60)
+@given(sizes, sizes, st.floats(2, 6), st.floats(0, 0.1), st.floats(1, 300), st.floats(0, 1))
+def test_first_peak_of_a_start__is_the_closed_form(first, second, k, gap, motor, share):
+    k, load = 10**k, share * motor
+    # Long enough for the gap, and for a half wave after it.
+    time = math.sqrt(2 * gap * first / motor) + math.pi * math.sqrt(first / k)
+    drive = DRIVE | dict(zip(KEYS, (first, second, k, None, gap, motor, load), strict=True)) | {"time": time}
+    value, error = found(drive, "greatest_moment")["greatest_moment"]
+    exact = peak_of_start(first, second, k, gap, motor, load)
+    assert abs(value - exact) <= error + 4e-15 * exact
+    assert error <= 1e-11 * exact
+
+
+def test_step_on_a_free_pair__doubles_the_moment_of_the_rigid_shaft():
+    drive = DRIVE | {"backlash": 0.0, "load_moment": 0.0}
+    assert one(drive, "rigid_moment", "greatest_moment", "dynamic_factor") == pytest.approx(
+        [100 * 3 / 3.5, 2 * 100 * 3 / 3.5, 2.0], rel=1e-13
+    )
+
+
+def test_sudden_load__doubles_the_change_of_the_moment():
+    drive = DRIVE | {"begin": "running", "speed": 100.0, "load_before": 20.0, "load_moment": 90.0}
+    before, after = ((100 * 3 + load * 0.5) / 3.5 for load in (20.0, 90.0))
+    assert one(drive, "greatest_moment") == pytest.approx([2 * after - before], rel=1e-12)
+
+
+def test_rigid_shaft__leaves_the_motion_of_one_mass():
+    drive = DRIVE | {"backlash": 0.0, "stiffness": 1e13, "damping_ratio": 0.5, "time": 0.3}
+    speeds = one(drive, "motor_speed", "load_speed")
+    assert speeds == pytest.approx([(100 - 60) / 3.5 * 0.3] * 2, rel=1e-6)
+
+
+def small_steps(first, second, k, b, gap, motor, load, time, steps, begin):
+    """Greatest moment and speeds at the end, drives side by side, by many small steps with clipped moments."""
+    dt = time / steps
+    e, v, speed = begin
+    greatest = np.zeros_like(first)
+    for _ in range(steps):
+        ahead, behind = e, e + gap
+        forwards = np.where(ahead > 0, np.maximum(k * ahead + b * v, 0), 0)
+        backwards = np.where(behind < 0, np.minimum(k * behind + b * v, 0), 0)
+        moment = np.where(gap > 0, forwards + backwards, k * e + b * v)
+        motor_speed = speed + v + dt * (motor - moment) / first
+        pushed = speed + dt * moment / second
+        speed = np.sign(pushed) * np.maximum(np.abs(pushed) - dt * load / second, 0)
+        v = motor_speed - speed
+        e = e + dt * v
+        greatest = np.maximum(greatest, np.abs(moment))
+    return greatest, speed + v, speed
+
+
+@pytest.mark.parametrize("begin", ["at rest", "running"])
+def test_drives_of_all_kinds__are_those_of_small_steps(begin):
+    generator, n = np.random.default_rng(7), 40
+    first, second = 10 ** generator.uniform(-1, 0.5, (2, n))
+    k, motor = 10 ** generator.uniform(3, 4.5, n), generator.uniform(20, 150, n)
+    b = generator.uniform(0, 0.6, n) * np.sqrt(k * first * second / (first + second))
+    b[generator.random(n) < 0.3] = 0.0
+    gap = np.where(generator.random(n) < 0.3, 0.0, generator.uniform(0.001, 0.05, n))
+    load = generator.uniform(0, 1.3, n) * motor
+    time, steps = 0.1, 25_000
+    drive = DRIVE | {"damping": 0.0, "time": time, "begin": begin}
+    start = (-gap, np.zeros(n), np.zeros(n))
+    numbers = dict(zip(KEYS, (first, second, k, b, gap, motor, load), strict=True))
+    if begin == "running":
+        before, speed = generator.uniform(0, 4, n) * motor, np.full(n, 20.0)
+        drive |= {"speed": 20.0, "load_before": 1.0}
+        numbers |= {"speed": speed, "load_before": before}
+        start = ((motor * second + before * first) / (first + second) / k, np.zeros(n), speed)
+    names = ("greatest_moment", "motor_speed", "load_speed", "closings")
+    varied = {f"it__{key}": v for key, v in numbers.items()}
+    values, outcome = asked({"it": drive}, *(f"it.{x}" for x in names), **varied)
+    assert (outcome.status == Verdict.OK).all()
+    assert len(set(values[3])) > 3
+    exact = small_steps(first, second, k, b, gap, motor, load, time, steps, start)
+    # The small steps are of first order: 4e-6 s · 500 rad/s on each of some dozens of impacts and stops.
+    size = np.abs(exact[1]) + np.abs(exact[2]) + motor * np.sqrt((first + second) / (k * first * second))
+    assert values[0] == pytest.approx(exact[0], rel=4e-3)
+    assert (np.abs(values[1] - exact[1]) < 0.02 * size).all()
+    assert (np.abs(values[2] - exact[2]) < 0.02 * size).all()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"damping": 30.0},
+        {"damping_ratio": 2.0},
+        {"load_moment": 130.0},
+        {"begin": "running", "speed": 1.0, "load_before": 10.0, "load_moment": 400.0},
+    ],
+)
+def test_history__keeps_momentum_and_ends_as_the_results_do(change):
+    drive = DRIVE | {"time": 0.4} | change
+    history = drive_history(element(drive), 200_001)
+    step = history.time[1]
+    impulse = np.concatenate([[0], np.cumsum(0.5 * (history.moment[1:] + history.moment[:-1]) * step)])
+    gained = 0.5 * (history.motor_speed - history.motor_speed[0])
+    # The trapezoidal rule misses jumps of the damper's moment by half a step.
+    room = step * 40 * np.abs(history.moment).max()
+    assert np.abs(gained - (100.0 * history.time - impulse)).max() < room
+    apart = history.motor_speed - history.load_speed
+    slid = np.concatenate([[0], np.cumsum(0.5 * step * (apart[1:] + apart[:-1]))])
+    assert np.abs(history.gap - history.gap[0] - slid).max() < 1e-6
+    results = found(drive, "greatest_moment", "motor_speed", "load_speed")
+    assert history.motor_speed[-1] == pytest.approx(results["motor_speed"][0], abs=1e-9)
+    assert history.load_speed[-1] == pytest.approx(results["load_speed"][0], abs=1e-9)
+    # Instants miss the peak of a damper that is hit with full speed.
+    assert np.abs(history.moment).max() == pytest.approx(results["greatest_moment"][0], rel=5e-3)
+
+
+def test_load_that_holds_the_motor__never_starts():
+    drive = DRIVE | {"load_moment": 900.0, "damping_ratio": 0.1, "time": 3.0}
+    values = found(drive, "load_starts_at", "load_speed", "motor_speed")
+    assert np.isnan(values["load_starts_at"][0])
+    assert values["load_speed"] == (0.0, 0.0)
+    assert abs(values["motor_speed"][0]) < 1e-6
+
+
+def test_parts_of_the_shaft__count_as_their_series():
+    parts = {"a": {"type": "coupling", "stiffness": 3e4}, "b": {"type": "coupling", "stiffness": 6e4}}
+    drive = DRIVE | {"stiffness": None, "parts": parts}
+    assert one(drive, "greatest_moment") == pytest.approx(one(DRIVE, "greatest_moment"), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"stiffness": None}, "give stiffness or parts"),
+        ({"damping": 1.0, "damping_ratio": 0.1}, "one of the two"),
+        ({"begin": "running"}, "give both, or neither"),
+        ({"speed": 3.0, "load_before": 1.0}, "give both, or neither"),
+        ({"backlash": -0.1}, "greater than or equal to 0"),
+    ],
+)
+def test_drive_that_cannot_be__says_what_to_mend(change, said):
+    with pytest.raises(ValidationError, match=said):
+        element(DRIVE | change)

@@ -1,0 +1,161 @@
+"""The flywheel as a wheel: what it is made of must have the inertia asked for."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine.elements.flywheel_wheels import MATERIALS, make_wheel
+from engine.scene.parts import WheelForm
+
+# Sums, products and quotients of a dozen numbers: tens of roundings of 1.1e-16.
+ROUNDED = 1e-13
+
+few = settings(deadline=None, max_examples=60)
+sizes = st.floats(-3, 3).map(lambda e: 10.0**e)
+ratios = st.floats(0.2, 20)
+
+
+def numbers_of(form, **arrays):
+    values = {k: v for k, v in form.model_dump().items() if isinstance(v, float)} | arrays
+    return {f"flywheel.wheel.{k}": v for k, v in values.items()}
+
+
+def wheel(form, inertia, speed, **arrays):
+    return make_wheel(form, np.asarray(inertia), np.asarray(speed), numbers_of(form, **arrays))
+
+
+def integral_of_r2(density, inner, outer, width, nodes=8):
+    """∫ρ r² 2πr b dr by Gauss quadrature, exact for the cubic integrand; and the mass, ∫ρ 2πr b dr."""
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    r = (inner + outer) / 2 + (outer - inner) / 2 * x
+    ring = density * 2 * math.pi * r * width * w * (outer - inner) / 2
+    return (ring * r**2).sum(), ring.sum()
+
+
+# The inertia of what is made, by quadrature over its material
+
+
+@few
+@given(sizes, st.floats(0.1, 1000), st.floats(0.001, 0.499), ratios, st.sampled_from(["cast iron", "steel"]))
+def test_rim__has_the_inertia_asked_for(inertia, speed, thickness, ratio, material):
+    form = WheelForm(type="rim", material=material, thickness_ratio=thickness, ratio=ratio)
+    made = wheel(form, inertia, speed)
+    radius = made.diameter / 2
+    j, mass = integral_of_r2(MATERIALS[material].density, radius - thickness * made.diameter, radius, made.width)
+    # R² − r² loses up to 1/thickness of its digits.
+    assert j * ratio**2 == pytest.approx(inertia, rel=ROUNDED / thickness)
+    assert mass == pytest.approx(made.mass, rel=ROUNDED / thickness)
+
+
+@few
+@given(sizes, st.floats(0.1, 1000), sizes, st.floats(1000, 20_000))
+def test_disc__has_the_inertia_asked_for(inertia, speed, diameter, density):
+    form = WheelForm(type="disc", diameter=diameter, density=density)
+    made = wheel(form, inertia, speed)
+    j, mass = integral_of_r2(density, 0.0, diameter / 2, made.width)
+    assert j == pytest.approx(inertia, rel=ROUNDED)
+    assert mass == pytest.approx(made.mass, rel=ROUNDED)
+
+
+@few
+@given(
+    st.floats(0.5, 3),
+    st.floats(0.05, 0.3),
+    st.floats(0.05, 0.35),
+    st.floats(1, 100),
+    st.integers(2, 12),
+    st.floats(1, 5),
+)
+def test_arms__have_with_rim_and_hub_the_inertia_asked_for(diameter, thickness, hub_share, excess, arms, area_share):
+    hub, inner = hub_share * diameter, diameter * (1 - 2 * thickness)
+    form = WheelForm(
+        type="arms", material="steel", diameter=diameter, thickness_ratio=thickness, arms=arms,
+        arm_area=area_share * 1e-4, hub_diameter=hub, hub_width=0.5 * hub,
+    )  # fmt: skip
+    rho = 7850.0
+    j_hub, m_hub = integral_of_r2(rho, 0.0, hub / 2, hub / 2)
+    x, w = np.polynomial.legendre.leggauss(8)
+    r = (hub + inner) / 4 + (inner - hub) / 4 * x
+    pieces = rho * form.arm_area * w * (inner - hub) / 4
+    j_arms, m_arms = arms * (pieces * r**2).sum(), arms * pieces.sum()
+    asked = (j_hub + j_arms) * (1 + excess)
+    made = wheel(form, asked, 10.0)
+    j_rim, m_rim = integral_of_r2(rho, inner / 2, diameter / 2, made.width)
+    assert j_hub + j_arms + j_rim == pytest.approx(asked, rel=100 * ROUNDED)
+    assert m_hub + m_arms + m_rim == pytest.approx(made.mass, rel=100 * ROUNDED)
+
+
+def test_arms_that_suffice__leave_no_rim():
+    form = WheelForm(type="arms", diameter=1.0, arms=4, arm_area=0.01, hub_diameter=0.2, hub_width=0.2)
+    made = wheel(form, [1e-6, 1e6], 10.0)
+    assert made.width[0] == 0.0
+    assert made.width[1] > 0.0
+    arms = 4 * 7200 * 0.01 * (0.4 - 0.1)
+    assert made.mass[0] == pytest.approx(arms + 7200 * math.pi * 0.01 * 0.2, rel=ROUNDED)
+    # What is made stores more than what was asked for.
+    assert made.energy[0] > 0.5 * 1e-6 * 10**2
+
+
+def test_hub_that_reaches_the_rim__is_no_wheel():
+    form = WheelForm(type="arms", diameter=1.0, arm_area=0.01, hub_diameter=0.9, hub_width=0.2)
+    made = wheel(form, [5.0, -1.0], 10.0)
+    assert np.isnan([size[0] for size in made]).all()
+    assert [size[1] for size in made] == [0.0] * 7
+
+
+# Speed, stress, energy
+
+
+@few
+@given(sizes, st.floats(0.1, 1000), ratios)
+def test_free_diameter__puts_the_rim_at_its_limit(inertia, speed, ratio):
+    made = wheel(WheelForm(type="rim", material="steel", ratio=ratio), inertia, -speed)
+    assert made.rim_speed == pytest.approx(70.0, rel=ROUNDED)
+    assert made.rim_speed_share == pytest.approx(1.0, rel=ROUNDED)
+    assert made.hoop_stress == pytest.approx(7850 * 70**2, rel=ROUNDED)
+    # ½ J ω² of the shaft is ½ I ω² of the input, whatever the ratio.
+    assert made.energy == pytest.approx(inertia * speed**2 / 2, rel=10 * ROUNDED)
+
+
+def test_given_limits_and_density__replace_those_of_the_material():
+    form = WheelForm(type="rim", density=7000.0, rim_speed_limit=30.0, diameter=2.0)
+    made = wheel(form, 10.0, 20.0, rim_speed_limit=np.array([30.0, 40.0]), diameter=np.array([2.0, 4.0]))
+    assert made.rim_speed == pytest.approx([20, 40])
+    assert made.rim_speed_share == pytest.approx([20 / 30, 1])
+    assert made.hoop_stress == pytest.approx([7000 * 400, 7000 * 1600])
+
+
+def test_no_inertia_needed__is_no_wheel_at_all():
+    for kind in ("rim", "disc"):
+        made = wheel(WheelForm(type=kind), [0.0, -3.0], [10.0, 0.0])
+        assert [list(size) for size in made] == [[0.0, 0.0]] * 7
+
+
+def test_undefined_input__gives_nan_everywhere():
+    made = wheel(WheelForm(type="rim", diameter=1.0), [np.nan, 1.0, 1.0, np.inf], [1.0, 0.0, np.nan, 1.0])
+    assert np.isnan(made).all()
+
+
+def test_input_at_rest__gives_no_diameter():
+    assert np.isnan(wheel(WheelForm(type="disc"), [1.0], [0.0])).all()
+
+
+# A published wheel
+
+
+def test_khurmi_16_14__has_the_printed_diameter():
+    # Khurmi & Gupta, Theory of Machines, example 16.14: 800 rpm, hoop stress 7 MPa, 7200 kg/m³; printed D = 0.744 m.
+    speed = 800 * math.pi / 30
+    form = WheelForm(type="rim", density=7200.0, rim_speed_limit=math.sqrt(7e6 / 7200), thickness_ratio=0.05)
+    made = wheel(form, 84.0, speed)
+    assert made.diameter == pytest.approx(0.744, abs=5e-4)
+    assert made.hoop_stress == pytest.approx(7e6, rel=ROUNDED)
+
+
+def test_uicker_18_2__has_the_printed_mass():
+    # Uicker, Pennock, Shigley, problem 18.2: steel disc of 400 mm, 0.136 kg·m²; printed 6.8 kg.
+    made = wheel(WheelForm(type="disc", diameter=0.4, density=7800.0), 0.136, 480.0)
+    assert made.mass == pytest.approx(6.8, abs=0.05)

@@ -1,0 +1,223 @@
+"""Governors in scenes, studies, commands and pictures."""
+
+import math
+
+import numpy as np
+import pytest
+from commands import said
+from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE, governor_results
+from machines import slider_crank
+from matplotlib.figure import Figure
+from numpy.testing import assert_allclose
+
+from engine import Scene, Verdict, governed_scene, governor_curves, made_ready, scene_numbers, stability_point
+from sweeps import InputError, SweepResult, read_study, run_study
+from sweeps.pictures.elements.governor_sheet import governor_sheet
+from sweeps.study.bundled import bundled_studies
+from sweeps.text.scene_text import scene_from, write_scene
+from sweeps.text.toml_text import parse_toml
+
+STEPPED = {"type": "table", "over_lift": [0.0, 0.02, 0.06, 0.1], "moment": [400.0, 390.0, 100.0, 0.0],
+           "interpolation": "pchip"}  # fmt: skip
+GOVERNED = PORTER | {"damping": 600.0, "engine": ENGINE | {"duration": 2.0}}
+
+
+def read(text):
+    return scene_from(parse_toml(text, "governor.toml"), text, "governor.toml", None)
+
+
+def test_governors__are_written_and_read():
+    governors = EVERY_GOVERNOR | {"governed": PORTER | {"engine": ENGINE | {"throttle": STEPPED}}}
+    scene = Scene.model_validate({"elements": governors})
+    again = read(write_scene(scene, {"elements.governed.engine.inertia": 33.0}))
+    before, after = ({p: n.value for p, n in scene_numbers(s).items()} for s in (scene, again))
+    assert after == before | {"elements.governed.engine.inertia": 33.0}
+    for key in ("over_radius", "controlling_force"):
+        assert getattr(again.elements["table"], key) == getattr(scene.elements["table"], key)
+    assert again.elements["governed"].engine.throttle == scene.elements["governed"].engine.throttle
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('type = "porter_governer"', ("type 'porter_governer' is not known", "did you mean 'porter_governor'?")),
+        ('type = "porter_governor"\nball_mas = "5 kg"', ("unknown key", "did you mean 'ball_mass'?")),
+        ('type = "porter_governor"\nball_mass = "5 mm"', ("ball_mass", "a mass such as")),
+        ('type = "porter_governor"\nsleeve_mass = "0 kg"', ("sleeve_mass", "greater than 0")),
+    ],
+)
+def test_wrong_text__is_refused_with_the_mend(text, words):
+    with pytest.raises(InputError) as error:
+        read(f"[elements.governor]\n{text}\n")
+    assert all(word in str(error.value) for word in words), str(error.value)
+
+
+def test_governor_beside_a_mechanism__is_what_it_is_alone():
+    both = Scene.model_validate(slider_crank(elements={"governor": GOVERNED}))
+    outcome = made_ready(both, ["ram.stroke", "governor.settling_time", "governor.least_speed"]).evaluate({})
+    alone, _, _ = governor_results(GOVERNED)
+    assert outcome.status[0] == Verdict.OK
+    for key in ("settling_time", "least_speed"):
+        assert outcome.summaries[f"governor.{key}"][0] == alone[key][0]
+
+
+def test_governor_of_the_machine__has_the_inertia_of_its_mechanism():
+    """A slider-crank's mean reduced inertia, by the mean of its own curve, with its flywheel and what is given."""
+    engine = {key: value for key, value in ENGINE.items() if key != "inertia"} | {"duration": 2.0}
+    governor = PORTER | {"damping": 600.0, "engine": engine | {"machine": True, "inertia": 3.0}}
+    bodies = {
+        "crank_body": {"link": "crank", "mass": 3.0, "inertia": 4.0},
+        "ram_body": {"link": "ram", "mass": 800.0},
+    }
+    wheels = np.array([10.0, 20.0, 30.0])
+    both = Scene.model_validate(slider_crank(elements={"it": governor}, bodies=bodies, flywheel={"inertia": 20.0}))
+    names = [f"it.{key}" for key in ("decay_rate", "hunting_frequency", "critical_inertia")]
+    varied = {"flywheel.inertia": wheels}
+    outcome = made_ready(both, names, varied=varied).evaluate(varied)
+    assert (outcome.status == Verdict.OK).all()
+    curve = made_ready(both, fields=["reduced_inertia"]).evaluate({}).fields["reduced_inertia"][0]
+    alone = PORTER | {"damping": 600.0, "engine": engine | {"inertia": 1.0}}
+    # A periodic curve's mean over equally spaced angles is exact but for rounding.
+    found, _, _ = governor_results(alone, engine__inertia=3.0 + wheels + curve.mean())
+    for name in names:
+        assert_allclose(outcome.summaries[name], found[name.removeprefix("it.")], rtol=1e-9, err_msg=name)
+    drawn = governed_scene(both)[0].elements["it"].engine
+    assert (drawn.machine, drawn.inertia) == (False, pytest.approx(23.0 + curve.mean(), rel=1e-12))
+    alone = Scene.model_validate({"elements": {"it": GOVERNED}})
+    assert governed_scene(alone) == (alone, {})
+
+
+def test_governor_of_no_machine__is_refused():
+    engine = {"machine": True, "throttle": {"type": "linear", "full": 400.0}, "load": 300.0}
+    with pytest.raises(ValueError, match=r"elements\.it\.engine\.machine: the scene has no crank that turns fully"):
+        Scene.model_validate({"elements": {"it": PORTER | {"engine": engine}}})
+    with pytest.raises(ValueError, match="machine = true for the scene's own"):
+        Scene.model_validate({"elements": {"it": PORTER | {"engine": engine | {"machine": False}}}})
+
+
+# The study
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    """Result of the bundled study of an engine's governor."""
+    path = tmp_path_factory.mktemp("governor") / "engine_governor.h5"
+    return SweepResult(run_study(read_study(bundled_studies()["engine_governor"]), path))
+
+
+def test_engine_governor_study__hunts_where_hurwitz_says(result):
+    c = {name.removeprefix("governor."): column for name, column in result.columns.items()}
+    assert (c["status"] == Verdict.OK).all()
+    # Both critical values stand on the same side of what is given as the gain does.
+    damping, inertia = c["elements.governor.damping"], c["elements.governor.engine.inertia"]
+    stable = c["stable"] == 1
+    assert 0.1 < stable.mean() < 0.98
+    assert ((c["vyshnegradsky_x"] * c["vyshnegradsky_y"] > 1) == stable).all()
+    assert ((damping > c["critical_damping"]) == stable).all()
+    assert ((inertia > c["critical_inertia"]) == stable).all()
+    assert ((c["gain_margin"] > 1) == stable).all()
+    assert ((c["decay_rate"] > 0) == stable).all()
+    # Balls on a faster spindle pull as hard: statics stay as they are, but for the balls' weight.
+    assert_allclose(c["non_uniformity"], c["non_uniformity"][0], rtol=0.05)
+
+
+def test_engine_governor_study__answers_its_question(result):
+    best, c = result.best(), result.columns
+    assert c["elements.governor.engine.ratio"][best] == 2
+    assert c["governor.settling_time"][best] < 0.03
+    assert c["governor.overshoot"][best] < 0.04
+    assert c["governor.gain_margin"][best] > 2
+    # A heavier wheel is slower.
+    heavy = c["elements.governor.engine.inertia"] == 16
+    assert np.nanmin(c["governor.settling_time"][heavy]) > c["governor.settling_time"][best]
+
+
+def test_governed_set_study__weighs_evenness_against_speed():
+    """A few of its variants: the swing within a cycle goes with 1/I, what the governor takes to settle grows with I."""
+    study = read_study(bundled_studies()["governed_set"])
+    wheels = np.array([0.1, 0.2, 0.4])
+    varied = {"flywheel.inertia": wheels, "elements.governor.damping": np.full(3, 21.0)}
+    outcome = made_ready(study.scene, study.summaries, varied=list(varied)).evaluate(varied)
+    found = {name.removeprefix("governor."): column for name, column in outcome.summaries.items()}
+    assert (outcome.status == Verdict.OK).all()
+    # All that turns: wheel, rotor, and the mechanism in the mean.
+    whole = wheels + 0.05651310699685665
+    assert_allclose(found["hunting"] * whole, found["hunting"][1] * whole[1], rtol=0.15)
+    assert (np.diff(found["settling_time"]) > 0).all()
+    assert (found["critical_inertia"] < wheels).all()
+
+
+# Pictures and commands
+
+
+def test_curves__have_their_stops_and_stretches():
+    scene = Scene.model_validate({"elements": {"it": PROELL | {"least_radius": 0.15}}})
+    curve = governor_curves(scene.elements["it"])
+    found, _, _ = governor_results(PROELL | {"least_radius": 0.15})
+    assert curve.stops == (pytest.approx(0.15), pytest.approx(0.2))
+    assert curve.stable[0] == pytest.approx(found["stable_from"][0], rel=1e-9)
+    inside = curve.between & (curve.radius > curve.stable[0])
+    assert (curve.margin[inside] > 0).all()
+    assert (curve.margin[curve.between & (curve.radius < curve.stable[0])] < 0).all()
+    assert_allclose(curve.force, 10.0 * curve.speed**2 * curve.radius, rtol=1e-12)
+
+
+def lines(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def test_sheet__shows_what_is_computed():
+    governor = Scene.model_validate({"elements": {"it": GOVERNED}}).elements["it"]
+    figure = Figure()
+    governor_sheet(governor, figure, "governor")
+    force, speed, change, diagram, *_ = figure.axes
+    found, _, _ = governor_results(GOVERNED)
+    rays = [t.get_text() for t in force.texts]
+    assert rays == [f"{found[key][0] * 30 / math.pi:.4g} rpm" for key in ("least_speed", "greatest_speed")]
+    y = lines(change)["speed of the engine"].get_ydata()
+    assert y.max() * math.pi / 30 == pytest.approx(found["highest_speed"][0], rel=1e-9)
+    point = stability_point(governor)
+    assert (point.x, point.y) == (found["vyshnegradsky_x"][0], found["vyshnegradsky_y"][0])
+    marker = next(line for line in diagram.lines if line.get_marker() == "o")
+    assert marker.get_xydata()[0] == pytest.approx((point.x, point.y))
+    stable = lines(force)["stable"].get_xydata()
+    assert stable[np.isfinite(stable[:, 1]), 0].min() == pytest.approx(150, abs=0.5)
+    assert speed.get_xlabel() == "lift of the sleeve, mm"
+
+
+def test_no_oscillation__is_shown_where_the_discriminant_says():
+    from engine.laws.governors.stability import oscillates
+
+    figure = Figure()
+    governor_sheet(Scene.model_validate({"elements": {"it": GOVERNED}}).elements["it"], figure)
+    diagram = figure.axes[3]
+    area = next(c for c in diagram.collections if c.get_label() == "no oscillation").get_paths()[0]
+    for x in np.linspace(0.5, 5.9, 12):
+        for y in np.linspace(0.5, 5.9, 12):
+            # Points within a pixel of the edge apart.
+            near = {oscillates(x + dx, y + dy) for dx in (-0.03, 0.03) for dy in (-0.03, 0.03)}
+            if len(near) == 1:
+                assert area.contains_point((x, y)) == (not oscillates(x, y)), (x, y)
+
+
+def test_sheet_of_a_governor_that_does_not_work__says_why():
+    figure = Figure()
+    unstable = Scene.model_validate({"elements": {"it": TABLE | {"controlling_force": [300.0, 310.0, 315.0, 320.0]}}})
+    governor_sheet(unstable.elements["it"], figure)
+    assert "stable nowhere between its stops" in figure.get_suptitle()
+    assert set(lines(figure.axes[0])) >= {"unstable", "stops"}
+    short = Scene.model_validate({"elements": {"it": PORTER | {"upper_arm": 0.1}}})
+    figure = Figure()
+    governor_sheet(short.elements["it"], figure)
+    assert "can't be assembled" in figure.get_suptitle()
+
+
+def test_commands__on_a_governor(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert said("new", "governor").exit_code == 0
+    checked = said("check", "governor.toml")
+    assert checked.exit_code == 0
+    assert "governor.vyshnegradsky_x" in checked.output
+    plotted = said("plot", "governor.toml", "--out", "sheet.svg")
+    assert "sheet_governor_governor.svg" in plotted.output
+    assert (tmp_path / "sheet_governor_governor.svg").stat().st_size > 10_000

@@ -1,0 +1,315 @@
+"""What a change of load does: against the linear equation, SciPy's integration with events, and closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from governed_motion import GovernedMotion
+from governor_samples import ENGINE, HARTNELL, PORTER, governor_results
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from machines import slider_crank
+from numpy.testing import assert_allclose
+from scipy.interpolate import CubicSpline
+from scipy.linalg import expm
+
+from engine import Scene, SceneError, Verdict, governed_scene, load_change, made_ready
+
+FOLLOWED = ENGINE | {"new_load": 200.0, "duration": 4.0}
+SWITCHED = {"type": "full and shut", "full": 400.0, "switch": 0.05}
+CASES = {
+    "calm": PORTER | {"damping": 400.0, "engine": FOLLOWED},
+    "geared": PORTER | {"damping": 900.0, "engine": FOLLOWED | {"ratio": 1.6, "self_regulation": 4.0}},
+    "friction": PORTER | {"friction": 6.0, "damping": 400.0, "engine": FOLLOWED},
+    "much friction": PORTER | {"friction": 40.0, "damping": 50.0, "engine": FOLLOWED},
+    "stops": PORTER | {"friction": 2.0, "damping": 50.0, "engine": FOLLOWED | {"inertia": 5.0}},
+    "stops, no friction": PORTER | {"damping": 50.0, "engine": FOLLOWED | {"inertia": 5.0}},
+    "more load": PORTER | {"friction": 3.0, "damping": 500.0, "engine": FOLLOWED | {"load": 100.0, "new_load": 330.0}},
+    "valve": PORTER | {"damping": 400.0, "engine": FOLLOWED | {"throttle": SWITCHED}},
+    "valve, friction": PORTER | {"friction": 5.0, "damping": 400.0, "engine": FOLLOWED | {"throttle": SWITCHED}},
+}
+
+
+def element(governor):
+    return Scene.model_validate({"elements": {"it": governor}}).elements["it"]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_change_of_load__is_what_another_method_finds(name):
+    governor = CASES[name]
+    engine = governor["engine"]
+    found, errors, status = governor_results(governor)
+    assert status[0] == Verdict.OK
+    motion = GovernedMotion(governor)
+    regimes, speeds, hits = motion.follow(engine["load"], engine["new_load"], engine["duration"])
+    after = motion.speed_at(motion.steady(engine["new_load"])) / motion.ratio
+
+    def speed_at(time):
+        return next(r for r in regimes if time <= r.t_max)(time)[2]
+
+    # Events are found to 1e-13 s or so, and each may shift what follows by a little of the speed.
+    for key, wanted in (("highest_speed", speeds.max()), ("lowest_speed", speeds.min())):
+        assert abs(found[key][0] - wanted) <= errors[key][0] < 1e-5 * wanted, key
+    assert [found["inner_stop_hits"][0], found["outer_stop_hits"][0]] == hits
+    beyond = found["highest_speed"] - after if engine["new_load"] < engine["load"] else after - found["lowest_speed"]
+    assert_allclose(found["overshoot"], beyond / after, rtol=1e-9)
+    # Instant by instant.
+    change = load_change(element(governor))
+    assert change.time[-1] == pytest.approx(engine["duration"])
+    other = np.array([speed_at(t) for t in change.time])
+    assert np.abs(change.speed - other).max() <= 4 * errors["highest_speed"][0]
+    assert change.before == pytest.approx(motion.speed_at(motion.steady(engine["load"])) / motion.ratio, rel=1e-10)
+    settled = found["settling_time"][0]
+    if abs(change.speed[-1] - after) > 0.01 * after:
+        assert np.isnan(settled)
+    else:
+        assert abs(speed_at(settled) - after) == pytest.approx(0.01 * after, abs=1e-5)
+        assert (np.abs(other[change.time > settled] - after) <= 0.01 * after).all()
+    late = change.time >= 0.75 * engine["duration"]
+    # A valve switches some dozen times; where the other method's events come about a little late, so does the swing.
+    assert abs(found["hunting"][0] - np.ptp(other[late]) / 2 / after) <= 4 * errors["hunting"][0] + 1e-8
+
+
+@pytest.mark.parametrize("governor", [PORTER, HARTNELL], ids=lambda g: g["type"])
+def test_small_change__is_that_of_the_linear_equation(governor):
+    share = 1e-5
+    engine = FOLLOWED | {"load": 200.0, "new_load": 200.0 * (1 - share), "self_regulation": 2.0}
+    governor = governor | {"damping": 300.0, "engine": engine}
+    found, _, _ = governor_results(governor)
+    # The polynomial from its results, and from that the matrix in companion form: its answer to a step of load.
+    change = load_change(element(governor))
+    real, beat = found["decay_rate"][0], found["hunting_frequency"][0]
+    assert beat > 0
+    e = element(governor)
+    lift, speed = found["working_lift"][0], found["working_speed"][0]
+    matrix, inertia = linear_matrix(governor, e, lift, speed)
+    eigen = np.linalg.eigvals(matrix)
+    assert np.abs(eigen.real).min() == pytest.approx(real, rel=1e-4)
+    begin = np.zeros(3)
+    push = np.array([0.0, 0.0, 200.0 * share / inertia])
+    rest = np.linalg.solve(matrix, -push)
+    picked = slice(1, None, 97)
+    states = np.array([rest + expm(matrix * t) @ (begin - rest) for t in change.time[picked]])
+    # What the curve adds is a share of what there is, about as great as the change of the load.
+    size = np.abs(states).max(axis=0)
+    assert np.abs(change.speed[picked] - change.before - states[:, 2]).max() < 30 * share * size[2]
+    assert np.abs(change.lift[picked] - change.lift[0] - states[:, 0]).max() < 30 * share * size[0]
+
+
+def linear_matrix(governor, e, lift, speed):
+    """Matrix of lift, its rate and speed about a working point, from the exact governor's energies."""
+    import mpmath as mp
+    from exact_governor import ExactGovernor, places
+
+    with mp.workdps(30):
+        exact = ExactGovernor(governor)
+        outer = exact.angle(governor["greatest_radius"])
+        angle = mp.findroot(lambda a: exact.lift(a) - mp.mpf(lift), (exact.inner + outer) / 2)
+        m, c = float(exact.sleeve_mass(angle)), float(exact.sleeve_stiffness(angle))
+        pull = float(2 * exact.sleeve_force(angle) / exact.speed(angle))
+        inertia = e.engine.inertia + 2 * e.ball_mass * float(places(governor, angle)[0]) ** 2
+        gain = e.engine.throttle.full / float(exact.lift(outer))
+    b, s = e.damping, e.engine.self_regulation
+    return np.array([[0, 1, 0], [-c / m, -b / m, pull / m], [-gain / inertia, -pull / inertia, -s / inertia]]), inertia
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.floats(0.0, 60.0), st.floats(1.0, 50.0), st.floats(-0.9, 0.9))
+def test_friction_that_sticks__leaves_the_engine_to_itself(regulation, inertia, share):
+    """Within the dead band the sleeve doesn't move, and the speed has a closed form."""
+    # The band of 294 N: half of it is (√(1 + 60/294) − 1) of the speed.
+    governor = PORTER | {"friction": 60.0, "damping": 10.0}
+    before = governor_results(governor | {"engine": ENGINE})[0]
+    speed = (before["working_speed"] - before["steady_speed_change"])[0]
+    held = 0.085 * speed * share
+    # With this change of load the speed comes to rest, or by the end of the run, `held` beside what it was.
+    duration = 3.0
+    if regulation > 0.5:
+        change = held * regulation / -math.expm1(-regulation * duration / inertia)
+    else:
+        regulation, change = 0.0, held * inertia / duration
+    engine = ENGINE | {"inertia": inertia, "self_regulation": regulation, "duration": duration}
+    # The load before is that of half of the lift, where self-regulation adds nothing to the moment.
+    whole = engine | {"new_load": 300.0 - change}
+    if not 0 < whole["new_load"] < 390:
+        return
+    found, _, status = governor_results(governor | {"engine": whole})
+    if status[0] != Verdict.OK:
+        return
+    radius = 2.0 * governor["ball_mass"] * 0.2**2
+    begin = (found["working_speed"] - found["steady_speed_change"])[0]
+    # The balls turn with the engine.
+    lift = governor_lift(governor, begin)
+    own = inertia + 2 * governor["ball_mass"] * (governor["upper_arm"] ** 2 - (0.2 - lift / 2) ** 2)
+    assert own < inertia + radius
+    gained = (
+        change * duration / own if regulation == 0 else change / regulation * -math.expm1(-regulation * duration / own)
+    )
+    expected = begin + gained
+    key = "highest_speed" if gained > 0 else "lowest_speed"
+    assert found[key][0] == pytest.approx(expected, rel=1e-9)
+    assert found["inner_stop_hits"][0] == found["outer_stop_hits"][0] == 0
+
+
+def governor_lift(governor, speed):
+    """Lift of Porter's governor with equal arms of 250 mm at a speed, from 150 mm of radius on."""
+    height = (governor["ball_mass"] + governor["sleeve_mass"]) / governor["ball_mass"] * 9.80665 / speed**2
+    return 2 * (0.2 - height)
+
+
+def test_stable_engine__settles_at_its_new_speed_and_an_unstable_one_hunts():
+    calm = PORTER | {"damping": 900.0, "engine": FOLLOWED | {"duration": 60.0, "settling_band": 1e-4}}
+    found, _, _ = governor_results(calm)
+    assert found["stable"][0] == 1
+    assert 0 < found["settling_time"][0] < 60
+    assert found["hunting"][0] < 1e-6
+    wild = calm | {"damping": 50.0}
+    found, _, _ = governor_results(wild)
+    assert (found["stable"][0], found["inner_stop_hits"][0] > 3) == (0, True)
+    assert np.isnan(found["settling_time"][0])
+    assert found["hunting"][0] > 0.01
+
+
+def test_just_beside_the_critical_damping__it_decays_or_grows():
+    first, _, _ = governor_results(PORTER | {"damping": 100.0, "engine": ENGINE})
+    critical = first["critical_damping"][0]
+    # So small a change that the stops are far.
+    engine = FOLLOWED | {"new_load": 150.0, "load": 150.15, "duration": 40.0}
+    found, _, _ = governor_results(PORTER | {"engine": engine}, damping=critical * np.array([0.97, 1.03]))
+    swing = found["highest_speed"] - found["lowest_speed"]
+    hunting = 2 * found["hunting"] * found["working_speed"]
+    assert hunting[0] > 0.9 * swing[0]
+    assert hunting[1] < 0.7 * swing[1]
+
+
+def test_isochronous_governor__comes_back_to_the_same_speed():
+    preload = 19.8e3 * 0.12 * 2 / 3
+    engine = FOLLOWED | {"self_regulation": 60.0, "load": 205.0, "duration": 30.0, "settling_band": 1e-5}
+    governor = HARTNELL | {"gravity": 0.0, "preload": preload, "damping": 3000.0, "engine": engine}
+    found, _, status = governor_results(governor)
+    assert status[0] == Verdict.OK
+    assert abs(found["steady_speed_change"][0]) < 1e-11
+    assert 0 < found["settling_time"][0] < 30
+
+
+def test_errors__cover_what_a_hundredth_of_the_tolerance_finds():
+    from engine.governors import transients
+
+    assert pytest.approx(transients.COARSE) == 100 * transients.FINE
+    found, errors, _ = governor_results(CASES["friction"])
+    for key in ("highest_speed", "lowest_speed", "settling_time", "hunting", "overshoot"):
+        assert 0 < errors[key][0] < 1e-5 * abs(found[key][0]), key
+
+
+def test_engine_whose_load_stops_it__stalls():
+    governor = PORTER | {"friction": 100.0, "engine": FOLLOWED | {"load": 5.0, "new_load": 399.0, "inertia": 0.2}}
+    assert governor_results(governor)[2][0] in (Verdict.STALLS, Verdict.OK)
+
+
+def test_variants__are_what_each_is_by_itself():
+    damping = np.array([50.0, 200.0, 400.0])
+    together, _, _ = governor_results(CASES["friction"], damping=damping)
+    for k, b in enumerate(damping):
+        alone, _, _ = governor_results(CASES["friction"] | {"damping": float(b)})
+        for key, column in together.items():
+            assert column[k] == alone[key][0] or (np.isnan(column[k]) and np.isnan(alone[key][0])), key
+
+
+# The engine is a mechanism
+
+ANGLES = [k * math.pi / 6 for k in range(12)]
+
+
+def crank_engine(**changes):
+    """A slider-crank with a heavy ram, driven unevenly, that its governor throttles."""
+    engine = {key: value for key, value in FOLLOWED.items() if key != "inertia"}
+    engine |= {
+        "machine": True,
+        "throttled": ["steam"],
+        "inertia": 6.0,
+        "duration": 2.0,
+        "settling_band": 0.05,
+    } | changes
+    return slider_crank(
+        0.15,
+        0.6,
+        18.0,
+        guides={"way": {"angle": math.pi / 2}},
+        gravity=9.81,
+        bodies={"ram_body": {"link": "ram", "mass": 60.0}},
+        moments={
+            "steam": {
+                "type": "table",
+                "on": "crank",
+                "role": "driving",
+                "interpolation": "spline",
+                "over_angle": ANGLES,
+                "moment": [300.0 + 200.0 * math.cos(2 * a - 1.0) + 50.0 * math.sin(a) for a in ANGLES],
+            }
+        },
+        elements={"it": PORTER | {"damping": 400.0, "engine": engine}},
+    )
+
+
+@pytest.mark.parametrize("friction", [0.0, 8.0])
+def test_machine_with_its_true_inertia_and_moments__is_what_another_method_finds(friction):
+    parts = crank_engine()
+    parts["elements"]["it"]["friction"] = friction
+    scene = Scene.model_validate(parts)
+    names = [f"it.{key}" for key in ("highest_speed", "lowest_speed", "hunting")]
+    outcome = made_ready(scene, names).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    fields = made_ready(scene, fields=["reduced_inertia", "reduced_moment", "steam.moment"]).evaluate({}).fields
+    inertia, moment, steam = (fields[k][0] for k in ("reduced_inertia", "reduced_moment", "steam.moment"))
+    other = moment - steam
+    rows = np.stack([inertia - inertia.mean(), steam / steam.mean(), other - other.mean()])
+    phi = np.linspace(0, math.tau, rows.shape[1] + 1)
+    change, share, rest = (CubicSpline(phi, np.append(row, row[0]), bc_type="periodic") for row in rows)
+    governor = scene.elements["it"].model_dump(exclude_none=True)
+    governor["engine"]["inertia"] += inertia.mean()
+    motion = GovernedMotion(governor)
+    slope = change.derivative()
+    motion.curves = lambda a: (float(change(a)), float(slope(a)), float(share(a)), float(rest(a)))
+    regimes, speeds, _ = motion.follow(300.0, 200.0, 2.0)
+    value, error = ({k.removeprefix("it."): v[0] for k, v in t.items()} for t in (outcome.summaries, outcome.errors))
+    for key, wanted in (("highest_speed", speeds.max()), ("lowest_speed", speeds.min())):
+        # Both go through curves at equally spaced angles, with an error of the fourth power of their spacing.
+        assert abs(value[key] - wanted) <= error[key] + 1e-7, key
+        assert error[key] < 1e-5 * wanted
+    drawn, cycles = governed_scene(scene)
+    seen = load_change(drawn.elements["it"], cycles["it"])
+    assert abs(seen.speed.max() - value["highest_speed"]) <= error["highest_speed"]
+    other = np.array([next(r for r in regimes if t <= r.t_max)(t)[2] for t in seen.time])
+    assert np.abs(seen.speed - other).max() <= 4 * error["highest_speed"] + 1e-6
+    # The speed ripples about a mean that settles: it isn't the smooth motion of a constant inertia.
+    assert value["hunting"] > 0.01
+
+
+def test_machine_whose_throttled_actions_do_not_drive__is_undefined():
+    parts = crank_engine()
+    parts["moments"]["steam"]["moment"] = [-m for m in parts["moments"]["steam"]["moment"]]
+    outcome = made_ready(Scene.model_validate(parts), ["it.highest_speed"]).evaluate({})
+    assert outcome.status[0] == Verdict.NOT_FINITE
+    assert np.isnan(outcome.summaries["it.highest_speed"][0])
+
+
+def test_throttled_action_that_is_not_there__is_named():
+    with pytest.raises(SceneError, match=r"elements\.it\.engine\.throttled.*did you mean 'steam'"):
+        made_ready(Scene.model_validate(crank_engine(throttled=["stem"])), ["it.highest_speed"])
+    with pytest.raises(ValueError, match="throttled names actions of the scene's mechanism"):
+        Scene.model_validate({"elements": {"it": PORTER | {"engine": ENGINE | {"throttled": ["steam"]}}}})
+
+
+def test_machine_with_a_constant_inertia_and_moment__moves_as_an_engine_without_mechanism():
+    parts = crank_engine() | {"gravity": 0.0, "bodies": {"crank_body": {"link": "crank", "mass": 1.0, "inertia": 4.0}}}
+    parts["moments"]["steam"]["moment"] = [300.0] * 12
+    names = [f"it.{key}" for key in ("highest_speed", "lowest_speed", "hunting", "overshoot")]
+    for friction in (0.0, 8.0):
+        parts["elements"]["it"]["friction"] = friction
+        outcome = made_ready(Scene.model_validate(parts), names).evaluate({})
+        engine = FOLLOWED | {"inertia": 10.0, "duration": 2.0}
+        alone, errors, _ = governor_results(PORTER | {"damping": 400.0, "friction": friction, "engine": engine})
+        for name in names:
+            key = name.removeprefix("it.")
+            # Of a resting sleeve one is followed in steps, the other by a closed form.
+            assert abs(outcome.summaries[name][0] - alone[key][0]) <= 4 * errors[key][0] + 1e-9, key

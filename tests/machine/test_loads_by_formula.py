@@ -1,0 +1,286 @@
+"""Loads by formula over the cycle: equal to the loads that they restate, and to closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from engine import Machine, Scene, Verdict
+from engine.scene.scene import SceneError, scene_numbers
+from engine.scene.structure import order
+
+CRANK, ROD = 0.05, 0.2
+LOW, HIGH = ROD - CRANK, ROD + CRANK
+EPS = np.finfo(float).eps
+
+
+def slider_crank(forces: dict | None = None, moments: dict | None = None, speed: float = 10.0) -> Scene:
+    """A centric slider-crank; its fast shaft turns three times as fast."""
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}},
+            "guides": {"way": {}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": CRANK, "speed": speed},
+            "groups": {
+                "drive": {
+                    "type": "RRP",
+                    "inner": "B",
+                    "first": {"link": "rod", "joint": "A", "length": ROD},
+                    "second": {"link": "ram", "guide": "way"},
+                }
+            },
+            "shafts": {"fast": {"geared_to": "crank", "ratio": 3.0}},
+            "forces": forces or {},
+            "moments": moments or {},
+        }
+    )
+
+
+def force(formula: str, **more: object) -> dict:
+    return {"type": "formula", "on": "B", "angle": 0.0, "force": formula, **more}
+
+
+def moment(formula: str, **more: object) -> dict:
+    return {"type": "formula", "on": "crank", "moment": formula, **more}
+
+
+# What is restated: the load as it is built in, and the formula.
+SLOPED = {"on": "B", "angle": 0.3}
+RESTATED_FORCES = {
+    "constant": ({"type": "constant", "force": 120.0, **SLOPED}, force("120 N", **SLOPED)),
+    "along": (
+        {"type": "constant", "force": 120.0, "acts": "along", **SLOPED},
+        force("120 N if v > 0 else 0", **SLOPED),
+    ),
+    "against": (
+        {"type": "constant", "force": 90.0, "acts": "against", **SLOPED},
+        force("90 N", acts="against", **SLOPED),
+    ),
+    "rub": ({"type": "against_motion", "force": 120.0, **SLOPED}, force("-120 N * sign(v)", **SLOPED)),
+    "rub_along_path": (
+        {"type": "against_motion", "on": "A", "force": 7.0},
+        {**force("-7 N"), "on": "A", "angle": None},
+    ),
+    "oil": (
+        {"type": "linear_drag", "coefficient": 40.0, **SLOPED},
+        force("-c * v", numbers={"c": "40 N s/m"}, **SLOPED),
+    ),
+    "air": (
+        {"type": "quadratic_drag", "on": "A", "coefficient": 3.0},
+        {**force("-3 N s2/m2 * v^2"), "on": "A", "angle": None},
+    ),
+    "grain": (
+        {"type": "power_drag", "force": 50.0, "at_speed": 0.7, "exponent": 1.5, **SLOPED},
+        force("-50 N * (abs(v) / (0.7 m/s))^1.5 * sign(v)", **SLOPED),
+    ),
+    "window": (
+        {
+            "type": "table",
+            "slider": "ram",
+            "measured_from": "high end",
+            "over_stroke": [0.01, 0.02],
+            "force": [900.0, 500.0],
+            "interpolation": "linear",
+            "outside": "zero",
+            "acts": "against",
+            **SLOPED,
+        },
+        force("900 N - 40 kN/m * (ram.from_high - 10 mm) if 10 mm < ram.from_high < 20 mm and v < 0 else 0", **SLOPED),
+    ),
+    "by_angle": (
+        {
+            "type": "table",
+            "over_angle": [1.0, 1.5],
+            "force": [80.0, 20.0],
+            "interpolation": "linear",
+            "outside": "hold",
+            **SLOPED,
+        },
+        force(
+            "80 N + 60 N * (phi - 1) / rest if phi < 1 else 80 N - 120 N/rad * (phi - 1) if phi < 1.5 "
+            "else 20 N + 60 N * (phi - 1.5) / rest",
+            numbers={"rest": 2 * math.pi - 0.5},
+            **SLOPED,
+        ),
+    ),
+}
+RESTATED_MOMENTS = {
+    "push": ({"type": "constant", "on": "crank", "moment": 12.0}, moment("12 N m")),
+    "fan": (
+        {"type": "quadratic_drag", "on": "fast", "coefficient": 0.3},
+        {**moment("-0.3 N m s2 * omega * abs(omega)"), "on": "fast"},
+    ),
+    "seal": ({"type": "linear_drag", "on": "rod", "coefficient": 0.3}, {**moment("-0.3 N m s * omega"), "on": "rod"}),
+    "spring": (
+        {"type": "torsion_spring", "on": "rod", "stiffness": 4.0, "free_angle": 0.2},
+        {**moment("4 N m * (0.2 - rod.angle)"), "on": "rod"},
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def restated() -> Machine:
+    """A machine with every load twice: as it is built in, and by formula."""
+
+    def twice(pairs: dict) -> dict:
+        return {
+            f"{name}{end}": load for name, pair in pairs.items() for end, load in zip(("", "_said"), pair, strict=True)
+        }
+
+    names = [f"{name}{end}" for name in (*RESTATED_FORCES, *RESTATED_MOMENTS) for end in ("", "_said")]
+    statistics = ("mean", "max", "min", "rms")
+    return Machine(
+        slider_crank(twice(RESTATED_FORCES), twice(RESTATED_MOMENTS)),
+        summaries=[f"{name}.moment.{statistic}" for name in names for statistic in statistics],
+        fields=[f"{name}.moment" for name in names],
+        varied=["input.speed"],
+    )
+
+
+@pytest.mark.parametrize("name", [*RESTATED_FORCES, *RESTATED_MOMENTS])
+def test_load_that_a_formula_restates__is_the_same(restated, name):
+    outcome = restated.evaluate({"input.speed": np.array([10.0, -7.0, 0.3])})
+    assert (outcome.status == Verdict.OK).all()
+    own, said = (outcome.fields[f"{n}.moment"] for n in (name, f"{name}_said"))
+    size = np.abs(own).max(axis=1, keepdims=True)
+    # A few roundings each.
+    assert (np.abs(said - own) <= 20 * EPS * size).all()
+    for statistic in ("mean", "max", "min", "rms"):
+        one, other = (outcome.summaries[f"{n}.moment.{statistic}"] for n in (name, f"{name}_said"))
+        figure = outcome.errors[f"{name}.moment.{statistic}"] + outcome.errors[f"{name}_said.moment.{statistic}"]
+        assert (np.abs(one - other) <= figure + 20 * EPS * size[:, 0]).all()
+
+
+def measured(scene: Scene, name: str, values: dict | None = None, statistic: str = "mean") -> np.ndarray:
+    values = {path: np.asarray(value, float) for path, value in (values or {}).items()}
+    outcome = Machine(scene, summaries=[f"{name}.moment.{statistic}"], varied=list(values)).evaluate(values)
+    assert (outcome.status == Verdict.OK).all()
+    return outcome.summaries[f"{name}.moment.{statistic}"]
+
+
+def test_gas_law_by_polynomials_of_the_stroke__works_as_its_integral_says():
+    """p = a0 + a1 s + a2 s² out, b0 + b3 s³ back; the work of a cycle is the area between."""
+    formula = "area * (a0 + a1 * ram.from_low + a2 * ram.from_low^2 if v > 0 else b0 + b3 * ram.from_low^3)"
+    numbers = {"area": "20 cm2", "a0": "5 bar", "a1": "-40 bar/m", "a2": "90 bar/m2", "b0": "1 bar", "b3": "700 bar/m3"}
+    s, a3 = HIGH - LOW, np.array([70e5, 700e5, 1400e5])
+    out = 5e5 * s - 40e5 * s**2 / 2 + 90e5 * s**3 / 3
+    back = 1e5 * s + a3 * s**4 / 4
+    scene = slider_crank({"gas": force(formula, numbers=numbers)})
+    found = measured(scene, "gas", {"forces.gas.numbers.b3": a3})
+    # Integrals of smooth pieces, of sizes of a few joules over a turn.
+    np.testing.assert_allclose(found, 20e-4 * (out - back) / (2 * math.pi), rtol=1e-12)
+
+
+def test_window_at_a_swept_place__has_its_work_to_rounding():
+    """A spring that is met on the way out only: ½ k (high − x0)², from none at all to the whole stroke, and less."""
+    scene = slider_crank(
+        {
+            "stop": force(
+                "-k * (ram.slide - x0) if ram.slide > x0 and v > 0 else 0", numbers={"k": "8 N/mm", "x0": "0.2 m"}
+            )
+        }
+    )
+    places = np.array([LOW - 0.01, LOW, 0.2, HIGH - 1e-3, HIGH - 1e-6, HIGH, HIGH + 0.01])
+    depth = HIGH - places
+    work = np.where(
+        places < LOW, 8e3 * (HIGH - LOW) * (0.5 * (HIGH + LOW) - places), 0.5 * 8e3 * np.maximum(depth, 0) ** 2
+    )
+    found = measured(scene, "stop", {"forces.stop.numbers.x0": places})
+    # Rounding of a place of 0.25 m, at the force there.
+    np.testing.assert_allclose(found, -work / (2 * math.pi), rtol=1e-11, atol=1e-13)
+
+
+def test_window_from_an_end_of_the_stroke__has_its_work_to_rounding():
+    """Where a piece switches follows from an end of the stroke, which must be found before it is looked for."""
+    formula = "-900 N + k * (ram.from_high - 10 mm) if 10 mm < ram.from_high < 20 mm and v > 0 else 0"
+    scene = slider_crank({"cut": force(formula, numbers={"k": "40 N/mm"})})
+    stiffness = np.array([0.0, 4e4, 9e4])
+    work = -900 * 0.01 + 0.5 * stiffness * 0.01**2
+    found = measured(scene, "cut", {"forces.cut.numbers.k": stiffness})
+    np.testing.assert_allclose(found, work / (2 * math.pi), rtol=1e-12)
+
+
+def test_lesser_of_a_level_and_a_power_of_the_stroke__switches_where_they_meet():
+    """Full force from half the stroke on: ∫ 4 (s/h)² ds to h/2, then 1: h (4/24 + 1/2), times 100 N."""
+    scene = slider_crank({"gas": force("min(100 N, 400 N * (ram.from_low / ram.stroke)^2) if v > 0 else 0")})
+    expected = 100 * (HIGH - LOW) * (1 / 6 + 1 / 2) / (2 * math.pi)
+    assert measured(scene, "gas")[0] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("periods", [1, 3, 6])
+def test_pieces_over_the_crank_angle__have_their_mean(periods):
+    scene = slider_crank(moments={"pulse": moment(f"10 N m if sin({periods} * phi + 1) > 0.2 else 1 N m")})
+    share = (math.pi - 2 * math.asin(0.2)) / (2 * math.pi)
+    np.testing.assert_allclose(measured(scene, "pulse"), 1 + 9 * share, rtol=1e-13)
+
+
+def test_smooth_formula__has_mean_and_rms_in_closed_form():
+    scene = slider_crank(moments={"m": moment("5 N m + 3 N m * sin(2 * phi + 0.4) - 2 N m * cos(3 * phi)")})
+    assert measured(scene, "m")[0] == pytest.approx(5.0, rel=1e-13)
+    assert measured(scene, "m", statistic="rms")[0] == pytest.approx(math.sqrt(25 + 4.5 + 2), rel=1e-12)
+
+
+def test_force_that_depends_on_time__is_that_of_the_cycle_at_uniform_speed():
+    """∫ t dφ: 12 N m s⁻¹ · t over 0 … 2π/ω, after a second that is half over at twice the speed."""
+    speed = 2 * math.pi
+    scene = slider_crank(moments={"m": moment("12 N m * t / (1 s) if t > 0.25 s else 0")}, speed=speed)
+    found = measured(scene, "m", {"input.speed": [speed, 2 * speed]})
+    np.testing.assert_allclose(found, [12 * (1 - 1 / 16) / 2, 12 * (1 / 4 - 1 / 16)], rtol=1e-12)
+
+
+def test_speed_in_other_ways_than_by_powers__is_true_at_uniform_speed():
+    """Stribeck's curve at the pin, whose speed is constant."""
+    formula = "-(2 N + 3 N * exp(-(v / vs)^2))"
+    scene = slider_crank({"rub": {**force(formula, numbers={"vs": "0.4 m/s"}), "on": "A", "angle": None}})
+    found = measured(scene, "rub", {"input.speed": [10.0, -10.0]})
+    size = CRANK * (2 + 3 * math.exp(-((0.5 / 0.4) ** 2)))
+    np.testing.assert_allclose(found, [-size, size], rtol=1e-14)
+
+
+def test_root_that_begins_in_a_switch__is_finite_up_to_its_end():
+    scene = slider_crank(
+        {"f": force("3 N * sqrt((ram.slide - x0) / (1 m)) if ram.slide > x0 and v > 0 else 0", numbers={"x0": "0.2 m"})}
+    )
+    found = measured(scene, "f", {"forces.f.numbers.x0": [0.16, 0.2, 0.24]})
+    expected = 3 * (HIGH - np.array([0.16, 0.2, 0.24])) ** 1.5 / 1.5 / (2 * math.pi)
+    # A root ends with an infinite slope, which panels follow more and more closely only.
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
+def test_number_that_makes_it_infinite__is_a_status():
+    scene = slider_crank(moments={"m": moment("3 N m / n", numbers={"n": 1})})
+    machine = Machine(scene, summaries=["m.moment.mean"], varied=["moments.m.numbers.n"])
+    outcome = machine.evaluate({"moments.m.numbers.n": np.array([2.0, 0.0])})
+    assert outcome.status.tolist() == [Verdict.OK, Verdict.NOT_FINITE]
+    assert outcome.summaries["m.moment.mean"][0] == 1.5
+
+
+def test_machine_that_cannot_be_assembled__isn_t_helped_by_a_piece_that_holds_without_it():
+    scene = slider_crank(
+        {"f": force("max(0, 3 N * (ram.slide - 0.3 m) / (1 m))")}, {"m": moment("1 N m if ram.slide > 1 m else 2 N m")}
+    )
+    machine = Machine(scene, summaries=["f.moment.mean", "m.moment.mean"], varied=["groups.drive.first.length"])
+    outcome = machine.evaluate({"groups.drive.first.length": np.array([0.2, 0.04])})
+    assert outcome.status.tolist() == [Verdict.OK, Verdict.CANNOT_ASSEMBLE]
+    assert np.isnan(outcome.summaries["m.moment.mean"][1])
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "1 N if sin(7 * phi) > 0 else 0",
+        "1 N if sin(n * phi) > 0 else 0",
+        "abs(1 N * sin(40 * ram.slide / ram.stroke))",
+        "min(1 N, 1 N * sin(2 * phi) * cos(3 * phi) * sin(4 * phi))",
+        "1 N * sign(sin(100 rad/s * t))",
+        "1 N if (ram.slide / (1 m))^9 > 0.2 else 0",
+    ],
+)
+def test_what_may_switch_oftener_than_is_looked_for__is_refused(formula):
+    with pytest.raises(SceneError, match="may switch oftener in a cycle than is looked for"):
+        order(slider_crank({"f": force(formula, numbers={"n": 2})}))
+
+
+def test_numbers_of_formulas__are_numbers_of_the_scene():
+    scene = slider_crank({"f": force("k * 1 m", numbers={"k": "3 N/mm"})})
+    assert scene_numbers(scene)["forces.f.numbers.k"][:2] == (3000.0, "stiffness")

@@ -1,0 +1,316 @@
+"""Formulas of loads in scenes: what they may say, what is answered where they can't be used, and their numbers."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Scene, SceneError, order_groups, scene_numbers
+from engine.scene.formulas.expressions import evaluate_tree, parse
+from engine.scene.formulas.speed_powers import NoPowerError, powers_of_speed
+from engine.scene.units import any_quantity
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import read_scene, with_values, write_scene
+
+TEXT = """
+[points]
+O = {{ x = "0 mm", y = "0 mm" }}
+
+[guides]
+way = {{ angle = "0 deg" }}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "50 mm"
+speed = "300 rpm"
+
+[groups.drive]
+type = "RRP"
+inner = "B"
+first = {{ link = "rod", joint = "A", length = "200 mm" }}
+second = {{ link = "ram", guide = "way" }}
+
+[forces.cut]
+type = "formula"
+on = "B"
+angle = "180 deg"
+force = "{force}"
+numbers = {{ {numbers} }}
+
+[moments.fan]
+type = "formula"
+on = "crank"
+moment = "{moment}"
+{regimes}
+"""
+FORCE, MOMENT, NUMBERS = "k * ram.slide", "12 N m + 3 N m s2 * omega^2", 'k = "3 kN/mm", n = 2'
+LINE_OF_FORCE, LINE_OF_MOMENT = 25, 31
+
+
+def read(tmp_path, force=FORCE, moment=MOMENT, numbers=NUMBERS, regimes=""):
+    path = tmp_path / "machine.toml"
+    path.write_text(TEXT.format(force=force, moment=moment, numbers=numbers, regimes=regimes), encoding="utf8")
+    return read_scene(path)
+
+
+def refused(tmp_path, **parts):
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, **parts)
+    return str(caught.value)
+
+
+def test_formulas__are_read_with_their_numbers(tmp_path):
+    scene = read(tmp_path)
+    numbers = scene_numbers(scene)
+    assert numbers["forces.cut.numbers.k"].value == 3e6
+    assert numbers["forces.cut.numbers.k"].dimension == "stiffness"
+    assert numbers["forces.cut.numbers.n"][:2] == (2.0, "number")
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        "0",
+        "k * ram.slide",
+        "-3 kN * sign(v) * abs(v / (1 m/s))^1.5",
+        "2 kN if ram.from_high < 10 mm and v > 0 else 0",
+        "k * ram.stroke * (ram.from_low / ram.stroke)^n",
+        "1 kN * exp(-t / (2 s)) * cos(rod.angle - 30 deg)",
+        "gravity * 2 kg + forces.cut.numbers.k * input.length",
+        "5 N s/m * (v + A.vx + ram.velocity)",
+        "min(k * 1 mm, 2 bar * 3 cm2)",
+        "3 N m s2 / ram.stroke_high * rod.angular_velocity^2",
+    ],
+)
+def test_formula_that_is_a_force__is_taken(tmp_path, force):
+    read(tmp_path, force=force)
+
+
+@pytest.mark.parametrize(
+    ("force", "words"),
+    [
+        ("3 kN/mm", "gives a stiffness, but this is a force"),
+        ("k * v", "gives a quantity in kg m s-3, but this is a force"),
+        ("12 N m", "gives a moment or energy, but this is a force"),
+        ("5", "gives a plain number, but this is a force; 5 has no unit: write '5 N' or '5 kN'"),
+        ("1 N + ram.slide", "adds a length to a force"),
+        ("1 N * sin(ram.slide)", "sin takes an angle or a plain number, this is a length"),
+        ("1 N if v > 3 mm else 0", "compares a speed with a length"),
+        ("1 N if v > 0 else 1 mm", "gives a force or a length"),
+        ("1 N * (ram.slide / (1 m))^phi + 1 N * ram.slide^phi", "the power of a length must be a fixed number"),
+        ("1 N / 0", "this is no finite number"),
+        ("1 N * sqrt(1 - 2)", "this is no finite number"),
+        ("1 N if phi == 0 else 0", "== holds in single places at most; compare by < or >"),
+        ("1 N * ram.slied / (1 mm)", "unknown name 'ram.slied'; did you mean 'ram.slide'"),
+        ("1 N * x", "a formula may use k, n, phi, v, omega, t, gravity, numbers given in [forces.cut.numbers]"),
+        ("1 N * x", "SLIDER.slide, .velocity, .stroke, .stroke_low, .stroke_high, .from_low, .from_high"),
+        ("3 kN / mm * ram.slide", "'mm' is a unit: units follow a number"),
+        ("1 N * ram.acceleration", "'ram.acceleration' can't be used: accelerations follow from the loads"),
+        ("1 N * input.speed / omega", "'input.speed' is the mean speed alone"),
+        ("v > 0", "'v > 0' is a condition; a number is needed: write A if v > 0 else B"),
+        ("3 Nn", "'Nn' is no unit that can stand here, or an operator is missing before it"),
+        ("3 N/(m q) * x", "invalid syntax"),
+        ("", "an expression is missing"),
+        ("(3 N", "was never closed"),
+        ("ram.angle * 1 N * O.x", "unknown name 'O.x'"),
+    ],
+)
+def test_formula_that_cannot_be_used__is_answered_at_its_line(tmp_path, force, words):
+    message = refused(tmp_path, force=force)
+    assert words in message, message
+    assert f"line {LINE_OF_FORCE}: forces.cut.force" in message
+
+
+def test_moment_that_is_a_force__is_refused(tmp_path):
+    message = refused(tmp_path, moment="3 N")
+    assert f"line {LINE_OF_MOMENT}: moments.fan.moment: '3 N' gives a force, but this is a moment or energy" in message
+    assert "unknown name 'v'" in refused(tmp_path, moment="3 N s * v")
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ('k = "3 kN/mm", t = "2 s"', "'t' has a meaning of its own in formulas"),
+        ('k = "3 kN/mn"', "unknown unit 'mn': did you mean"),
+        ('k = "kN"', "which does not begin with a number"),
+        ("k = true", "expected a number"),
+        ("k = { value = 3.0, dimension = 'length' }", "expected a number"),
+        ('k = "3 kN"', "gives a moment or energy, but this is a force"),
+        ('"k 2" = "3 kN"', "is not a name"),
+    ],
+)
+def test_wrong_number__is_answered(tmp_path, numbers, words):
+    message = refused(tmp_path, numbers=numbers)
+    assert words in message, message
+
+
+REGIMES = '[regimes.work]\ntype = "{}"\noff = []\n'
+
+
+def test_regimes__take_powers_of_the_speed_alone(tmp_path):
+    stribeck = "-1 N * sign(v) * (1 + exp(-abs(v) / (1 m/s)))"
+    read(tmp_path, force=stribeck)
+    message = refused(tmp_path, force=stribeck, regimes=REGIMES.format("steady"))
+    assert "depends on the speed otherwise than by fixed powers of it, which regimes can't take" in message
+    assert "switch 'cut' off in work" in message
+    read(tmp_path, force=stribeck, regimes=REGIMES.format("steady").replace("[]", '["cut"]'))
+
+
+def test_steady_regime__takes_no_time(tmp_path):
+    timed = "1 N * sin(2 rad/s * t)"
+    message = refused(tmp_path, force=timed, regimes=REGIMES.format("steady"))
+    assert "regimes.work.off: 'cut' depends on time: no motion repeats itself" in message
+    read(tmp_path, force=timed, regimes=REGIMES.format("run") + 'time = "1 s"\n')
+
+
+def test_sliding_input__has_no_crank_angle():
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "guides": {"way": {}},
+        "input": {"type": "slider", "link": "ram", "guide": "way", "point": "B", "start": 0, "stop": 1, "speed": 1},
+        "forces": {"push": {"type": "formula", "on": "B", "angle": 0, "force": "1 N * phi"}},
+    }
+    with pytest.raises(SceneError, match="unknown name 'phi'"):
+        order_groups(Scene.model_validate(scene))
+    scene["forces"]["push"]["force"] = "1 N * ram.slide / ram.stroke"
+    order_groups(Scene.model_validate(scene))
+
+
+def test_scene_with_formulas__is_written_and_read_again(tmp_path):
+    scene = read(tmp_path, numbers='k = "3 kN/mm", n = 2, c = "4 N/mm3"')
+    path = tmp_path / "again.toml"
+    path.write_text(write_scene(scene, {"forces.cut.numbers.k": 5.0, "forces.cut.numbers.c": 7.0}), encoding="utf8")
+    again = read_scene(path)
+    assert again == with_values(scene, {"forces.cut.numbers.k": 5.0, "forces.cut.numbers.c": 7.0})
+    assert again.forces["cut"].numbers["c"].dimension == "kg m-2 s-2"
+    assert Scene.model_validate(scene.model_dump(mode="json")) == scene
+
+
+# Nothing is run
+
+ATTACKS = [
+    *("__import__('os').system('true')", "open('/etc/passwd').read()", "().__class__.__bases__[0]", "lambda: 0"),
+    *("[x for x in (1, 2)]", "{}", "f'{1}'", "(y := 1 N)", "exec('1')", "eval('1')", "globals()", "k.__class__"),
+    *(
+        "ram.__init__",
+        "print(1)",
+        "1 N; import os",
+        "import os",
+        "1 N\\\\nimport os",
+        "sin.__call__(1)",
+        "getattr(k, 'x')",
+    ),
+    *(
+        "breakpoint()",
+        "9**9**9**9 * 1 N / 0",
+        "'1 N'.format(k)",
+        "'a' * 10**9",
+        "yield 1",
+        "await k",
+        "*k",
+        "**k",
+        "k[:]",
+    ),
+    *("1 N if True else 2 N", "None", "...", "b'1 N'", "1j * 1 N", "k @ k", "k << 3", "not k", "~k", "k if k else k"),
+    *("min(*k)", "max(k=1)", "sqrt()", "numpy.sqrt(k)", "np.load('x')", "math.inf * 1 N", "T * 1 N", "P[0] * 1 N"),
+    *("tile * 1 N", "q * 1 N", "cos_q * 1 N", "lane * 1 N", "__builtins__ * 1 N", "\\u202e 1 N", "k\u0000", "1_0 N N"),
+]
+WORDS = """k v t ( ) [ ] { } ' ** ^ if else not . , + - = : ; @ ! # lambda for in os eval __class__ sin 1e999"""
+words = st.sampled_from([*WORDS.split(), "1 N", "import os", "\\", "\n"])
+
+
+@pytest.mark.parametrize("text", ATTACKS)
+def test_attack__is_refused(text):
+    assert_harmless(text, must_fail=True)
+
+
+@settings(deadline=None, max_examples=200)
+@given(st.one_of(st.lists(words, max_size=12).map(" ".join), st.text(max_size=30)))
+def test_random_text__is_refused_or_a_formula(text):
+    assert_harmless(text, must_fail=False)
+
+
+def assert_harmless(text: str, must_fail: bool) -> None:
+    """A scene with the formula is refused in the mechanic's words, or it is one."""
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": 3.0},
+        "forces": {"push": {"type": "formula", "on": "A", "angle": 0, "force": text, "numbers": {"k": "2 N"}}},
+    }
+    try:
+        order_groups(Scene.model_validate(scene))
+    except ValueError:
+        return
+    assert not must_fail
+
+
+# Powers of the speed
+
+VELOCITIES = ("v", "w")
+OF_FIRST_ORDER = ["v", "w", "(v + w)", "abs(v)", "(x * v)", "max(v, w)", "min(v, 0)", "sqrt(v^2 + w^2)"]
+OF_NO_ORDER = ["x", "y", "2.5", "sign(v)", "(1 if v > w else y)", "(x if v > 0 and not w < 0 else 0)"]
+products = st.recursive(
+    st.sampled_from([*OF_FIRST_ORDER, *OF_NO_ORDER]),
+    lambda inner: st.one_of(
+        st.tuples(st.sampled_from(["({} * {})", "({} + {})", "({} - {})", "({} if v > 0 else {})"]), inner, inner),
+        st.tuples(st.sampled_from(["({} / (2 + x))", "-{}", "({})^2", "({})^3", "({} / abs(v))"]), inner),
+    ).map(lambda parts: parts[0].format(*parts[1:])),
+    max_leaves=5,
+)
+
+
+@settings(deadline=None, max_examples=200)
+@given(products, st.floats(0.1, 9.0), st.sampled_from([1.0, -1.0]), st.floats(-2, 2), st.floats(-2, 2))
+def test_sum_of_powers__is_the_formula_at_any_speed(text, speed, sense, v, w):
+    if abs(v) < 1e-3 or abs(w) < 1e-3 or abs(v - w) < 1e-3:
+        return
+    tree, still = parse(text).tree, {"x": 0.7, "y": -1.3}
+    whole = evaluate_tree(tree, {**still, "v": speed * sense * v, "w": speed * sense * w})
+    try:
+        powers = powers_of_speed(tree, VELOCITIES)
+    except NoPowerError:
+        return
+    at_unit = {**still, "v": sense * v, "w": sense * w}
+    parts = [evaluate_tree(part, at_unit) * speed ** float(n) for n, part in powers.items()]
+    # A handful of operations; of a sum, what it cancels.
+    size = sum(abs(part) for part in parts) + abs(whole) + (1 + 1 / abs(v)) ** 6 * (3 * (1 + speed)) ** 6
+    assert abs(sum(parts) - whole) <= 1e-13 * size
+
+
+@pytest.mark.parametrize(
+    ("text", "orders"),
+    [
+        ("x", {0}),
+        ("v * abs(v)", {2}),
+        ("x + 2 * v + 3 * v^2", {0, 1, 2}),
+        ("(x + v)^2", {0, 1, 2}),
+        ("abs(v)^1.5 * sign(v)", {1.5}),
+        ("x / v", {-1}),
+        ("sqrt(v * w)", {1}),
+        ("atan2(v, w) + sign(v)", {0}),
+        ("max(v, 0)^2", {2}),
+        ("v^2 if v > 0 else x", {0, 2}),
+    ],
+)
+def test_orders__are_those_of_the_text(text, orders):
+    assert {float(n) for n in powers_of_speed(parse(text).tree, VELOCITIES)} == orders
+
+
+OTHERS = ["exp(v)", "sin(v)", "max(v, x)", "x if v > 1 else 0", "v^x", "2^v", "abs(x + v)", "1 / (x + v)"]
+
+
+@pytest.mark.parametrize("text", [*OTHERS, "(x + v)^0.5", "((((x + v)^8)^8)^8)^8"])
+def test_other_dependence__is_no_sum_of_powers(text):
+    with pytest.raises(NoPowerError):
+        powers_of_speed(parse(text).tree, VELOCITIES)
+
+
+def test_quantities_of_any_unit__are_numbers_in_si():
+    assert any_quantity("3 N m s2") == 3.0
+    assert any_quantity("4 N/mm3") == pytest.approx(4e9, rel=1e-15)
+    assert any_quantity("60 1/min") == pytest.approx(2 * math.pi)
+    assert np.isclose(any_quantity("2 %"), 0.02)
