@@ -36,6 +36,8 @@ SINGULAR_SINE = 1e-7
 ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
 # Variants of a thread that are measured together: what is known of them stays in its caches.
 VARIANTS_AT_ONCE = 4096
+# Variants whose governors are given the curves of their machines together.
+GOVERNED_AT_ONCE = 1024
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -294,12 +296,19 @@ class Machine:
         measured = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
         panels, of_trains = zip(*measured, strict=True)
         machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
-        given = self._governed(numbers, keep.size)
-        given = given.with_values({f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()})
-        self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep, given)
+        of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}
+        self._fill_elements(outcome, keep, numbers.with_values(of_machine))
         if self.schedule is not None:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels))
+
+    def _fill_elements(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+        """Write what is asked of the machine elements of the variants `keep`."""
+        batch = GOVERNED_AT_ONCE if self._elements.governing else keep.size
+        for first in range(0, keep.size, batch):
+            some = slice(first, first + batch)
+            own = self._governed(numbers.of_variants(some), keep[some].size)
+            self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep[some], own)
 
     def _governed(self, numbers: Numbers, variants: int) -> Numbers:
         """Numbers in which the engines of governors that govern this machine have its inertia and its curves."""

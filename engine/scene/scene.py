@@ -8,6 +8,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
+from engine.governors.governor_elements import governs_machine
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
 from engine.scene.elements import MachineElement
@@ -93,8 +94,7 @@ class Scene(Part):
     def _governed_machine_turns(self) -> "Scene":
         turns = isinstance(self.input, CrankInput) and self.input.start is None
         for name, element in self.elements.items():
-            engine = getattr(element, "engine", None)
-            if engine is not None and engine.machine and not turns:
+            if governs_machine(element) and not turns:
                 raise ValueError(
                     f"elements.{name}.engine.machine: the scene has no crank that turns fully; give it one, or leave "
                     "machine out and give the engine's inertia"

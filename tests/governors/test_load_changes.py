@@ -313,3 +313,31 @@ def test_machine_with_a_constant_inertia_and_moment__moves_as_an_engine_without_
             key = name.removeprefix("it.")
             # Of a resting sleeve one is followed in steps, the other by a closed form.
             assert abs(outcome.summaries[name][0] - alone[key][0]) <= 4 * errors[key][0] + 1e-9, key
+
+
+def test_machines__are_each_what_they_are_alone_however_many_at_once(monkeypatch):
+    from engine.machine import machine
+
+    scene, names = Scene.model_validate(crank_engine(duration=0.5)), ["it.highest_speed", "it.settling_time"]
+    varied = {
+        "bodies.ram_body.mass": np.array([30.0, 50.0, 60.0, 70.0, 90.0]),
+        "elements.it.damping": np.full(5, 300.0),
+    }
+    together = made_ready(scene, names, varied=list(varied)).evaluate(varied)
+    monkeypatch.setattr(machine, "GOVERNED_AT_ONCE", 2)
+    apart = made_ready(scene, names, varied=list(varied)).evaluate(varied)
+    for name in names:
+        np.testing.assert_array_equal(together.summaries[name], apart.summaries[name])
+    assert np.unique(together.summaries["it.highest_speed"]).size == 5
+
+
+def test_dashpot_that_all_but_holds_the_sleeve__is_followed_or_given_up():
+    stiff = PORTER | {"engine": FOLLOWED | {"self_regulation": 50.0}}
+    found, _, status = governor_results(stiff, damping=[1e5, 1e9])
+    assert status[0] == Verdict.OK
+    # So slowly that the throttle stays as it was: the speed rises by ΔM/s.
+    assert found["highest_speed"][0] == pytest.approx(
+        (found["working_speed"] - found["steady_speed_change"])[0] + 100 / 50, rel=0.01
+    )
+    assert status[1] == Verdict.NO_END
+    assert np.isnan(found["highest_speed"][1])
