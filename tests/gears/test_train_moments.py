@@ -271,3 +271,17 @@ def test_helical_teeth__push_along_the_axis():
     parts = [found[f"m.{part}_force"][0] for part in ("tangential", "radial", "axial")]
     near(found["m.normal_force"], math.hypot(*parts))
     near(found["frame.moment"], -(found["s.moment"][0] + 300.0))
+
+
+def test_teeth_that_lose_everything__stand():
+    """Three teeth with a friction of 0.99: μ H_v is above 1."""
+    train = {
+        "type": "gear_train",
+        "wheels": {"a": {"shaft": "s", "teeth": 3}, "b": {"shaft": "t", "teeth": 3}},
+        "shafts": {"s": {"speed": SPEED, "moment": 10.0}, "t": {"loaded": True}},
+        "meshes": {"m": {"between": ["a", "b"], "friction": 0.99}},
+    }
+    found, status = found_of(train)
+    assert status == Verdict.STANDS
+    assert found["m.efficiency"][0] == 0
+    assert np.isnan(found["t.moment"][0])

@@ -64,7 +64,7 @@ def mesh_efficiency(
     pressure_angle: np.ndarray,
     helix_angle: np.ndarray,
 ) -> np.ndarray:
-    """Efficiency of a mesh whose axes stand still, η = 1 − μ H_v, with Niemann and Winter's H_v.
+    """Efficiency of a mesh whose axes stand still, η = 1 − μ H_v, with Niemann and Winter's H_v; 0 where all is lost.
 
     H_v = π (1/z₁ ± 1/z₂)/cos β · (1 − ε_α + ε₁² + ε₂²), + external.
 
@@ -82,7 +82,7 @@ def mesh_efficiency(
     e_1, e_2 = addendum_contact_ratios(first, second, sense, pressure_angle, helix_angle)
     curvature = 1.0 / first + sense / second
     loss = math.pi * curvature / np.cos(helix_angle) * (1.0 - e_1 - e_2 + e_1**2 + e_2**2)
-    return 1.0 - friction * loss
+    return np.maximum(1.0 - friction * loss, 0.0)
 
 
 def tooth_forces(tangential: np.ndarray, pressure_angle: np.ndarray, helix_angle: np.ndarray) -> ToothForces:
