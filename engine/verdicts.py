@@ -24,6 +24,7 @@ class Verdict(IntEnum):
     DOES_NOT_FIT = 18
     SELF_LOCKS = 19
     STANDS = 20
+    SLIDES = 21
     NOT_COMPUTED = 255
 
 
@@ -83,6 +84,10 @@ SENTENCES = {
     Verdict.STANDS: (
         "a gear train stands still: its meshes lose all power that the given moments put in; another basic ratio or "
         "less friction of the teeth helps"
+    ),
+    Verdict.SLIDES: (
+        "friction wheels slide on each other: they are pressed by less than the moment needs; press harder, or give "
+        "larger wheels, more friction or grooves"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -29,6 +29,9 @@ from engine.governors.governor_columns import governor_law
 from engine.governors.governor_elements import Governor, governs_machine
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
+from engine.higher_pairs.gears.chain_drives import chain_drive_law
+from engine.higher_pairs.gears.drive_elements import ChainDrive, FrictionDrive
+from engine.higher_pairs.gears.friction_wheels import friction_drive_law
 from engine.higher_pairs.gears.gear_columns import gear_law
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.quantities.quantity import Quantity
@@ -261,6 +264,10 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return drive_law(element)
         case GearTrain():
             return gear_law(element)
+        case FrictionDrive():
+            return friction_drive_law(element)
+        case ChainDrive():
+            return chain_drive_law(element)
     return LAWS[element.type]
 
 

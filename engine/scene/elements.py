@@ -21,6 +21,7 @@ from engine.governors.governor_elements import (
     TableGovernor,
     WattGovernor,
 )
+from engine.higher_pairs.gears.drive_elements import ChainDrive, FrictionDrive
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
@@ -173,6 +174,8 @@ MachineElement = Annotated[
     | ComplianceElement
     | TorsionalTrain
     | TwoMassDrive
-    | GearTrain,
+    | GearTrain
+    | FrictionDrive
+    | ChainDrive,
     Field(discriminator="type"),
 ]

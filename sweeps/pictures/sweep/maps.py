@@ -37,6 +37,7 @@ REASONS = {
     Verdict.DOES_NOT_FIT: "wheels don't fit",
     Verdict.SELF_LOCKS: "gears lock by themselves",
     Verdict.STANDS: "losses stop the gears",
+    Verdict.SLIDES: "friction wheels slide",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 
