@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.higher_pairs.gears.assembly_conditions import MeshSizes, mesh_sizes
+from engine.higher_pairs.gears.assembly_conditions import MeshSizes, assembly_conditions, mesh_sizes
 from engine.higher_pairs.gears.gear_columns import gear_numbers
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.higher_pairs.gears.gear_structure import STANDS_STILL, MeshPlace
@@ -46,12 +46,15 @@ class VelocityPicture(NamedTuple):
         Height and velocity of the pitch point, by meshes on the line of centres.
     axes : dict of str to float
         Height of the axis of every shaft on the line of centres.
+    fits : bool
+        Whether the train can be put together.
     """
 
     wheels: dict[str, DrawnWheel]
     lines: dict[str, VelocityLine]
     contacts: dict[str, tuple[float, float]]
     axes: dict[str, float]
+    fits: bool
 
 
 def velocity_picture(train: GearTrain) -> VelocityPicture:
@@ -103,7 +106,7 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
     for shaft, span in spans.items():
         ends = min(span), max(span)
         lines[shaft] = VelocityLine(ends, (velocity(shaft, ends[0]), velocity(shaft, ends[1])), speeds[shaft])
-    return VelocityPicture(wheels, lines, contacts, axes)
+    return VelocityPicture(wheels, lines, contacts, axes, bool(assembly_conditions(train, n, sizes).fits[0]))
 
 
 def _heights(train: GearTrain, sizes: dict[str, MeshSizes]) -> dict[str, float]:

@@ -7,7 +7,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import FRAME, GearTrain, VelocityPicture, gear_numbers, gear_results, velocity_picture
+from engine import (
+    FRAME,
+    SENTENCES,
+    GearTrain,
+    VelocityPicture,
+    Verdict,
+    gear_numbers,
+    gear_results,
+    velocity_picture,
+)
 from sweeps.pictures.style import GREY, PALE, PALETTE, house_style, new_figure, save
 
 RPM = 30 / math.pi
@@ -44,11 +53,13 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
         # What lies below the lowest axis repeats what is above: half of it tells what there is.
         low = min([*picture.axes.values(), top])
         for ax in (scheme, linear, angular):
-            ax.set_ylim(factor * (low - 0.25 * (top - low)), factor * (top + 0.2 * (top - low)))
+            ax.set_ylim(factor * (low - 0.25 * (top - low)), factor * (top + 0.32 * (top - low)))
         scheme.set_ylabel(f"line of centres, {unit}")
         _angular(angular, linear, picture, colours, factor)
-        if title:
-            figure.suptitle(title, fontweight="bold")
+        words = [title] if title else []
+        if not picture.fits:
+            words.append(SENTENCES[Verdict.DOES_NOT_FIT])
+        figure.suptitle("\n".join(words), fontweight="bold" if picture.fits else None, wrap=True)
     if not isinstance(target, Figure):
         save(figure, target)
     return figure
@@ -73,11 +84,13 @@ def _scheme(ax: Axes, train: GearTrain, picture: VelocityPicture, colours: dict[
             ax.plot([x, x], ends, color=colour, linewidth=1.8)
             for end in ends:
                 ax.plot([x - 0.16, x + 0.16], [end, end], color=colour, linewidth=1.8)
+        # The ring's name stands above its rim and whatever holds that, a wheel's below its teeth.
+        at, ha = ((x, ends[1] + 1.7 * rim), "center") if wheel.is_ring else ((x, ends[1]), "left")
         ax.annotate(
-            f"{name} {train.wheels[name].teeth:.4g}", (x - 0.25 if wheel.is_ring else x, ends[1]),
-            (-2, 3) if wheel.is_ring else (3, 3), ha="right" if wheel.is_ring else "left",
+            f"{name} {train.wheels[name].teeth:.4g}", at, (0, 3) if wheel.is_ring else (3, -9), ha=ha,
             textcoords="offset points", fontsize=6.5, color=colour,
         )  # fmt: skip
+    used = [wheel.column for wheel in picture.wheels.values()]
     for shaft, axis in picture.axes.items():
         own = columns.get(shaft, [])
         pins = [p for p in picture.axes if train.shafts[p].carrier == shaft]
@@ -94,24 +107,26 @@ def _scheme(ax: Axes, train: GearTrain, picture: VelocityPicture, colours: dict[
             ax.plot([right, right + 0.35], [y, y], color=colour, linewidth=1.6)
         elif all(w.is_ring for n, w in picture.wheels.items() if train.wheels[n].shaft == shaft):
             if not train.shafts[shaft].held:
-                _bell(ax, train, picture, shaft, left - 0.15, factor, colour)
+                # Round the train on the side that is nearer; carriers stand on the right.
+                out = -1.0 if min(own) == min(used) else 1.0
+                x = min(used) - 0.45 if out < 0 else max(used) + 0.8
+                _bell(ax, train, picture, shaft, (x, x + 0.35 * out), factor, colour)
         elif train.shafts[shaft].carrier is None:
             ax.plot([left - 0.1, right], [y, y], color=colour, linewidth=1.4)
         else:
             ax.plot([left, right], [y, y], color=colour, linewidth=1.0)
-    used = [wheel.column for wheel in picture.wheels.values()] or [0]
-    ax.set(xlim=(min(used) - 1.0, max(used) + 1.2), xticks=[], title="Scheme")
+    ax.set(xlim=(min(used) - 1.0, max(used) + 1.3), xticks=[], title="Scheme")
     ax.grid(visible=False)
 
 
 def _bell(
-    ax: Axes, train: GearTrain, picture: VelocityPicture, shaft: str, x: float, factor: float, colour: str
+    ax: Axes, train: GearTrain, picture: VelocityPicture, shaft: str, x: tuple[float, float], factor: float, colour: str
 ) -> None:
-    """Shaft of a ring: round everything inside, to the axis."""
+    """Shaft of a ring: round everything inside, to the axis, and on."""
     for name, wheel in picture.wheels.items():
         if train.wheels[name].shaft == shaft:
             y, rim = factor * wheel.axis, factor * (wheel.axis + 1.12 * wheel.radius)
-            ax.plot([wheel.column, x, x, x - 0.35], [rim, rim, y, y], color=colour, linewidth=1.4)
+            ax.plot([wheel.column, x[0], x[0], x[1]], [rim, rim, y, y], color=colour, linewidth=1.4)
 
 
 def _ground(ax: Axes, x: float, y: float, size: float) -> None:
