@@ -14,15 +14,24 @@ _SPLITTER = 134217729.0
 _VANISHING = 2.0**-40
 _CORRECTIONS = 3
 _ENOUGH = 2.0**-53
+# A change that is smaller leaves less than a rounding of what is found, as it shrinks by as much in each correction.
+_SMALL = 2.0**-26
+_HIDDEN = 2.0**-95
 
 
 class Solution(NamedTuple):
-    """Solutions (unknowns, right sides, variants), and the inverse's magnitudes (unknowns, equations, variants).
+    """Solutions of equations; NaN where they have none or many.
 
-    NaN where the equations have none or many.
+    Attributes
+    ----------
+    values, errors : ndarray (unknowns, right sides, variants)
+        What is left of rounding within the solution, that of its last digit apart.
+    inverse : ndarray (unknowns, equations, variants)
+        Magnitudes of the inverse.
     """
 
     values: np.ndarray
+    errors: np.ndarray
     inverse: np.ndarray
 
 
@@ -37,14 +46,18 @@ def solve_exactly(matrix: np.ndarray, right: np.ndarray) -> Solution:
     inverse = _inverse(matrix)
     with np.errstate(invalid="ignore", over="ignore"):
         found = _product(inverse, right)
+        # What rounding of the others leaves of the equations, times the inverse's own error: no correction finds that.
+        floor = _HIDDEN * np.abs(found).max(axis=0, keepdims=True)
         for _ in range(_CORRECTIONS):
             change = _product(inverse, _residual(matrix, found, right))
             # What is right already stays as it is, however many corrections others beside it need.
             wanting = np.abs(change) > _ENOUGH * np.abs(found)
+            found = np.where(wanting, found + change, found)
+            # No more than the last change, as each is smaller than the one before.
+            left = np.where(wanting & (np.abs(change) > _SMALL * np.abs(found)), np.abs(change), 0.0) + floor
             if not wanting.any():
                 break
-            found = np.where(wanting, found + change, found)
-    return Solution(found, np.abs(inverse))
+    return Solution(found, left, np.abs(inverse))
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:

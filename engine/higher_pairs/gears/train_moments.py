@@ -145,14 +145,15 @@ class _Equilibrium(NamedTuple):
         acts = acts[:count]
         unknown = structure.number_of(structure.unknown_moments)
         known = [i for i in range(count) if i not in unknown]
-        forces, inverse = solve_exactly(acts[known], -self.loads[known][:, None])
-        force = forces[:, 0]
+        solution = solve_exactly(acts[known], -self.loads[known][:, None])
+        force = solution.values[:, 0]
         moments, errors = self.loads.copy(), EPS * np.abs(self.loads)
         with np.errstate(invalid="ignore"):
             # Efficiencies are as good as the numbers they are made of.
             rounding = (acts[known] != np.rint(acts[known])) * (8.0 * EPS * np.abs(acts[known]))
             off = np.einsum("kjv,jv->kv", rounding, np.abs(force)) + EPS * np.abs(self.loads[known])
-            force_errors = np.einsum("jkv,kv->jv", inverse, off) + 4.0 * EPS * np.abs(force)
+            force_errors = np.einsum("jkv,kv->jv", solution.inverse, off) + 4.0 * EPS * np.abs(force)
+            force_errors += solution.errors[:, 0]
             moments[unknown] = -np.einsum("ujv,jv->uv", acts[unknown], force)
             errors[unknown] = np.einsum("ujv,jv->uv", np.abs(acts[unknown]), force_errors + 8.0 * EPS * np.abs(force))
             powers = np.stack(

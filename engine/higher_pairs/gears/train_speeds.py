@@ -58,11 +58,11 @@ def train_speeds(train: GearTrain, n: Numbers) -> TrainSpeeds:
     for i, name in zip(driven, structure.driven, strict=True):
         speeds[i] = n[f"shafts.{name}.speed"]
     # Each given speed by itself: their shares may cancel, and what is left carries the rounding of both.
-    shares = solve_exactly(equations[:, rest], -equations[:, driven]).values
-    parts = shares * speeds[driven]
+    shares = solve_exactly(equations[:, rest], -equations[:, driven])
+    parts = shares.values * speeds[driven]
     speeds[rest] = parts.sum(axis=1)
     errors[driven] = EPS * np.abs(speeds[driven])
-    errors[rest] = 4.0 * EPS * np.abs(parts).sum(axis=1)
+    errors[rest] = (4.0 * EPS * np.abs(parts) + shares.errors * np.abs(speeds[driven])).sum(axis=1)
     return TrainSpeeds(speeds, errors)
 
 
