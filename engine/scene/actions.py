@@ -99,7 +99,7 @@ class Tabled(Part):
     @property
     def ordinates(self) -> list[float]:
         """The forces or moments of the table."""
-        return getattr(self, "force", None) or self.moment
+        return self.force if hasattr(self, "force") else self.moment
 
     @model_validator(mode="after")
     def _table_is_sound(self) -> "Tabled":

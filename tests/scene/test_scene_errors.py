@@ -184,6 +184,7 @@ stroke of a rocker | slider = "ram" | slider = "rocker" | slider | forces.punch.
 stroke of nothing | slider = "ram"\n |  | [forces.punch] | forces.punch | over_stroke and slider | name
 table not sorted | "1 mm", "8 mm" | "8 mm", "1 mm" | [forces.punch] | forces.punch | row 3 | sort
 table not equal | "1 mm", "8 mm" | "1 mm" | [forces.punch] | forces.punch | 2 rows | has 3
+table without forces | "0 kN", "100 kN", "60 kN" |  | [forces.punch] | forces.punch | force has 0 | over_stroke
 unknown curve | "linear" | "cubic" | cubic | forces.punch.interpolation | linear, pchip, spline
 unknown word | "against" | "agianst" | agianst | forces.punch.acts | always, along, against | 'against'?
 mass and density | density = | mass = "1 kg"\ndensity = | [bodies.bar] | bodies.bar | either mass or density

@@ -51,6 +51,8 @@ CODES = {
     10: "any_speed",
     11: "locks",
     12: "no_inertia",
+    13: "unstable",
+    17: "resonance",
     255: "not_computed",
 }
 
