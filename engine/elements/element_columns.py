@@ -31,6 +31,11 @@ from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
 from engine.higher_pairs.cams.cam_columns import cam_law
 from engine.higher_pairs.cams.cam_elements import CamElement
+from engine.higher_pairs.gears.chain_drives import chain_drive_law
+from engine.higher_pairs.gears.drive_elements import ChainDrive, FrictionDrive
+from engine.higher_pairs.gears.friction_wheels import friction_drive_law
+from engine.higher_pairs.gears.gear_columns import gear_law
+from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.quantities.quantity import Quantity
 from engine.scene.elements import MachineElement
 from engine.scene.scene import Numbers, Scene
@@ -243,7 +248,7 @@ def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
-    """What is computed of an element; of rotors, engines, governors and cams it depends on their parts."""
+    """What is computed of an element; of rotors, engines, governors, cams and gear trains it depends on their parts."""
     match element:
         case RotorElement():
             return rotor_law(element)
@@ -261,6 +266,12 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return train_law(element)
         case TwoMassDrive():
             return drive_law(element)
+        case GearTrain():
+            return gear_law(element)
+        case FrictionDrive():
+            return friction_drive_law(element)
+        case ChainDrive():
+            return chain_drive_law(element)
     return LAWS[element.type]
 
 

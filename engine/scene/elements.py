@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, wedges, guides, rollers, rotors, engines, governors, springs, cams.
+"""Machine elements of a scene: screws, belts, guides, rollers, rotors, engines, governors, springs, gears, cams.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -22,6 +22,8 @@ from engine.governors.governor_elements import (
     WattGovernor,
 )
 from engine.higher_pairs.cams.cam_elements import CamElement
+from engine.higher_pairs.gears.drive_elements import ChainDrive, FrictionDrive
+from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import Angle, AngularSpeed, Length, Number, Part, Speed, quantity
 
@@ -173,6 +175,9 @@ MachineElement = Annotated[
     | ComplianceElement
     | TorsionalTrain
     | TwoMassDrive
-    | CamElement,
+    | CamElement
+    | GearTrain
+    | FrictionDrive
+    | ChainDrive,
     Field(discriminator="type"),
 ]

@@ -88,7 +88,8 @@ def plot(
 
     Of a mechanism that is a drawing and diagrams over its cycle; of rotors and engines among the machine elements plans
     of their unbalances and sheets of the orders that shake them, told in a table too; of governors what holds their
-    balls; of torsional trains their modes, Campbell diagram and moments over speed, told in tables too.
+    balls; of torsional trains their modes, Campbell diagram and moments over speed, of gear trains pictures of their
+    velocities, told in tables too.
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files

@@ -36,6 +36,10 @@ REASONS = {
     Verdict.RESONANCE: "resonance without damping",
     Verdict.UNDERCUT: "cam undercut",
     Verdict.LIFTS_OFF: "follower lifts off",
+    Verdict.DOES_NOT_FIT: "wheels don't fit",
+    Verdict.SELF_LOCKS: "gears lock by themselves",
+    Verdict.STANDS: "losses stop the gears",
+    Verdict.SLIDES: "friction wheels slide",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 
