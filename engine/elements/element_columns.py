@@ -9,6 +9,8 @@ from numba import types
 
 from engine.balancing.engines.engine_columns import engine_law
 from engine.balancing.engines.engine_element import EngineElement
+from engine.balancing.engines.locomotive_balance import locomotive_law
+from engine.balancing.engines.locomotive_element import LocomotiveElement
 from engine.balancing.rotors.rotor_columns import rotor_law
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.compiling.decorators import driver
@@ -254,6 +256,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return rotor_law(element)
         case EngineElement():
             return engine_law(element)
+        case LocomotiveElement():
+            return locomotive_law(element)
         case Governor():
             return governor_law(element)
         case CamElement():

@@ -5,13 +5,18 @@ The inertia I asked for is reduced to the input link; on a shaft that turns i ti
 - rim: a ring of radial thickness t, J = m(R² + r²)/2, r = R − t;
 - disc: J = mR²/2;
 - arms: a rim, straight arms as uniform rods from the hub's rim to the inner radius of the rim, and the hub, a disc.
-  The rim takes what arms and hub leave of J.
+  The rim takes what arms and hub leave of J;
+- mean rim: a thin one of the mean diameter D, m = 4J/D²; its section m/(πDρ) is b t with b = k t. Speed and stress are
+  those of the mean radius, as textbooks have it.
 
 The stress is that of a thin free rim, σ = ρv² at the outer radius; arms bend a rim and add to it, and a solid disc's
-greatest stress is (3 + ν)/8 of it, about 0.41.
+greatest stress is (3 + ν)/8 of it, about 0.41. Spun up, a ductile wheel yields before it bursts, until all of its
+section bears alike: it bursts when the mean hoop stress, ρω²(R² + Rr + r²)/3, is the material's strength (Robinson).
+Arms count as bearing nothing and weighing nothing there.
 
 Sources: S. P. Timoshenko, Strength of Materials, Part II (rotating rims and discs); R. S. Khurmi and J. K. Gupta,
-Theory of Machines, ch. 16 (dimensions of the flywheel rim).
+Theory of Machines, ch. 16 (dimensions of the flywheel rim); E. L. Robinson, Bursting tests of steam-turbine disk
+wheels, Trans. ASME 66 (1944).
 """
 
 import math
@@ -41,24 +46,30 @@ class Wheel(NamedTuple):
 
     Attributes
     ----------
-    diameter, mass, width : ndarray
+    diameter, mass, width, thickness : ndarray
         Outer diameter [m], mass with arms and hub [kg], width of the rim or disc [m]; width 0 where arms and hub
-        alone suffice.
+        alone suffice. Radial thickness [m], of a disc its radius.
     rim_speed, rim_speed_share : ndarray
-        Greatest speed of the outer radius [m/s], and its share of the limit.
+        Greatest speed of the outer radius, of a mean rim the mean one [m/s], and its share of the limit.
     hoop_stress : ndarray
-        ρv² at the outer radius [Pa].
+        ρv² there [Pa].
     energy : ndarray
         Kinetic energy at the greatest speed [J].
+    burst_speed, burst_margin : ndarray
+        Speed of the input link, by magnitude, at which the wheel bursts [rad/s], and how many times that is its
+        greatest; NaN without a strength.
     """
 
     diameter: np.ndarray
     mass: np.ndarray
     width: np.ndarray
+    thickness: np.ndarray
     rim_speed: np.ndarray
     rim_speed_share: np.ndarray
     hoop_stress: np.ndarray
     energy: np.ndarray
+    burst_speed: np.ndarray
+    burst_margin: np.ndarray
 
 
 class _Section(NamedTuple):
@@ -87,39 +98,73 @@ def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[s
     Returns
     -------
     Wheel
-        NaN where there is no such wheel: a hub that reaches the rim, a shaft or input at rest.
+        NaN where there is no such wheel: a hub that reaches the rim, a rim that reaches its own middle, a shaft or
+        input at rest.
     """
     with np.errstate(all="ignore"):
         material, diameter, shaft_speed = _proportions(form, speed, numbers)
         ratio = np.abs(numbers["flywheel.wheel.ratio"])
         asked = inertia / ratio**2
-        section = _section(form, material.density, diameter, numbers)
-        width = np.maximum((asked - section.other_inertia) / section.inertia_per_width, 0.0)
-        made = section.other_inertia + width * section.inertia_per_width
+        make = _mean_rim if form.type == "mean rim" else _solid
+        outer, inner, width, mass, made = make(form, material.density, diameter, asked, numbers)
         rim_speed = shaft_speed * diameter / 2
+        # Mean of ρω²r² over the section, for ω = 1.
+        spread = material.density * (outer**2 + outer * inner + inner**2) / 12
+        strength = np.nan if form.strength is None else numbers["flywheel.wheel.strength"]
+        burst = np.sqrt(strength / spread)
         sizes = Wheel(
-            diameter=diameter,
-            mass=section.other_mass + width * section.mass_per_width,
+            diameter=outer,
+            mass=mass,
             width=width,
+            thickness=(outer - inner) / 2,
             rim_speed=rim_speed,
             rim_speed_share=rim_speed / material.rim_speed_limit,
             hoop_stress=material.density * rim_speed**2,
             energy=made * shaft_speed**2 / 2,
+            burst_speed=burst / ratio,
+            burst_margin=burst / shaft_speed,
         )
         # No number may look right beside a width that doesn't exist.
         defined = np.isfinite(sizes.energy) & np.isfinite(sizes.mass) & (shaft_speed > 0.0)
         return Wheel(*(np.where(inertia <= 0.0, 0.0, np.where(defined, size, np.nan)) for size in sizes))
 
 
+class _Made(NamedTuple):
+    """Diameters of rim or disc and width [m], mass with arms and hub [kg], moment of inertia [kg·m²]."""
+
+    outer: Value
+    inner: Value
+    width: Value
+    mass: Value
+    inertia: Value
+
+
+def _mean_rim(form: WheelForm, density: Value, mean: Value, asked: Value, numbers: Mapping[str, Value]) -> _Made:
+    mass = 4 * asked / mean**2
+    ratio = numbers["flywheel.wheel.width_ratio"]
+    thickness = np.sqrt(mass / (math.pi * mean * density * ratio))
+    mass = np.where(thickness < mean, mass, np.nan)
+    return _Made(mean + thickness, mean - thickness, ratio * thickness, mass, mass * mean**2 / 4)
+
+
+def _solid(form: WheelForm, density: Value, diameter: Value, asked: Value, numbers: Mapping[str, Value]) -> _Made:
+    section = _section(form, density, diameter, numbers)
+    width = np.maximum((asked - section.other_inertia) / section.inertia_per_width, 0.0)
+    made = section.other_inertia + width * section.inertia_per_width
+    inner = 0.0 if form.type == "disc" else diameter * (1 - 2 * numbers["flywheel.wheel.thickness_ratio"])
+    return _Made(diameter, inner, width, section.other_mass + width * section.mass_per_width, made)
+
+
 def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) -> tuple[Material, Value, Value]:
-    """Material, outer diameter and speed of the wheel's shaft, as given or as the material allows."""
+    """Material, outer or mean diameter and speed of the wheel's shaft, as given or as the material allows."""
     usual = MATERIALS[form.material]
     material = Material(
         *(usual[i] if getattr(form, k) is None else numbers[f"flywheel.wheel.{k}"] for i, k in enumerate(usual._fields))
     )
     shaft_speed = np.abs(speed * numbers["flywheel.wheel.ratio"])
-    if form.diameter is not None:
-        return material, numbers["flywheel.wheel.diameter"], shaft_speed
+    for key in ("diameter", "mean_diameter"):
+        if getattr(form, key) is not None:
+            return material, numbers[f"flywheel.wheel.{key}"], shaft_speed
     return material, 2 * material.rim_speed_limit / shaft_speed, shaft_speed
 
 

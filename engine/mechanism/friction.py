@@ -140,8 +140,11 @@ def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, ra
     graph, turns = rate.graph, pair.kind == "revolute"
     factor, arm = _factor(pair, path, friction), _arm(pair, path)
 
+    def raised(n: Numbers, coefficient: float | np.ndarray) -> float | np.ndarray:
+        return coefficient if friction.above_prismatic is None else (1.0 + n[f"{path}.above_prismatic"]) * coefficient
+
     def kinetic(n: Numbers) -> float | np.ndarray:
-        return n[f"{path}.coefficient"] if friction.material is None else MATERIALS[friction.material]
+        return raised(n, n[f"{path}.coefficient"] if friction.material is None else MATERIALS[friction.material])
 
     def drag(n: Numbers) -> float | np.ndarray:
         f = kinetic(n)
@@ -151,7 +154,8 @@ def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, ra
     if friction.stribeck_speed is None:
         return graph.derived(f"drag of {path}", drag, "load")
     arm_of_sliding = graph.derived(f"arm of {path}", arm, "load")
-    rest, limit = (graph.number(f"{path}.{key}", "load") for key in ("static_coefficient", "stribeck_speed"))
+    limit = graph.number(f"{path}.stribeck_speed", "load")
+    rest = graph.derived(f"static coefficient of {path}", lambda n: raised(n, n[f"{path}.static_coefficient"]), "load")
     at_speed = graph.derived(f"kinetic coefficient of {path}", kinetic, "load")
     f = graph.apply(stribeck, rest, at_speed, motion.speed * arm_of_sliding * rate, limit, GAUSS)
     scaled = graph.derived(f"scale of {path}", lambda n: factor(n) * arm(n), "load") * f

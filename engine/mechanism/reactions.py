@@ -100,12 +100,13 @@ class Reactions:
     # Loads
 
     def _loads_on_links(self, loads: Iterable[Load]) -> dict[str, Wrench]:
-        """Forces, inertia forces included, on every link."""
+        """Forces on every link, inertia forces included unless the scene leaves them out."""
         of_links = LinkLoads(self.kinematics)
-        for name in self.kinematics.masses:
-            self._inertia(of_links, name)
-        for name in self.scene.shafts:
-            self._rotary_inertia(of_links, name, self.graph.number(f"shafts.{name}.inertia", "load"))
+        if self.scene.inertia_in_reactions:
+            for name in self.kinematics.masses:
+                self._inertia(of_links, name)
+            for name in self.scene.shafts:
+                self._rotary_inertia(of_links, name, self.graph.number(f"shafts.{name}.inertia", "load"))
         for load in loads:
             # At its speed a machine runs with its brakes released; regimes apply them.
             if self.motion.given or load.role != "braking":

@@ -1,13 +1,17 @@
 """Inertia forces of bodies, the masses that stand for them, and what shakes the frame."""
 
+import numpy as np
+
+from engine.cycle.measured import Measured, where
 from engine.laws.replacement_masses import inertia_error
 from engine.mechanism.inertia import moment_centre
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.expressions import Expression, Integral, VariantNumber, hypot
+from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
 from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.register import Declared, Field, Summary
-from engine.scene.inertia import body_inertia
+from engine.scene.inertia import body_inertia, inertia_from_swing
 from engine.scene.masses import CENTRE, count_points, point_name, replacement
+from engine.scene.scene import scene_numbers
 
 ORDERS = (1, 2, 4)
 
@@ -16,6 +20,9 @@ def declare(mechanics: Mechanics) -> Declared:
     """Inertia forces body by body, replacement masses, and the shaking force with its orders."""
     for name in mechanics.scene.bodies:
         yield from _forces(mechanics, name)
+        if mechanics.scene.bodies[name].swing is not None:
+            words = f"moment of inertia of body {name} about its centre of mass, from the time of its swing"
+            yield Summary(f"{name}.moment_of_inertia", words, "kg m2", lambda name=name: _swung(mechanics, name))
         yield from _replacement(mechanics, name)
     yield from _shaking(mechanics)
 
@@ -42,6 +49,18 @@ def _forces(m: Mechanics, name: str) -> Declared:
         "m",
         lambda: m.inertia_forces(name).offset,
     )
+
+
+def _swung(m: Mechanics, name: str) -> Expression:
+    """Moment of inertia from a swing, with what cancels of mgh T²/4π² in its figure."""
+    own = (f"bodies.{name}.mass", f"bodies.{name}.swing.")
+    paths = [path for path in scene_numbers(m.scene) if path.startswith(own)]
+
+    def inertia(*numbers: Measured) -> Measured:
+        found = inertia_from_swing(m.scene, name, dict(zip(paths, numbers, strict=True)))
+        return where(found.value < 0.0, Measured(np.nan), found)
+
+    return Formula(inertia, tuple(VariantNumber(m.graph.number(path, "load")) for path in paths))
 
 
 def _replacement(m: Mechanics, name: str) -> Declared:

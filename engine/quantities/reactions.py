@@ -106,7 +106,9 @@ def _checks(m: Mechanics) -> Declared:
 
 def _disagreement(m: Mechanics) -> Expression:
     found = m.reactions.variables
-    energy = m.input_moment - found["friction_moment"] if m.scene.friction else m.input_moment
+    energy = m.input_moment if m.scene.inertia_in_reactions else -m.moment_of()
+    if m.scene.friction:
+        energy = energy - found["friction_moment"]
     ways = (energy, found["input_moment_by_equilibrium"], found["input_moment_by_power"])
     apart = maximum(*(unresolved_peak(one - other) for one, other in combinations(ways, 2)))
     return share(apart, maximum(*(peak(way) for way in ways)))

@@ -16,10 +16,15 @@ _SIZES = {
     "diameter": ("outer diameter of the flywheel", "m"),
     "mass": ("mass of the flywheel", "kg"),
     "width": ("width of the flywheel's rim", "m"),
+    "thickness": ("radial thickness of the flywheel's rim", "m"),
     "rim_speed": ("greatest rim speed of the flywheel", "m s-1"),
     "rim_speed_share": ("greatest rim speed of the flywheel over its limit", "1"),
     "hoop_stress": ("hoop stress in the flywheel's rim", "Pa"),
     "energy": ("kinetic energy of the flywheel at its greatest speed", "J"),
+}
+_BURSTING = {
+    "burst_speed": ("speed of the input at which the flywheel bursts", "rad s-1"),
+    "burst_margin": ("speed at which the flywheel bursts over its greatest speed", "1"),
 }
 
 
@@ -30,7 +35,7 @@ def declare(mechanics: Mechanics) -> Declared:
         return
     if flywheel.inertia is None and flywheel.speed_fluctuation is None:
         return
-    for key, (words, unit) in _SIZES.items():
+    for key, (words, unit) in (_SIZES if flywheel.wheel.strength is None else _SIZES | _BURSTING).items():
         yield Summary(f"wheel_{key}", words, unit, lambda key=key: _size(mechanics, key))
 
 

@@ -16,12 +16,11 @@ from pydantic import Field, field_validator, model_validator
 from engine.laws.motor_characteristics import nameplate_trouble
 from engine.laws.tables import TableError, make_table
 from engine.scene.formulas.by_formula import ByFormula, FormulaText
-from engine.scene.parts import FRAME, Angle, AngularSpeed, Length, Name, Number, Part, quantity
+from engine.scene.parts import FRAME, Angle, AngularSpeed, Length, Name, Number, Part, Time, quantity
 
 Force = quantity("force")
 Moment = quantity("moment")
 Power = quantity("power")
-Time = quantity("time")
 Speed = quantity("speed")
 Stiffness = quantity("stiffness")
 Damping = quantity("damping")

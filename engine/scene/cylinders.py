@@ -5,9 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from engine.scene.actions import Role
-from engine.scene.parts import Angle, Length, Name, Number, Part, quantity
-
-Pressure = quantity("pressure")
+from engine.scene.parts import Angle, Length, Name, Number, Part, Pressure
 
 
 class Cylinder(Part):

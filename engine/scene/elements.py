@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.balancing.engines.engine_element import EngineElement
+from engine.balancing.engines.locomotive_element import LocomotiveElement
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.drives.two_mass_element import TwoMassDrive
@@ -166,6 +167,7 @@ MachineElement = Annotated[
     | RollerElement
     | RotorElement
     | EngineElement
+    | LocomotiveElement
     | WattGovernor
     | PorterGovernor
     | ProellGovernor

@@ -1,4 +1,8 @@
-"""Mass and moment of inertia of the bodies of a scene, given or from their shapes."""
+"""Mass and moment of inertia of the bodies of a scene: given, from their shapes, or from the time of a swing.
+
+Source of the inertias from swings: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 4 (compound pendulum,
+bifilar and trifilar suspension).
+"""
 
 import math
 from collections.abc import Mapping
@@ -30,6 +34,37 @@ def plate_inertia(mass: Value, length: Value, width: Value) -> Value:
     return mass * (length**2 + width**2) / 12
 
 
+def compound_inertia(mass: Value, weight: Value, distance: Value, period: Value) -> Value:
+    """Body swinging about an axis at the distance h, about its centre: mgh T²/4π² − mh² [kg·m²]."""
+    return weight * distance * (period / math.tau) ** 2 - mass * distance**2
+
+
+def bifilar_inertia(weight: Value, spacing: Value, length: Value, period: Value) -> Value:
+    """Body turning on two wires of the length L, d apart, about their middle: mg d² T²/(16π² L) [kg·m²]."""
+    return weight * (spacing / 2) ** 2 * (period / math.tau) ** 2 / length
+
+
+def trifilar_inertia(weight: Value, radius: Value, length: Value, period: Value) -> Value:
+    """Body turning on three wires of the length L, on a circle of the radius r: mg r² T²/(4π² L) [kg·m²]."""
+    return weight * radius**2 * (period / math.tau) ** 2 / length
+
+
+def inertia_from_swing(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
+    """Moment of inertia of a body that has a swing, about its centre of mass [kg·m²], for every variant.
+
+    It is arithmetic alone, so that numbers may carry errors; negative where the body swings faster than a point mass.
+    """
+    at, mass = f"bodies.{name}.swing", numbers[f"bodies.{name}.mass"]
+    period, weight = numbers[f"{at}.period"], mass * numbers[f"{at}.gravity"]
+    match scene.bodies[name].swing.type:
+        case "compound":
+            return compound_inertia(mass, weight, numbers[f"{at}.distance"], period)
+        case "bifilar":
+            return bifilar_inertia(weight, numbers[f"{at}.spacing"], numbers[f"{at}.length"], period)
+        case _:
+            return trifilar_inertia(weight, numbers[f"{at}.radius"], numbers[f"{at}.length"], period)
+
+
 def _volume(kind: str, at: str, n: Mapping[str, Value]) -> Value:
     match kind:
         case "rod":
@@ -52,8 +87,14 @@ def body_mass(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
 
 
 def body_inertia(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
-    """Moment of inertia of a body about its centre of mass [kg·m²], for every variant; 0 where none is given."""
+    """Moment of inertia of a body about its centre of mass [kg·m²], for every variant.
+
+    0 where none is given, NaN where a swing is faster than a point mass's.
+    """
     body, at = scene.bodies[name], f"bodies.{name}.shape"
+    if body.swing is not None:
+        found = inertia_from_swing(scene, name, numbers)
+        return np.where(found < 0.0, np.nan, found)
     if body.shape is None:
         return 0.0 if body.inertia is None else numbers[f"bodies.{name}.inertia"]
     mass = body_mass(scene, name, numbers)

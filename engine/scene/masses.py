@@ -85,7 +85,8 @@ def whole_body(scene: Scene, name: str, varied: frozenset[str]) -> LinkMass:
     body, at = scene.bodies[name], f"bodies.{name}"
     rod = body.shape is not None and body.shape.type == "rod"
     placed = body.x or body.y or (rod and body.x is None) or {f"{at}.x", f"{at}.y"} & varied
-    turns = body.shape is not None or body.inertia or f"{at}.inertia" in varied
+    found = body.shape is not None or body.swing is not None
+    turns = found or body.inertia or f"{at}.inertia" in varied
     return LinkMass(
         body.link,
         lambda n: body_mass(scene, name, n),

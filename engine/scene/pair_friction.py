@@ -18,7 +18,8 @@ class PairFriction(Part):
     """Friction in a pair, dry, or with a `coefficient` that accounts for its lubrication.
 
     `pair` is GROUP.first, GROUP.inner or GROUP.second, input, or a shaft with a pivot. A revolute pair has the
-    `diameter` of its journal, in `contact` with its bush on a line, or on half of it, new or worn in. A prismatic pair
+    `diameter` of its journal, in `contact` with its bush on a line, or on half of it, new or worn in; or, by a rule of
+    practice, a coefficient that is `above_prismatic` by 25 % (worn in) to 50 % (new). A prismatic pair
     may have a `form` of its guide and the `length` of its slider, whose middle lies in the slider's joint: where the
     moment on it is large it tilts and bears with its edges; without a length the normal force alone presses.
 
@@ -30,6 +31,7 @@ class PairFriction(Part):
     material: str | None = None
     diameter: Positive | None = None
     contact: Literal["line", "new", "worn in"] | None = None
+    above_prismatic: Annotated[Number, Field(ge=0.25, le=0.5)] | None = None
     form: Literal["flat", "vee", "half-round, new", "half-round, worn in"] | None = None
     vee_angle: Annotated[Angle, Field(gt=0, le=3.141592653589793)] | None = None
     length: Positive | None = None
@@ -44,6 +46,8 @@ class PairFriction(Part):
             raise ValueError(f"material {self.material!r} is not known; known are: {', '.join(sorted(MATERIALS))}")
         if (self.static_coefficient is None) != (self.stribeck_speed is None):
             raise ValueError("static_coefficient and stribeck_speed belong together: give both, or neither")
+        if self.contact is not None and self.above_prismatic is not None:
+            raise ValueError("contact and above_prismatic both say how much a journal rubs: give one of the two")
         if (self.form == "vee") != (self.vee_angle is not None):
             raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
         return self

@@ -8,7 +8,7 @@ from engine.scene.pair_friction import PairFriction
 from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.scene import Scene
 
-OF_JOURNALS = ("diameter", "contact")
+OF_JOURNALS = ("diameter", "contact", "above_prismatic")
 OF_GUIDES = ("form", "vee_angle", "length")
 
 

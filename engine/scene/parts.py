@@ -14,6 +14,7 @@ its own axes: origin and x axis of
 Numbers are SI when given as numbers and take units when given as text ("80 mm").
 """
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import (
@@ -58,6 +59,8 @@ Speed = quantity("speed")
 AngularSpeed = quantity("angular_speed")
 Acceleration = quantity("acceleration")
 Number = quantity("number")
+Time = quantity("time")
+Pressure = quantity("pressure")
 Mode = Literal[1, -1]
 
 
@@ -274,6 +277,52 @@ class Plate(Part):
 Shape = Annotated[Rod | Disc | Ring | Plate, Field(discriminator="type")]
 
 
+STANDARD_GRAVITY = 9.80665
+
+
+class Swinging(Part):
+    """Small swings of a body in the field of gravity, that of the earth unless given; `period` is there and back."""
+
+    period: Annotated[Time, Field(gt=0)]
+    gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
+
+
+class CompoundPendulum(Swinging):
+    """Swings about a knife edge at a `distance` h from the centre of mass: J = mgh T²/4π² − mh²."""
+
+    type: Literal["compound"]
+    distance: Annotated[Length, Field(gt=0)]
+
+    @model_validator(mode="after")
+    def _slower_than_a_point(self) -> "CompoundPendulum":
+        least = 2 * math.pi * math.sqrt(self.distance / self.gravity)
+        if self.period < least:
+            raise ValueError(
+                f"period = {self.period:g} s: no body swings faster than a point mass at distance = "
+                f"{self.distance:g} m, in {least:.4g} s; give a longer period (there and back) or a shorter distance"
+            )
+        return self
+
+
+class BifilarSuspension(Swinging):
+    """Turning swings on two parallel wires `spacing` d apart and `length` L long: J = mg d² T²/(16π² L)."""
+
+    type: Literal["bifilar"]
+    spacing: Annotated[Length, Field(gt=0)]
+    length: Annotated[Length, Field(gt=0)]
+
+
+class TrifilarSuspension(Swinging):
+    """Turning swings on three parallel wires on a circle of `radius` r, `length` L long: J = mg r² T²/(4π² L)."""
+
+    type: Literal["trifilar"]
+    radius: Annotated[Length, Field(gt=0)]
+    length: Annotated[Length, Field(gt=0)]
+
+
+Swing = Annotated[CompoundPendulum | BifilarSuspension | TrifilarSuspension, Field(discriminator="type")]
+
+
 class Replacement(Part):
     """Point masses that stand for a body, at named points of its link; "centre" is the body's centre of mass.
 
@@ -307,7 +356,9 @@ class Body(Part):
 
     With a shape, the inertia follows from it; the mass is given, or follows from `density` and the shape's
     thickness (a rod's area). A rod's centre is its middle unless x, y say otherwise. With `replace`, point masses
-    stand for the body in everything that is computed.
+    stand for the body in everything that is computed. Instead of `inertia`, `swing` gives the time in which the body
+    was seen to swing as a pendulum or on wires: as a pendulum about an axis normal to the plane of motion, on wires
+    about an upright axis through its centre of mass that is normal to that plane in the machine.
     """
 
     link: Name
@@ -315,12 +366,16 @@ class Body(Part):
     x: Length | None = None
     y: Length = 0.0
     inertia: Annotated[Inertia, Field(ge=0)] | None = None
+    swing: Swing | None = None
     shape: Shape | None = None
     density: Annotated[Density, Field(gt=0)] | None = None
     replace: Replacement | None = None
 
     @model_validator(mode="after")
     def _mass_is_known(self) -> "Body":
+        if self.swing is not None and (self.inertia is not None or self.shape is not None):
+            other = "inertia" if self.shape is None else "shape"
+            raise ValueError(f"inertia follows from the swing; give swing or {other}, one of the two")
         if self.shape is None:
             if self.density is not None:
                 raise ValueError("density needs a shape; give shape, or mass instead of density")
@@ -361,16 +416,21 @@ class WheelForm(Part):
     """What the flywheel is to be made as.
 
     `rim`: a rim of radial thickness `thickness_ratio` × diameter; `disc`: a solid disc; `arms`: a rim with
-    `arms` straight arms of section `arm_area` and a hub. Without a diameter, the largest that the rim speed
-    allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link.
+    `arms` straight arms of section `arm_area` and a hub; `mean rim`: the textbook's rim, all of its mass at half the
+    `mean_diameter`, as wide as `width_ratio` × its thickness. Without a diameter, the largest that the rim speed
+    allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link. With the `strength` of
+    its material, a speed at which it bursts is told.
     """
 
-    type: Literal["rim", "disc", "arms"]
+    type: Literal["rim", "disc", "arms", "mean rim"]
     material: Literal["cast iron", "steel"] = "cast iron"
     density: Annotated[Density, Field(gt=0)] | None = None
     rim_speed_limit: Annotated[Speed, Field(gt=0)] | None = None
     diameter: Annotated[Length, Field(gt=0)] | None = None
+    mean_diameter: Annotated[Length, Field(gt=0)] | None = None
     thickness_ratio: Annotated[Number, Field(gt=0, lt=0.5)] = 0.1
+    width_ratio: Annotated[Number, Field(gt=0)] = 2.0
+    strength: Annotated[Pressure, Field(gt=0)] | None = None
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     arms: Annotated[int, Field(ge=2)] = 6
     arm_area: Annotated[Area, Field(gt=0)] | None = None
@@ -382,6 +442,11 @@ class WheelForm(Part):
         missing = [k for k in ("arm_area", "hub_diameter", "hub_width") if getattr(self, k) is None]
         if self.type == "arms" and missing:
             raise ValueError(f"a wheel with arms needs {', '.join(missing)}")
+        mean = self.type == "mean rim"
+        wrong = "diameter" if mean else "mean_diameter"
+        if getattr(self, wrong) is not None:
+            right = "mean_diameter" if mean else "diameter"
+            raise ValueError(f"{wrong} doesn't belong to a wheel of type {self.type!r}; give {right}, or neither")
         return self
 
 

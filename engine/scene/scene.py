@@ -48,8 +48,9 @@ _ALONE = {"title", "source", "elements"}
 class Scene(Part):
     """One machine: geometry, input, structural groups, bodies, and what acts on it.
 
-    Groups may stand in any order. `gravity` acts along −y. `source` says where the numbers come from. A scene of
-    machine elements alone has no input.
+    Groups may stand in any order. `gravity` acts along −y. Without `inertia_in_reactions`, for slow machines, reactions
+    are those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
+    from. A scene of machine elements alone has no input.
     """
 
     title: str = ""
@@ -67,6 +68,7 @@ class Scene(Part):
     cylinders: dict[Name, CylinderAction] = {}
     flywheel: Flywheel | None = None
     friction: dict[Name, PairFriction] = {}
+    inertia_in_reactions: bool = True
     balance: Balance | None = None
     regimes: dict[Name, Regime] = {}
     elements: dict[Name, MachineElement] = {}

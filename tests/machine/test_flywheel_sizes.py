@@ -274,3 +274,19 @@ def test_statistics_of_what_is_followed__are_those_of_dense_rows(uneven, field):
     # An extreme at a bend lies half a step from the next position at most.
     assert 0.0 <= found["max"] - row.max() + 1e-12 * swing <= 5 * swing * h
     assert 0.0 <= row.min() - found["min"] + 1e-12 * swing <= 5 * swing * h
+
+
+# The wheel it is made as
+
+
+def test_machine__has_the_textbooks_rim_and_its_speed_of_bursting():
+    wheel = {"type": "mean rim", "mean_diameter": 0.4, "width_ratio": 2.0, "density": 7200.0, "strength": 2e8}
+    names = ["flywheel_wittenbauer", "speed_max", "wheel_thickness", "wheel_mass", "wheel_burst_margin"]
+    machine = Machine(press({"speed_fluctuation": 0.02, "wheel": wheel}, DRAG), names)
+    outcome = machine.evaluate({})
+    inertia, fastest, thickness, mass, margin = (float(outcome.summaries[name][0]) for name in names)
+    assert mass == pytest.approx(inertia / 0.2**2, rel=1e-13)
+    assert thickness == pytest.approx(math.sqrt(mass / (math.pi * 0.4 * 7200 * 2)), rel=1e-13)
+    outer, inner = 0.2 + thickness / 2, 0.2 - thickness / 2
+    burst = math.sqrt(3 * 2e8 / 7200 / (outer**2 + outer * inner + inner**2))
+    assert margin == pytest.approx(burst / fastest, rel=1e-13)

@@ -298,6 +298,11 @@ def test_yoke_with_its_slot_along_its_guide__is_singular():
         ({"contact": "new"}, friction_circle(0.02, 0.2, NEW)),
         ({"contact": "worn in"}, friction_circle(0.02, 0.2, WORN_IN)),
         ({}, friction_circle(0.02, 0.2, 1.0)),
+        ({"above_prismatic": 0.25}, friction_circle(0.02, 0.25, 1.0)),
+        (
+            {"above_prismatic": 0.5, "static_coefficient": 0.5, "stribeck_speed": 0.03},
+            friction_circle(0.02, stribeck(0.75, 0.3, 0.02 * 2.0, 0.03, 2.0), 1.0),
+        ),
         (
             {"coefficient": None, "material": "steel on steel, oiled"},
             friction_circle(0.02, STATIC_AND_KINETIC["steel on steel, oiled"].kinetic, 1.0),

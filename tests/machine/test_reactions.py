@@ -46,6 +46,18 @@ def test_machines_of_all_kinds__newton_euler(machine):
     check(loaded(machine.model_dump(exclude_none=True), 7))
 
 
+@pytest.mark.parametrize("machine", [geared_five_bar(), sliding_input()])
+def test_reactions_without_inertia__are_those_of_the_machine_all_but_at_rest(machine):
+    scene = loaded(machine.model_dump(exclude_none=True), 3)
+    fields = asked(Scene.model_validate(scene))
+    static, outcome = evaluated(scene | {"inertia_in_reactions": False}, fields, {}, positions=16, summaries=CHECKS)
+    # Its loads don't depend on speed; inertia forces are 1e-16 of those at its own.
+    slow = {**scene, "input": {**scene["input"], "speed": 1e-8 * scene["input"]["speed"]}}
+    found = {field: outcome.fields[field][0] for field in fields}
+    compare(found, slow, lambda of: rows_of(of, places(static, of)))
+    assert max(outcome.summaries[name][0] for name in CHECKS) < 100 * EPS
+
+
 @pytest.fixture(scope="module")
 def pressed() -> tuple:
     """A press with every action, run both ways; its machine, outcome and variants."""

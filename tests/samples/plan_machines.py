@@ -62,6 +62,7 @@ SCENES = {name: read_scene(TEMPLATES / f"{name}.toml") for name in templates()}
 MECHANISMS = [name for name, scene in SCENES.items() if scene.input is not None]
 MACHINES = {name: SCENES[name] for name in MECHANISMS} | GALLERY
 MACHINES |= {"PRP": PRP, "geared to a rocker": GEARED_TO_A_ROCKER, "turning yoke": TURNING_YOKE}
+MACHINES |= {"without inertia": GEARED_TO_A_ROCKER.model_copy(update={"inertia_in_reactions": False})}
 CLOSED = [name for name, scene in MACHINES.items() if scene.input.type == "crank" and scene.input.start is None]
 
 

@@ -44,7 +44,8 @@ _WORDS = {1: "primary", 2: "secondary", 3: "third_order", 4: "fourth_order", 5: 
 TORQUE_ORDERS = tuple(k / 2 for k in range(1, 13))
 _KEYS = ("stroke", "rod", "piston_mass", "rod_mass", "rod_centre", "throw_mass", "rod_distance", "speed")
 _SHARES = ("balanced_rotating", "balanced_reciprocating")
-_OPTIONAL = ("bank_angle", "pin_offset", "spacing", "gudgeon_offset", "rod_inertia")
+_OPTIONAL = ("bank_angle", "pin_offset", "spacing", "gudgeon_offset", "rod_inertia", "crank_angle")
+_DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
 _LINK_RODS = ("knuckle_radius", "link_rod", "link_rod_mass", "link_rod_centre")
 _GAS = ("bore", "clearance", "intake", "exhaust", "peak", "n_compression", "n_expansion", "ambient")
 
@@ -63,6 +64,10 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
             yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
         listed = ", ".join(map(str, orders))
         yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
+    if engine.crank_angle is not None:
+        for name, words in (("primary_force", "primary force"), ("force", f"force, orders {listed},")):
+            for key, said in _DIRECTIONS.items():
+                yield ElementResult(f"{name}_{key}", f"unbalanced {words} {said}, at the crank angle", "N")
     yield ElementResult("crank_unbalance", "sum of the magnitudes of all counterweights' unbalances", "kg m")
     if engine.gas is not None:
         yield ElementResult("mean_torque", "mean torque of the gas", "N m")
@@ -146,6 +151,9 @@ def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Co
             for name, axis in ((f"{word}_{kind}", vector.major), (f"{word}_{kind}_least", vector.minor)):
                 columns[name] = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
                 sizes[name] = carried[..., i] * square
+        if kind == "force" and engine.crank_angle is not None:
+            for table, more in zip((columns, sizes), _at_angle(vector, terms, carried, numbers), strict=True):
+                table |= more
     if engine.gas is not None:
         for table, more in zip((columns, sizes), _torque_columns(engine, numbers), strict=True):
             table |= more
@@ -248,6 +256,22 @@ def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns
     sizes = {"mean_torque": mean_size, "mean_power": mean_size * n["speed"]}
     for i, order in enumerate(TORQUE_ORDERS):
         columns[torque_name(order)], sizes[torque_name(order)] = found[..., i], carried[..., i]
+    return columns, sizes
+
+
+def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> tuple[Columns, Columns]:
+    """Primary and whole force at the element's crank angle, and sizes of their terms."""
+    steps = np.array(forces.orders) * numbers["crank_angle"][..., None]
+    square = np.square(numbers["speed"])
+    orders = forces.forward * np.exp(1j * steps) + forces.backward * np.exp(-1j * steps)
+    with_phases = carried + (np.abs(steps) + 1) * terms
+    columns, sizes = {}, {}
+    for name, force, size in (
+        ("primary_force", orders[..., 0], with_phases[..., 0]),
+        ("force", orders.sum(axis=-1), with_phases.sum(axis=-1)),
+    ):
+        for key, part in zip(_DIRECTIONS, (force.real, force.imag), strict=True):
+            columns[f"{name}_{key}"], sizes[f"{name}_{key}"] = part * square, size * square
     return columns, sizes
 
 

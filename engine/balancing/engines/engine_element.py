@@ -46,7 +46,7 @@ class EngineElement(Part):
     leads for the second bank. `spacing` is that of the throws, `rod_distance` that of the rods on one throw: without
     `spacing` there are no couples. `rod_centre` is the distance of the rod's centre of mass from the crankpin,
     `throw_mass` is reduced to the crankpin. Counterweights balance the shares `balanced_rotating` and
-    `balanced_reciprocating` of the masses at each throw.
+    `balanced_reciprocating` of the masses at each throw. At a `crank_angle` forces are told with their directions.
 
     `gudgeon_offset` is the distance of the gudgeon pins' lines of motion from the crank's axis, to the left of each
     cylinder as it points outwards: of an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod` the rod
@@ -78,6 +78,7 @@ class EngineElement(Part):
     balanced_rotating: Number = 1.0
     balanced_reciprocating: Number = 0.0
     speed: Annotated[AngularSpeed, Field(gt=0)]
+    crank_angle: Angle | None = None
     gas: EngineGas | None = None
     firing_order: tuple[int, ...] | None = None
 

@@ -139,6 +139,8 @@ class _Collector:
         weight = float(body_mass(pose.scene, name, numbers) * numbers["gravity"])
         centre = pose.centre(name).place
         self._add(link, symbol("G", index), -1j * weight, centre)
+        if not pose.scene.inertia_in_reactions:
+            return
         self._add(link, symbol("U", index), self._force(f"{name}.inertia_force"), centre)
         self._twist(link, symbol("M", f"U{index}"), float(self.forces[f"{name}.inertia_moment"][self.k]))
 
@@ -220,8 +222,9 @@ class _Collector:
             if element.kind != "shaft":
                 continue
             name, shaft = element.name, pose.scene.shafts[element.name]
-            inertia = pose.cycle.numbers[f"shafts.{name}.inertia"]
-            self._twist(name, symbol("M", f"U{pose.number(name)}"), -inertia * pose.turn(name).epsilon)
+            if pose.scene.inertia_in_reactions:
+                inertia = pose.cycle.numbers[f"shafts.{name}.inertia"]
+                self._twist(name, symbol("M", f"U{pose.number(name)}"), -inertia * pose.turn(name).epsilon)
             origin = pose.origin(name).place
             total = sum(load.moment_about(origin) for load in self.loads[name])
             driver, n = shaft.geared_to, pose.number
