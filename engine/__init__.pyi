@@ -58,6 +58,11 @@ from engine.governors.governor_curves import (
     stability_point,
 )
 from engine.governors.governor_elements import AnyGovernor, Governor
+from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
+from engine.higher_pairs.cams.cam_elements import CamElement
+from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
+from engine.higher_pairs.gears.gear_elements import GearTrain
+from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -133,6 +138,8 @@ __all__ = [
     "BalanceError",
     "BalancedMachine",
     "Brake",
+    "CamCurves",
+    "CamElement",
     "CounterweightPlace",
     "CrankInput",
     "DCMotor",
@@ -145,6 +152,7 @@ __all__ = [
     "ExpressionError",
     "ExpressionTree",
     "FormulaNumber",
+    "GearTrain",
     "Governor",
     "GovernorCurves",
     "Hinged",
@@ -185,6 +193,7 @@ __all__ = [
     "TurningMoment",
     "TwoMassDrive",
     "UnitError",
+    "VelocityPicture",
     "Verdict",
     "Yoke",
     "acting_fields",
@@ -196,6 +205,7 @@ __all__ = [
     "bearer_of",
     "body_mass",
     "boxer_engine",
+    "cam_curves",
     "centre_along",
     "check_yields",
     "common_units",
@@ -219,6 +229,8 @@ __all__ = [
     "firing_sums",
     "four_runs",
     "friction_in_pairs",
+    "gear_numbers",
+    "gear_results",
     "governed_scene",
     "governor_curves",
     "group_links",
@@ -279,5 +291,6 @@ __all__ = [
     "unknown_name_message",
     "usual_throws",
     "v_engine",
+    "velocity_picture",
     "w_engine",
 ]

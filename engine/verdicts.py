@@ -20,7 +20,13 @@ class Verdict(IntEnum):
     LOCKS = 11
     NO_INERTIA = 12
     UNSTABLE = 13
-    RESONANCE = 17
+    RESONANCE = 14
+    DOES_NOT_FIT = 15
+    SELF_LOCKS = 16
+    STANDS = 17
+    SLIDES = 18
+    UNDERCUT = 19
+    LIFTS_OFF = 20
     NOT_COMPUTED = 255
 
 
@@ -68,6 +74,30 @@ SENTENCES = {
     Verdict.RESONANCE: (
         "resonance without damping: what excites an elastic element has its natural frequency, and the amplitude has "
         "no bound; change the speed, a stiffness or a mass, or give it its damping"
+    ),
+    Verdict.DOES_NOT_FIT: (
+        "wheels don't fit: teeth aren't whole numbers, axes that should be one lie apart, planets can't be spaced "
+        "equally or touch each other, or a bore cuts the teeth; change numbers of teeth or of planets, modules or bores"
+    ),
+    Verdict.SELF_LOCKS: (
+        "a gear train locks by itself: the load can't drive it, as its meshes lose all power; another basic ratio or "
+        "less friction of the teeth helps, or a load that resists"
+    ),
+    Verdict.STANDS: (
+        "a gear train stands still: its meshes lose all power that the given moments put in; another basic ratio or "
+        "less friction of the teeth helps"
+    ),
+    Verdict.SLIDES: (
+        "friction wheels slide on each other: they are pressed by less than the moment needs; press harder, or give "
+        "larger wheels, more friction or grooves"
+    ),
+    Verdict.UNDERCUT: (
+        "a cam is undercut: its profile can't move the follower by the law; a larger base circle, a smaller roller, a "
+        "longer section or another law helps"
+    ),
+    Verdict.LIFTS_OFF: (
+        "a follower lifts off its cam: the spring can't keep up with it; a greater preload or stiffness, less mass or "
+        "a lower speed helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

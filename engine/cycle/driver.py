@@ -42,7 +42,7 @@ from engine.cycle.measures.works import WORK_ROWS, add_work
 from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.panels.directions import panel_positions
 from engine.cycle.panels.integrals import INTEGRAL, add_panels, of_integrals
-from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, in_panels, lane_of, rows, tiles
+from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
 from engine.cycle.panels.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
 from engine.cycle.panels.series import FIGURES, of_figures, panel_figures
 from engine.cycle.panels.walk import (
@@ -167,7 +167,7 @@ class DriverAnswers(NamedTuple):
     panels : ndarray (1, variants)
         How many panels were taken.
     broken_at : ndarray (1, variants)
-        First position where a curve isn't finite; NaN where there is none.
+        First position where a curve isn't finite; NaN where there is none, infinite where something switches too often.
     spaced : ndarray (spaced, variants, positions)
         Values at equally spaced positions.
     short_of_room : ndarray (blocks,) of bool
@@ -258,8 +258,9 @@ class Workspace(NamedTuple):
     landmarks : ndarray (functions, LANDMARKS, LANES)
     edges : ndarray (edges, EDGES, LANES)
     sums : ndarray (WORK_ROWS, LANES)
-    marks : ndarray (5, LANES)
-        Zeros; first position where a curve isn't finite; three rows used meanwhile.
+    marks : ndarray (6, LANES)
+        Zeros; first position where a curve isn't finite; three rows used meanwhile; whether something switches more
+        often than there is room for.
     series : ndarray (2, POSITIONS, LANES)
     candidates : ndarray (steps, CANDIDATE, LANES)
     search : ndarray (SEARCH, LANES)
@@ -337,7 +338,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(functions, LANDMARKS),
         rows(crossings + task.cuts.size, EDGES, aside=ASIDE),
         rows(WORK_ROWS, aside=ASIDE),
-        rows(5, aside=ASIDE),
+        rows(6, aside=ASIDE),
         tiles(2),
         rows(steps, CANDIDATE, aside=ASIDE),
         rows(SEARCH, aside=ASIDE),
@@ -363,15 +364,32 @@ def fill(count: int, block: Memory, value: float) -> None:
 
 
 @routine
+def note_too_many(counts: Memory, too_many: Memory) -> None:
+    """Note the lanes in which there is no room for all roots."""
+    for lane in range(LANES):
+        too_many[lane] = 1.0 if counts[lane] > float(MOST_ROOTS) else too_many[lane]
+
+
+@routine
+def spoil(curves: int, lanes: Memory, tile: Memory) -> None:
+    """Make all curves NaN in some lanes."""
+    for c in range(curves):
+        for j in range(POSITIONS):
+            for lane in range(LANES):
+                tile[c, j, lane] = math.nan if lanes[lane] > 0.0 else tile[c, j, lane]
+
+
+@routine
 def cut(
     events: Callable, levels: Callable, task: Task, tables: np.ndarray, walk: Memory, edges: Memory, work: Workspace
 ) -> int:
     """Find each lane's landmarks and what follows from them, and lay its edges; returns how many there are."""
-    block, marks, counts, spare = (
+    block, marks, counts, spare, too_many = (
         in_lanes(work.block),
         lane_of(work.marks[2]),
         lane_of(work.marks[3]),
         lane_of(work.marks[4]),
+        lane_of(work.marks[5]),
     )
     scan, turned, crossed = samples_in(work.scan), samples_in(work.turn), samples_in(work.crossing)
     landmarks, turns, crossings = of_landmarks(work.landmarks), of_roots(work.turns), of_roots(work.crossings)
@@ -384,6 +402,7 @@ def cut(
             sample(events, work.block, tables, task.scan, scan)
             for f in range(functions):
                 turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
+                note_too_many(counts, too_many)
             solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
             for f in range(functions):
                 find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
@@ -409,6 +428,7 @@ def cut(
             marks,
             counts,
         )
+        note_too_many(counts, too_many)
     solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, crossed, crossings)
     return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
 
@@ -435,7 +455,8 @@ def follow(
     """
     count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
     block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
-    cos_q, sin_q = in_lanes(work.place[1]), in_lanes(work.place[2])
+    cos_q, sin_q, too_many = in_lanes(work.place[1]), in_lanes(work.place[2]), lane_of(work.marks[5])
+    any_lost = any_positive(too_many)
     while next_panels(edges, edge_count, walk):
         panel_positions(walk[PANEL_MIDDLE], walk[PANEL_HALF], q, cos_q, sin_q)
         if task.sizes[2] > 0:
@@ -443,6 +464,8 @@ def follow(
             states(work.block, tables, middle_q, middle_cos, work.place[2, MIDDLE : MIDDLE + 1], work.state_tile)
             copy_rows(in_lanes(work.state_tile), task.state_rows, block)
         curves(work.block, tables, work.place[0], work.place[1], work.place[2], work.tile)
+        if any_lost:
+            spoil(count, too_many, tile)
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures, c)
@@ -524,6 +547,7 @@ def evaluate_blocks(
     series = in_panels(work.series)
     search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
     high, low, none, broken_at, spare = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
+    too_many = marks[5]
     # Read off arrays, as a function is compiled once more for every number that is known.
     one, four = answers.panels.shape[0], work.arcs.shape[0]
     two = one + one
@@ -540,8 +564,12 @@ def evaluate_blocks(
         fill(count * SCALES, in_lanes(work.scales), 0.0)
         fill(integrated * INTEGRAL, in_lanes(work.integrals), 0.0)
         fill(1, in_lanes(work.marks[1:]), math.nan)
+        fill(1, in_lanes(work.marks[5:]), 0.0)
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
         cuts = cut(events, levels, task, tables, walk, edges, work)
+        for lane in range(LANES):
+            # Not for a position of the input.
+            broken_at[lane] = math.inf if too_many[lane] > 0.0 else broken_at[lane]
         steps = follow(
             states, curves, task, tables, edges, cuts, walk, figures, scales, integrals, broken_at, record, work
         )

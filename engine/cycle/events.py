@@ -90,8 +90,10 @@ def find_turns(
         Rows of roots in use.
     sought : ndarray (rows, 2) of int
     roots : rows (rows, PARTS, LANES)
-    marks, counts : row (LANES,)
+    marks : row (LANES,)
         Used meanwhile.
+    counts : row (LANES,)
+        Receives how many there are, of which MOST_ROOTS are entered.
 
     Returns
     -------
@@ -111,9 +113,9 @@ def find_turns(
             continue
         for lane in range(LANES):
             row = before + int(counts[lane])
-            if marks[lane] > 0.0 and counts[lane] < MOST_ROOTS:
+            counts[lane] += 1.0 if marks[lane] > 0.0 else 0.0
+            if marks[lane] > 0.0 and counts[lane] <= MOST_ROOTS:
                 used = open_row(row, used, function, TURN, sought, roots)
-                counts[lane] += 1.0
                 roots[row, LOW, lane] = roots[row, FIRST_LOW, lane] = q[k, lane]
                 roots[row, HIGH, lane] = roots[row, FIRST_HIGH, lane] = q[k + 1, lane]
                 roots[row, AT_LOW, lane] = values[slope_row + k, lane]
@@ -241,9 +243,9 @@ def enter_crossings(
     """
     for lane in range(LANES):
         row = before + int(counts[lane])
-        if marks[lane] > 0.0 and counts[lane] < MOST_ROOTS:
+        counts[lane] += 1.0 if marks[lane] > 0.0 else 0.0
+        if marks[lane] > 0.0 and counts[lane] <= MOST_ROOTS:
             used = open_row(row, used, function, level_row, sought, roots)
-            counts[lane] += 1.0
             roots[row, LOW, lane], roots[row, HIGH, lane] = low[lane], low[lane] if marks[lane] == 2.0 else high[lane]
             roots[row, AT_LOW, lane] = at_low[lane] - level[lane]
             roots[row, AT_HIGH, lane] = at_high[lane] - level[lane]
@@ -285,8 +287,10 @@ def find_crossings(
         Rows of roots in use.
     sought : ndarray (rows, 2) of int
     roots : rows (rows, PARTS, LANES)
-    marks, counts : row (LANES,)
+    marks : row (LANES,)
         Used meanwhile.
+    counts : row (LANES,)
+        Receives how many there are, of which MOST_ROOTS are entered.
 
     Returns
     -------

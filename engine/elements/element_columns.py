@@ -31,6 +31,13 @@ from engine.governors.governor_columns import governor_law
 from engine.governors.governor_elements import Governor, governs_machine
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
+from engine.higher_pairs.cams.cam_columns import cam_law
+from engine.higher_pairs.cams.cam_elements import CamElement
+from engine.higher_pairs.gears.chain_drives import chain_drive_law
+from engine.higher_pairs.gears.drive_elements import ChainDrive, FrictionDrive
+from engine.higher_pairs.gears.friction_wheels import friction_drive_law
+from engine.higher_pairs.gears.gear_columns import gear_law
+from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.quantities.quantity import Quantity
 from engine.scene.elements import MachineElement
 from engine.scene.scene import Numbers, Scene
@@ -243,7 +250,7 @@ def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
-    """What is computed of an element; of rotors, engines and governors it depends on their parts."""
+    """What is computed of an element; of rotors, engines, governors, cams and gear trains it depends on their parts."""
     match element:
         case RotorElement():
             return rotor_law(element)
@@ -253,6 +260,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return locomotive_law(element)
         case Governor():
             return governor_law(element)
+        case CamElement():
+            return cam_law(element)
         case OscillatorElement():
             return oscillator_law(element)
         case ComplianceElement():
@@ -261,6 +270,12 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return train_law(element)
         case TwoMassDrive():
             return drive_law(element)
+        case GearTrain():
+            return gear_law(element)
+        case FrictionDrive():
+            return friction_drive_law(element)
+        case ChainDrive():
+            return chain_drive_law(element)
     return LAWS[element.type]
 
 

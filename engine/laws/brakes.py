@@ -5,8 +5,8 @@ released: no moment. A brake that locks by itself (friction alone presses it on)
 functions: floats in and out. Friction is Coulomb's, f = friction.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 19; Machinery's Handbook, Brakes; R. G. Budynas
-and J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 16. Band and blocks, braking of a vehicle: Khurmi and
-Gupta, chapter 19.
+and J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 16. Band and blocks, braking of a vehicle: Khurmi
+and Gupta, chapter 19.
 """
 
 import math

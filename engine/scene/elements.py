@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, guides, rollers, cars, rotors, engines, governors, springs and others.
+"""Machine elements of a scene: screws, belts, guides, rollers, cars, rotors, engines, governors, springs, gears, cams.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -22,6 +22,9 @@ from engine.governors.governor_elements import (
     TableGovernor,
     WattGovernor,
 )
+from engine.higher_pairs.cams.cam_elements import CamElement
+from engine.higher_pairs.gears.drive_elements import ChainDrive, FrictionDrive
+from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.scene.actions import Force, Moment
 from engine.scene.parts import (
     STANDARD_GRAVITY,
@@ -210,6 +213,10 @@ MachineElement = Annotated[
     | OscillatorElement
     | ComplianceElement
     | TorsionalTrain
-    | TwoMassDrive,
+    | TwoMassDrive
+    | CamElement
+    | GearTrain
+    | FrictionDrive
+    | ChainDrive,
     Field(discriminator="type"),
 ]

@@ -351,7 +351,10 @@ def recognised(value: float | str) -> tuple[float, str]:
             continue
     if not isinstance(value, str):
         raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
-    number, powers = in_any_unit(value)
+    try:
+        number, powers = in_any_unit(value)
+    except UnitError as error:
+        raise UnitError(f"{value!r} is not a quantity with a known unit: {error}") from None
     return number, " ".join(f"{_SYMBOLS[base]}{'' if power == 1 else power}" for base, power in powers.items())
 
 

@@ -88,7 +88,8 @@ def plot(
 
     Of a mechanism that is a drawing and diagrams over its cycle; of rotors and engines among the machine elements plans
     of their unbalances and sheets of the orders that shake them, told in a table too; of governors what holds their
-    balls; of torsional trains their modes, Campbell diagram and moments over speed, told in tables too.
+    balls; of torsional trains their modes, Campbell diagram and moments over speed, of gear trains pictures of their
+    velocities, told in tables too.
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files
@@ -166,18 +167,32 @@ def animate(file: str, out: Path | None, variant: int | None, paths: str, frames
 @click.option("--at", default="", help="Crank angle of the drawing [deg], or displacement such as '20 mm'.")
 @click.option("--where", help="Only variants that meet a condition (CSV of a result).")
 @click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (CSV).")
+@click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
 @errors_as_messages
-def export(file: str, to: Path, variant: int | None, at: str, where: str | None, history: bool) -> None:
-    """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML)."""
+def export(
+    file: str, to: Path, variant: int | None, at: str, where: str | None, history: bool, element: str | None
+) -> None:
+    """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML).
+
+    Of a scene with one cam and no mechanism that is the cam.
+    """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files
+    from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
     from sweeps.report import exports
     from sweeps.text.input_files import InputError
+    from sweeps.text.scene_text import with_values
 
     if history and to.suffix != ".csv":
         raise InputError(str(to), [(None, "--history", f"writes .csv, not {to.suffix!r}; name a .csv file")])
     make_folder(to)
     machine = ""
+    if to.suffix in (".csv", ".svg", ".dxf") and not (to.suffix == ".csv" and is_result(file) and variant is None):
+        scene, values, name = machine_of(file, variant)
+        if (cam := cam_named(with_values(scene, values), element)) is not None:
+            export_cam(cam, to)
+            click.echo(f"Wrote {to} of {name}")
+            return
     match to.suffix:
         case ".csv" if history:
             scene, values, machine = machine_of(file, variant)

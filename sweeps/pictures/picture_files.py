@@ -32,7 +32,7 @@ LARGEST_FIELD = 256e6
 def machine_pictures(
     scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
 ) -> list[Path]:
-    """Drawing of a machine and its diagrams in two files; its regimes, rotors, engines and governors in others.
+    """Drawing of a machine and its diagrams in two files; its regimes and machine elements in others.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def machine_pictures(
     if scene.input is None:
         if not made:
             raise PictureError(
-                "the scene has machine elements alone, no rotor, engine, governor or elastic link: nothing to draw"
+                "the scene has machine elements alone, no rotor, engine, governor, spring, gear or cam: nothing to draw"
             )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")

@@ -109,6 +109,25 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path) -> None:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
 
+def write_columns(out: Path, columns: Mapping[str, np.ndarray], kept: np.ndarray) -> None:
+    """Columns of numbers as CSV.
+
+    Parameters
+    ----------
+    out : Path
+    columns : mapping of header to ndarray (rows,)
+    kept : ndarray (rows,) of bool
+        Which rows to write.
+
+    Raises
+    ------
+    InputError
+        The file can't be written.
+    """
+    rows = ([_cell(value) for value in row] for row in zip(*(c[kept] for c in columns.values()), strict=True))
+    _write_csv(out, list(columns), rows)
+
+
 def _header(name: str, units: str) -> str:
     return name if units == "1" else f"{name} [{units}]"
 

@@ -177,7 +177,7 @@ _ROWS = {"over_radius": "m", "over_lift": "m", "controlling_force": "N", "moment
 
 
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
-    """Write the columns of tables, the throws of engines and the rows of governors with their units."""
+    """Write the columns of tables, the throws of engines, the rows of governors and cams with their units."""
     for element in data.get("elements", {}).values():
         for part in (element, element.get("engine", {})):
             if "throws" in part:
@@ -186,6 +186,11 @@ def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
             for key, unit in _ROWS.items():
                 if isinstance(part.get(key), list):
                     part[key] = [f"{v!r} {unit}" for v in part[key]]
+        if element["type"] == "cam" and "table" in element:
+            table = element["table"]
+            for key, unit in (("over_angle", "rad"), ("lift", "m"), ("swing", "rad")):
+                if key in table:
+                    table[key] = [f"{v!r} {unit}" for v in table[key]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from engine import Machine, Verdict
+from engine import ElementsAlone, Machine, Verdict
 from sweeps import read_scene
 from sweeps.cli import main
 
@@ -23,10 +23,12 @@ def blocks(language):
 def folder(tmp_path_factory):
     """A folder with the README's scene and study, and the study run."""
     path = tmp_path_factory.mktemp("readme")
-    scene, study, formulas, motion, friction = blocks("toml")
+    scene, study, formulas, motion, friction, cam, gears = blocks("toml")
+    (path / "cam.toml").write_text(cam, encoding="utf8")
     (path / "compressor.toml").write_text(scene, encoding="utf8")
     (path / "compressor_friction.toml").write_text(scene + friction, encoding="utf8")
     (path / "compressor_formulas.toml").write_text(scene + formulas, encoding="utf8")
+    (path / "reducer.toml").write_text(gears, encoding="utf8")
     (path / "compressor_motion.toml").write_text(scene + motion, encoding="utf8")
     # All of it together.
     (path / "compressor_whole.toml").write_text(scene + formulas + motion + friction, encoding="utf8")
@@ -93,3 +95,12 @@ def test_friction__works_as_the_readme_says(folder):
     outcome = Machine(scene, [*asked, "shaking_force.order_1", "jamming_margin"]).evaluate({})
     assert outcome.status == [Verdict.OK]
     assert outcome.summaries["friction_loss"] > 0.0
+
+
+def test_gear_train__has_what_the_readme_names(folder):
+    scene = read_scene(folder / "reducer.toml")
+    known = ElementsAlone(scene).available_summaries
+    named = [name for name in re.findall(r"`(reducer\.[a-z_.]+)`", README) if not name.endswith("reduced_inertia")]
+    assert len(named) >= 12
+    assert set(named) <= set(known)
+    assert ElementsAlone(scene, named).evaluate({}).status == [Verdict.OK]

@@ -2,9 +2,13 @@ import math
 
 import numpy as np
 import pytest
-from cycle_machines import CRANK, OFFSET, ROD, TO, press, press_numbers, slide
+from cycle_machines import COMPILED, CRANK, OFFSET, ROD, TO, press, press_numbers, slide
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
+
+from engine.compiling.tiles import LANES, TILE_SIGNATURE
+from engine.cycle.machine import CycleMachine, Plan
 
 TURN = 2.0 * math.pi
 PRESS = press(integrals=(1,), extremes=(1,))
@@ -161,3 +165,33 @@ def test_results_are_the_same_in_whatever_lane_with_cuts(presses):
     assert np.array_equal(together.integrals.error[:, order], apart.integrals.error)
     assert np.array_equal(together.extremes.least_at.value[:, order], apart.extremes.least_at.value)
     assert np.array_equal(together.landmarks.least_at.value[:, order], apart.landmarks.least_at.value)
+
+
+@njit(TILE_SIGNATURE, **COMPILED)
+def wavy_events(P, T, q, cos_q, sin_q, tile):
+    for i in range(q.shape[0]):
+        for lane in range(LANES):
+            tile[0, i, lane], tile[1, i, lane] = (
+                math.sin(P[2, lane] * q[i, lane]),
+                P[2, lane] * math.cos(P[2, lane] * q[i, lane]),
+            )
+
+
+@njit(TILE_SIGNATURE, **COMPILED)
+def constant_curve(P, T, q, cos_q, sin_q, tile):
+    for i in range(q.shape[0]):
+        for lane in range(LANES):
+            tile[0, i, lane] = 1.0
+
+
+def test_what_switches_more_often_than_there_is_room_for_has_no_results_and_spoils_no_other():
+    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 3)], integrals=[0], extremes=[0])
+    machine = CycleMachine(plan, constant_curve, events=wavy_events)
+    # A sine of n waves turns 2 n times, and has 2 n zeros; there is room for twelve.
+    waves = np.array([1.0, 6.0, 7.0, 9.0, 3.0])
+    found = machine.evaluate(np.stack([np.zeros(5), np.full(5, TURN), waves, np.zeros(5)]))
+    known = waves <= 6.0
+    assert found.integrals.value[0][known] == pytest.approx(TURN, rel=1e-14)
+    assert np.isnan(found.integrals.value[0][~known]).all()
+    assert np.isnan(found.extremes.greatest.value[0][~known]).all()
+    assert (np.isinf(found.broken_at) == ~known).all()

@@ -55,7 +55,7 @@ numbers = st.recursive(
         st.tuples(st.sampled_from("+-*/"), inner, inner),
         st.tuples(st.just("negative"), inner),
         st.tuples(st.sampled_from(["min", "abs", "sqrt"]), inner, inner),
-        st.tuples(st.just("if"), inner, inner),
+        st.tuples(st.sampled_from(["if a < 2 else", "if a < 1 else"]), inner, inner),
     ),
     max_leaves=12,
 )
@@ -84,8 +84,10 @@ def result_of(tree):
         case ("sqrt", inner, _):
             value = result_of(inner)
             return math.sqrt(value) if value >= 0 else math.nan
-        case ("if", left, right):
-            return result_of(left) if result_of(left) < result_of(right) else result_of(right)
+        case ("if a < 2 else", left, _):
+            return result_of(left)
+        case ("if a < 1 else", _, right):
+            return result_of(right)
         case (operation, left, right):
             return BINARY[operation][1](result_of(left), result_of(right))
 
@@ -103,9 +105,8 @@ def text_of(tree):
             return f"min({text_of(left)[0]}, {text_of(right)[0]})", 9
         case (("abs" | "sqrt") as function, inner, _):
             return f"{function}({text_of(inner)[0]})", 9
-        case ("if", left, right):
-            one, other = text_of(left)[0], text_of(right)[0]
-            return f"(({one}) if ({one}) < ({other}) else {other})", 9
+        case (("if a < 2 else" | "if a < 1 else") as choice, left, right):
+            return f"({enclosed(left, 0)} {choice} {text_of(right)[0]})", 9
         case (operation, left, right):
             precedence = BINARY[operation][0]
             return f"{enclosed(left, precedence)} {operation} {enclosed(right, precedence + 1)}", precedence

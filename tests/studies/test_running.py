@@ -52,7 +52,13 @@ CODES = {
     11: "locks",
     12: "no_inertia",
     13: "unstable",
-    17: "resonance",
+    14: "resonance",
+    15: "does_not_fit",
+    16: "self_locks",
+    17: "stands",
+    18: "slides",
+    19: "undercut",
+    20: "lifts_off",
     255: "not_computed",
 }
 

@@ -26,7 +26,17 @@ def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["press_with_motor", "engine", "rotor", "torsional_train", "elastic_drive", "watt_six_bar"]
+    "name",
+    [
+        "cam",
+        "press_with_motor",
+        "engine",
+        "rotor",
+        "torsional_train",
+        "elastic_drive",
+        "planetary_train",
+        "watt_six_bar",
+    ],
 )
 def test_copy__is_what_its_text_says(name):
     scene, rng = scene_of(name), np.random.default_rng(1)

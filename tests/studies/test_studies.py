@@ -27,15 +27,26 @@ TEMPLATE_NAMES = (
     "whitworth",
 )
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
-ELEMENT_TEMPLATE_NAMES = ("engine", "rotor", "governor", "oscillator", "torsional_train", "elastic_drive")
+ELEMENT_TEMPLATE_NAMES = (
+    "cam",
+    "engine",
+    "rotor",
+    "governor",
+    "oscillator",
+    "torsional_train",
+    "elastic_drive",
+    "planetary_train",
+)
 ELEMENT_STUDY_NAMES = (
     "crankshaft_vibration",
     "engine_governor",
     "fan_rotor",
     "governed_set",
+    "planetary_reducer",
     "press_backlash",
     "screw_jack",
     "v_twin",
+    "valve_train",
 )
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
@@ -82,7 +93,7 @@ def close(value, exact, relative=1e-12):
 # Templates
 
 
-def test_templates__are_the_ten_mechanisms_and_six_elements_with_a_title_each():
+def test_templates__are_the_ten_mechanisms_and_eight_elements_with_a_title_each():
     found = templates()
     assert set(found) == {*TEMPLATE_NAMES, *ELEMENT_TEMPLATE_NAMES}
     assert all(found.values())

@@ -12,7 +12,7 @@ from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.at_speed import Drive, Moments, moments_at
 from engine.motion.moments.breaks import Breaks, instants_of
-from engine.motion.moments.grid import Grid, make_grid, nested_grid
+from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.regula_falsi import regula_falsi
@@ -51,7 +51,7 @@ class Variants(NamedTuple):
     instants : ndarray (instants, variants) or None
         When the moments at work jump or bend by themselves [s], from `Dynamics.driven`.
     kept : dict
-        Grid and tables of the last stretch.
+        What was found of their steady motion.
     """
 
     numbers: Numbers
@@ -265,26 +265,6 @@ class Dynamics:
         """What depends on the crank angle, at the places of a grid."""
         rows = self.rows(variants, grid.places)
         return Tables(grid.steps, rows.inertia, rows.loads, rows.powers)
-
-    def nested(self, variants: Variants, begin: np.ndarray, steps: int, half: bool) -> tuple[np.ndarray, Tables]:
-        """Nodes (angles turned) and tables of a cycle from given crank angles on, for a run.
-
-        Parameters
-        ----------
-        variants : Variants
-        begin : ndarray (variants,)
-            [rad].
-        steps : int
-        half : bool
-            Of half the steps instead: they are taken from the tables of all, which are kept.
-        """
-        key, kept = (begin.tobytes(), steps), variants.kept
-        if kept.get("key") != key:
-            grid = nested_grid(begin, variants.direction, steps, self.cycle, variants.breaks)
-            rows = self.rows(variants, grid.places)
-            kept.update(key=key, grid=grid, tables=Tables(grid.steps, rows.inertia, rows.loads, rows.powers))
-        grid, tables = kept["grid"], kept["tables"]
-        return grid.halved(tables) if half else (grid.nodes, tables)
 
     def rows(self, variants: Variants, places: np.ndarray, clock: np.ndarray | None = None) -> "Rows":
         """What depends on the crank angle (and time), at any angles of each variant.

@@ -1,8 +1,6 @@
 """Grids in crank angle for every variant, with a node at every break of the moments.
 
-Two kinds. In one the steps over a cycle are equal but where a break cuts one in two: its nodes are wanted positions.
-In the other they are equal between one break and the next, and even in number: the grid of half the steps lies within
-it, with everything that is tabulated there.
+The steps over a cycle are equal but where a break cuts one in two: the nodes are wanted positions.
 """
 
 from itertools import pairwise
@@ -11,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.motion.moments.breaks import JUMP, Breaks
-from engine.motion.steppers.energy_form import Tables
 
 # A step that is no longer lies within a jump.
 GAP = 4.0 * JUMP
@@ -122,66 +119,3 @@ def _with_middles(turned: np.ndarray) -> np.ndarray:
     # In the gap of a jump the new value holds from the middle on, as it does where its end is a coarser grid's middle.
     places[1::2] = np.where(np.diff(turned, axis=0) < GAP, turned[1:], places[1::2])
     return places
-
-
-class Nested(NamedTuple):
-    """Nodes of one cycle in the direction of motion, and the grid of half the steps within it.
-
-    Attributes
-    ----------
-    places, steps : ndarray
-        As of a `Grid`.
-    half : ndarray of int
-        Which nodes belong to the grid of half the steps.
-    """
-
-    places: np.ndarray
-    steps: np.ndarray
-    half: np.ndarray
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Angles turned at the nodes [rad]."""
-        return np.concatenate((np.zeros((1, self.steps.shape[1])), np.cumsum(self.steps, axis=0)))
-
-    def halved(self, tables: Tables) -> tuple[np.ndarray, Tables]:
-        """Nodes (angles turned) and tables of the grid of half the steps, from the tables of this one."""
-        nodes, half = self.nodes[self.half], self.half
-        places = np.empty(2 * half.size - 1, np.int64)
-        # A node has twice its number among the places; the middle between two lies halfway.
-        places[0::2], places[1::2] = 2 * half, half[1:] + half[:-1]
-        parts = (np.ascontiguousarray(rows[..., places, :]) for rows in tables[1:])
-        return nodes, Tables(np.diff(nodes, axis=0), *parts)
-
-
-def nested_grid(start: np.ndarray, direction: np.ndarray, steps: int, cycle: float, breaks: Breaks) -> Nested:
-    """Grid over a cycle whose steps are equal from one break to the next, and even in number.
-
-    Parameters
-    ----------
-    start : ndarray (variants,)
-        [rad].
-    direction : ndarray (variants,)
-        +1 or −1.
-    steps : int
-        Least number of steps.
-    cycle : float
-        [rad].
-    breaks : Breaks
-    """
-    edges = np.zeros((1, start.size))
-    if breaks.jumps.size:
-        edges = np.concatenate((edges, np.sort(_edges(start, cycle, direction, cycle, breaks), axis=0)))
-    edges = np.concatenate((edges, np.full((1, start.size), cycle)))
-    counts = 2 * np.ceil(np.diff(edges, axis=0) * (0.5 * steps / cycle) * (1.0 - 1e-12)).astype(np.int64)
-    counts[np.diff(edges, axis=0) < GAP] = 1
-    pieces, half, made = [edges[:1]], [0], 0
-    for near, far, count in zip(edges[:-1], edges[1:], counts, strict=True):
-        # Every variant has as many steps as it needs, whoever comes with it; what is left over has no length.
-        n, i = int(count.max()), np.arange(1, count.max() + 1)[:, None]
-        pieces.append(np.where(i < count, near + (far - near) * (i / count), far))
-        half += range(made + min(2, n), made + n + 1, 2)
-        made += n
-    turned = np.concatenate(pieces)
-    places = start + direction * _with_middles(turned)
-    return Nested(places, np.diff(turned, axis=0), np.array(half))

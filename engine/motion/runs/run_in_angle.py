@@ -139,6 +139,8 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
 
 def _note_nodes(runs: Progress, record: np.ndarray, asked: np.ndarray) -> None:
     known = np.isfinite(record[0])
+    if not known.any():
+        return
     turned = runs.state.turned + asked[known]
     places = (runs.start + runs.variants.direction * turned)[:, None]
     inertia = runs.dynamics.rows(runs.variants, places).inertia[:, 0]

@@ -12,6 +12,8 @@ from engine.verdicts import Verdict
 WAITS = 1000
 # Time that it waits for a formula, in cycles at the speed of the scene, where nothing else ends its waiting.
 MOST_CYCLES = 100.0
+# Longest step where a formula over time is at work: so many times as long as between two looks.
+STRIDE = 20.0
 # Share of the time that it never looks sooner after: farther than both sides of a jump are apart.
 AT_ONCE = 1e-9
 HALVINGS = 60
@@ -42,6 +44,8 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
     # It stands until a moment over time changes, or until the time is over.
     later = np.minimum(_next_look(runs, stays) - runs.clock[stays], runs.ends.time[stays])
     waits = np.isfinite(later)
+    if runs.dynamics.changing:
+        later[waits] = _starts_by(runs, stays[waits], later[waits])
     runs.state.time[stays[waits]] = later[waits]
     runs.done[stays[waits & (later >= runs.ends.time[stays])]] = True
     if runs.ends.rest:
@@ -55,8 +59,11 @@ def step(runs: Progress, who: np.ndarray) -> None:
     form, state, facing = runs.form(who), runs.absolute(runs.part(who), who), runs.facing[who]
     end = runs.clock[who] + runs.ends.time[who]
     ahead = np.minimum(_next_instant(runs.variants.instants[:, who], state.time), end)
+    longest = ahead - state.time
+    if runs.dynamics.changing:
+        longest = np.minimum(longest, STRIDE * (_span(runs, who) / WAITS))
     goal = _next_break(runs, who, state.turned, facing)
-    h, step = _good_step(runs, form, who, state, goal, ahead - state.time)
+    h, step = _good_step(runs, form, who, state, goal, longest)
     after, slowest, fastest = step.after, step.slowest, step.fastest
     lost = ~np.isfinite(after.omega)
     runs.give_up(who[lost], Verdict.NOT_FINITE)
@@ -87,11 +94,32 @@ def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
     last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
     pause = np.where(now < first, first - now, (last - first) / WAITS)
     if runs.dynamics.changing:
-        cycle = runs.dynamics.cycle / np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))
-        last = np.fmin(begun + runs.ends.time[who], np.fmax(last, begun + MOST_CYCLES * cycle[who]))
+        last = begun + _span(runs, who)
         pause = (last - begun) / WAITS
     look = np.minimum(now + np.maximum(pause, AT_ONCE * now), _next_instant(instants, now))
     return np.where(now < last, look, np.inf)
+
+
+def _span(runs: Progress, who: np.ndarray) -> np.ndarray:
+    """Time over which a formula over time is followed from the begin of a run on."""
+    cycle = runs.dynamics.cycle / np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))[who]
+    last = np.fmax.reduce(runs.variants.instants[:, who], axis=0, initial=-np.inf)
+    return np.fmin(runs.ends.time[who], np.fmax(last - runs.clock[who], MOST_CYCLES * cycle))
+
+
+def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
+    """When machines at rest start, of those that would at the time of the next look; of others that time."""
+    form, part = runs.form(who), runs.part(who)
+
+    def start(time: np.ndarray) -> np.ndarray:
+        return form.at_rest(runs.absolute(part._replace(time=time), who)) != 0.0
+
+    started, low, high = start(look), part.time, look
+    for _ in range(HALVINGS if started.any() else 0):
+        middle = 0.5 * (low + high)
+        there = start(middle)
+        low, high = np.where(there, low, middle), np.where(there, middle, high)
+    return np.where(started, high, look)
 
 
 def _next_instant(instants: np.ndarray, time: np.ndarray) -> np.ndarray:
@@ -110,6 +138,9 @@ def _good_step(
     speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
     with np.errstate(all="ignore"):
         h = np.fmin(np.fmin(h, runs.farthest_step / speed), longest)
+        if runs.notes is not None:
+            # What is noted is to be seen.
+            h = np.fmin(h, form.first_step(state, runs.spacing, facing))
         # Through a jump at once.
         across = (ahead < ACROSS) & (speed * h > ahead)
         h = np.where(across, ahead / speed, h)

@@ -33,7 +33,7 @@ from engine.verdicts import Verdict
 
 # Steps of a cycle, at most: explicit ones, and implicit ones, for motors that are too steep for so many. How often they
 # are laid anew where the motion needs others than were thought of.
-MOST_STEPS, MOST_IMPLICIT_STEPS, MOST_MESHES = 200, 1000, 5
+MOST_STEPS, MOST_IMPLICIT_STEPS, MOST_MESHES = 200, 3000, 5
 # Steps that miss so many times what is allowed are laid anew.
 ALLOWED = 10.0
 
@@ -167,6 +167,7 @@ def _settled(
 def _steady_of(found: np.ndarray, record: np.ndarray) -> Steady:
     verdict, energy, log_multiplier, residual, period, motors, squares, slowest, fastest, _, ended, _ = found[:FOUND]
     verdict = np.where((verdict == STALLS_HERE) | (verdict == STALLS_AT_ONCE), Verdict.STALLS, verdict)
+    verdict = np.where(verdict == TOO_MANY_STEPS, Verdict.NOT_FINITE, verdict)
     works = np.concatenate((motors[None], found[FOUND:]))
     if works.shape[0] == 2:
         # What the motors didn't give.

@@ -1,10 +1,9 @@
-"""The equation of motion in the energy form, dE = M dφ, step by step over the nodes of a grid in crank angle.
+"""The equation of motion in the energy form, dE = M dφ.
 
 With E = ½Iω² the equation I·ε + ½ω²·dI/dφ = M reads dE/dφ = M(φ, √(2E/I)): no derivative of I is needed, and a
 machine without moments keeps its energy to the last bit. Time and works are integrals over φ of 1/ω and of the
-moments, carried along by the same Runge–Kutta method of order four. Everything that depends on φ alone is tabulated
-at the nodes and the middles between them and used again every cycle. `engine.motion.steppers.energy_lanes` makes the
-steps.
+moments, carried along by the same method. `engine.motion.steppers.settling` goes through a cycle again and again,
+`engine.motion.steppers.going` to the end of a run; `engine.motion.steppers.baselines` go over tables.
 
 Angles here are turned in the direction of motion, so ω > 0 and moments are positive where they drive.
 """
@@ -13,15 +12,6 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-
-# Too near to rest for the energy form: where loads take so many times the energy per radian (1/ω is a root of the angle
-# there, and no refinement helps), or more than this share of it in a step.
-TIMES_PER_RADIAN = 4.0
-SHARE_PER_STEP = 0.5
-
-# Steps are stiff where an explicit method is about to become unstable, unless the moments at stake are too small to
-# matter: then their differences are rounding.
-STIFF_SHARE = 1e-9
 
 
 class Tables(NamedTuple):
@@ -43,10 +33,6 @@ class Tables(NamedTuple):
     inertia: np.ndarray
     loads: np.ndarray
     powers: np.ndarray
-
-    def some(self, chosen: np.ndarray) -> "Tables":
-        """Tables of some of the variants, by index."""
-        return Tables(*(np.ascontiguousarray(rows[..., chosen]) for rows in self))
 
     def at(self, places: np.ndarray | slice, columns: np.ndarray | slice = slice(None)) -> "Tables":
         """The tables at some of the places, of each variant at one of its own, or at the nodes with a slice.
@@ -78,52 +64,3 @@ class Stop(IntEnum):
 
 
 ANGLE, TIME, ABOVE, BELOW, NEAR_REST, STIFF = (int(stop) for stop in Stop)
-
-
-class Limits(NamedTuple):
-    """Ends of a stretch, each (variants,): steps to make at most, time [s], speeds from below and above [rad/s].
-
-    A speed `below` that is negative says that the stretch goes on as long as there is energy, near to rest as well.
-    """
-
-    steps: np.ndarray
-    time: np.ndarray
-    above: np.ndarray
-    below: np.ndarray
-
-
-class Course(NamedTuple):
-    """State of each variant at a node, and what has gathered on the way; arrays (variants,) unless said.
-
-    Attributes
-    ----------
-    energy, time : ndarray
-        [J], [s].
-    made : ndarray of int
-        Steps made.
-    stop : ndarray of int
-        `Stop`: the next step would pass the end for this reason.
-    works : ndarray (channels + 1, variants)
-        Work of the motors and of each channel [J].
-    slowest, fastest, peak : ndarray
-        Least and greatest speed at nodes [rad/s], greatest moment of the motors by magnitude [N·m].
-    squares : ndarray
-        Integral of the motors' moment squared over time [N²·m²·s].
-    """
-
-    energy: np.ndarray
-    time: np.ndarray
-    made: np.ndarray
-    stop: np.ndarray
-    works: np.ndarray
-    slowest: np.ndarray
-    fastest: np.ndarray
-    peak: np.ndarray
-    squares: np.ndarray
-
-
-def new_course(variants: int, channels: int) -> Course:
-    """Memory for the courses of a number of variants."""
-    numbers = (np.zeros(variants) for _ in range(4))
-    counts = (np.zeros(variants, np.int64) for _ in range(2))
-    return Course(np.zeros(variants), np.zeros(variants), *counts, np.zeros((channels + 1, variants)), *numbers)

@@ -41,6 +41,7 @@ from engine.motion.steppers.mesh import (
 from engine.motion.steppers.one_step import (
     FROM_MOTORS,
     MOMENT,
+    ROW_OF,
     SLOWNESS,
     SPEED,
     SQUARE,
@@ -295,10 +296,12 @@ def go_on_to_end(
             )
             for lane in range(LANES):
                 state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
-            make_stages(0, method.stages, LANES, method, form, drive, exponents, places, 0, state[E], step, stages)
+            make_stages(
+                ROW_OF[0], method.stages, LANES, method, form, drive, exponents, places, 0, state[E], step, stages
+            )
             judge_step(LANES, method, cycle, state, steps, 0, stages)
-            add_weighted(LANES, method.weights, step, stages, MOMENT, state[E_AFTER])
-            add_weighted(LANES, method.weights, step, stages, SLOWNESS, state[T_AFTER])
+            add_weighted(LANES, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
+            add_weighted(LANES, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
             decide(method.implicit, edges, count, places, row, steps, state, stages)
             for s in range(method.stages):
                 for lane in range(LANES):
@@ -308,8 +311,8 @@ def go_on_to_end(
                     taken = step[lane] > 0.0
                     stages[SQUARE + s, lane] = stages[SQUARE + s, lane] if taken else 0.0
                     stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
-            add_weighted(LANES, method.weights, step, stages, FROM_MOTORS, state[MOTOR])
-            add_weighted(LANES, method.weights, step, stages, SQUARE, state[SQUARES])
+            add_weighted(LANES, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
+            add_weighted(LANES, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
             if form.channels > 1:
                 for channel in range(form.channels):
                     for lane in range(LANES):
@@ -333,12 +336,12 @@ def go_on_to_end(
                 step,
                 stages,
             )
-            make_polynomial(LANES, method, step, stages, MOMENT, parts, 0)
+            make_polynomial(LANES, method, step, stages, ROW_OF[MOMENT], parts, ROW_OF[0])
             if asked.shape[0] > 0:
                 for s in range(method.stages, method.dense_stages):
                     for lane in range(LANES):
                         stages[SLOWNESS + s, lane] = 1.0 / stages[SPEED + s, lane]
-                make_polynomial(LANES, method, step, stages, SLOWNESS, parts, DENSE_PARTS)
+                make_polynomial(LANES, method, step, stages, ROW_OF[SLOWNESS], parts, ROW_OF[DENSE_PARTS])
                 record_within(method.implicit, first, own, asked, record, 0, False, steps, state, stages, parts)
             look_for_extremes(LANES, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
             for lane in range(LANES):

@@ -13,7 +13,16 @@ from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.lanes import Memory, in_lanes
 from engine.cycle.panels.series import larger, smaller
-from engine.motion.steppers.one_step import FROM_MOTORS, MOMENT, SLOWNESS, SPEED, add_weighted, estimate, make_stages
+from engine.motion.steppers.one_step import (
+    FROM_MOTORS,
+    MOMENT,
+    ROW_OF,
+    SLOWNESS,
+    SPEED,
+    add_weighted,
+    estimate,
+    make_stages,
+)
 from engine.motion.steppers.places import INVERSE, Form, Source, fill_place
 from engine.motion.steppers.tableaux import Method
 
@@ -49,8 +58,8 @@ def judge_step(wide: int, method: Method, cycle: float, state: Memory, steps: Me
             moment, loads = stages[MOMENT + s, lane], stages[MOMENT + s, lane] - stages[FROM_MOTORS + s, lane]
             work = larger(abs(steps[at + LENGTH, lane] * moment), FAIR_STEP * abs(loads))
             state[WORK, lane] = larger(work, state[WORK, lane])
-    estimate(wide, method, steps[at + LENGTH], stages, SLOWNESS, state[OTHER], state[ERROR_T])
-    estimate(wide, method, steps[at + LENGTH], stages, MOMENT, state[OTHER], state[ERROR])
+    estimate(wide, method, steps[at + LENGTH], stages, ROW_OF[SLOWNESS], state[OTHER], state[ERROR_T])
+    estimate(wide, method, steps[at + LENGTH], stages, ROW_OF[MOMENT], state[OTHER], state[ERROR])
     for lane in range(wide):
         allowed = state[TOLERANCE, lane] * state[WORK, lane] + ROUNDED * state[E, lane]
         of_time = abs(state[ERROR_T, lane]) * stages[SPEED, lane] / (cycle * state[TOLERANCE, lane])
@@ -194,8 +203,10 @@ def lay_mesh(
             state[E, lane] = kept if speed > 0.0 else state[E, lane]
             state[E_AFTER, lane] = state[E, lane]
         step = steps[at + LENGTH]
-        make_stages(0, method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages)
-        add_weighted(wide, method.weights, step, stages, MOMENT, state[E_AFTER])
+        make_stages(
+            ROW_OF[0], method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages
+        )
+        add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
         judge_step(wide, method, cycle, state, steps, at, stages)
         going = go_on(wide, cycle, edges, count, state, steps, at)
         made += 1

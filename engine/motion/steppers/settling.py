@@ -50,6 +50,7 @@ from engine.motion.steppers.one_step import (
     ENERGY,
     FROM_MOTORS,
     MOMENT,
+    ROW_OF,
     SLOPE,
     SLOWNESS,
     SPEED,
@@ -305,10 +306,12 @@ def turn_once(
         state[E, lane], state[LOG, lane] = state[BEGIN, lane], 0.0
     for k in range(made):
         first, step = form.width * method.shares.shape[0] * k, steps[STEP_ROWS * k + LENGTH]
-        make_stages(0, method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages)
+        make_stages(
+            ROW_OF[0], method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages
+        )
         make_slopes(wide, method, form, drive, exponents, places, first, stages)
-        add_weighted(wide, method.weights, step, stages, MOMENT, state[E])
-        add_weighted(wide, method.weights, step, stages, SLOPE, state[LOG])
+        add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E])
+        add_weighted(wide, method.weights, step, stages, ROW_OF[SLOPE], state[LOG])
         for lane in range(wide):
             state[E, lane] += doubt * missed[k, lane]
 
@@ -403,7 +406,7 @@ def add_cycle_works(
                 if channel_of[law] == channel:
                     add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, own)
         greatest, errors = works[form.channels + channel], works[2 * form.channels + channel]
-        add_with_error(wide, doubt, method, step, CHANNEL, state, stages, works[channel], greatest, errors)
+        add_with_error(wide, doubt, method, step, ROW_OF[CHANNEL], state, stages, works[channel], greatest, errors)
 
 
 @routine
@@ -586,7 +589,9 @@ def gather_cycle(
         for lane in range(wide):
             nodes[k, lane] = state[E, lane]
             state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
-        make_stages(0, method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages)
+        make_stages(
+            ROW_OF[0], method.stages, wide, method, form, drive, exponents, places, first, state[E], step, stages
+        )
         judge_step(wide, method, cycle, state, steps, at, stages)
         for lane in range(wide):
             state[WORST, lane] = larger(state[OTHER, lane], state[WORST, lane])
@@ -595,24 +600,25 @@ def gather_cycle(
             state[WORST, lane] = state[WORST, lane] if state[OTHER, lane] < math.inf else math.inf
         for lane in range(wide):
             state[LOST, lane] = 0.0
-        add_with_error(wide, doubt, method, step, MOMENT, state, stages, state[E_AFTER], state[OF_E], state[LOST])
+        total, greatest = state[E_AFTER], state[OF_E]
+        add_with_error(wide, doubt, method, step, ROW_OF[MOMENT], state, stages, total, greatest, state[LOST])
         for lane in range(wide):
             missed[k, lane] = state[LOST, lane] if doubt == 0.0 else missed[k, lane]
             state[E_AFTER, lane] += doubt * missed[k, lane]
         if doubt == 0.0:
             make_slopes(wide, method, form, drive, exponents, places, first, stages)
             total, errors = state[LOG], state[LOG_ERROR]
-            add_with_error(wide, doubt, method, step, SLOPE, state, stages, total, state[OF_LOG], errors)
+            add_with_error(wide, doubt, method, step, ROW_OF[SLOPE], state, stages, total, state[OF_LOG], errors)
         total, errors = state[T_AFTER], state[TIME_ERROR]
-        add_with_error(wide, doubt, method, step, SLOWNESS, state, stages, total, state[OF_TIME], errors)
+        add_with_error(wide, doubt, method, step, ROW_OF[SLOWNESS], state, stages, total, state[OF_TIME], errors)
         for s in range(method.stages):
             for lane in range(wide):
                 motors = stages[FROM_MOTORS + s, lane]
                 stages[SQUARE + s, lane] = motors * motors * stages[SLOWNESS + s, lane]
         total, errors = state[MOTOR], state[MOTOR_ERROR]
-        add_with_error(wide, doubt, method, step, FROM_MOTORS, state, stages, total, state[OF_MOTOR], errors)
+        add_with_error(wide, doubt, method, step, ROW_OF[FROM_MOTORS], state, stages, total, state[OF_MOTOR], errors)
         total, errors = state[SQUARES], state[SQUARES_ERROR]
-        add_with_error(wide, doubt, method, step, SQUARE, state, stages, total, state[OF_SQUARES], errors)
+        add_with_error(wide, doubt, method, step, ROW_OF[SQUARE], state, stages, total, state[OF_SQUARES], errors)
         if form.channels > 1:
             add_cycle_works(wide, doubt, method, form, channel_of, exponents, places, first, step, state, stages, works)
         if doubt == 0.0 or asked.shape[0] > 0:
@@ -630,12 +636,12 @@ def gather_cycle(
                 step,
                 stages,
             )
-            make_polynomial(wide, method, step, stages, MOMENT, parts, 0)
+            make_polynomial(wide, method, step, stages, ROW_OF[MOMENT], parts, ROW_OF[0])
         if asked.shape[0] > 0:
             for s in range(method.stages, method.dense_stages):
                 for lane in range(wide):
                     stages[SLOWNESS + s, lane] = 1.0 / stages[SPEED + s, lane]
-            make_polynomial(wide, method, step, stages, SLOWNESS, parts, DENSE_PARTS)
+            make_polynomial(wide, method, step, stages, ROW_OF[SLOWNESS], parts, ROW_OF[DENSE_PARTS])
             record_within(
                 method.implicit, first_variant, width, asked, record, at, k == made - 1, steps, state, stages, parts
             )
@@ -683,9 +689,20 @@ def go_to_extreme(
         state[E, lane] = nodes[int(state[which + IN_STEP, lane]), lane]
         state[E_AFTER, lane] = state[E, lane]
     make_stages(
-        0, method.stages, wide, method, form, drive, exponents, places, first, state[E], steps[at + LENGTH], stages
+        ROW_OF[0],
+        method.stages,
+        wide,
+        method,
+        form,
+        drive,
+        exponents,
+        places,
+        first,
+        state[E],
+        steps[at + LENGTH],
+        stages,
     )
-    add_weighted(wide, method.weights, steps[at + LENGTH], stages, MOMENT, state[E_AFTER])
+    add_weighted(wide, method.weights, steps[at + LENGTH], stages, ROW_OF[MOMENT], state[E_AFTER])
     for lane in range(wide):
         whole = int(state[which + IN_STEP, lane])
         share = steps[at + LENGTH, lane] / steps[STEP_ROWS * whole + LENGTH, lane]
@@ -850,7 +867,7 @@ def settle(
                     lay_to_extreme(made, which, state, steps)
                     k = made + (0 if which == SLOWEST else 1)
                     fill_step(
-                        0,
+                        ROW_OF[0],
                         method.stages,
                         method,
                         fill,

@@ -15,6 +15,7 @@ from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
 from engine.motion.steppers.one_step import (
+    ROW_OF,
     add_weighted,
     cubic_extreme,
     estimate,
@@ -150,10 +151,10 @@ def judge_step_in_time(
         for lane in range(wide):
             spare[REACH, lane] = larger(abs(step[lane] * stages[SPEED + s, lane]), spare[REACH, lane])
             spare[CHANGE, lane] = larger(abs(step[lane] * stages[RISE + s, lane]), spare[CHANGE, lane])
-    estimate(wide, method, step, stages, SPEED, spare[OTHER], spare[ERROR])
+    estimate(wide, method, step, stages, ROW_OF[SPEED], spare[OTHER], spare[ERROR])
     for lane in range(wide):
         found[MISSED, lane] = abs(spare[ERROR, lane]) / (tolerance * spare[REACH, lane])
-    estimate(wide, method, step, stages, RISE, spare[OTHER], spare[ERROR])
+    estimate(wide, method, step, stages, ROW_OF[RISE], spare[OTHER], spare[ERROR])
     for lane in range(wide):
         of_speed = abs(spare[ERROR, lane]) / (tolerance * spare[CHANGE, lane])
         # What doesn't move at all misses nothing.
@@ -165,7 +166,7 @@ def judge_step_in_time(
 @routine
 def look_at_speeds(wide: int, method: Method, given: Memory, stages: Memory, spare: Memory, found: Memory) -> None:
     """Least and greatest speed of a step, by the polynomial within it."""
-    make_polynomial(wide, method, given[LENGTH], stages, RISE, spare, CHANGE + 1)
+    make_polynomial(wide, method, given[LENGTH], stages, ROW_OF[RISE], spare, CHANGE + 1)
     for lane in range(wide):
         low = high = before = given[OMEGA, lane]
         near = slope_within(spare, CHANGE + 1, lane, 0.0) / LOOKS
@@ -234,10 +235,10 @@ def step_in_time(
                 found[row, lane] = 0.0
         for lane in range(LANES):
             found[AFTER, lane], found[OMEGA_AFTER, lane] = given[TURNED, lane], given[OMEGA, lane]
-        add_weighted(LANES, method.weights, step, stages, SPEED, found[AFTER])
-        add_weighted(LANES, method.weights, step, stages, RISE, found[OMEGA_AFTER])
-        add_weighted(LANES, method.weights, step, stages, POWER, found[MOTOR])
-        add_weighted(LANES, method.weights, step, stages, SQUARE, found[SQUARES])
+        add_weighted(LANES, method.weights, step, stages, ROW_OF[SPEED], found[AFTER])
+        add_weighted(LANES, method.weights, step, stages, ROW_OF[RISE], found[OMEGA_AFTER])
+        add_weighted(LANES, method.weights, step, stages, ROW_OF[POWER], found[MOTOR])
+        add_weighted(LANES, method.weights, step, stages, ROW_OF[SQUARE], found[SQUARES])
         for channel in range(form.channels):
             for s in range(method.stages):
                 at, own, speed = form.width * s, stages[CHANNEL + s], stages[SPEED + s]
@@ -252,7 +253,7 @@ def step_in_time(
                         own[lane] = stages[MOMENT + s, lane] - stages[FROM_MOTORS + s, lane]
                 for lane in range(LANES):
                     own[lane] *= speed[lane]
-            add_weighted(LANES, method.weights, step, stages, CHANNEL, found[FOUND + channel])
+            add_weighted(LANES, method.weights, step, stages, ROW_OF[CHANNEL], found[FOUND + channel])
         judge_step_in_time(LANES, method, tolerance, given, stages, spare, found)
         stages_in_time(
             method.stages,

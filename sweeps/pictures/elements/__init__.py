@@ -1,1 +1,1 @@
-"""Pictures of machine elements: plans of rotors' unbalances, orders that shake engines, governors."""
+"""Pictures of machine elements: plans of rotors, orders that shake engines, governors, springs, gears, cams."""

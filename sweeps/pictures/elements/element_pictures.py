@@ -1,9 +1,11 @@
-"""Pictures of the machine elements of a scene: rotors, engines, governors, elastic links; and their tables in words."""
+"""Pictures of the machine elements of a scene: rotors, engines, governors, springs, gears, cams; and their tables."""
 
 from pathlib import Path
 
 from engine import (
+    CamElement,
     EngineElement,
+    GearTrain,
     Governor,
     OscillatorElement,
     RotorElement,
@@ -12,22 +14,24 @@ from engine import (
     TwoMassDrive,
     governed_scene,
 )
+from sweeps.pictures.elements.cam_sheet import cam_sheet
 from sweeps.pictures.elements.elastic_sheets import drive_sheet, oscillator_sheet
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
+from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.train_sheet import train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors, engines, governors, oscillators, torsional trains and elastic drives of a scene.
+    """Draw the rotors, engines, governors, oscillators, torsional trains, elastic drives, cams and gears of a scene.
 
     Parameters
     ----------
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_governor`,
-        `_vibration` or `_transient` added.
+        `_vibration`, `_transient`, `_cam` or `_velocities` added.
 
     Returns
     -------
@@ -37,7 +41,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, or it can't be written.
+        The file's ending isn't a picture's, or it can't be written; a cam's follower doesn't reach its base circle.
     """
     made = []
     scene, cycles = governed_scene(scene)
@@ -62,11 +66,17 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case TwoMassDrive():
                 made.append(path.with_name(f"{path.stem}_{name}_transient{path.suffix}"))
                 drive_sheet(element, made[-1], title)
+            case CamElement():
+                made.append(path.with_name(f"{path.stem}_{name}_cam{path.suffix}"))
+                cam_sheet(element, made[-1], title)
+            case GearTrain():
+                made.append(path.with_name(f"{path.stem}_{name}_velocities{path.suffix}"))
+                gear_sheet(element, made[-1], title)
     return made
 
 
 def element_tables(scene: Scene) -> str:
-    """Tables of the orders of a scene's engines and of the modes of its trains, in words; "" without any."""
+    """Tables of engines' orders, of torsional trains' modes and of gear trains' shafts, in words; "" without any."""
     told = []
     for name, element in scene.elements.items():
         match element:
@@ -74,4 +84,6 @@ def element_tables(scene: Scene) -> str:
                 told.append(f"{name}: orders of the crank\n{engine_table(element)}")
             case TorsionalTrain():
                 told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{train_table(element)}")
+            case GearTrain():
+                told.append(f"{name}: {gear_table(element)}")
     return "\n".join(told)

@@ -34,6 +34,12 @@ REASONS = {
     Verdict.NO_INERTIA: "no inertia at a dead centre",
     Verdict.UNSTABLE: "governor nowhere stable",
     Verdict.RESONANCE: "resonance without damping",
+    Verdict.UNDERCUT: "cam undercut",
+    Verdict.LIFTS_OFF: "follower lifts off",
+    Verdict.DOES_NOT_FIT: "wheels don't fit",
+    Verdict.SELF_LOCKS: "gears lock by themselves",
+    Verdict.STANDS: "losses stop the gears",
+    Verdict.SLIDES: "friction wheels slide",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 

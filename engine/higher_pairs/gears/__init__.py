@@ -1,0 +1,1 @@
+"""Gear trains: fixed, planetary and differential; speeds, assembly, moments with losses, inertia."""

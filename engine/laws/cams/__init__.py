@@ -1,0 +1,1 @@
+"""Laws of cams: motion of the follower, shape of the profile, forces between them."""

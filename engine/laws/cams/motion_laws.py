@@ -1,0 +1,128 @@
+"""Motion laws of followers on a unit interval: displacement S(u) from 0 to 1 and its first three derivatives.
+
+A section of a cam over the angle β and the stroke h has s = h S(u), s' = h S'/β, s'' = h S''/β², s''' = h S'''/β³.
+Laws made of several expressions are told in which of them to stay, by a place `held` inside it: so each is smooth up to
+both of its ends.
+
+Source: R. L. Norton, Cam Design and Manufacturing Handbook (double-dwell functions).
+"""
+
+import math
+
+from engine.compiling.decorators import scalar
+
+Motion = tuple[float, float, float, float]
+
+
+@scalar
+def uniform_motion(u: float) -> Motion:
+    """Constant velocity."""
+    return u, 1.0, 0.0, 0.0
+
+
+@scalar
+def parabolic_motion(u: float, held: float) -> Motion:
+    """Constant acceleration in the first half, the same deceleration in the second."""
+    if held < 0.5:
+        return 2.0 * u * u, 4.0 * u, 4.0, 0.0
+    v = 1.0 - u
+    return 1.0 - 2.0 * v * v, 4.0 * v, -4.0, 0.0
+
+
+@scalar
+def harmonic_motion(u: float) -> Motion:
+    """Simple harmonic motion over half its period."""
+    c, s = math.cos(math.pi * u), math.sin(math.pi * u)
+    # By the half angle: near the beginning 1 − cos πu has no digits.
+    return math.sin(0.5 * math.pi * u) ** 2, math.pi / 2 * s, math.pi**2 / 2 * c, -(math.pi**3) / 2 * s
+
+
+@scalar
+def cycloidal_motion(u: float) -> Motion:
+    """Acceleration by a full sine wave."""
+    a = 2.0 * math.pi * u
+    c, s = math.cos(a), math.sin(a)
+    return u - s / (2.0 * math.pi), 1.0 - c, 2.0 * math.pi * s, 4.0 * math.pi**2 * c
+
+
+@scalar
+def polynomial_345(u: float) -> Motion:
+    """Polynomial 3-4-5: velocity and acceleration are zero at both ends."""
+    v = 1.0 - u
+    return (
+        u**3 * (10.0 - 15.0 * u + 6.0 * u * u),
+        30.0 * u * u * v * v,
+        60.0 * u * v * (1.0 - 2.0 * u),
+        60.0 * (1.0 - 6.0 * u * v),
+    )
+
+
+@scalar
+def polynomial_4567(u: float) -> Motion:
+    """Polynomial 4-5-6-7: the jerk is zero at both ends as well."""
+    v = 1.0 - u
+    return (
+        u**4 * (35.0 - 84.0 * u + 70.0 * u**2 - 20.0 * u**3),
+        140.0 * (u * v) ** 3,
+        420.0 * (u * v) ** 2 * (1.0 - 2.0 * u),
+        840.0 * u * v * (1.0 - 5.0 * u * v),
+    )
+
+
+@scalar
+def modified_sine(u: float, held: float) -> Motion:
+    """Sine waves of acceleration: a quarter of a short one at each end, half a long one between."""
+    if held > 0.875:
+        s, s1, s2, s3 = _short_wave(1.0 - u)
+        return 1.0 - s, s1, -s2, s3
+    if held < 0.125:
+        return _short_wave(u)
+    a = 4.0 * math.pi / 3.0 * u + math.pi / 3.0
+    c, s = math.cos(a), math.sin(a)
+    k = 1.0 / (4.0 + math.pi)
+    return (
+        k * (2.0 + math.pi * u - 2.25 * s),
+        k * math.pi * (1.0 - 3.0 * c),
+        k * 4.0 * math.pi**2 * s,
+        k * 16.0 / 3.0 * math.pi**3 * c,
+    )
+
+
+@scalar
+def _short_wave(u: float) -> Motion:
+    """The modified sine's first eighth."""
+    a = 4.0 * math.pi * u
+    c, s = math.cos(a), math.sin(a)
+    k = math.pi / (4.0 + math.pi)
+    return k * (u - s / (4.0 * math.pi)), k * (1.0 - c), k * 4.0 * math.pi * s, k * 16.0 * math.pi**2 * c
+
+
+@scalar
+def modified_trapezoid(u: float, held: float) -> Motion:
+    """Trapezoid of acceleration, its flanks quarters of a sine wave."""
+    if held <= 0.5:
+        return _half_trapezoid(u, held)
+    s, s1, s2, s3 = _half_trapezoid(1.0 - u, 1.0 - held)
+    return 1.0 - s, s1, -s2, s3
+
+
+@scalar
+def _half_trapezoid(u: float, held: float) -> Motion:
+    peak = 8.0 * math.pi / (2.0 + math.pi)
+    w = 4.0 * math.pi
+    if held < 0.125:
+        c, s = math.cos(w * u), math.sin(w * u)
+        return peak / w * (u - s / w), peak / w * (1.0 - c), peak * s, peak * w * c
+    v = u - 0.125
+    reached = peak / w * (0.125 - 1.0 / w)
+    if held < 0.375:
+        return reached + peak * v * (1.0 / w + 0.5 * v), peak * (1.0 / w + v), peak, 0.0
+    reached += 0.25 * peak * (1.0 / w + 0.125)
+    v = u - 0.375
+    c, s = math.cos(w * v), math.sin(w * v)
+    return (
+        reached + peak * (v * (1.0 / w + 0.25) + (1.0 - c) / w**2),
+        peak * (1.0 / w + 0.25 + s / w),
+        peak * c,
+        -peak * w * s,
+    )

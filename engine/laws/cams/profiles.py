@@ -1,0 +1,179 @@
+"""Geometry of a cam and its follower: pressure angle, curvature, where a flat face is touched.
+
+The cam turns by φ, counter-clockwise, about the origin. Primes are derivatives by φ. A translating follower moves along
+y at x = e. An oscillating one has its pivot at (d, 0); its arm, above the line of centres, makes the angle ψ with it
+and opens against the cam's rotation (`sense` = 1) or with it (−1). What is said of the pitch curve holds for the
+path of a roller's centre and for a knife edge.
+
+Source: K. L. Johnson, Contact Mechanics, for the pressure of lines in contact; all else is the envelope of the
+follower's positions in the axes of the cam.
+"""
+
+import math
+
+import numpy as np
+
+from engine.compiling.decorators import scalar
+
+Place = tuple[float, float, float, float, float, float]
+
+
+@scalar
+def least_height(prime_radius: float, offset: float) -> float:
+    """Height s₀ of a translating follower above the axis where it is lowest; NaN where the offset is too great."""
+    return math.sqrt((prime_radius - offset) * (prime_radius + offset))
+
+
+@scalar
+def least_arm_angle(prime_radius: float, arm: float, distance: float) -> float:
+    """Angle ψ₀ of an arm whose end lies on the prime circle; NaN where it doesn't reach it.
+
+    By the half angle, which keeps its digits where the arm is nearly in line.
+    """
+    near = (prime_radius - distance + arm) * (prime_radius + distance - arm)
+    far = (distance + arm - prime_radius) * (distance + arm + prime_radius)
+    return 2.0 * math.atan(math.sqrt(near / far))
+
+
+@scalar
+def translating_place(offset: float, y: float, s1: float, s2: float) -> Place:
+    """Centre of a translating follower's roller and its first two derivatives, x and y of each."""
+    return offset, y, 0.0, s1, 0.0, s2
+
+
+@scalar
+def oscillating_place(arm: float, distance: float, psi: float, s1: float, s2: float) -> Place:
+    """Centre of an oscillating follower's roller and its first two derivatives, x and y of each."""
+    c, s = math.cos(psi), math.sin(psi)
+    return (
+        distance - arm * c,
+        arm * s,
+        arm * s * s1,
+        arm * c * s1,
+        arm * (c * s1 * s1 + s * s2),
+        arm * (c * s2 - s * s1 * s1),
+    )
+
+
+@scalar
+def translating_pressure(offset: float, y: float, s1: float) -> tuple[float, float]:
+    """Parts of the normal across a translating follower's motion and along it: their ratio is tan α."""
+    return s1 - offset, y
+
+
+@scalar
+def oscillating_pressure(arm: float, distance: float, psi: float, s1: float, sense: float) -> tuple[float, float]:
+    """Parts of the normal along an oscillating follower's arm and across it: their ratio is tan α."""
+    return arm * (1.0 + sense * s1) - distance * math.cos(psi), distance * math.sin(psi)
+
+
+@scalar
+def rolled_back(place: Place, sense: float) -> tuple[float, float, float, float]:
+    """Pitch curve's z' and z'', in axes that coincide with those of the frame; the cam turns by `sense` × φ."""
+    x, y, x1, y1, x2, y2 = place
+    return (
+        x1 + sense * y,
+        y1 - sense * x,
+        x2 + 2.0 * sense * y1 - x,
+        y2 - 2.0 * sense * x1 - y,
+    )
+
+
+@scalar
+def pitch_curvature(place: Place, sense: float) -> float:
+    """Curvature of the pitch curve, positive where it is convex."""
+    x1, y1, x2, y2 = rolled_back(place, sense)
+    square = x1 * x1 + y1 * y1
+    return -sense * (x1 * y2 - y1 * x2) / (square * math.sqrt(square))
+
+
+@scalar
+def flat_face_support(distance: float, psi: float, s1: float, s2: float, sense: float) -> tuple[float, float]:
+    """Contact of an oscillating flat face that goes through its pivot.
+
+    Returns
+    -------
+    radius : float
+        Radius of curvature of the cam: p + d²p/dθ², p = d sin ψ being the distance of the face from the cam's axis, θ
+        the angle by which it turns against the cam.
+    place : float
+        Distance of the contact from the pivot.
+    """
+    c, s = math.cos(psi), math.sin(psi)
+    turn, turned = 1.0 + sense * s1, sense * s2
+    p1, p2 = distance * c * s1, distance * (c * s2 - s * s1 * s1)
+    return distance * s + (p2 * turn - p1 * turned) / turn**3, distance * c / turn
+
+
+@scalar
+def profile_point(place: Place, sense: float, inwards: float) -> tuple[float, float]:
+    """Point on the normal of the pitch curve, `inwards` of it, in the axes of the frame.
+
+    Parameters
+    ----------
+    place : tuple of 6 floats
+    sense : float
+    inwards : float
+        The roller's radius for the cam's surface, less that of a cutter for the path of the cutter's centre.
+    """
+    x1, y1, _, _ = rolled_back(place, sense)
+    size = math.sqrt(x1 * x1 + y1 * y1)
+    return place[0] + sense * inwards * y1 / size, place[1] - sense * inwards * x1 / size
+
+
+def pressure_of_lines(curved_force: np.ndarray, modulus: np.ndarray, width: np.ndarray) -> np.ndarray:
+    """Greatest pressure by Hertz between cylinders of one material in contact along a line.
+
+    Parameters
+    ----------
+    curved_force : ndarray
+        Force that presses them together times the sum of their curvatures, hollow ones negative [N/m].
+    modulus : ndarray
+        E/(2(1 − ν²)) of the material [Pa].
+    width : ndarray
+        Length of the line [m].
+    """
+    return np.sqrt(curved_force * modulus / (math.pi * width))
+
+
+@scalar
+def least_height_for_angle(s: float, s1: float, offset: float, slope: float) -> float:
+    """Height s₀ above which |tan α| of a translating follower stays below `slope` at this position."""
+    return abs(s1 - offset) / slope - s
+
+
+@scalar
+def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, radius: float) -> float:
+    """Height s₀ above which the pitch curve of a translating follower is never more curved than 1/`radius` here.
+
+    The greatest root y of R³ = ρ(R² + v s' − y s''), R² = y² + v², v = s' − e, less s; found by Newton's method from
+    above, in a bracket. It is sought above y = s alone: 0 where there is none, as any height will do.
+    """
+    v = s1 - offset
+    low, high = max(s, 0.0), radius + math.sqrt(radius * abs(s2)) + (radius * abs(v * s1)) ** (1.0 / 3.0)
+    # R³ outgrows the rest from here: each of its terms is less than a third of R³ beyond three times its own bound.
+    high = 3.0 * high
+    if high <= low:
+        return 0.0
+    least = math.sqrt(low * low + v * v)
+    bends_up = 3.0 * (least * least + low * low) >= 2.0 * radius * least
+    y = high
+    for _ in range(100):
+        square = y * y + v * v
+        r = math.sqrt(square)
+        f = r * square - radius * (square + v * s1 - y * s2)
+        if f >= 0.0:
+            high = y
+        else:
+            low = y
+        slope = 3.0 * r * y - radius * (2.0 * y - s2)
+        new = y - f / slope if slope > 0.0 else 0.5 * (low + high)
+        if not low <= new <= high:
+            # From above, Newton's method stays above the root of what bends upwards: passing `low`, it tells of none.
+            if f >= 0.0 and (bends_up or high - low <= 1e-6 * radius):
+                return 0.0
+            new = 0.5 * (low + high)
+        if abs(new - y) <= 2e-16 * high:
+            break
+        y = new
+    return y - s

@@ -1,0 +1,148 @@
+"""Outlines of a cam for making it: profile, pitch curve and cutter path, in millimetres at full size, as DXF or SVG."""
+
+from pathlib import Path
+
+import numpy as np
+
+from engine import CamCurves, CamElement, Scene, cam_curves
+from sweeps.pictures.picture_error import PictureError
+from sweeps.report.cam_tables import cam_csv
+from sweeps.text.input_files import InputError
+
+MM = 1e3
+# Between as many points, chords miss an outline by less than a millionth of its radius.
+POINTS = 3600
+# Colours by AutoCAD's index, line types, and colours of SVG.
+_LOOKS = {
+    "profile": (7, "CONTINUOUS", "black"),
+    "pitch": (8, "CENTER", "grey"),
+    "cutter": (3, "DASHED", "green"),
+    "axis": (1, "CONTINUOUS", "red"),
+}
+# Space around the outlines of an SVG drawing, and half the size of the cross at the cam's axis [mm].
+MARGIN, CROSS = 5.0, 3.0
+
+
+def cam_named(scene: Scene, name: str | None) -> CamElement | None:
+    """A cam of a scene; without a name the only one of a scene without a mechanism, if there is one.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str or None
+
+    Raises
+    ------
+    InputError
+        There is no cam of that name, or several and no name.
+    """
+    cams = {key: e for key, e in scene.elements.items() if isinstance(e, CamElement)}
+    listed = ", ".join(cams) if cams else "none"
+    if name is not None and name not in cams:
+        raise InputError(name, [(None, "--element", f"is no cam of this scene; its cams are: {listed}")])
+    if name is None and scene.input is None and len(cams) > 1:
+        raise InputError("scene", [(None, "--element", f"say which cam, one of {listed}")])
+    if name is None and (scene.input is not None or not cams):
+        return None
+    return cams[name or listed]
+
+
+def export_cam(cam: CamElement, out: Path) -> None:
+    """Write a cam as its file's ending says: courses as .csv, outlines as .svg or .dxf.
+
+    Parameters
+    ----------
+    cam : CamElement
+    out : Path
+
+    Raises
+    ------
+    PictureError, InputError
+        As `cam_drawing` and `cam_csv` say.
+    """
+    if out.suffix == ".csv":
+        cam_csv(cam, out, POINTS)
+    else:
+        cam_drawing(cam, out, POINTS)
+
+
+def cam_drawing(cam: CamElement, out: Path, points: int) -> None:
+    """Write a cam's outlines, in the cam's axes: as it lies at the beginning of its first section.
+
+    Parameters
+    ----------
+    cam : CamElement
+    out : Path
+        Ending .dxf or .svg.
+    points : int
+        About how many of each outline.
+
+    Raises
+    ------
+    PictureError
+        The follower doesn't reach the base circle, DXF needs a package that isn't installed, or the file can't be
+        written.
+    """
+    curves = cam_curves(cam, points)
+    if not curves.angle.size:
+        raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
+    lines = _outlines(cam, curves)
+    try:
+        if out.suffix == ".dxf":
+            _dxf(out, lines)
+        else:
+            out.write_text(_svg(lines), encoding="utf8")
+    except OSError as error:
+        raise PictureError(f"{out} can't be written: {error.strerror}") from None
+
+
+def _outlines(cam: CamElement, curves: CamCurves) -> dict[str, np.ndarray]:
+    """Closed outlines by name, without points that stand twice [mm]."""
+    lines = {"profile": curves.profile}
+    if cam.follower.contact == "roller":
+        lines["pitch"] = curves.pitch
+    if cam.cutter_radius is not None:
+        lines["cutter"] = curves.cutter
+    found = {}
+    for name, line in lines.items():
+        apart = np.abs(np.roll(line, -1) - line) > 1e-9 * np.abs(line).max()
+        found[name] = MM * line[apart]
+    return found
+
+
+def _cross() -> list[tuple[complex, complex]]:
+    return [(-CROSS + 0j, CROSS + 0j), (-CROSS * 1j, CROSS * 1j)]
+
+
+def _dxf(out: Path, lines: dict[str, np.ndarray]) -> None:
+    try:
+        import ezdxf
+    except ImportError:
+        raise PictureError("DXF needs the package ezdxf: pip install 'machine-sweeps[dxf]'") from None
+    document = ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
+    space = document.modelspace()
+    for name in (*lines, "axis"):
+        colour, kind, _ = _LOOKS[name]
+        document.layers.add(name, color=colour, linetype=kind)
+    for name, line in lines.items():
+        space.add_lwpolyline([(p.real, p.imag) for p in line], close=True, dxfattribs={"layer": name})
+    for a, b in _cross():
+        space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": "axis"})
+    document.saveas(out)
+
+
+def _svg(lines: dict[str, np.ndarray]) -> str:
+    every = np.concatenate([*lines.values(), [0j]])
+    left, right = every.real.min() - MARGIN, every.real.max() + MARGIN
+    low, high = every.imag.min() - MARGIN, every.imag.max() + MARGIN
+    paths = {name: "M" + " ".join(f"{p.real:.6f},{-p.imag:.6f}" for p in line) + "Z" for name, line in lines.items()}
+    paths["axis"] = " ".join(f"M{a.real:g},{-a.imag:g} {b.real:g},{-b.imag:g}" for a, b in _cross())
+    drawn = "\n".join(
+        f'  <path id="{name}" d="{path}" fill="none" stroke="{_LOOKS[name][2]}" stroke-width="0.2"/>'
+        for name, path in paths.items()
+    )
+    width, height = right - left, high - low
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.6f}mm" height="{height:.6f}mm" '
+        f'viewBox="{left:.6f} {-high:.6f} {width:.6f} {height:.6f}">\n{drawn}\n</svg>\n'
+    )

@@ -1,0 +1,349 @@
+"""Results of cams against closed forms, many digits, dense samples, and against each other where they must agree."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import ElementsAlone, Verdict, cam_curves, scene_numbers
+from tests.samples.cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
+
+OMEGA = 600 * math.pi / 30
+CIRCLE = {
+    "up": {"type": "rise", "law": "harmonic", "angle": "180 deg", "lift": "10 mm"},
+    "down": {"type": "return", "law": "harmonic"},
+}
+
+
+def within(value, error, true, slack=0.0):
+    assert abs(value - true) <= error + slack, f"{value} ± {error} against {true}"
+
+
+@pytest.mark.parametrize(
+    ("law", "velocity", "acceleration", "jerk"),
+    [
+        ("harmonic", math.pi / 2, math.pi**2 / 2, None),
+        ("parabolic", 2.0, 4.0, None),
+        ("cycloidal", 2.0, 2 * math.pi, 4 * math.pi**2),
+        ("3-4-5", 15 / 8, 10 / math.sqrt(3), 60.0),
+        ("4-5-6-7", 35 / 16, 84 * math.sqrt(5) / 25, 52.5),
+        ("modified sine", 4 * math.pi / (math.pi + 4), 4 * math.pi**2 / (math.pi + 4), 16 * math.pi**3 / (math.pi + 4)),
+        ("modified trapezoid", 2.0, 8 * math.pi / (math.pi + 2), 32 * math.pi**2 / (math.pi + 2)),
+    ],
+)
+def test_greatest_motion__is_the_known_peak(law, velocity, acceleration, jerk):
+    values, errors, status = cam_answers(
+        ROLLER, sections__out__law=law, sections__back__law=law, sections__back__angle="100 deg"
+    )
+    assert status == Verdict.OK
+    rate = OMEGA / math.radians(100)
+    within(values["greatest_velocity"], errors["greatest_velocity"], velocity * 0.02 * rate)
+    for name in ("greatest_acceleration", "greatest_deceleration"):
+        within(values[name], errors[name], acceleration * 0.02 * rate**2)
+    if jerk is None:
+        assert math.isnan(values["greatest_jerk"])
+        assert values["acceleration_jump"] > 0
+    else:
+        within(values["greatest_jerk"], errors["greatest_jerk"], jerk * 0.02 * rate**3)
+        assert values["acceleration_jump"] == 0.0
+
+
+def test_flat_face_on_an_eccentric_circle():
+    """Harmonic motion by half turns is that of an eccentric circle: one radius, contact to either side by e."""
+    values, errors, status = cam_answers(FLAT, sections=CIRCLE)
+    assert status == Verdict.OK
+    within(values["convex_radius"], errors["convex_radius"], 0.035)
+    within(values["face_length"], errors["face_length"], 0.010)
+    within(values["face_from"], errors["face_from"], -0.005)
+    curves = cam_curves(cam_of(FLAT, sections=CIRCLE))
+    np.testing.assert_allclose(np.abs(curves.profile - 1j * curves.profile.imag.mean()), 0.035, rtol=0.2)
+    middle = (curves.profile[0] + curves.profile[len(curves.profile) // 2]) / 2
+    np.testing.assert_allclose(np.abs(curves.profile - middle), 0.035, rtol=1e-12)
+
+
+def test_pressure_angle_and_curvature__with_many_digits():
+    """A 3-4-5 rise: the roots of their derivatives, by mpmath with 40 digits."""
+    values, errors, status = cam_answers(
+        ROLLER, "rise_pressure_angle", "rise_pressure_angle_at", "convex_radius", sections__out__law="3-4-5"
+    )
+    assert status == Verdict.OK
+    cam = cam_of(ROLLER, sections__out__law="3-4-5")
+    with mpmath.workdps(40):
+        r, e = mpmath.mpf(cam.base_radius) + mpmath.mpf(cam.follower.roller_radius), mpmath.mpf(cam.follower.offset)
+        beta, h = mpmath.mpf(cam.sections["out"].angle), mpmath.mpf(cam.sections["out"].lift)
+        s0 = mpmath.sqrt(r * r - e * e)
+
+        def s(phi, order):
+            u = phi / beta
+            law = (
+                10 * u**3 - 15 * u**4 + 6 * u**5,
+                30 * (u**2 - 2 * u**3 + u**4),
+                60 * (u - 3 * u**2 + 2 * u**3),
+                60 * (1 - 6 * u + 6 * u**2),
+            )
+            return h * law[order] / beta**order
+
+        def slope(phi):
+            return s(phi, 2) * (s0 + s(phi, 0)) - (s(phi, 1) - e) * s(phi, 1)
+
+        at = mpmath.findroot(slope, mpmath.mpf(values["rise_pressure_angle_at"]))
+        alpha = mpmath.atan((s(at, 1) - e) / (s0 + s(at, 0)))
+
+        def kappa(phi):
+            y, v = s0 + s(phi, 0), s(phi, 1) - e
+            return (y * y + v * v + v * s(phi, 1) - y * s(phi, 2)) / (y * y + v * v) ** 1.5
+
+        rough = max((float(kappa(beta * k / 400)), k) for k in range(401))[1]
+        curved = kappa(mpmath.findroot(lambda phi: mpmath.diff(kappa, phi), beta * rough / 400))
+        radius = 1 / curved - mpmath.mpf(cam.follower.roller_radius)
+    within(values["rise_pressure_angle"], errors["rise_pressure_angle"], float(alpha))
+    within(values["rise_pressure_angle_at"], errors["rise_pressure_angle_at"], float(at))
+    assert errors["rise_pressure_angle"] < 1e-12
+    assert errors["rise_pressure_angle_at"] < 1e-6
+    back, off, _ = cam_answers(ROLLER, "convex_radius", sections__out__law="3-4-5")
+    # The return of this cam is less curved than its rise.
+    within(back["convex_radius"], off["convex_radius"], float(radius))
+
+
+LAWS = ["parabolic", "harmonic", "cycloidal", "3-4-5", "4-5-6-7", "modified sine", "modified trapezoid"]
+
+
+@st.composite
+def cams(draw):
+    """Cams of any proportions, from shapes hardly lifted to strokes of ten base radii."""
+    number = lambda a, b: draw(st.floats(a, b))  # noqa: E731
+    base = 10 ** number(-3, 0)
+    roller = base * number(0.05, 1.5)
+    out, rest, back = number(0.3, 2.4), number(0.05, 1.0), number(0.3, 2.4)
+    return ROLLER | {
+        "base_radius": base,
+        "speed": 10 ** number(0, 3),
+        "sections": {
+            "out": {"type": "rise", "law": draw(st.sampled_from(LAWS)), "angle": out, "lift": base * number(0.01, 3)},
+            "rest": {"type": "dwell", "angle": rest},
+            "back": {"type": "return", "law": draw(st.sampled_from(LAWS)), "angle": back},
+            "low": {"type": "dwell"},
+        },
+        "follower": ROLLER["follower"]
+        | {"roller_radius": roller, "offset": (base + roller) * number(-0.9, 0.9), "preload": 1e4, "stiffness": 1e4},
+    }
+
+
+@settings(max_examples=60, deadline=None)
+@given(cams())
+def test_extremes__are_those_of_dense_samples(cam):
+    """Samples lie below the extremes, by no more than a few parts in 1e4."""
+    values, errors, status = cam_answers(cam)
+    curves = cam_curves(cam_of(cam), 4000)
+    radius = cam["follower"]["roller_radius"]
+    alpha, pitch = curves.pressure_angle, curves.curvature / (1 + radius * curves.curvature)
+    assert (1 / pitch[pitch > 0].max() <= radius) == (status == Verdict.UNDERCUT)
+    most = max(values["rise_pressure_angle"], values["return_pressure_angle"])
+    off = max(errors["rise_pressure_angle"], errors["return_pressure_angle"])
+    moving = curves.first != 0
+    seen = np.abs(alpha[moving]).max()
+    assert seen <= most + 2 * off
+    assert seen == pytest.approx(most, rel=3e-3, abs=1e-3)
+    assert values["undercut_radius"] <= (1 / pitch.max()) * (1 + 1e-12) + errors["undercut_radius"]
+    assert values["undercut_radius"] == pytest.approx(1 / pitch.max(), rel=2e-2)
+    if status == Verdict.OK:
+        for found, sampled in (
+            ("greatest_contact_force", curves.force.max()),
+            ("greatest_moment", curves.moment.max()),
+        ):
+            assert sampled <= values[found] + errors[found]
+            assert sampled == pytest.approx(values[found], rel=3e-3)
+        assert values["least_contact_force"] <= curves.force.min() + errors["least_contact_force"]
+        assert abs(values["mean_moment"]) <= errors["mean_moment"]
+
+
+@pytest.mark.parametrize("name", [n for n in CAMS if n != "knife edge"])
+def test_moment__is_that_of_the_contact_force(name):
+    """Without friction the force acts along the normal: its moment about the cam's axis is the one that drives."""
+    curves = cam_curves(cam_of(CAMS[name]))
+    if cam_of(CAMS[name]).follower.contact == "flat":
+        step = curves.contact * 0 + 1j
+        if name.startswith("face"):
+            arm = curves.contact - cam_of(CAMS[name]).follower.pivot_distance
+            step = -1j * arm / np.abs(arm)
+    else:
+        step = (curves.follower - curves.contact) / np.abs(curves.follower - curves.contact)
+    moment = curves.force * (curves.contact.conj() * step).imag * curves.sense
+    np.testing.assert_allclose(moment, curves.moment, rtol=0, atol=1e-12 * np.abs(curves.moment).max())
+
+
+@pytest.mark.parametrize("cam", [ROLLER, FLAT, ARM, FACE], ids=["roller", "flat", "arm", "face"])
+def test_needed_preload_and_lift_off_speed__are_where_the_force_vanishes(cam):
+    fast = {"speed": "3000 rpm"}
+    values, _errors, status = cam_answers(cam, **fast)
+    assert status == Verdict.LIFTS_OFF
+    assert math.isnan(values["greatest_contact_force"])
+    assert math.isnan(values.get("contact_pressure", math.nan))
+    needed = values["needed_preload"]
+    just, off, fine = cam_answers(cam, follower__preload=needed * (1 + 1e-9), **fast)
+    assert fine == Verdict.OK
+    assert just["least_contact_force"] < 1e-7 * just["greatest_contact_force"]
+    assert cam_answers(cam, follower__preload=needed * (1 - 1e-9), **fast)[2] == Verdict.LIFTS_OFF
+    speed = values["lift_off_speed"]
+    assert cam_answers(cam, speed=speed * (1 - 1e-9))[2] == Verdict.OK
+    assert cam_answers(cam, speed=speed * (1 + 1e-9))[2] == Verdict.LIFTS_OFF
+    exactly, off, _ = cam_answers(cam, "lift_off_speed", follower__preload=needed, **fast)
+    within(exactly["lift_off_speed"], off["lift_off_speed"], 3000 * math.pi / 30, 1e-9)
+
+
+@settings(max_examples=25, deadline=None)
+@given(cams(), st.floats(0.2, 1.0), st.floats(0.0, 0.5))
+def test_least_base_circle__just_keeps_its_limits(cam, angle, share):
+    radius = share * cam["base_radius"]
+    cam = cam | {"limits": {"pressure_angle": angle, "convex_radius": radius}}
+    values, _, _ = cam_answers(cam, "least_base_radius")
+    least = values["least_base_radius"]
+    offset = abs(cam["follower"]["offset"])
+    if least == 0.0 or least + cam["follower"]["roller_radius"] < offset * (1 + 1e-3):
+        return
+    names = ("rise_pressure_angle", "return_pressure_angle", "convex_radius")
+    just, _, _ = cam_answers(cam, *names, base_radius=least * (1 + 1e-6))
+    below, _, _ = cam_answers(cam, *names, base_radius=least * (1 - 1e-6))
+
+    def kept(found):
+        return found["convex_radius"] >= radius and max(found[n] for n in names[:2]) <= angle
+
+    assert kept(just)
+    assert not kept(below)
+
+
+def test_least_base_circle_of_a_flat_face():
+    limits = {"convex_radius": "4 mm"}
+    values, _, _ = cam_answers(FLAT, limits=limits)
+    found, off, _ = cam_answers(FLAT, base_radius=values["least_base_radius"])
+    within(found["convex_radius"], off["convex_radius"], 0.004)
+
+
+def test_roller_as_large_as_the_radius_of_curvature__undercuts():
+    steep = {"sections__out__angle": "40 deg", "follower__preload": "2 kN"}
+    radius = cam_answers(ROLLER, "undercut_radius", **steep)[0]["undercut_radius"]
+    # The pitch curve stays where it is when the base circle gives way to the roller.
+    for share, verdict in ((1 - 1e-9, Verdict.OK), (1 + 1e-9, Verdict.UNDERCUT)):
+        roller = {"base_radius": 0.038 - share * radius, "follower__roller_radius": share * radius}
+        assert cam_answers(ROLLER, "convex_radius", **steep, **roller)[2] == verdict
+
+
+def test_uniform_motion__has_corners():
+    uniform = {"sections__out__law": "uniform", "sections__back__law": "uniform"}
+    assert cam_answers(ROLLER, **uniform)[2] == Verdict.UNDERCUT
+    values, errors, status = cam_answers(KNIFE, **uniform)
+    assert status == Verdict.OK
+    within(values["velocity_jump"], errors["velocity_jump"], 0.02 / math.radians(100) * OMEGA)
+    assert math.isnan(values["greatest_acceleration"])
+
+
+def test_offset_as_large_as_the_prime_circle__cannot_assemble():
+    for offset, verdict in ((37.999999, Verdict.OK), (38.0, Verdict.CANNOT_ASSEMBLE), (39, Verdict.CANNOT_ASSEMBLE)):
+        status = cam_answers(ROLLER, "rise_pressure_angle", follower__offset=f"{offset} mm")[2]
+        assert status == verdict
+
+
+def test_pressure_by_hertz__at_dense_samples():
+    values, _, _ = cam_answers(ROLLER, line_contact={"width": "12 mm"})
+    curves = cam_curves(cam_of(ROLLER), 20_000)
+    modulus = 206e9 / 2 / (1 - 0.3**2)
+    pressed = np.sqrt(curves.force * (curves.curvature + 1 / 0.008) * modulus / math.pi / 0.012)
+    assert values["contact_pressure"] == pytest.approx(pressed.max(), rel=1e-6)
+
+
+def test_groove__is_pressed_on_both_flanks():
+    groove = {"closure": "form", "follower__preload": None, "follower__stiffness": None}
+    values, _, status = cam_answers(ROLLER, line_contact={"width": "12 mm"}, **groove)
+    assert status == Verdict.OK
+    assert "least_contact_force" not in values
+    curves = cam_curves(cam_of(ROLLER, **groove), 20_000)
+    assert values["greatest_contact_force"] == pytest.approx(np.abs(curves.force).max(), rel=1e-6)
+    pitch = curves.curvature / (1 + 0.008 * curves.curvature)
+    modulus = 206e9 / 2 / (1 - 0.3**2)
+    gaps = np.where(curves.force > 0, 1 / 0.008 + curves.curvature, 1 / 0.008 - pitch / (1 + 0.008 * pitch))
+    pressed = np.sqrt(np.abs(curves.force) * gaps * modulus / math.pi / 0.012)
+    assert values["contact_pressure"] == pytest.approx(pressed.max(), rel=1e-6)
+
+
+def test_friction_in_the_guide__costs_work_and_may_jam():
+    guide = {"follower__guide_length": "60 mm", "follower__overhang": "40 mm"}
+    values, errors, status = cam_answers(ROLLER, follower__friction=0.1, **guide)
+    assert status == Verdict.OK
+    assert values["mean_moment"] > 100 * errors["mean_moment"]
+    # What is lost rubs in the guide: its force times the way, from the courses themselves.
+    curves = cam_curves(cam_of(ROLLER, follower__friction=0.1, **guide), 40_000)
+    share = 1 + 2 * (0.040 - curves.displacement) / 0.060
+    rubbed = 0.1 * share * curves.force * np.abs(np.sin(curves.pressure_angle) * curves.first)
+    assert values["mean_moment"] == pytest.approx(np.trapezoid(rubbed, curves.angle) / (2 * math.pi), rel=1e-5)
+    assert cam_answers(ROLLER, follower__friction=1.5, **guide)[2] == Verdict.JAMS
+
+
+def test_table_of_a_law__is_near_the_law():
+    angles = np.linspace(0, 2 * math.pi, 181)[:-1]
+    lift = 0.005 * (1 - np.cos(angles))
+    table = {"over_angle": angles.tolist(), "lift": lift.tolist()}
+    values, _, status = cam_answers(FLAT, sections=None, table=table)
+    assert status == Verdict.OK
+    # A spline's curvature is off by the square of the rows' distance.
+    assert values["convex_radius"] == pytest.approx(0.035, rel=2e-4)
+    assert values["greatest_velocity"] == pytest.approx(0.005 * OMEGA, rel=1e-6)
+    assert values["acceleration_jump"] == 0.0
+
+
+def test_sections_of_variants__that_make_no_turn_are_outside_limits():
+    scene = cam_scene(ROLLER)
+    alone = ElementsAlone(scene, ["cam.greatest_velocity"], varied=["elements.cam.sections.out.angle"])
+    outcome = alone.evaluate({"elements.cam.sections.out.angle": np.radians([100.0, 209.0, 210.0, 300.0])})
+    assert outcome.status.tolist() == [Verdict.OK, Verdict.OK, Verdict.OUTSIDE_LIMITS, Verdict.OUTSIDE_LIMITS]
+
+
+FRICTION = {"follower__friction": 0.3, "follower__guide_length": "60 mm", "follower__overhang": "40 mm"}
+LINE = {"line_contact": {"width": "12 mm"}}
+EXTREME = {
+    "offset near the prime circle": (ROLLER, {"follower__offset": "37.9999 mm"}),
+    "base circle near zero": (
+        ROLLER,
+        {"base_radius": "0.01 mm", "follower__roller_radius": "0.005 mm", "follower__offset": "0 mm"},
+    ),
+    "limits": (ROLLER, LINE | {"limits": {"pressure_angle": "30 deg", "convex_radius": "4 mm"}}),
+    "roller nearly as large as the curvature": (
+        ROLLER,
+        LINE
+        | {"sections__out__angle": "40 deg", "follower__preload": "2 kN"}
+        | {"follower__roller_radius": "11.7 mm", "base_radius": "26.3 mm"},
+    ),
+    "friction": (ROLLER, FRICTION),
+    "arm nearly in line": (ARM, {"base_radius": "135 mm"}),
+    "table": (
+        FLAT,
+        {
+            "sections": None,
+            "table": {
+                "over_angle": ["0 deg", "60 deg", "120 deg", "240 deg"],
+                "lift": ["0 mm", "5 mm", "10 mm", "3 mm"],
+            },
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("name", [*CAMS, *EXTREME])
+def test_error_figures__hold_what_rounding_of_the_numbers_makes(name):
+    """Every number of the scene is moved in turn; its rounding makes as much less as it is smaller than the move."""
+    cam, changes = EXTREME.get(name, (CAMS.get(name), {}))
+    scene, nudge = cam_scene(cam, **changes), 2.0**-26
+    numbers = {path: number.value for path, number in scene_numbers(scene).items()}
+    names = [key for key in ElementsAlone(scene).available_summaries if not key.endswith("_at")]
+    moved = {path: np.full(len(numbers) + 1, value) for path, value in numbers.items()}
+    for k, values in enumerate(moved.values()):
+        values[k + 1] *= 1 + nudge
+    outcome = ElementsAlone(scene, names, varied=list(moved)).evaluate(moved)
+    assert outcome.status[0] == Verdict.OK
+    for key in names:
+        values = outcome.summaries[key]
+        if np.isfinite(values[0]):
+            made = np.nansum(np.abs(values[1:] - values[0])) * 2.0**-53 / nudge
+            assert made <= outcome.errors[key][0], key

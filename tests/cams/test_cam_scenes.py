@@ -1,0 +1,168 @@
+"""Cams in scenes: what is refused and how, copies of their texts, the bundled study, pictures and exports."""
+
+import csv
+import math
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from engine import Scene, cam_curves
+from sweeps import read_study, run_study
+from sweeps.pictures.elements.cam_sheet import cam_sheet
+from sweeps.pictures.picture_error import PictureError
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.bundled import bundled_studies
+from sweeps.text.scene_text import read_scene, write_scene
+from tests.samples.cam_samples import ARM, CAMS, FLAT, KNIFE, ROLLER, cam_of, cam_scene
+from tests.samples.commands import refused, said
+
+
+@pytest.mark.parametrize(
+    ("cam", "changes", "words"),
+    [
+        (ROLLER, {"sections__out__angle": "300 deg"}, "add up to 450 deg: nothing is left"),
+        (ROLLER, {"sections__low__angle": "100 deg"}, "add up to 350 deg, not to 360 deg; leave out one"),
+        (ROLLER, {"sections__rest": {"type": "dwell"}}, "only one section may leave it out"),
+        (ROLLER, {"sections__back__lift": "10 mm"}, "0.01 away from where it began; add a return"),
+        (ROLLER, {"sections__out__lift": None}, "sections.out.lift is missing"),
+        (ROLLER, {"sections__out__swing": "5 deg"}, "this follower is translating; give lift instead"),
+        (ARM, {"sections__out__lift": "5 mm"}, "this follower is oscillating; give swing instead"),
+        (ROLLER, {"sections__out__law": "sine"}, "'modified sine'"),
+        (ROLLER, {"sections": {}}, "give sections, or a table"),
+        (ROLLER, {"follower__roller_radius": None}, "roller_radius goes with contact = 'roller'"),
+        (KNIFE, {"closure": "form"}, "give contact = 'roller'"),
+        (KNIFE, {"line_contact": {"width": "5 mm"}}, "line_contact"),
+        (FLAT, {"follower__offset": "2 mm"}, "offset = 0 for a flat face"),
+        (FLAT, {"limits": {"pressure_angle": "30 deg"}}, "a flat face has none"),
+        (ARM, {"limits": {"pressure_angle": "30 deg"}}, "that of a translating follower"),
+        (ARM, {"follower__arm": None}, "arm is the distance"),
+        (ROLLER, {"follower__friction": 0.1}, "give all three, or none"),
+        (
+            FLAT,
+            {"sections": None, "table": {"over_angle": ["0 deg", "90 deg", "80 deg"], "lift": ["0 mm"] * 3}},
+            "sort the rows",
+        ),
+    ],
+)
+def test_cam_that_cannot_be__is_refused_with_a_mend(cam, changes, words):
+    with pytest.raises(ValidationError, match=words.replace(".", r"\.")):
+        cam_scene(cam, **changes)
+
+
+@pytest.mark.parametrize("name", CAMS)
+def test_scene_text_of_a_cam__reads_as_the_same_scene(name, tmp_path):
+    scene = cam_scene(CAMS[name])
+    path = tmp_path / "scene.toml"
+    path.write_text(write_scene(scene, {"elements.cam.base_radius": 0.05}), encoding="utf8")
+    again = read_scene(path)
+    assert again.elements["cam"].base_radius == 0.05
+    assert again.elements["cam"].sections == scene.elements["cam"].sections
+
+
+def test_table_of_a_cam__keeps_its_units(tmp_path):
+    table = {"over_angle": ["0 deg", "120 deg", "240 deg"], "lift": ["0 mm", "10 mm", "3 mm"]}
+    scene = cam_scene(FLAT, sections=None, table=table)
+    path = tmp_path / "scene.toml"
+    path.write_text(write_scene(scene), encoding="utf8")
+    assert read_scene(path).elements["cam"].table == scene.elements["cam"].table
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    path = tmp_path_factory.mktemp("valve") / "valve_train.h5"
+    return SweepResult(run_study(read_study(bundled_studies()["valve_train"]), path))
+
+
+def test_valve_train_study__lifts_off_where_the_spring_is_spent(result):
+    """At lift-off the spring's force is the mass times the deceleration: the least over the table's own cubics."""
+    cam = result.scene.elements["valve"]
+    curves = cam_curves(cam, 20_000)
+    c = result.columns
+    for variant in (0, 1151, 3812):
+        preload, stiffness, mass = (
+            c[f"elements.valve.follower.{key}"][variant] for key in ("preload", "stiffness", "mass")
+        )
+        falling = curves.second < 0
+        squares = (preload + stiffness * curves.displacement[falling]) / (-mass * curves.second[falling])
+        assert c["valve.lift_off_speed"][variant] == pytest.approx(math.sqrt(squares.min()), rel=1e-6)
+
+
+def test_valve_train_study__answers_its_question(result):
+    """Preload and stiffness that reach the speed: the least pressure is that of the least force on the nose."""
+    best = result.best()
+    c = result.columns
+    heavy = c["elements.valve.follower.mass"] > 0.12
+    fast = c["valve.lift_off_speed"] > 4000 * math.pi / 30
+    assert c["valve.contact_pressure"][best] == c["valve.contact_pressure"][heavy & fast].min()
+    nose = c["elements.valve.follower.preload"] + 0.009 * c["elements.valve.follower.stiffness"]
+    # At idle inertia takes 5 N off it at most.
+    assert nose[best] <= nose[heavy & fast].min() + 5.0
+
+
+@pytest.mark.parametrize("name", ["flat", "knife edge", "arm with", "face"])
+def test_cam_is_drawn(name, tmp_path):
+    path = tmp_path / "cam.svg"
+    cam_sheet(cam_of(CAMS[name]), path, "a cam")
+    assert path.stat().st_size > 20_000
+
+
+def test_cam_that_cannot_be_placed__is_not_drawn(tmp_path):
+    with pytest.raises(PictureError, match="enlarge base_radius"):
+        cam_sheet(cam_of(ROLLER, follower__offset="39 mm"), tmp_path / "cam.png")
+
+
+@pytest.fixture
+def template(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said("new", "cam")
+    return "cam.toml"
+
+
+def test_exported_outlines__are_the_profile(template):
+    cam = read_scene(template).elements["cam"]
+    curves = cam_curves(cam, 3600)
+    for ending in ("csv", "svg", "dxf"):
+        assert f"Wrote cam.{ending}" in said("export", template, "--to", f"cam.{ending}").output
+    with Path("cam.csv").open(encoding="utf8") as file:
+        rows = list(csv.DictReader(file))
+    profile = np.array([complex(float(r["profile_x [m]"]), float(r["profile_y [m]"])) for r in rows])
+    angles = [float(row["angle [rad]"]) for row in rows]
+    true = np.interp(angles, curves.angle, np.abs(curves.profile))
+    np.testing.assert_allclose(np.abs(profile), true, rtol=1e-9)
+    # Of the section ends, where nothing jumps but the jerk, each has one row or two.
+    assert len(curves.angle) - 10 <= len(rows) <= len(curves.angle)
+    paths = {p.get("id"): p.get("d") for p in ET.parse("cam.svg").getroot()}
+    assert set(paths) == {"profile", "pitch", "cutter", "axis"}
+    drawn = np.array([complex(*map(float, p.split(","))) for p in paths["profile"][1:-1].split()]).conj() / 1e3
+    assert np.abs(drawn - profile[0]).min() < 1e-9
+    assert np.abs(drawn).min() == pytest.approx(cam.base_radius, abs=1e-9)
+    assert np.abs(drawn).max() == pytest.approx(np.abs(curves.profile).max(), abs=1e-9)
+
+
+def test_exported_dxf__has_closed_outlines_in_millimetres(template):
+    ezdxf = pytest.importorskip("ezdxf")
+    said("export", template, "--to", "cam.dxf")
+    lines = {line.dxf.layer: line for line in ezdxf.readfile("cam.dxf").modelspace().query("LWPOLYLINE")}
+    assert set(lines) == {"profile", "pitch", "cutter"}
+    for name, least in (("profile", 30.0), ("pitch", 40.0), ("cutter", 50.0)):
+        assert lines[name].closed
+        assert min(math.hypot(x, y) for x, y in lines[name].get_points("xy")) == pytest.approx(least, abs=1e-6)
+
+
+def test_element_that_is_no_cam__is_refused(template):
+    assert "its cams are: cam" in refused("export", template, "--to", "x.csv", "--element", "cm")
+
+
+def test_cams_of_a_scene_with_several__are_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene = Scene.model_validate({"elements": {"inlet": FLAT, "outlet": ROLLER}})
+    Path("two.toml").write_text(write_scene(scene), encoding="utf8")
+    assert "say which cam, one of inlet, outlet" in refused("export", "two.toml", "--to", "x.svg")
+    assert "Wrote x.svg" in said("export", "two.toml", "--to", "x.svg", "--element", "inlet").output
+
+
+def test_plot_of_a_scene_with_a_cam__is_its_sheet(template):
+    assert "cam_cam_cam.png" in said("plot", template).output

@@ -1,0 +1,152 @@
+"""Whether wheels fit, against planets set in one by one with all their teeth; and the inertia of what turns."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from engine import Verdict
+from tests.samples.gear_samples import found_of, simple_planetary, stepped_planetary
+
+EPS = np.finfo(float).eps
+ROLES = {"sun": {"speed": 100.0}, "ring": {"held": True}}
+
+
+def can_be_set_in(central, planets, internal, count):
+    """Whether `count` equal planets fit between two central wheels that stay where the first planet needs them.
+
+    Central wheels have a tooth on the x axis, so the first planet a gap there. At 2π/k a planet is turned, tooth by
+    tooth of its first wheel, and its second wheel has to find the gaps of the other central one.
+    """
+    (za, zb), (z1, z2) = central, planets
+    place = 1 / count
+    for tooth in range(z1):
+        # Phase of the first mesh, in teeth: z_a (0 − place) + z_1 (turn − place) is whole.
+        turn = place + (tooth + za * place) / z1
+        second = -zb * place + (-1 if internal else 1) * z2 * (turn - place)
+        if abs(second - round(second)) < 1e-9:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 5])
+def test_equal_spacing__is_what_setting_planets_in_one_by_one_says(count):
+    # Without the condition of coaxial shafts: all triples of some range, judged by their remainder alone.
+    grid = np.array(list(itertools.product(range(12, 40), range(12, 20), range(60, 90))))
+    varied = {f"wheels.{name}.teeth": grid[:, i] for i, name in enumerate(("sun", "planet", "ring"))}
+    found, _ = found_of(simple_planetary(18, 24, 66, ROLES, planets=count), varied)
+    fits = found["arm.spacing_remainder"][0] == 0
+    assert (fits == ((grid[:, 0] + grid[:, 2]) % count == 0)).all()
+    chosen = np.random.default_rng(count).choice(len(grid), 300)
+    for i in chosen:
+        sun, planet, ring = map(int, grid[i])
+        assert fits[i] == can_be_set_in((sun, ring), (planet, planet), True, count)
+
+
+@pytest.mark.parametrize("internal", [False, True])
+def test_stepped_planets__are_set_in_as_their_two_wheels_allow(internal):
+    rng = np.random.default_rng(3)
+    first, second, third = rng.integers(12, 60, (3, 1500))
+    fourth = rng.integers(60, 130, 1500)
+    names = ("first", "second", "third", "fourth")
+    for count in (2, 3, 4, 6):
+        roles = {"first": {"speed": 100.0}, "fourth": {"held": True}}
+        train = stepped_planetary(20, 30, 25, 75, roles, internal=internal, planets=count)
+        grid = (first, second, third, fourth)
+        found, _ = found_of(train, {f"wheels.{n}.teeth": z for n, z in zip(names, grid, strict=True)})
+        fits = found["arm.spacing_remainder"][0] == 0
+        assert 0.05 < fits.mean() < 0.95
+        for i, z in enumerate(zip(*map(np.ndarray.tolist, grid), strict=True)):
+            assert fits[i] == can_be_set_in((z[0], z[3]), (z[1], z[2]), internal, count)
+
+
+def test_all_conditions__over_all_small_integers():
+    """Coaxial z_r = z_s + 2 z_p, equal spacing (z_s + z_r)/k whole, neighbours (z_s + z_p) sin(π/k) > z_p + 2."""
+    axes = (range(12, 31), range(12, 31), range(36, 93), range(1, 7))
+    grid = np.array(list(itertools.product(*axes)), float)
+    keys = ("wheels.sun.teeth", "wheels.planet.teeth", "wheels.ring.teeth", "shafts.arm.planets")
+    found, status = found_of(simple_planetary(18, 24, 66, ROLES, planets=3), dict(zip(keys, grid.T, strict=True)))
+    sun, planet, ring, k = grid.T
+    neighbours = (k == 1) | ((sun + planet) * np.sin(np.pi / k) > planet + 2)
+    fits = (ring == sun + 2 * planet) & ((sun + ring) % k == 0) & neighbours
+    assert fits.any()
+    assert ((status == Verdict.OK) == fits).all()
+    assert (status[~fits] == Verdict.DOES_NOT_FIT).all()
+    assert np.isnan(found["arm.ratio"][0][~fits]).all()
+    ratio, error = (a[fits] for a in found["arm.ratio"])
+    assert (np.abs(ratio - (1 + ring / sun)[fits]) <= error + 4 * EPS * ratio).all()
+
+
+def test_numbers_of_teeth_that_are_not_whole__do_not_fit():
+    varied = {"wheels.sun.teeth": np.array([18, 18.5, 19, 20])}
+    train = simple_planetary(18, 24, 66, ROLES)
+    # 20 + 2·24 is no longer 66; nor is 19 + 2·24.
+    assert list(found_of(train, varied)[1]) == [Verdict.OK, *[Verdict.DOES_NOT_FIT] * 3]
+
+
+def test_two_stages_on_one_axis__need_equal_distances():
+    train = {
+        "type": "gear_train",
+        "wheels": {n: {"shaft": s, "teeth": z} for n, s, z in (
+            ("a", "input", 20), ("b", "lay", 60), ("c", "lay", 30), ("d", "output", 50)
+        )},
+        "shafts": {"input": {"axis": "main", "speed": 1.0}, "lay": {}, "output": {"axis": "main"}},
+        "meshes": {"one": {"between": ["a", "b"]}, "two": {"between": ["c", "d"]}},
+    }  # fmt: skip
+    varied = {"wheels.d.teeth": np.array([50.0, 51.0])}
+    found, status = found_of(train, varied)
+    assert list(status) == [Verdict.OK, Verdict.DOES_NOT_FIT]
+    np.testing.assert_allclose(found["two.distance_error"][0], [0, 1 / 80], atol=1e-15)
+
+
+def test_wheel_in_a_smaller_ring__does_not_fit():
+    train = simple_planetary(18, 24, 20, ROLES)
+    assert found_of(train)[1] == Verdict.DOES_NOT_FIT
+
+
+def test_bore_up_to_the_teeth__does_not_fit():
+    train = simple_planetary(24, 30, 84, ROLES, module=0.002)
+    train["wheels"]["sun"] |= {"width": 0.02, "bore": 0.01}
+    # The root circle has 2 mm · (24 - 2.5) = 43 mm.
+    assert list(found_of(train, {"wheels.sun.bore": [0.042, 0.0431]})[1]) == [Verdict.OK, Verdict.DOES_NOT_FIT]
+
+
+# Inertia
+
+
+def test_reduced_inertia__is_that_of_lagrange_for_a_simple_planetary():
+    """All wheels discs; I = I_s + k (I_p (ω_p/ω_s)² + m_p (a ω_h/ω_s)²) + I_h (ω_h/ω_s)²."""
+    sun, planet, ring, k, m, b, rho = 24, 30, 84, 3, 0.002, 0.025, 7850.0
+    train = simple_planetary(sun, planet, ring, ROLES | {"arm": {"inertia": 0.02}}, planets=k, module=m)
+    train["wheels"]["sun"] |= {"width": b, "bore": 0.01}
+    train["wheels"]["planet"] |= {"width": b}
+    found, status = found_of(train)
+    assert status == Verdict.OK
+    arm = sun / (sun + ring)
+    spin = arm - sun / planet * (1 - arm)
+    d_s, d_p = m * sun, m * planet
+    i_s = rho * b * math.pi / 32 * (d_s**4 - 0.01**4)
+    m_p = rho * b * math.pi / 4 * d_p**2
+    i_p = m_p * d_p**2 / 8
+    exact = i_s + k * (i_p * spin**2 + m_p * (m * (sun + planet) / 2 * arm) ** 2) + 0.02 * arm**2
+    value, error = found["sun_shaft.reduced_inertia"]
+    assert abs(value - exact) <= error + 32 * EPS * exact
+    value, error = found["arm.reduced_inertia"]
+    assert abs(value - exact / arm**2) <= error + 32 * EPS * exact / arm**2
+    assert found["kinetic_energy"][0] == pytest.approx(exact * 100.0**2 / 2, rel=1e-14)
+
+
+def test_kinetic_energy__is_that_of_point_masses_going_round():
+    """Planets as rings of particles, each moved by arm and spin, against the formula of mass and inertia."""
+    sun, planet, ring = 24, 30, 84
+    roles = {"sun": {"speed": 30.0}, "ring": {"speed": -11.0}, "idler": {"mass": 0.7, "inertia": 0.7 * 0.012**2}}
+    found, _ = found_of(simple_planetary(sun, planet, ring, roles, planets=4, module=0.002))
+    arm = (30.0 * sun - 11.0 * ring) / (sun + ring)
+    spin = arm - sun / planet * (30.0 - arm)
+    centre = 0.054
+    t, n = 0.37, 24
+    angle = 2 * math.pi * np.arange(n) / n + spin * t
+    velocity = 1j * arm * centre * np.exp(1j * arm * t) + 1j * spin * 0.012 * np.exp(1j * angle)
+    energy = 4 * 0.5 * 0.7 * np.mean(np.abs(velocity) ** 2)
+    assert found["kinetic_energy"][0] == pytest.approx(energy, rel=1e-12)

@@ -1,0 +1,224 @@
+"""Speeds of gear trains against Willis' closed forms, exact fractions, and Chebyshev's count of freedoms."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from engine import Verdict
+from tests.samples.gear_samples import found_of, scene_with, simple_planetary, stepped_planetary
+
+EPS = np.finfo(float).eps
+SPEED = 100.0
+
+
+def near(found, exact, roundings=8):
+    """Within the error figure, which is itself some roundings of the value."""
+    value, error = found
+    assert abs(Fraction(float(value)) - exact) <= Fraction(float(error))
+    assert error <= roundings * EPS * abs(value)
+
+
+teeth = st.integers(12, 400)
+
+
+@given(sun=teeth, planet=teeth)
+@settings(max_examples=40, deadline=None)
+def test_simple_planetary__has_the_six_ratios_of_willis(sun, planet):
+    ring = sun + 2 * planet
+    i0 = -Fraction(ring, sun)
+    # Driven, held, third, and its speed when the driven one turns once: from ω_s − ω_h = i₀ (ω_r − ω_h).
+    cases = [
+        ("sun", "ring", "arm", 1 / (1 - i0)),
+        ("arm", "ring", "sun", 1 - i0),
+        ("ring", "sun", "arm", i0 / (i0 - 1)),
+        ("arm", "sun", "ring", (i0 - 1) / i0),
+        ("sun", "arm", "ring", 1 / i0),
+        ("ring", "arm", "sun", i0),
+    ]
+    shaft = {"sun": "sun_shaft", "ring": "ring_shaft", "arm": "arm"}
+    for driven, held, third, share in cases:
+        found, status = found_of(simple_planetary(sun, planet, ring, {driven: {"speed": SPEED}, held: {"held": True}}))
+        assert status == Verdict.OK
+        near(found[f"{shaft[third]}.speed"], Fraction(SPEED) * share)
+        near(found[f"{shaft[third]}.ratio"], 1 / share, 24)
+        near(found["arm.basic_ratio_of_sun_to_ring"], i0)
+        assert found["mobility"][0] == 1
+
+
+@given(sun=teeth, planet=teeth, of_sun=st.integers(-300, 300), of_ring=st.integers(-300, 300))
+@settings(max_examples=40, deadline=None)
+def test_differential__adds_both_inputs(sun, planet, of_sun, of_ring):
+    ring = sun + 2 * planet
+    roles = {"sun": {"speed": float(of_sun)}, "ring": {"speed": float(of_ring)}}
+    found, _ = found_of(simple_planetary(sun, planet, ring, roles))
+    arm = Fraction(of_sun * sun + of_ring * ring, sun + ring)
+    value, error = found["arm.speed"]
+    assert abs(Fraction(float(value)) - arm) <= Fraction(float(error))
+    assert error <= 16 * EPS * (abs(of_sun) + abs(of_ring))
+    assert found["mobility"][0] == 2
+    # z_s (ω_s − ω_h) + z_p (ω_p − ω_h) = 0.
+    idler = arm - Fraction(sun, planet) * (of_sun - arm)
+    assert abs(Fraction(float(found["idler.speed"][0])) - idler) <= Fraction(float(found["idler.speed"][1]))
+
+
+@pytest.mark.parametrize("z", [(31623, 31624, 31623, 31622), (31622, 31623, 31624, 31623), (100, 101, 100, 99)])
+def test_basic_ratio_next_to_one__loses_no_digit(z):
+    z1, z2, z3, z4 = z
+    i0 = Fraction(z2 * z4, z1 * z3)
+    assert abs(i0 - 1) < Fraction(1, 9000)
+    for driven, third, share in (("arm", "first", 1 - i0), ("first", "arm", 1 / (1 - i0))):
+        shaft = {"first": "first_shaft", "arm": "arm"}[third]
+        found, status = found_of(stepped_planetary(*z, {driven: {"speed": SPEED}, "fourth": {"held": True}}))
+        assert status == Verdict.OK
+        near(found[f"{shaft}.speed"], Fraction(SPEED) * share)
+
+
+def test_basic_ratio_of_one__lets_no_speed_follow():
+    roles = {"first": {"speed": SPEED}, "fourth": {"held": True}}
+    found, status = found_of(stepped_planetary(40, 60, 40, 60, roles))
+    assert math.isfinite(found["arm.ratio"][0])
+    found, status = found_of(stepped_planetary(40, 60, 60, 40, roles))
+    assert status == Verdict.NOT_FINITE
+    assert np.isnan(found["arm.speed"][0])
+
+
+@given(data=st.data(), count=st.integers(2, 6))
+@settings(max_examples=30, deadline=None)
+def test_fixed_train__multiplies_its_ratios(data, count):
+    """Wheels on count + 1 shafts in the frame, one after another, internal meshes among them."""
+    wheels, shafts, meshes, exact = {}, {"s0": {"speed": SPEED}}, {}, Fraction(SPEED)
+    for k in range(count):
+        internal = data.draw(st.booleans())
+        a = data.draw(st.integers(12, 60))
+        b = data.draw(st.integers(61, 200))
+        wheels |= {f"a{k}": {"shaft": f"s{k}", "teeth": a}, f"b{k}": {"shaft": f"s{k + 1}", "teeth": b}}
+        shafts[f"s{k + 1}"] = {}
+        meshes[f"m{k}"] = {"between": [f"a{k}", f"b{k}"], "type": "internal" if internal else "external"}
+        exact *= Fraction(a, b) if internal else -Fraction(a, b)
+    found, status = found_of({"type": "gear_train", "wheels": wheels, "shafts": shafts, "meshes": meshes})
+    assert status == Verdict.OK
+    near(found[f"s{count}.speed"], exact)
+
+
+def test_ravigneaux_set__agrees_with_its_two_basic_ratios():
+    """Small sun – short planet – long planet – ring; large sun on the long planet: two Willis equations."""
+    s1, s2, short, long, ring = 26, 32, 21, 20, 72
+    train = {
+        "type": "gear_train",
+        "wheels": {
+            "small": {"shaft": "small_shaft", "teeth": s1},
+            "large": {"shaft": "large_shaft", "teeth": s2},
+            "short": {"shaft": "short_shaft", "teeth": short},
+            "long": {"shaft": "long_shaft", "teeth": long},
+            "annulus": {"shaft": "out", "teeth": ring},
+        },
+        "shafts": {
+            "small_shaft": {"speed": SPEED},
+            "large_shaft": {"held": True},
+            "short_shaft": {"carrier": "arm"},
+            "long_shaft": {"carrier": "arm"},
+            "arm": {},
+            "out": {},
+        },
+        "meshes": {
+            "m1": {"between": ["small", "short"]},
+            "m2": {"between": ["short", "long"]},
+            "m3": {"between": ["large", "long"]},
+            "m4": {"between": ["long", "annulus"], "type": "internal"},
+        },
+    }
+    found, status = found_of(train)
+    assert status == Verdict.OK
+    to_small, to_large = Fraction(ring, s1), -Fraction(ring, s2)
+    # ω_1 − h = to_small (r − h), 0 − h = to_large (r − h): r − h = −h/to_large.
+    h = Fraction(SPEED) / (1 - to_small / to_large)
+    near(found["arm.speed"], h, 16)
+    near(found["out.speed"], h - h / to_large, 16)
+    near(found["arm.basic_ratio_of_small_to_annulus"], to_small)
+    near(found["arm.basic_ratio_of_large_to_annulus"], to_large)
+    near(found["arm.basic_ratio_of_small_to_large"], -Fraction(s2, s1))
+
+
+def test_train_in_a_train__has_the_speeds_of_nested_willis_equations():
+    """The planet of an outer stage is itself the carrier of an inner one."""
+    train = {
+        "type": "gear_train",
+        "wheels": {
+            "sun": {"shaft": "frame", "teeth": 40},
+            "wheel": {"shaft": "inner_arm", "teeth": 20},
+            "core": {"shaft": "core_shaft", "teeth": 30},
+            "moon": {"shaft": "moon_shaft", "teeth": 15},
+        },
+        "shafts": {
+            "arm": {"speed": SPEED},
+            "inner_arm": {"carrier": "arm"},
+            "core_shaft": {"carrier": "arm", "speed": 7.0},
+            "moon_shaft": {"carrier": "inner_arm"},
+        },
+        "meshes": {"m1": {"between": ["sun", "wheel"]}, "m2": {"between": ["core", "moon"]}},
+    }
+    found, status = found_of(train)
+    assert status == Verdict.OK
+    inner = Fraction(SPEED) * (1 + Fraction(40, 20))
+    near(found["inner_arm.speed"], inner)
+    near(found["moon_shaft.speed"], inner - Fraction(30, 15) * (7 - inner), 16)
+
+
+# What is refused
+
+
+def refusal(train):
+    with pytest.raises(ValidationError) as refused:
+        scene_with(train)
+    return str(refused.value)
+
+
+def test_too_few_given_speeds__are_told_with_the_count_of_freedoms():
+    told = refusal(simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}}))
+    assert "n = 4 shafts that move, p1 = 4 bearings, p2 = 2 meshes: W = 3·4 − 2·4 − 2 = 2, and as many" in told
+    assert "those with a speed are 1: sun_shaft" in told
+
+
+def test_dependent_speeds__are_refused():
+    train = {
+        "type": "gear_train",
+        "wheels": {n: {"shaft": s, "teeth": 20} for n, s in (("a", "s"), ("b", "t"), ("c", "u"), ("d", "v"))},
+        "shafts": {"s": {"speed": 1.0}, "t": {"speed": 2.0}, "u": {}, "v": {}},
+        "meshes": {"m": {"between": ["a", "b"]}, "k": {"between": ["c", "d"]}},
+    }
+    assert "aren't independent" in refusal(train)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"meshes": {"m": {"between": ["sun", "moon"]}}}, "there is no wheel 'moon'"),
+        (
+            {"wheels": {"sun": {"shaft": "axle", "teeth": 9}, "planet": {"shaft": "idler", "teeth": 9}}},
+            "no shaft 'axle'",
+        ),
+        ({"meshes": {"m": {"between": ["sun", "sun"]}}}, "doesn't mesh with itself"),
+        ({"meshes": {"m": {"between": ["sun", "ring"], "type": "internal"}}}, "no wheel in mesh"),
+    ],
+)
+def test_trains_that_are_none__are_refused_in_words(change, words):
+    roles = {"sun": {"speed": 1.0}, "ring": {"held": True}}
+    assert words in refusal(simple_planetary(18, 24, 66, roles) | change)
+
+
+def test_wheels_that_part__are_refused():
+    train = simple_planetary(18, 24, 66, {"sun": {"speed": 1.0}, "ring": {"held": True}})
+    train["shafts"]["sun_shaft"] = {"carrier": "ring_shaft", "speed": 1.0}
+    assert "don't keep their distance" in refusal(train)
+
+
+def test_loop_of_meshes__is_refused():
+    wheels = {n: {"shaft": n * 2, "teeth": 20} for n in "abc"}
+    meshes = {f"{p}{q}x": {"between": [p, q]} for p, q in ("ab", "bc", "ca")}
+    train = {"type": "gear_train", "wheels": wheels, "shafts": {n * 2: {} for n in "abc"}, "meshes": meshes}
+    assert "nothing can turn" in refusal(train)

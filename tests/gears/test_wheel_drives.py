@@ -1,0 +1,101 @@
+"""Friction wheels and chain drives against their geometry: polygons turned, chains laid round circles."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Verdict
+from tests.samples.gear_samples import found_of
+
+EPS = np.finfo(float).eps
+FRICTION = {
+    "type": "friction_drive", "driving_diameter": 0.1, "driven_diameter": 0.25, "friction": 0.2, "creep": 0.01,
+    "speed": 50.0, "moment": 20.0,
+}  # fmt: skip
+CHAIN = {
+    "type": "chain_drive", "pitch": 0.0127, "driving_teeth": 17, "driven_teeth": 51, "speed": 50.0, "moment": 60.0,
+}  # fmt: skip
+
+
+def near(found, exact):
+    value, error = found
+    assert abs(value - exact) <= error + 8 * EPS * abs(exact)
+
+
+def test_friction_wheels__lag_by_their_creep_and_lose_it():
+    found, status = found_of(FRICTION)
+    assert status == Verdict.OK
+    near(found["driven_speed"], -50 * 0.1 * 0.99 / 0.25)
+    near(found["tangential_force"], 160.0)
+    near(found["needed_press_force"], 1.5 * 160 / 0.2)
+    # What is lost is the force times the speed of sliding.
+    lost = found["input_power"][0] - 20 * abs(found["driven_speed"][0])
+    assert lost == pytest.approx(160 * 0.01 * 50 * 0.05, rel=1e-12)
+    near(found["efficiency"], 1 - lost / found["input_power"][0])
+    assert found_of(FRICTION | {"internal": True})[0]["driven_speed"][0] > 0
+
+
+def test_friction_wheels__slide_where_less_presses_them_than_suffices():
+    varied = {"press_force": np.array([700.0, 799.9, 800.1, 1200.0])}
+    found, status = found_of(FRICTION | {"press_force": 1000.0}, varied)
+    assert list(status) == [Verdict.SLIDES, Verdict.SLIDES, Verdict.OK, Verdict.OK]
+    assert np.isnan(found["driven_speed"][0][:2]).all()
+    np.testing.assert_allclose(found["traction_share"][0], 800 / varied["press_force"], rtol=1e-14)
+    # Faces of a groove of 60 deg press twice as hard.
+    grooved, status = found_of(FRICTION | {"press_force": 401.0, "groove_angle": math.radians(60)})
+    assert status == Verdict.OK
+    near(grooved["needed_press_force"], 600.0)
+
+
+@given(z=st.integers(5, 60), ratio=st.floats(1, 5), speed=st.floats(1, 500))
+@settings(max_examples=30, deadline=None)
+def test_chain_speed__is_that_of_a_polygon_that_turns(z, ratio, speed):
+    """The tight strand leaves along a tangent: its speed is that of the joint that carries it."""
+    found, status = found_of(CHAIN | {"driving_teeth": z, "driven_teeth": round(ratio * z), "speed": speed})
+    assert status == Verdict.OK
+    radius = 0.0127 / (2 * math.sin(math.pi / z))
+    # Half a pitch angle on both sides of the top, ends and middle among the samples.
+    angle = np.linspace(-math.pi / z, math.pi / z, 2001)
+    along = speed * radius * np.cos(angle)
+    near(found["greatest_chain_speed"], along.max())
+    assert found["speed_ripple"][0] == pytest.approx(1 - along.min() / along.max(), rel=1e-9)
+    # The mean of a cosine over the same angle.
+    near(found["chain_speed"], speed * radius * math.sin(math.pi / z) / (math.pi / z))
+    near(found["greatest_acceleration"], speed**2 * radius * math.sin(math.pi / z))
+
+
+def length_round(r1, r2, distance):
+    """Length of a line laid tight round two circles."""
+    lean = math.asin((r2 - r1) / distance)
+    return 2 * distance * math.cos(lean) + r1 * (math.pi - 2 * lean) + r2 * (math.pi + 2 * lean)
+
+
+@pytest.mark.parametrize(("z1", "z2", "distance"), [(17, 51, 0.5), (25, 25, 0.3), (19, 76, 0.8), (30, 40, 0.21)])
+def test_links__lie_round_both_sprockets(z1, z2, distance):
+    found, _ = found_of(CHAIN | {"driving_teeth": z1, "driven_teeth": z2, "distance": distance})
+    pitch = 0.0127
+    # Along circles with as long a rim as there are teeth; ((r₂ − r₁)/a)⁴/12 of the distance is left out.
+    r1, r2 = (z * pitch / math.tau for z in (z1, z2))
+    slip = ((r2 - r1) / distance) ** 4
+    assert found["links"][0] * pitch == pytest.approx(length_round(r1, r2, distance), abs=slip * distance + 1e-12)
+    fitted = found["fitted_distance"][0]
+    links = round(length_round(r1, r2, fitted) / pitch)
+    assert links % 2 == 0
+    assert length_round(r1, r2, fitted) == pytest.approx(links * pitch, abs=slip * distance + 1e-12)
+    assert abs(fitted - distance) <= 0.51 * pitch
+
+
+def test_chain__pulls_by_the_driven_moment_and_its_own_mass():
+    found, _ = found_of(CHAIN | {"linear_density": 0.7})
+    near(found["pull"], 60 / (0.0127 / (2 * math.sin(math.pi / 51))))
+    near(found["driving_moment"], 20.0)
+    near(found["centrifugal_tension"], 0.7 * (50 * 17 * 0.0127 / math.tau) ** 2)
+
+
+def test_sprockets__have_whole_teeth_and_room():
+    varied = {"driving_teeth": [17, 17.5], "distance": [0.4, 0.4]}
+    assert list(found_of(CHAIN | {"distance": 0.4}, varied)[1]) == [Verdict.OK, Verdict.DOES_NOT_FIT]
+    assert found_of(CHAIN | {"distance": 0.12})[1] == Verdict.DOES_NOT_FIT

@@ -1,0 +1,128 @@
+"""Motion laws of cams: known peaks, derivatives against integrals, continuity where their pieces meet."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from engine.laws.cams import motion_laws as laws
+
+WITHOUT_PLACE = {
+    "uniform": laws.uniform_motion,
+    "harmonic": laws.harmonic_motion,
+    "cycloidal": laws.cycloidal_motion,
+    "3-4-5": laws.polynomial_345,
+    "4-5-6-7": laws.polynomial_4567,
+}
+WITH_PLACE = {
+    "parabolic": laws.parabolic_motion,
+    "modified sine": laws.modified_sine,
+    "modified trapezoid": laws.modified_trapezoid,
+}
+BREAKS = {
+    "parabolic": (0.0, 0.5, 1.0),
+    "modified sine": (0.0, 0.125, 0.875, 1.0),
+    "modified trapezoid": (0.0, 0.125, 0.375, 0.625, 0.875, 1.0),
+}
+NAMES = [*WITHOUT_PLACE, *WITH_PLACE]
+EPS = 2.0**-52
+# Peaks of velocity, acceleration and jerk (Norton's table of double-dwell functions, in more digits by their formulas).
+PEAKS = {
+    "uniform": (1.0, 0.0, 0.0),
+    "parabolic": (2.0, 4.0, 0.0),
+    "harmonic": (math.pi / 2, math.pi**2 / 2, math.pi**3 / 2),
+    "cycloidal": (2.0, 2 * math.pi, 4 * math.pi**2),
+    "3-4-5": (15 / 8, 10 / math.sqrt(3), 60.0),
+    "4-5-6-7": (35 / 16, 84 * math.sqrt(5) / 25, 52.5),
+    "modified sine": (
+        4 * math.pi / (math.pi + 4),
+        4 * math.pi**2 / (math.pi + 4),
+        16 * math.pi**3 / (math.pi + 4),
+    ),
+    "modified trapezoid": (2.0, 8 * math.pi / (math.pi + 2), 32 * math.pi**2 / (math.pi + 2)),
+}
+PRINTED = {
+    "modified sine": (1.7596, 5.5280, 69.466),
+    "modified trapezoid": (2.0, 4.8881, 61.426),
+    "4-5-6-7": (2.1875, 7.5132, 52.5),
+    "cycloidal": (2.0, 6.2832, 39.478),
+    "3-4-5": (1.875, 5.7735, 60.0),
+}
+# Greatest S'S'', which the moment of an inertia is proportional to.
+DRIVES = {"cycloidal": 8.16, "3-4-5": 6.69, "4-5-6-7": 10.75, "modified sine": 5.46, "modified trapezoid": 8.09}
+
+
+def law(name):
+    """S … S''' at places of one piece, as rows."""
+    chosen = (WITHOUT_PLACE | WITH_PLACE)[name]
+
+    def values(u, held):
+        args = (lambda x: (x, held)) if name in WITH_PLACE else (lambda x: (x,))
+        return np.array([chosen(*args(float(x))) for x in np.atleast_1d(u)]).T
+
+    return values
+
+
+def pieces(name):
+    breaks = BREAKS.get(name, (0.0, 1.0))
+    return [(a, b, (a + b) / 2) for a, b in pairwise(breaks)]
+
+
+def sampled(name, count=2001):
+    found = [law(name)(np.linspace(a, b, count), held) for a, b, held in pieces(name)]
+    return np.concatenate(found, axis=1)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_law__goes_from_zero_to_one(name):
+    first, last = pieces(name)[0], pieces(name)[-1]
+    assert law(name)(0.0, first[2])[0, 0] == 0.0
+    assert law(name)(1.0, last[2])[0, 0] == pytest.approx(1.0, abs=2 * EPS)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_derivatives__integrate_to_the_law(name):
+    """Gauss's rule of 24 points integrates waves of at most half a turn a piece, four in all, to rounding."""
+    x, w = np.polynomial.legendre.leggauss(24)
+    for a, b, held in pieces(name):
+        u = (a + b) / 2 + (b - a) / 2 * x
+        values, ends = law(name)(u, held), law(name)(np.array([a, b]), held)
+        for order in range(3):
+            change = ends[order, 1] - ends[order, 0]
+            size = np.abs(values[order + 1]).max() + np.abs(ends[order]).max()
+            assert (b - a) / 2 * w @ values[order + 1] == pytest.approx(change, abs=64 * EPS * size)
+
+
+@pytest.mark.parametrize("name", BREAKS)
+def test_pieces__meet(name):
+    """Displacement and velocity do in all laws; the acceleration of parabolas jumps."""
+    orders = 2 if name == "parabolic" else 3
+    for (_, b, before), (_, _, after) in pairwise(pieces(name)):
+        left, right = law(name)(b, before)[:orders], law(name)(b, after)[:orders]
+        np.testing.assert_allclose(left, right, rtol=0, atol=64 * EPS)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_law__is_symmetric_about_its_middle(name):
+    for a, b, held in pieces(name):
+        u = np.linspace(a, b, 7)
+        here, there = law(name)(u, held), law(name)(1.0 - u, 1.0 - held)
+        sign = np.array([[-1.0], [1.0], [-1.0], [1.0]])
+        there[0] -= 1.0
+        np.testing.assert_allclose(here, sign * there, rtol=0, atol=1e3 * EPS)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_peaks__are_the_known_ones(name):
+    peaks = np.abs(sampled(name)[1:]).max(axis=1)
+    # Samples miss a parabola's top by at most an eighth of (C'' step²), with C'' < 1500 here.
+    np.testing.assert_allclose(peaks, PEAKS[name], rtol=1e-12, atol=1500 * (1 / 2000) ** 2 / 8)
+    if name in PRINTED:
+        np.testing.assert_allclose(PEAKS[name], PRINTED[name], rtol=1e-4)
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_drive_of_an_inertia__has_the_known_peak(name):
+    values = sampled(name)
+    assert (values[1] * values[2]).max() == pytest.approx(DRIVES[name], abs=0.006)

@@ -1,0 +1,116 @@
+"""Steep motors on light wheels: settled cycles against SciPy's Radau, through the layers that jumps of a load leave."""
+
+import math
+
+import numpy as np
+import pytest
+from motion_scenes import (
+    CRANK_INERTIA,
+    CUT,
+    ECCENTRIC_MASS,
+    ECCENTRICITY,
+    GRAVITY,
+    MOMENTS,
+    RADIUS,
+    RAM_MASS,
+    RATIO,
+    ROD,
+    ask,
+    slider_crank,
+    steady,
+)
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from engine import Verdict
+
+SYNCHRONOUS = MOMENTS["induction"]["synchronous_speed"] / RATIO
+
+
+def ram(phi: float) -> tuple[float, float]:
+    """Place of the ram and its derivative by φ."""
+    c, s = math.cos(phi), math.sin(phi)
+    root = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
+    return RADIUS * c + root, -RADIUS * s - RADIUS**2 * s * c / root
+
+
+def cut_begins_and_ends() -> tuple[float, float]:
+    """Angles between which the tool cuts, on the ram's way to the high end of its stroke."""
+    top = RADIUS + ROD
+    begin, end = CUT["over_stroke"][1], CUT["over_stroke"][0]
+    return tuple(brentq(lambda phi, left=left: top - ram(phi)[0] - left, -math.pi, 0.0) for left in (begin, end))
+
+
+def settled(slip: float, wheel: float, ratio: float) -> tuple[float, float, float]:
+    """Period, least and greatest speed of the slider-crank with an induction motor, cut and gravity.
+
+    A motor so steep forgets within a cycle where it began: what comes after two is settled.
+    """
+    breakdown = MOMENTS["induction"]["breakdown_moment"] * ratio
+    fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2 + wheel
+    first, last = cut_begins_and_ends()
+    near, far = CUT["over_stroke"]
+
+    def inertia(phi: float) -> float:
+        return fixed + RAM_MASS * ram(phi)[1] ** 2
+
+    def rates(phi: float, state: np.ndarray, cuts: bool) -> list[float]:
+        place, rate = ram(phi)
+        omega = math.sqrt(2.0 * state[0] / inertia(phi))
+        s = 1.0 - omega / SYNCHRONOUS
+        motor = RATIO * 2.0 * breakdown * s * slip / (s * s + slip * slip)
+        weight = -ECCENTRIC_MASS * ECCENTRICITY * GRAVITY * math.cos(phi)
+        left = RADIUS + ROD - place
+        force = CUT["force"][0] + (CUT["force"][1] - CUT["force"][0]) * (left - near) / (far - near)
+        return [motor + weight - (force * rate if cuts else 0.0), 1.0 / omega]
+
+    def slopes(phi: float, state: np.ndarray, cuts: bool) -> np.ndarray:
+        omega = math.sqrt(2.0 * state[0] / inertia(phi))
+        s = 1.0 - omega / SYNCHRONOUS
+        rise = RATIO * 2.0 * breakdown * slip * (slip * slip - s * s) / (s * s + slip * slip) ** 2
+        return np.array([[-rise / SYNCHRONOUS / (inertia(phi) * omega), 0.0], [-0.5 / (omega * state[0]), 0.0]])
+
+    state, speeds, begun = [0.5 * inertia(last) * SYNCHRONOUS**2, 0.0], [], 0.0
+    for turn in range(3):
+        begun = state[1]
+        for cuts, (a, b) in ((False, (last, first + 2 * math.pi)), (True, (first, last))):
+            found = solve_ivp(
+                rates,
+                (a, b),
+                state,
+                "Radau",
+                rtol=1e-11,
+                atol=1e-13,
+                jac=slopes,
+                args=(cuts,),
+                dense_output=turn == 2,
+            )
+            state = found.y[:, -1]
+            if turn == 2:
+                # Extremes lie at the ends of the layers, or where the ram's inertia turns the speed.
+                places = np.unique(np.concatenate((found.t, np.linspace(a, b, 20_001))))
+                energy = found.sol(places)[0]
+                speeds.append(np.sqrt(2.0 * energy / [inertia(phi) for phi in places]))
+    speeds = np.concatenate(speeds)
+    return state[1] - begun, speeds.min(), speeds.max()
+
+
+@pytest.mark.parametrize(("slip", "wheel", "ratio"), [(0.02, 0.0, 2.0), (0.01, 0.005, 3.0), (0.015, 0.002, 2.5)])
+def test_breakdown_slip_of_2_percent_and_less__as_radau(slip, wheel, ratio):
+    motor = {"breakdown_slip": slip, "breakdown_moment": MOMENTS["induction"]["breakdown_moment"] * ratio}
+    scene = slider_crank({"on": steady("induction cut gravity")}, flywheel=wheel, induction=motor)
+    found = ask(scene, "on.period on.speed_min on.speed_max on.speed_fluctuation")
+    assert found.status == [Verdict.OK]
+    period, slowest, fastest = settled(slip, wheel, ratio)
+    delta = 2.0 * (fastest - slowest) / (fastest + slowest)
+    for name, true in (
+        ("period", period),
+        ("speed_min", slowest),
+        ("speed_max", fastest),
+        ("speed_fluctuation", delta),
+    ):
+        value, figure = found[f"on.{name}"], found.figure(f"on.{name}")
+        # Radau's own error; its extremes are looked for at places a few ten-thousandths of a turn apart.
+        room = 1e-7 * (2.0 / delta if name == "speed_fluctuation" else 1.0)
+        assert abs(value - true) <= figure + room * true, (name, value, true, figure)
+        assert figure <= 1e-6 * true, name

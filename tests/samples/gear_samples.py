@@ -1,0 +1,73 @@
+"""Gear trains for tests: the classical arrangements, as scenes have them."""
+
+import numpy as np
+
+from engine import ElementsAlone, Scene
+
+
+def simple_planetary(sun, planet, ring, roles, planets=None, mesh=None, **train):
+    """Sun, planets on an arm, ring: `roles` gives keys of the shafts sun_shaft, arm, ring_shaft."""
+    arm = {} if planets is None else {"planets": planets}
+    return {
+        "type": "gear_train",
+        "wheels": {
+            "sun": {"shaft": "sun_shaft", "teeth": sun},
+            "planet": {"shaft": "idler", "teeth": planet},
+            "ring": {"shaft": "ring_shaft", "teeth": ring},
+        },
+        "shafts": {
+            "sun_shaft": roles.get("sun", {}),
+            "idler": {"carrier": "arm"} | roles.get("idler", {}),
+            "arm": arm | roles.get("arm", {}),
+            "ring_shaft": roles.get("ring", {}),
+        },
+        "meshes": {
+            "outer": {"between": ["sun", "planet"]} | (mesh or {}),
+            "inner": {"between": ["planet", "ring"], "type": "internal"} | (mesh or {}),
+        },
+    } | train
+
+
+def stepped_planetary(z1, z2, z3, z4, roles, internal=False, planets=None, mesh=None, **train):
+    """Two central wheels 1 and 4 joined by a planet with wheels 2 and 3, 4 outside or a ring; modules to suit."""
+    arm = {} if planets is None else {"planets": planets}
+    kind = {"type": "internal"} if internal else {}
+    distance = z1 + z2
+    module = distance / (z4 - z3 if internal else z3 + z4)
+    return {
+        "type": "gear_train",
+        "wheels": {
+            "first": {"shaft": "first_shaft", "teeth": z1},
+            "second": {"shaft": "block", "teeth": z2},
+            "third": {"shaft": "block", "teeth": z3},
+            "fourth": {"shaft": "fourth_shaft", "teeth": z4},
+        },
+        "shafts": {
+            "first_shaft": roles.get("first", {}),
+            "block": {"carrier": "arm"} | roles.get("block", {}),
+            "arm": arm | roles.get("arm", {}),
+            "fourth_shaft": roles.get("fourth", {}),
+        },
+        "meshes": {
+            "one": {"between": ["first", "second"], "module": 0.001} | (mesh or {}),
+            "two": {"between": ["third", "fourth"], "module": 0.001 * module} | kind | (mesh or {}),
+        },
+    } | train
+
+
+def scene_with(train):
+    """A scene of one gear train, called `train`."""
+    return Scene.model_validate({"elements": {"train": train}})
+
+
+def found_of(train, varied=None):
+    """All results of a train by their names, (value, error), and the status; arrays where numbers vary."""
+    scene = scene_with(train)
+    paths = {f"elements.train.{key}": np.asarray(values, float) for key, values in (varied or {}).items()}
+    asked = list(ElementsAlone(scene).available_summaries)
+    outcome = ElementsAlone(scene, asked, varied=list(paths)).evaluate(paths)
+    pick = (lambda a: a) if varied else (lambda a: a[0])
+    names = {name: name.removeprefix("train.") for name in asked}
+    return {short: (pick(outcome.summaries[name]), pick(outcome.errors[name])) for name, short in names.items()}, pick(
+        outcome.status
+    )
