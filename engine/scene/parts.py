@@ -366,9 +366,9 @@ class Body(Part):
     x: Length | None = None
     y: Length = 0.0
     inertia: Annotated[Inertia, Field(ge=0)] | None = None
-    swing: Swing | None = None
     shape: Shape | None = None
     density: Annotated[Density, Field(gt=0)] | None = None
+    swing: Swing | None = None
     replace: Replacement | None = None
 
     @model_validator(mode="after")
