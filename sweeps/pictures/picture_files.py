@@ -60,7 +60,7 @@ def machine_pictures(
     if scene.input is None:
         if not made:
             raise PictureError(
-                "the scene has machine elements alone, no rotor, engine, governor, spring, gears or cam: nothing to draw"
+                "the scene has machine elements alone, no rotor, engine, governor, spring, gear or cam: nothing to draw"
             )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
