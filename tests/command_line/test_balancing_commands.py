@@ -260,5 +260,5 @@ def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_wo
 
 def test_elements_that_have_no_picture__say_so(folder):
     said_of = refused("plot", "screw_jack")
-    assert "machine elements alone, no rotor, engine, governor, spring, gears or cam: nothing to draw" in said_of
+    assert "machine elements alone, no rotor, engine, governor, spring, gear or cam: nothing to draw" in said_of
     assert "there is no mechanism to draw" in refused("export", "v_twin", "--to", "a.dxf")
