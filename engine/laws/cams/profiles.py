@@ -105,22 +105,6 @@ def flat_face_support(distance: float, psi: float, s1: float, s2: float, sense: 
     return distance * s + (p2 * turn - p1 * turned) / turn**3, distance * c / turn
 
 
-@scalar
-def profile_point(place: Place, sense: float, inwards: float) -> tuple[float, float]:
-    """Point on the normal of the pitch curve, `inwards` of it, in the axes of the frame.
-
-    Parameters
-    ----------
-    place : tuple of 6 floats
-    sense : float
-    inwards : float
-        The roller's radius for the cam's surface, less that of a cutter for the path of the cutter's centre.
-    """
-    x1, y1, _, _ = rolled_back(place, sense)
-    size = math.sqrt(x1 * x1 + y1 * y1)
-    return place[0] + sense * inwards * y1 / size, place[1] - sense * inwards * x1 / size
-
-
 def pressure_of_lines(curved_force: np.ndarray, modulus: np.ndarray, width: np.ndarray) -> np.ndarray:
     """Greatest pressure by Hertz between cylinders of one material in contact along a line.
 
