@@ -364,10 +364,11 @@ def fill(count: int, block: Memory, value: float) -> None:
 
 
 @routine
-def note_too_many(counts: Memory, too_many: Memory) -> None:
-    """Note the lanes in which there is no room for all roots."""
+def note_too_many(counts: Memory, scale: Memory, too_many: Memory) -> None:
+    """Note the lanes in which there is no room for all roots, but of functions that aren't finite everywhere."""
     for lane in range(LANES):
-        too_many[lane] = 1.0 if counts[lane] > float(MOST_ROOTS) else too_many[lane]
+        more = (counts[lane] > float(MOST_ROOTS)) & (abs(scale[lane]) < math.inf)
+        too_many[lane] = 1.0 if more else too_many[lane]
 
 
 @routine
@@ -402,7 +403,6 @@ def cut(
             sample(events, work.block, tables, task.scan, scan)
             for f in range(functions):
                 turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
-                note_too_many(counts, too_many)
             solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
             for f in range(functions):
                 find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
@@ -428,7 +428,7 @@ def cut(
             marks,
             counts,
         )
-        note_too_many(counts, too_many)
+        note_too_many(counts, landmarks[f, SCALE], too_many)
     solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, crossed, crossings)
     return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
 

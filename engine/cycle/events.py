@@ -93,7 +93,7 @@ def find_turns(
     marks : row (LANES,)
         Used meanwhile.
     counts : row (LANES,)
-        Receives how many there are, of which MOST_ROOTS are entered.
+        Receives how many are entered: of what turns more often, by rounding as a rule, the first MOST_ROOTS.
 
     Returns
     -------
@@ -113,8 +113,8 @@ def find_turns(
             continue
         for lane in range(LANES):
             row = before + int(counts[lane])
-            counts[lane] += 1.0 if marks[lane] > 0.0 else 0.0
-            if marks[lane] > 0.0 and counts[lane] <= MOST_ROOTS:
+            if marks[lane] > 0.0 and counts[lane] < MOST_ROOTS:
+                counts[lane] += 1.0
                 used = open_row(row, used, function, TURN, sought, roots)
                 roots[row, LOW, lane] = roots[row, FIRST_LOW, lane] = q[k, lane]
                 roots[row, HIGH, lane] = roots[row, FIRST_HIGH, lane] = q[k + 1, lane]
@@ -242,9 +242,10 @@ def enter_crossings(
         Rows of roots in use now.
     """
     for lane in range(LANES):
-        row = before + int(counts[lane])
-        counts[lane] += 1.0 if marks[lane] > 0.0 else 0.0
-        if marks[lane] > 0.0 and counts[lane] <= MOST_ROOTS:
+        row, room = before + int(counts[lane]), counts[lane] < MOST_ROOTS
+        # What lies on its level all along touches it at every position: of such, any may be left out.
+        counts[lane] += 1.0 if (marks[lane] == 1.0) | (marks[lane] > 0.0) & room else 0.0
+        if marks[lane] > 0.0 and room:
             used = open_row(row, used, function, level_row, sought, roots)
             roots[row, LOW, lane], roots[row, HIGH, lane] = low[lane], low[lane] if marks[lane] == 2.0 else high[lane]
             roots[row, AT_LOW, lane] = at_low[lane] - level[lane]

@@ -215,7 +215,7 @@ class CycleOutcome:
         How many panels were taken.
     broken_at : ndarray (variants,)
         First input position found where a curve isn't finite; NaN where all are; infinite, and all results NaN, where a
-        switching function turns or takes a level more often than there is room for.
+        switching function takes a level more often than there is room for.
     """
 
     integrals: Measured

@@ -437,13 +437,13 @@ class Machine:
             fails = (least < SINGULAR_SINE) & ~singular & assembled
             self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
             singular |= fails
-        lost = np.flatnonzero(np.isfinite(broken) & ~singular)
+        lost = np.flatnonzero(~np.isnan(broken) & ~singular)
         if lost.size and groups:
             fields = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
             at, place = first_failure(fields, table[:, lost], self._ends, np.isnan)
             for k, group in enumerate(groups):
                 # Just beside the limit of the links' reach, positions differ by rounding.
-                hidden = (at < 0) & np.isnan(sines[k][0][lost])
+                hidden = (at < 0) & np.isnan(sines[k][0][lost]) & np.isfinite(broken[lost])
                 here = (at == k) | hidden
                 at[hidden] = k
                 where = np.where(hidden, broken[lost], place)
