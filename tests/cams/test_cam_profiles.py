@@ -6,9 +6,9 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from cam_samples import CAMS, cam_of
 
 from engine import cam_curves
-from tests.samples.cam_samples import CAMS, cam_of
 
 DENSE = 20_000
 

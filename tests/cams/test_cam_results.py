@@ -5,11 +5,11 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import ElementsAlone, Verdict, cam_curves, scene_numbers
-from tests.samples.cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
 
 OMEGA = 600 * math.pi / 30
 CIRCLE = {

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cam_samples import ARM, CAMS, FLAT, KNIFE, ROLLER, cam_of, cam_scene
+from commands import refused, said
 from pydantic import ValidationError
 
 from engine import Scene, cam_curves
@@ -16,8 +18,6 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import read_scene, write_scene
-from tests.samples.cam_samples import ARM, CAMS, FLAT, KNIFE, ROLLER, cam_of, cam_scene
-from tests.samples.commands import refused, said
 
 
 @pytest.mark.parametrize(

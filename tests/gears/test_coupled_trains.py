@@ -3,12 +3,12 @@
 from fractions import Fraction
 
 import numpy as np
+from gear_samples import found_of
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from engine import Verdict
-from tests.samples.gear_samples import found_of
 
 EPS = np.finfo(float).eps
 MEMBERS = ("sun", "arm", "ring")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gear_samples import scene_with, simple_planetary
 from matplotlib.figure import Figure
 
 from engine import Verdict, velocity_picture
@@ -17,7 +18,6 @@ from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import read_study
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import TEMPLATES
-from tests.samples.gear_samples import scene_with, simple_planetary
 
 
 @pytest.fixture(scope="module")

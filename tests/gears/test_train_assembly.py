@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 import pytest
+from gear_samples import found_of, simple_planetary, stepped_planetary
 
 from engine import Verdict
-from tests.samples.gear_samples import found_of, simple_planetary, stepped_planetary
 
 EPS = np.finfo(float).eps
 ROLES = {"sun": {"speed": 100.0}, "ring": {"held": True}}

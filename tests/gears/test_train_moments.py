@@ -6,11 +6,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from gear_samples import found_of, simple_planetary, stepped_planetary
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from engine import Verdict
-from tests.samples.gear_samples import found_of, simple_planetary, stepped_planetary
 
 EPS = np.finfo(float).eps
 SPEED, LOAD = 100.0, -50.0

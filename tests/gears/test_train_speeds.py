@@ -5,12 +5,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from gear_samples import found_of, scene_with, simple_planetary, stepped_planetary
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from engine import Verdict
-from tests.samples.gear_samples import found_of, scene_with, simple_planetary, stepped_planetary
 
 EPS = np.finfo(float).eps
 SPEED = 100.0

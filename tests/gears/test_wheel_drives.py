@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from gear_samples import found_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import Verdict
-from tests.samples.gear_samples import found_of
 
 EPS = np.finfo(float).eps
 FRICTION = {
