@@ -3,9 +3,10 @@
 import click
 
 from sweeps.cli.asking import help_command, quantities
+from sweeps.cli.exporting import export
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
-from sweeps.cli.showing import animate, export, orders, plot, show
+from sweeps.cli.showing import animate, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
 from sweeps.cli.starting import list_command, new
 

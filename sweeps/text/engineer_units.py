@@ -94,7 +94,7 @@ def quantity_text(value: float, units: str, error: float | None = None) -> str:
         return "–"
     factor, label = engineer_unit(units, np.array([value]))
     unit = f" {label}" if label not in ("", "1") else ""
-    return figure_text(value * factor, None if error is None else error * factor, 5) + unit
+    return figure_text(value * factor + 0.0, None if error is None else error * factor, 5) + unit
 
 
 def figure_text(value: float, error: float | None, digits: int) -> str:
