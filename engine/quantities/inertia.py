@@ -92,8 +92,8 @@ def _shaking(m: Mechanics) -> Declared:
     force, about = "shaking force at uniform speed of the input", moment_centre(m.scene)
     for i, axis in enumerate("xy"):
         words = f"{axis} component of the {force}"
-        yield Field(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i])
-    yield Field("shaking_force", f"magnitude of the {force}", "N", lambda: m.shaking.force.length)
+        yield Field(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i], f"F_{axis}")
+    yield Field("shaking_force", f"magnitude of the {force}", "N", lambda: m.shaking.force.length, "F")
     yield Field(
         "shaking_moment",
         f"shaking moment about {about} at uniform speed of the input, inertia of shafts and gears in it, loads not",
