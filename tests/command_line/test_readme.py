@@ -123,3 +123,12 @@ def test_gear_train__has_what_the_guide_names(folder):
     assert len(named) >= 12
     assert set(named) <= set(known)
     assert ElementsAlone(scene, named).evaluate({}).status == [Verdict.OK]
+
+
+def test_guide__shows_its_chapters():
+    listed = CliRunner().invoke(main, ["guide"])
+    assert all(name in listed.output for name in GUIDE)
+    assert CliRunner().invoke(main, ["guide", "cams"]).output == GUIDE["cams"]
+    wrong = CliRunner().invoke(main, ["guide", "motoin"])
+    assert wrong.exit_code != 0
+    assert "did you mean 'motion'" in wrong.output
