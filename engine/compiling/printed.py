@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from engine.compiling.kept_code import BROKEN, COMPILING, cache_folder, empty_cache, folder_of
+from engine.compiling.kept_code import BROKEN, cache_folder, compiling, empty_cache, folder_of
 from engine.compiling.sources import digest_of_text
 
 
@@ -19,7 +19,7 @@ def load_printed(text: str) -> ModuleType:
     text : str
         Source of the module.
     """
-    with COMPILING:
+    with compiling():
         try:
             return _load(text)
         except BROKEN:
