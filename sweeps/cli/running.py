@@ -5,7 +5,16 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, make_folder, plots_of, run_options, stop, tell_files, use_threads
+from sweeps.cli.shared import (
+    errors_as_messages,
+    make_folder,
+    plots_of,
+    run_options,
+    stop,
+    tell,
+    tell_files,
+    use_threads,
+)
 
 
 @click.command()
@@ -30,8 +39,14 @@ def check(study: str, out: Path, source: bool) -> None:
 @click.argument("study")
 @run_options("results/NAME.h5")
 @errors_as_messages
-def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
-    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
+def run(
+    study: str, out: Path | None, restart: bool, replace: bool, jobs: int | None, no_plots: bool, quiet: bool
+) -> None:
+    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted.
+
+    What the file there holds of the study already isn't computed again: variants, summaries and fields may be added. If
+    it holds more than the study by now, or other numbers, it is kept beside, as NAME.1.h5.
+    """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.result_report import answer_text, counts_text, kept_text
     from sweeps.report.sweep_result import SweepResult
@@ -47,7 +62,7 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
     use_threads(jobs)
     bar = ProgressBar(found.design.size, quiet)
     try:
-        run_study(found, out, restart, bar.update)
+        run_study(found, out, restart, bar.update, replace, tell)
     except KeyboardInterrupt:
         stop(bar, kept_text(out, bar.total))
     bar.close()
@@ -65,7 +80,9 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
 @click.argument("study")
 @run_options("results/NAME_optimised.h5")
 @errors_as_messages
-def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
+def optimise(
+    study: str, out: Path | None, restart: bool, replace: bool, jobs: int | None, no_plots: bool, quiet: bool
+) -> None:
     """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
     from sweeps.optimising.optimum import optimum_text
     from sweeps.optimising.runner import generations_kept, optimise_study
@@ -83,7 +100,7 @@ def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_p
     use_threads(jobs)
     bar = ProgressBar(task_of(found).generations, quiet, "generations")
     try:
-        optimise_study(found, out, restart, bar.update)
+        optimise_study(found, out, restart, bar.update, replace, tell)
     except KeyboardInterrupt:
         stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
     bar.close()

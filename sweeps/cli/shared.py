@@ -47,7 +47,8 @@ def run_options(out: str) -> Callable:
     """Options of what makes a result file."""
     options = (
         click.option("--out", type=click.Path(path_type=Path), help=f"Result file; {out} unless given."),
-        click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it."),
+        click.option("--restart", is_flag=True, help="Compute everything, and throw away an earlier result."),
+        click.option("--replace", is_flag=True, help="Keep no former result of an edited study beside the new one."),
         click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
         click.option("--no-plots", is_flag=True, help="Make no pictures."),
         click.option("--quiet", is_flag=True, help="No progress on standard error."),
@@ -72,6 +73,11 @@ def stop(bar: object, kept: str) -> None:
     bar.close()
     click.echo(f"\nInterrupted: {kept}; the same command goes on from there.", err=True)
     sys.exit(INTERRUPTED)
+
+
+def tell(sentence: str) -> None:
+    """Say something on standard error that isn't what was asked for."""
+    click.echo(sentence, err=True)
 
 
 def tell_files(made: list[Path], started: float) -> None:

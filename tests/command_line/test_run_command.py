@@ -43,13 +43,23 @@ def test_run_twice__leaves_the_finished_file(press_result):
     assert Path(press_result).stat().st_mtime_ns == before
 
 
-def test_run_of_a_changed_study__needs_restart(press_result):
+def test_run_of_a_changed_study__keeps_the_former_result(press_result):
     Path("study.toml").write_text(STUDY.replace('"50 kg"', '"55 kg"'))
-    message = refused("run", "study.toml", "--no-plots", "--out", press_result)
-    for word in ("r.h5", "another study", '"50 kg"', '"55 kg"', "--restart"):
-        assert word in message
-    assert said("run", "study.toml", "--no-plots", "--out", press_result, "--restart").exit_code == 0
+    answer = said("run", "study.toml", "--no-plots", "--out", press_result)
+    assert answer.exit_code == 0
+    former = Path(press_result).with_suffix(".1.h5")
+    assert answer.stderr == f"The former {press_result} is kept as {former}.\n"
     assert SweepResult(Path(press_result)).columns["bodies.ram.mass"][0] == 55
+    assert SweepResult(former).columns["bodies.ram.mass"][0] == 50
+
+
+def test_run_with_another_question__answers_that_one(press_result):
+    Path("study.toml").write_text(STUDY.replace("minimise", "maximise"))
+    before = SweepResult(Path(press_result)).best()
+    answer = said("run", "study.toml", "--no-plots", "--out", press_result)
+    assert "Answer: the greatest excess_work" in answer.stdout
+    assert "Answer: the greatest excess_work" in said("show", press_result).stdout
+    assert SweepResult(Path(press_result)).best() != before
 
 
 def test_run_with_jobs__gives_the_same_numbers(press_result):
@@ -141,7 +151,7 @@ def interrupted(after: int) -> click.testing.Result:
             raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweeps.run.runner.block_size", lambda study, machine: 3)
+        patch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
         patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
         return said("run", "study.toml", "--no-plots", "--out", "r.h5")
 
@@ -150,7 +160,7 @@ def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(pres
     assert "Interrupted: 3 of 8 variants are done and kept; the same command goes on" in interrupted(3).stderr
     assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
     assert "Interrupted: 6 of 8 variants" in interrupted(6).stderr
-    monkeypatch.setattr("sweeps.run.runner.block_size", lambda study, machine: 3)
+    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
 
@@ -211,7 +221,7 @@ def test_progress_into_a_pipe__is_plain_lines_now_and_then(press_folder, monkeyp
     ticks = itertools.count(0.0, 40.0)
     clock = SimpleNamespace(monotonic=lambda: next(ticks), perf_counter=time.perf_counter)
     monkeypatch.setattr("sweeps.run.progress.time", clock)
-    monkeypatch.setattr("sweeps.run.runner.block_size", lambda study, machine: 4)
+    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 4)
     answer = said("run", "study.toml", "--no-plots")
     lines = answer.stderr.splitlines()
     assert len(lines) == 2
