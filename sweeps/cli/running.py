@@ -10,11 +10,11 @@ from sweeps.cli.shared import (
     make_folder,
     plots_of,
     run_options,
-    stop,
     tell,
     tell_files,
     use_threads,
 )
+from sweeps.interruption import keeping
 
 
 @click.command()
@@ -48,7 +48,7 @@ def run(
     it holds more than the study by now, or other numbers, it is kept beside, as NAME.1.h5.
     """
     from sweeps.report.check_report import between_positions_text
-    from sweeps.report.result_report import answer_text, counts_text, kept_text
+    from sweeps.report.result_report import answer_text, counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
@@ -61,19 +61,17 @@ def run(
     make_folder(out)
     use_threads(jobs)
     bar = ProgressBar(found.design.size, quiet)
-    try:
+    with keeping(bar.kept_text):
         run_study(found, out, restart, bar.update, replace, tell)
-    except KeyboardInterrupt:
-        stop(bar, kept_text(out, bar.total))
-    bar.close()
-    result = SweepResult(out)
-    plural = "" if found.design.size == 1 else "s"
-    click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
-    click.echo(counts_text(result))
-    click.echo(answer_text(result))
-    if hidden := between_positions_text(found):
-        click.echo(hidden)
-    tell_files([out, *([] if no_plots else plots_of(result))], started)
+        bar.close()
+        result = SweepResult(out)
+        plural = "" if found.design.size == 1 else "s"
+        click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
+        click.echo(counts_text(result))
+        click.echo(answer_text(result))
+        if hidden := between_positions_text(found):
+            click.echo(hidden)
+        tell_files([out, *([] if no_plots else plots_of(result))], started)
 
 
 @click.command()
@@ -85,7 +83,7 @@ def optimise(
 ) -> None:
     """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
     from sweeps.optimising.optimum import optimum_text
-    from sweeps.optimising.runner import generations_kept, optimise_study
+    from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
@@ -99,13 +97,11 @@ def optimise(
     make_folder(out)
     use_threads(jobs)
     bar = ProgressBar(task_of(found).generations, quiet, "generations")
-    try:
+    with keeping(bar.kept_text):
         optimise_study(found, out, restart, bar.update, replace, tell)
-    except KeyboardInterrupt:
-        stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
-    bar.close()
-    result = SweepResult(out)
-    click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
-    click.echo(counts_text(result))
-    click.echo(optimum_text(result))
-    tell_files([out, *([] if no_plots else plots_of(result))], started)
+        bar.close()
+        result = SweepResult(out)
+        click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
+        click.echo(counts_text(result))
+        click.echo(optimum_text(result))
+        tell_files([out, *([] if no_plots else plots_of(result))], started)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import click
 
-INTERRUPTED = 130
 WRONG_INPUT = 2
 
 
@@ -66,13 +65,6 @@ def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
         except PackageNotFoundError:
             click.echo("sweeps, not installed")
         context.exit()
-
-
-def stop(bar: object, kept: str) -> None:
-    """Say what an interrupted run leaves behind, and stop."""
-    bar.close()
-    click.echo(f"\nInterrupted: {kept}; the same command goes on from there.", err=True)
-    sys.exit(INTERRUPTED)
 
 
 def tell(sentence: str) -> None:
@@ -136,9 +128,11 @@ def write_text(path: Path, text: str) -> None:
         It can't be written.
     """
     from sweeps.text.input_files import InputError
+    from sweeps.text.whole_files import whole_file
 
     make_folder(path)
     try:
-        path.write_text(text, encoding="utf8")
+        with whole_file(path) as draft:
+            draft.write_text(text, encoding="utf8")
     except OSError as error:
         raise InputError(str(path), [(None, "", f"can't be written: {error.strerror}")]) from None

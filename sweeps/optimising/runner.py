@@ -64,7 +64,8 @@ def optimise_study(
     restart : bool
         Throw away an earlier result under that name.
     progress : callable, optional
-        Called after every generation with those done, those of them done before this run, and words on the best.
+        Called before the first generation and after every one with those done, those of them done before this run, and
+        words on the best.
     replace_former : bool
         Let the file take the place of a former one of another search; otherwise that is kept, under a numbered name.
     tell : callable, optional
@@ -136,14 +137,6 @@ def _downhill(
     return _numbered(joined(passed), generation)
 
 
-def generations_kept(path: Path) -> int:
-    """How many generations an interrupted search into a file leaves behind."""
-    try:
-        return describe_result(part_path(_work_path(path))).blocks_done
-    except StoreError:
-        return 0
-
-
 def _work_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}.candidates{path.suffix}")
 
@@ -165,6 +158,8 @@ class _History:
         self.pending = set(store.pending)
         self.before = store.layout.blocks - len(self.pending)
         self.done, self.best = 0, None
+        if progress:
+            progress(self.before, self.before, "")
 
     def evaluate(self, coordinates: np.ndarray) -> Batch:
         """Columns and costs of the next generation."""

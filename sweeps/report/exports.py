@@ -11,6 +11,7 @@ from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.whole_files import whole_file
 
 
 def result_csv(path: Path, out: Path, where: str | None = None) -> None:
@@ -104,7 +105,8 @@ def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int
 def scene_toml(scene: Scene, values: Mapping[str, float], out: Path) -> None:
     """Scene with some numbers replaced, as TOML."""
     try:
-        out.write_text(write_scene(scene, values), encoding="utf8")
+        with whole_file(out) as draft:
+            draft.write_text(write_scene(scene, values), encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
@@ -139,7 +141,7 @@ def _cell(value: np.generic) -> str:
 
 def _write_csv(out: Path, header: list[str], rows: Iterable[list]) -> None:
     try:
-        with out.open("w", newline="", encoding="utf8") as file:
+        with whole_file(out) as draft, draft.open("w", newline="", encoding="utf8") as file:
             writer = csv.writer(file)
             writer.writerow(header)
             writer.writerows(rows)

@@ -114,7 +114,7 @@ def run_study(
     restart : bool
         Throw away an earlier result under that name, and compute everything.
     progress : callable, optional
-        Called with (variants done, of those done before this run) after every block.
+        Called with (variants done, of those done before this run) before the first block and after every one.
     replace_former : bool
         Let the file take the place of a former one of another study.
     tell : callable, optional
@@ -144,6 +144,8 @@ def run_study(
         pending = store.pending
         sizes = {i: store.slice(i).stop - store.slice(i).start for i in pending}
         done = before = study.design.size - sum(sizes.values())
+        if progress:
+            progress(done, before)
         blocks = Blocks(study, store.layout, earlier)
         for i in pending:
             store.write(i, blocks.columns(i))

@@ -13,6 +13,8 @@ from typing import Self
 import h5py
 import numpy as np
 
+from sweeps.text.whole_files import whole_file
+
 from .checksums import checksum
 from .creating import (
     check_space,
@@ -375,15 +377,10 @@ def reword(path: Path, attributes: Mapping[str, str]) -> None:
     if not changed:
         return
     check_unlocked(path)
-    draft = path.with_name(f"{path.name}.new")
-    try:
-        with explained(path, "change"):
-            shutil.copyfile(path, draft)
-            with h5py.File(draft, "r+") as file:
-                file.attrs.update(changed)
-                note_texts(file)
-            with draft.open("rb+") as plain:
-                os.fsync(plain.fileno())
-            draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+    with explained(path, "change"), whole_file(path) as draft:
+        shutil.copyfile(path, draft)
+        with h5py.File(draft, "r+") as file:
+            file.attrs.update(changed)
+            note_texts(file)
+        with draft.open("rb+") as plain:
+            os.fsync(plain.fileno())

@@ -6,12 +6,13 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
-import click.testing
 import pytest
 from commands import STUDY, refused, said
 from press_texts import PRESS
 
+from sweeps.interruption import farewell
 from sweeps.report.sweep_result import SweepResult
+from sweeps.run.progress import ProgressBar
 
 
 def test_run__tells_counts_blame_answer_and_files(press_folder):
@@ -132,34 +133,30 @@ def test_out_of_another_program__is_refused_and_kept(press_folder):
     assert Path("r.h5").read_text() == "my notes"
 
 
-def test_interrupt__has_its_own_exit_code(press_folder, monkeypatch):
-    def stopped(*arguments: object) -> None:
-        raise KeyboardInterrupt
+def interrupted(after: int) -> str:
+    """What a run stopped after so many variants, in blocks of three, says on the way out."""
+    words = []
+    update = ProgressBar.update
 
-    monkeypatch.setattr("sweeps.run.runner.run_study", stopped)
-    answer = said("run", "study.toml", "--no-plots")
-    assert answer.exit_code == 130
-    assert "Interrupted: 0 of 8 variants are done and kept; the same command goes on from there." in answer.stderr
-    assert answer.stdout == ""
-
-
-def interrupted(after: int) -> click.testing.Result:
-    """A run stopped by the keyboard after so many variants, in blocks of three."""
-
-    def stop(self: object, done: int, before: int) -> None:
+    def stop(self: ProgressBar, done: int, before: int) -> None:
+        update(self, done, before)
         if done >= after:
+            words.append(farewell())
             raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
         patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
-        return said("run", "study.toml", "--no-plots", "--out", "r.h5")
+        patch.setattr("sys.argv", ["sweeps", "run", "study.toml", "--restart", "--no-plots", "--out", "my r.h5"])
+        assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 1
+    return words[0]
 
 
 def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(press_folder, monkeypatch):
-    assert "Interrupted: 3 of 8 variants are done and kept; the same command goes on" in interrupted(3).stderr
+    again = "go on with: sweeps run study.toml --no-plots --out 'my r.h5'"
+    assert interrupted(3) == f"Interrupted: 3 of 8 variants are done and kept; {again}"
     assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
-    assert "Interrupted: 6 of 8 variants" in interrupted(6).stderr
+    assert "Interrupted: 6 of 8 variants" in interrupted(6)
     monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")

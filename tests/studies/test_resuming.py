@@ -44,7 +44,7 @@ def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
         run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
     assert not (tmp_path / "study.h5").exists()
     assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
-    assert counted(DISTINCT, tmp_path) == [(120, 80), (160, 80), (200, 80)]
+    assert counted(DISTINCT, tmp_path) == [(80, 80), (120, 80), (160, 80), (200, 80)]
     assert not (tmp_path / "study.part.h5").exists()
     assert numbers_in(tmp_path / "study.h5") == whole
 
@@ -60,7 +60,7 @@ def test_finished_run__is_left_alone(tmp_path):
 def test_restart__computes_everything_again(tmp_path):
     path = run(tmp_path, GOOD)
     before = contents(path)
-    assert counted(GOOD, tmp_path, restart=True) == [(4, 0)]
+    assert counted(GOOD, tmp_path, restart=True) == [(0, 0), (4, 0)]
     assert contents(path) == before
 
 
@@ -281,16 +281,18 @@ def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
     assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
 
 
-def test_interrupt_from_the_keyboard__keeps_the_blocks_and_says_how_to_go_on(uninterrupted, tmp_path):
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_interrupt__keeps_the_blocks_and_says_how_to_go_on(number, code, uninterrupted, tmp_path):
     study_of(tmp_path, LONG, "long")
     process = start(tmp_path)
     wait_for_blocks(process, tmp_path, 2)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, errors = process.communicate()
-    assert process.returncode == 130
-    assert "Interrupted" in errors
-    assert "the same command goes on" in errors
-    assert "Traceback" not in errors
+    assert process.returncode == code
+    assert errors.startswith("Interrupted: ")
+    again = "go on with: sweeps run long.toml --out long.h5 --no-plots --quiet\n"
+    assert errors.endswith(f" of 400000 variants are done and kept; {again}")
+    assert errors.count("\n") == 1
     assert blocks_done(tmp_path) >= 2
     calls: list[tuple[int, int]] = []
     run_study(read_study(tmp_path / "long.toml"), tmp_path / "long.h5", progress=lambda *call: calls.append(call))

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, contents, numbers_in, run, study_of, text_of
+from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, numbers_in, run, study_of, text_of
 
 from engine import Verdict
 from engine.compiling.threads import set_threads
