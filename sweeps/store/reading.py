@@ -78,6 +78,7 @@ def describe_result(path: Path) -> Description:
         done = file["progress/block_done"][:]
         # Texts of fixed length come as bytes, unlike the others.
         attributes = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
+        attributes = {k: _shown_text(v) if isinstance(v, str) else v for k, v in attributes.items()}
         return Description(
             path=Path(path),
             title=attributes.get("title", ""),
@@ -136,7 +137,7 @@ class MappedResult:
                 if name in progress
             }
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
-            self.edited_texts = [name for name, crc in noted.items() if found.get(name) != crc]
+            self.edited_texts = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
             axes = ["variant", record["position"]["name"]] if record["position"] else ["variant"]
             self.columns = {name: _mapped(path, file[name]) for name in (*axes, *record["columns"])}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
@@ -254,6 +255,11 @@ def opened(path: Path) -> Iterator[h5py.File]:
         yield file
 
 
+def _shown_text(text: str) -> str:
+    """A text that can be shown: damaged ones may hold what isn't Unicode."""
+    return text.encode(errors="replace").decode()
+
+
 def layout_record(file: h5py.File) -> dict[str, Any]:
     """Return the layout record of an open result file (`FileLayout.record`).
 
@@ -265,7 +271,7 @@ def layout_record(file: h5py.File) -> dict[str, Any]:
     if "progress" not in file or "layout" not in file["progress"].attrs:
         raise StoreError(f"{file.filename} is no result of a sweep: it has no record of its layout.")
     with explained(Path(file.filename), "read", _DAMAGED, DamagedError):
-        record = json.loads(file["progress"].attrs["layout"])
+        record = json.loads(_shown_text(file["progress"].attrs["layout"]))
     if not isinstance(record, dict) or not {"variants", "block", "position", "columns"} <= record.keys():
         raise DamagedError(f"cannot read {file.filename}: {_DAMAGED}")
     return record

@@ -53,6 +53,25 @@ def test_interrupted_search__ends_as_an_uninterrupted_one(asked, tmp_path):
     assert sorted(p.name for p in tmp_path.glob("parts*")) == ["parts.h5"]
 
 
+def test_search_interrupted_in_its_last_phase__doesn_t_repeat_its_generations(tmp_path, monkeypatch):
+    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
+    whole = contents(optimise_study(study, tmp_path / "whole.h5"))
+
+    def stop(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("sweeps.optimising.runner._downhill", stop)
+        with pytest.raises(KeyboardInterrupt):
+            optimise_study(study, path)
+    calls = []
+    optimise_study(study, path, progress=lambda done, before, words: calls.append((done, before)))
+    assert len(calls) == 1
+    assert calls[0][0] == calls[0][1] > 1
+    assert contents(path) == whole
+    assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.h5"]
+
+
 def test_spoilt_candidates__are_computed_again(tmp_path):
     study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
 
