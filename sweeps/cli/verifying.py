@@ -24,11 +24,11 @@ def verify(file: Path) -> None:
     blocks = [int(i) for i in found.done.nonzero()[0]]
     variants = sum(found.rows(i).stop - found.rows(i).start for i in blocks)
     damaged = found.damaged()
-    for name in found.edited_texts:
-        tell(f"{file}: attribute {name.removeprefix('progress/')} isn't as it was written")
+    for name in found.edited:
+        tell(f"{file}: its {name.removeprefix('progress/')} isn't as it was written")
     if damaged:
         tell(f"{file}: numbers of variants {damage_text(found, damaged)} changed; its study, run again, mends that")
-    if damaged or found.edited_texts:
+    if damaged or found.edited:
         sys.exit(DAMAGED)
     left = f", {found.variants - variants} aren't computed yet" if variants < found.variants else ""
     click.echo(f"{file}: {variants} variants as they were written{left}")

@@ -119,7 +119,7 @@ def _is_finished(path: Path, task: SearchTask, trials: Trials, tell: Callable[[s
         return False
     if described.attributes.get("study_hash") != task.digest:
         return False
-    if mapped.edited_texts or mapped.damaged():
+    if mapped.edited or mapped.damaged():
         tell(f"{path} is damaged: the search is run again.")
         return False
     layout = _final_layout(task, trials, described.variants)

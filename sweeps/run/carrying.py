@@ -46,7 +46,7 @@ class Earlier:
             theirs = json.loads(described.attributes["study_json"])
             self._file = MappedResult(path)
             ours = json.loads(layout.attributes["study_json"])
-            if not self._file.edited_texts and self._file.has_checksums:
+            if not self._file.edited_decisively and self._file.has_checksums:
                 self.names = _shared(theirs, ours, described.columns, layout.columns)
         except (StoreError, KeyError, ValueError, TypeError):
             # Nothing that can be relied on.

@@ -187,9 +187,9 @@ def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool
         except (StoreError, KeyError, ValueError, TypeError):
             continue
         words = {name: layout.attributes[name] for name in WORDS}
-        if same and not mapped.edited_texts and record.get("engine") == ours["engine"]:
+        if same and not mapped.edited and record.get("engine") == ours["engine"]:
             reword(found, words)
-        elif same and not mapped.edited_texts:
+        elif same and not mapped.edited:
             version = describe_result(found).attributes.get("versions", "").split(",")[0] or "an earlier version"
             if found == path and mapped.done.all() and not mapped.damaged():
                 reword(found, words | {"study_json": json.dumps(ours | {"engine": record.get("engine")})})

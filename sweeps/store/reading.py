@@ -1,6 +1,7 @@
 """Reading result files, finished or not."""
 
 import difflib
+import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,8 +22,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-# What numbers are taken for depends on these.
-_DECISIVE_TEXTS = ("progress/layout", "study_json")
+_DECISIVE = ("progress/layout", "study_json")
 # So many places are named where a file is damaged.
 _SHOWN = 3
 _AGAIN = "Run its study again: what is damaged is computed again, and nothing else."
@@ -115,8 +115,8 @@ class MappedResult:
         Names of the columns over variants alone, axes not among them, and of those over positions too.
     has_checksums : bool
         Files of earlier versions have none: their blocks count as sound.
-    edited_texts : list of str
-        Names of the text attributes that aren't as they were written.
+    edited : list of str
+        Names of the text attributes and axes that aren't as they were written.
 
     Raises
     ------
@@ -137,11 +137,17 @@ class MappedResult:
                 if name in progress
             }
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
-            self.edited_texts = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
+            self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
             axes = ["variant", record["position"]["name"]] if record["position"] else ["variant"]
             self.columns = {name: _mapped(path, file[name]) for name in (*axes, *record["columns"])}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
             self.fields = [name for name in record["columns"] if name not in self.flat]
+            if not np.array_equal(self.columns["variant"], np.arange(self.variants)):
+                self.edited.append("variant")
+            if position := record["position"]:
+                values = np.ascontiguousarray(self.columns[position["name"]], "<f8").tobytes()
+                if hashlib.sha256(values).hexdigest() != position["values (sha256)"]:
+                    self.edited.append(position["name"])
         self._known: dict[tuple[str, int], bool] = {}
 
     def is_sound(self, block: int, kinds: Sequence[str] = ("flat", "fields")) -> bool:
@@ -158,6 +164,11 @@ class MappedResult:
     def damaged(self, kinds: Sequence[str] = ("flat", "fields")) -> list[int]:
         """Numbers of the blocks that are done and don't agree with their checksums, as for `is_sound`."""
         return [int(i) for i in np.flatnonzero(self.done) if not self.is_sound(int(i), kinds)]
+
+    @property
+    def edited_decisively(self) -> list[str]:
+        """Of what isn't as it was written that on which it depends what numbers are taken for."""
+        return [name for name in self.edited if name in _DECISIVE or name in self.columns]
 
     def rows(self, block: int) -> slice:
         """Variants of a block."""
@@ -215,8 +226,8 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np
     first = sorted(names, key=lambda name: name != "status")
     arrays = {name: np.array(mapped.columns[name]) for name in first}
     kinds = ("flat", "fields") if any(mapped.columns[name].ndim > 1 for name in names) else ("flat",)
-    if edited := [name for name in mapped.edited_texts if name in _DECISIVE_TEXTS]:
-        raise DamagedError(f"{path} is damaged: its attribute {edited[0]} isn't as it was written. {_AGAIN}")
+    if edited := mapped.edited_decisively:
+        raise DamagedError(f"{path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
     if damaged := mapped.damaged(kinds):
         raise DamagedError(f"{path} is damaged: numbers of variants {damage_text(mapped, damaged)} changed. {_AGAIN}")
     return {name: arrays[name] for name in names}

@@ -254,7 +254,7 @@ class Store:
             self._set_aside("is damaged beyond going on")
             return False
         self.sources = tuple(self.path.with_name(name) for name in names)
-        if not found or mapped.edited_texts:
+        if not found or mapped.edited:
             if mapped.done.any():
                 self._set_aside("is of an earlier form of the study, or of another one")
             else:
@@ -301,7 +301,7 @@ class Store:
         damaged = mapped.damaged()
         if damaged:
             self._note_damage(self.path, mapped, damaged)
-        self.finished = found and not damaged and not mapped.edited_texts and bool(mapped.done.all())
+        self.finished = found and not damaged and not mapped.edited and bool(mapped.done.all())
         if not self.finished:
             self.sources = tuple(dict.fromkeys((*self.sources, self.path)))
         return self.finished

@@ -123,7 +123,7 @@ def test_verify__tells_sound_damaged_and_unfinished_files_apart(press_result):
         file.attrs["question"] = "What?"
     answer = said("verify", "text.h5")
     assert answer.exit_code == 1
-    assert "attribute question isn't as it was written" in answer.stderr
+    assert "its question isn't as it was written" in answer.stderr
     Path("notes.h5").write_text("my notes")
     assert "no HDF5 file" in refused("verify", "notes.h5")
 

@@ -196,11 +196,11 @@ def test_edited_texts__named_and_decisive_ones_refused(path: Path) -> None:
     with h5py.File(path, "r+") as file:
         file.attrs["comment"] = "looks good"
         file.attrs["title"] = "Mine"
-    assert MappedResult(path).edited_texts == ["title"]
+    assert MappedResult(path).edited == ["title"]
     read_columns(path)
     with h5py.File(path, "r+") as file:
         file.attrs["study_json"] = "{ }"
-    with pytest.raises(DamagedError, match="attribute study_json"):
+    with pytest.raises(DamagedError, match="its study_json"):
         read_columns(path)
 
 
