@@ -26,7 +26,7 @@ def part_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}.part{path.suffix}")
 
 
-def numbered(path: Path) -> Path:
+def numbered_name(path: Path) -> Path:
     """Return the first name `out.1.h5`, `out.2.h5`, … for `out.h5` under which there is nothing yet."""
     names = (path.with_name(f"{path.stem}.{i}{path.suffix}") for i in itertools.count(1))
     return next(name for name in names if not name.exists() and not part_path(name).exists())

@@ -21,7 +21,7 @@ from .creating import (
     check_unlocked,
     create_part,
     note_texts,
-    numbered,
+    numbered_name,
     part_path,
     remove_unlocked,
     write_final_text,
@@ -207,7 +207,7 @@ class Store:
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
             if keep_former and self.path.exists():
-                kept = numbered(self.path)
+                kept = numbered_name(self.path)
                 self.path.rename(kept)
                 self.notes.append(f"The former {self.path} is kept as {kept}.")
             self.part.replace(self.path)
@@ -280,7 +280,7 @@ class Store:
         self._done[blocks] = False
 
     def _set_aside(self, why: str) -> None:
-        aside = part_path(numbered(self.path))
+        aside = part_path(numbered_name(self.path))
         with explained(self.part, "rename"):
             self.part.rename(aside)
         self.sources = (aside, *self.sources)
