@@ -6,7 +6,7 @@ from functools import wraps
 from numba import types
 
 from engine.compiling.decorators import driver
-from engine.compiling.kept_code import BROKEN, compiling, empty_cache
+from engine.compiling.kept_code import compiling
 from engine.compiling.threads import on_all_threads, pieces_of
 
 
@@ -25,11 +25,7 @@ def prepare(compiled: Callable, parameters: Sequence[types.Type]) -> None:
         if tuple(parameters) in compiled.overloads:
             return
         compiled.disable_compile(False)
-        try:
-            compiled.compile(types.void(*parameters))
-        except BROKEN:
-            empty_cache()
-            compiled.compile(types.void(*parameters))
+        compiled.compile(types.void(*parameters))
         compiled.disable_compile()
 
 

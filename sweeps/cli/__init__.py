@@ -9,6 +9,7 @@ from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
 from sweeps.cli.starting import guide_command, list_command, new
+from sweeps.cli.verifying import verify
 
 COMMANDS = (
     list_command,
@@ -19,6 +20,7 @@ COMMANDS = (
     check,
     run,
     optimise,
+    verify,
     show,
     plot,
     orders,

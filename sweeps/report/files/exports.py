@@ -12,6 +12,7 @@ from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.whole_files import whole_file
 
 
 def result_table(path: Path, where: str | None = None) -> DataTable:
@@ -133,7 +134,8 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: 
         message = "is there already, and a person may have written it; name another file, or give --overwrite"
         raise InputError(str(out), [(None, "", message)])
     try:
-        out.write_text(write_scene(scene, values), encoding="utf8")
+        with whole_file(out) as draft:
+            draft.write_text(write_scene(scene, values), encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
