@@ -1,14 +1,29 @@
-"""The command line: list, new, check, run, optimise, show, plot, orders, animate, export, flywheel, balance."""
+"""The command line: list, new, check, run, optimise, show, plot, report, orders, animate, export, flywheel, balance."""
 
 import click
 
+from sweeps.cli.reporting import report
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, export, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
 from sweeps.cli.starting import list_command, new
 
-COMMANDS = (list_command, new, check, run, optimise, show, plot, orders, animate, export, flywheel, balance_command)
+COMMANDS = (
+    list_command,
+    new,
+    check,
+    run,
+    optimise,
+    show,
+    plot,
+    report,
+    orders,
+    animate,
+    export,
+    flywheel,
+    balance_command,
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
