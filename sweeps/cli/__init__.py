@@ -4,6 +4,7 @@ import click
 
 from sweeps.cli.asking import help_command, quantities
 from sweeps.cli.exporting import export
+from sweeps.cli.reporting import report
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, orders, plot, show
@@ -23,6 +24,7 @@ COMMANDS = (
     verify,
     show,
     plot,
+    report,
     orders,
     animate,
     export,
