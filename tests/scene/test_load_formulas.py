@@ -156,7 +156,7 @@ def test_regimes__take_powers_of_the_speed_alone(tmp_path):
     read(tmp_path, force=stribeck)
     message = refused(tmp_path, force=stribeck, regimes=REGIMES.format("steady"))
     assert "depends on the speed otherwise than by fixed powers of it, which true motion can't take" in message
-    assert "switch 'cut' off in work" in message
+    assert "switch 'cut' off in regimes.work" in message
     read(tmp_path, force=stribeck, regimes=REGIMES.format("steady").replace("[]", '["cut"]'))
 
 
