@@ -20,7 +20,7 @@ from sweeps.pictures.elements.elastic_sheets import drive_sheet, machine_drive_s
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
-from sweeps.pictures.elements.train_sheet import train_sheet, train_table
+from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
@@ -88,7 +88,8 @@ def element_tables(scene: Scene) -> str:
             case EngineElement():
                 told.append(f"{name}: orders of the crank\n{engine_table(element)}")
             case TorsionalTrain():
-                told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{train_table(element)}")
+                rows = train_table(element, numbers_of_machine(scene, name))
+                told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{rows}")
             case GearTrain():
                 told.append(f"{name}: {gear_table(element)}")
     return "\n".join(told)
