@@ -27,6 +27,8 @@ class Verdict(IntEnum):
     SLIDES = 18
     UNDERCUT = 19
     LIFTS_OFF = 20
+    GROWS = 24
+    TURNS_BACK = 25
     NOT_COMPUTED = 255
 
 
@@ -98,6 +100,15 @@ SENTENCES = {
     Verdict.LIFTS_OFF: (
         "a follower lifts off its cam: the spring can't keep up with it; a greater preload or stiffness, less mass or "
         "a lower speed helps"
+    ),
+    Verdict.GROWS: (
+        "the steady motion on an elastic shaft isn't stable: disturbances grow from cycle to cycle, as the changing "
+        "inertia feeds the shaft's vibration (parametric resonance) or a motor drives the more the faster it turns; "
+        "another speed or stiffness, more damping or a flywheel at the machine helps"
+    ),
+    Verdict.TURNS_BACK: (
+        "on its elastic shaft the machine doesn't turn through its cycle in one sense: it stops or turns back; a "
+        "flywheel at the machine, a stiffer shaft, more damping or a higher speed helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -3,6 +3,7 @@
 import difflib
 from collections.abc import Iterable
 
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
 from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
@@ -123,6 +124,8 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
     for name, element in scene.elements.items():
         if governs_machine(element):
             refs += [(f"elements.{name}.engine.throttled", "action", action) for action in element.engine.throttled]
+        if isinstance(element, MachineDrive):
+            refs += [(f"elements.{name}.off", "action", action) for action in element.off]
     return refs
 
 
@@ -143,7 +146,8 @@ def sliders(scene: Scene) -> tuple[str, ...]:
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle, _wrong_regimes)
+    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
+    checks += (_wrong_regimes, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
 
@@ -262,13 +266,17 @@ def _no_cycle(scene: Scene) -> list[Problem]:
     return problems
 
 
+def _timed(scene: Scene) -> set[str]:
+    """Forces and moments that are tabled over time."""
+    actions = {**scene.forces, **scene.moments}
+    return {name for name, action in actions.items() if getattr(action, "over_time", None) is not None}
+
+
 def _wrong_regimes(scene: Scene) -> list[Problem]:
     drive, problems = scene.input, []
     if scene.regimes and not (isinstance(drive, CrankInput) and drive.start is None):
         return [("regimes", "true motion needs a crank that turns fully; leave regimes, or input.start and input.stop")]
-    timed = {
-        n for t in (scene.forces, scene.moments) for n, a in t.items() if getattr(a, "over_time", None) is not None
-    }
+    timed = _timed(scene)
     for name, regime in scene.regimes.items():
         at = f"regimes.{name}"
         left = sorted(timed - set(regime.off))
@@ -277,4 +285,28 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
             problems.append((f"{at}.off", message))
         if name in scene.forces or name in scene.moments or name in {*scene.groups, *scene.points, *scene.elements}:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
+    return problems
+
+
+def _wrong_drives(scene: Scene) -> list[Problem]:
+    """Machines that aren't driven through the elastic shaft that an element says."""
+    problems = []
+    for name, element in scene.elements.items():
+        if not isinstance(element, MachineDrive):
+            continue
+        at, off = f"elements.{name}", set(element.off)
+        motors = {n for n, moment in scene.moments.items() if isinstance(moment, (DCMotor, InductionMotor))}
+        if not motors:
+            problems.append((at, "no motor drives it: add one to [moments], of type 'dc_motor' or 'induction_motor'"))
+        elif not motors - off:
+            problems.append((f"{at}.off", "every motor is off; leave one on"))
+        geared = _geared_to_input(scene)
+        if element.driver is not None and element.driver not in geared:
+            message = f"{element.driver!r} is no shaft geared to the crank; " + did_you_mean(element.driver, geared)
+            problems.append((f"{at}.driver", message))
+        elif element.driver is not None and scene.shafts[element.driver].inertia == 0.0:
+            problems.append((f"{at}.driver", f"shafts.{element.driver}.inertia = 0: the motors' end needs inertia"))
+        left = sorted(_timed(scene) - off)
+        if left:
+            problems.append((f"{at}.off", f"{left[0]!r} depends on time: no motion repeats itself; switch it off here"))
     return problems

@@ -8,6 +8,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
@@ -90,6 +91,8 @@ class Scene(Part):
         for name, element in self.elements.items():
             if getattr(element, "machine_at", None) is not None and not turns:
                 raise ValueError(f"elements.{name}.machine_at: only a crank that turns fully excites a train")
+            if isinstance(element, MachineDrive) and not turns:
+                raise ValueError(f"elements.{name}: only a crank that turns fully is driven through an elastic shaft")
         return self
 
     @model_validator(mode="after")
