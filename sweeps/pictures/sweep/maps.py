@@ -36,6 +36,7 @@ REASONS = {
     Verdict.RESONANCE: "resonance without damping",
     Verdict.UNDERCUT: "cam undercut",
     Verdict.LIFTS_OFF: "follower lifts off",
+    Verdict.SLIPS: "clutch slips on",
     Verdict.DOES_NOT_FIT: "wheels don't fit",
     Verdict.SELF_LOCKS: "gears lock by themselves",
     Verdict.STANDS: "losses stop the gears",
