@@ -5,6 +5,7 @@ breaks loose, where a side comes to rest or sets off, where moments jump, and wh
 found on the polynomial within the step, and a shorter step leads there.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -34,13 +35,15 @@ from engine.verdicts import Verdict
 TOLERANCE, FARTHEST_TURN = 1e-10, 0.25 * np.pi
 # A step's estimated error goes with its length to the eighth power.
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
+# Least share of a step that Newton's method goes on from.
+NEWTON_LEAST = 0.02
 # Shares of a step at which it is looked for places to end it, and at which speeds are looked at.
 LOOKS = (0.0, 0.25, 0.5, 0.75, 1.0)
 SPEED_LOOKS = tuple(i / 8 for i in range(9))
 # By this share of its capacity a clutch holds more than it transmits slipping: less than any step misses.
 GRIP = 1e-11
-# How far beyond a jump of the moments a step may go before it is taken back to it, of the way there.
-BEYOND = 1.02
+# A step that ends so near to a jump of the moments ends at it [rad]: a tenth of half the jump's width.
+LANDED = 0.1 * JUMP
 # So small a share of a step is none: what would end there was there at its begin.
 NO_STEP = 1e-9
 MOST_STEPS = 100_000
@@ -126,7 +129,8 @@ class CoupledRuns:
         self.tolerance, self.farthest = TOLERANCE * (2.0**6 if loose else 1.0), FARTHEST_TURN * (2.0 if loose else 1.0)
         self.state = np.zeros((WORKS + 1 + len(sides.crank.dynamics.channels), count))
         self.state[CRANK_SPEED], self.state[SHAFT_SPEED] = speeds
-        self.time, self.pace, zero = np.zeros(count), np.full(count, np.inf), np.zeros(count)
+        self.time, zero = np.zeros(count), np.zeros(count)
+        self.pace, self.aims = np.full(count, np.inf), np.full(count, np.inf)
         self.joined = Joined(np.zeros(count, int), zero.copy(), zero.copy(), clock, engaged)
         self.verdict, self.done = np.full(count, Verdict.OK, np.uint8), np.zeros(count, bool)
         self.lows, self.highs = np.array(speeds), np.array(speeds)
@@ -288,7 +292,7 @@ class CoupledRuns:
         later = np.where(every > time * (1.0 + 1e-15), every, np.inf)
         return later.min(axis=0) - time
 
-    def _length(self, who: np.ndarray, sides: CoupledSides, joined: Joined, longest: np.ndarray) -> np.ndarray:
+    def _length(self, who: np.ndarray, sides: CoupledSides, joined: Joined, goal: np.ndarray, longest: np.ndarray) -> np.ndarray:
         """Length of the next step."""
         state, time = self.state[:, who], self.time[who]
         fresh = np.isinf(self.pace[who])
@@ -300,7 +304,9 @@ class CoupledRuns:
             first = 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), found.rate)
             self.pace[who] = np.where(fresh, first, self.pace[who])
         h = np.fmin(self.pace[who], longest)
-        h = np.where(joined.crank_way != 0.0, np.fmin(h, self.farthest / np.abs(state[CRANK_SPEED])), h)
+        speed, ahead = np.abs(state[CRANK_SPEED]), np.abs(goal - state[CRANK])
+        h = np.where(joined.crank_way != 0.0, np.fmin(h, np.fmin(self.farthest, ahead) / speed), h)
+        h = np.fmin(h, self.aims[who])
         # Where both stand, what is looked for is when one sets off.
         h = np.where((joined.crank_way == 0.0) & (joined.shaft_way == 0.0), longest, h)
         return np.where(self.done[who], 0.0, h)
@@ -309,30 +315,32 @@ class CoupledRuns:
         """A step of some variants, or an attempt at one that was too long."""
         joined, time, goal = self.joined.some(who), self.time[who], self._goal(who)
         longest = self._longest(who)
-        h = self._length(who, sides, joined, longest)
+        h = self._length(who, sides, joined, goal, longest)
         step = coupled_step(sides, joined, self.state[:, who], time, h, goal, self.tolerance)
         share = np.clip(SAFETY * step.missed ** (-1.0 / 8.0), SHRINK, GROW)
         share = np.where(np.isnan(share), SHRINK, share)
-        beyond = joined.crank_way * (step.end[CRANK] - goal) > (BEYOND - 1.0) * np.abs(goal - step.begin[CRANK])
-        over = (BEYOND * (goal - step.begin[CRANK])) / (step.end[CRANK] - step.begin[CRANK])
-        share = np.where(beyond, np.fmin(share, np.clip(over, SHRINK, 1.0)), share)
         live = ~self.done[who]
+        # What moments do beyond a jump isn't known: by Newton's method to the length that ends at it.
+        past = joined.crank_way * (step.end[CRANK] - goal)
+        beyond = live & (past > LANDED)
+        shorter = np.clip(1.0 - past / (np.abs(step.end[CRANK_SPEED]) * h), NEWTON_LEAST, 1.0)
+        self.aims[who] = np.where(beyond, h * shorter, np.inf)
         taken = live & (step.missed <= 1.0) & ~beyond
-        limited = taken & (h < self.pace[who])
+        limited = beyond | (taken & (h < self.pace[who]))
         self.pace[who] = np.where(live, np.where(limited, np.fmax(self.pace[who], h * share), h * share), self.pace[who])
-        lost = live & ~taken & (h < 1e-14 * np.maximum(time, 1e-300)) & (h < 1e-14)
+        lost = live & ~taken & ~beyond & (h < 1e-14 * np.maximum(time, 1e-300)) & (h < 1e-14)
         self.verdict[who[lost]], self.done[who[lost]] = Verdict.NOT_FINITE, True
-        ended, kind = self._ended(who, sides, joined, step, time, goal, taken)
+        ended, kind = self._ended(who, sides, joined, step, time, goal, np.flatnonzero(taken))
+        kind = np.where(taken & (kind < 0) & (past >= -LANDED), AT_JUMP, kind)
         at_once = taken & (kind >= 0) & (ended < NO_STEP) & (self.attempts[who] < MOST_ATTEMPTS)
         self.pace[who[at_once]] = h[at_once] * SHRINK
         self.attempts[who[at_once]] += 1
         taken &= ~at_once
-        sub = np.flatnonzero(taken & (kind >= 0))
+        sub = np.flatnonzero(taken & (kind >= 0) & (kind != AT_JUMP))
         if sub.size:
-            some = sides.some(sub)
-            short = coupled_step(
-                some, joined.some(sub), step.begin[:, sub], time[sub], (ended * h)[sub], goal[sub], self.tolerance
-            )
+            some, length = sides.some(sub), (ended * h)[sub]
+            begin = step.begin[:, sub]
+            short = coupled_step(some, joined.some(sub), begin, time[sub], length, goal[sub], self.tolerance)
             for whole, part in zip(step, short, strict=True):
                 whole[..., sub] = part
         self._take(who, sides, joined, step, time, taken)
@@ -349,63 +357,71 @@ class CoupledRuns:
         taken: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """At which share of a step each variant comes to a place that ends it, and what it is; −1 where to none."""
-        looked = [self._excess(who, sides, joined, step, time, goal, np.full(who.size, x)) for x in LOOKS]
         share, kind = np.ones(who.size), np.full(who.size, -1)
-        for what in range(SETS_OFF + 1):
-            above = np.array([rows[what] > 0.0 for rows in looked[1:]]) & taken
-            first = above.argmax(axis=0)
-            for k in np.unique(first[above.any(axis=0)]):
-                sub = np.flatnonzero(above.any(axis=0) & (first == k))
-                some, mine = sides.some(sub), joined.some(sub)
-                part = CoupledStep(*(rows[..., sub] for rows in step))
-
-                def excess(x: np.ndarray, what: int = what, s: tuple = (sub, some, mine, part)) -> np.ndarray:
-                    sub, some, mine, part = s
-                    return self._excess(who[sub], some, mine, part, time[sub], goal[sub], x)[what]
-
-                begin, end = np.full(sub.size, LOOKS[k]), np.full(sub.size, LOOKS[k + 1])
-                root = np.where(looked[k][what][sub] >= 0.0, begin, regula_falsi(excess, begin, end))
-                sooner = root < share[sub]
-                sooner |= (kind[sub] < 0) & (root <= share[sub])
-                share[sub], kind[sub] = np.where(sooner, root, share[sub]), np.where(sooner, what, kind[sub])
+        turns = joined.crank_way[taken] != 0.0
+        lanes = dict.fromkeys(range(SETS_OFF + 1), taken)
+        lanes[BREAKS_LOOSE] = taken[turns & (joined.mode[taken] == TOGETHER)]
+        lanes[AT_JUMP] = taken[:0]
+        lanes[SETS_OFF] = taken[~turns | (joined.shaft_way[taken] == 0.0)]
+        for what, every in lanes.items():
+            if not every.size:
+                continue
+            place = self._place(what, who, sides, joined, step, time, goal, every)
+            above = np.array([place(np.full(every.size, x)) > 0.0 for x in LOOKS[1:]])
+            met = np.flatnonzero(above.any(axis=0))
+            if not met.size:
+                continue
+            sub, first = every[met], above[:, met].argmax(axis=0)
+            begin, end = np.array(LOOKS)[first], np.array(LOOKS)[first + 1]
+            place = self._place(what, who, sides, joined, step, time, goal, sub)
+            root = np.where(place(begin) >= 0.0, begin, regula_falsi(place, begin, end))
+            sooner = (root < share[sub]) | ((kind[sub] < 0) & (root <= share[sub]))
+            share[sub], kind[sub] = np.where(sooner, root, share[sub]), np.where(sooner, what, kind[sub])
         return share, kind
 
-    def _excess(
+    def _place(
         self,
+        what: int,
         who: np.ndarray,
         sides: CoupledSides,
         joined: Joined,
         step: CoupledStep,
         time: np.ndarray,
         goal: np.ndarray,
-        share: np.ndarray,
-    ) -> np.ndarray:
-        """How far motion is beyond each place that ends a step, at a share of it, (places, variants)."""
-        moving, now, ends = step.at(share), time + share * step.length, self.ends.some(who)
-        turned, w1, _, w2 = moving
-        mode, none = joined.mode, np.full(who.size, -1.0)
-        holds, clutch = mode == TOGETHER, np.abs(mode) == FORWARDS
-        rows = [
-            np.where(clutch, -mode * (w2 - w1), none),
-            np.where(joined.crank_way != 0.0, -joined.crank_way * w1, none),
-            np.where((joined.shaft_way != 0.0) & ~holds, -joined.shaft_way * w2, none),
-            np.where(joined.crank_way != 0.0, joined.crank_way * (turned - goal), none),
-            turned - ends.turned,
-            np.abs(turned) - ends.most_turned,
-            w1 - self.above[who],
-            self.below[who] - w1,
-            none,
-            none,
-        ]
-        turning = holds & (joined.crank_way != 0.0)
-        if turning.any():
-            capacity = sides.coupling.capacity_at(joined.engaged + now) * (1.0 + GRIP)
-            needed = np.abs(pull(sides, joined, moving, now).moment)
-            rows[BREAKS_LOOSE] = np.where(turning, needed - capacity, none)
-        stands = (joined.crank_way == 0.0) | (joined.shaft_way == 0.0)
-        if stands.any():
-            rows[SETS_OFF] = np.where(stands, self._push_off(sides, joined, moving, now), none)
-        return np.array(rows)
+        sub: np.ndarray,
+    ) -> Callable[[np.ndarray], np.ndarray]:
+        """How far motion is beyond a place that ends a step, by the share of it; of the variants `sub`."""
+        who, joined, step, time, goal = who[sub], joined.some(sub), step.some(sub), time[sub], goal[sub]
+        ends, way = self.ends.some(who), joined.crank_way
+        if what in (BREAKS_LOOSE, SETS_OFF):
+            sides = sides.some(sub)
+
+        def beyond(share: np.ndarray) -> np.ndarray:
+            moving, now = step.at(share), time + share * step.length
+            turned, w1, _, w2 = moving
+            match what:
+                case _ if what == LOCKS_UP:
+                    return np.where(np.abs(joined.mode) == FORWARDS, -joined.mode * (w2 - w1), -1.0)
+                case _ if what == CRANK_RESTS:
+                    return np.where(way != 0.0, -way * w1, -1.0)
+                case _ if what == SHAFT_RESTS:
+                    free = (joined.shaft_way != 0.0) & (joined.mode != TOGETHER)
+                    return np.where(free, -joined.shaft_way * w2, -1.0)
+                case _ if what == AT_ANGLE:
+                    return turned - ends.turned
+                case _ if what == TOO_FAR:
+                    return np.abs(turned) - ends.most_turned
+                case _ if what == ABOVE:
+                    return w1 - self.above[who]
+                case _ if what == BELOW:
+                    return self.below[who] - w1
+                case _ if what == BREAKS_LOOSE:
+                    capacity = sides.coupling.capacity_at(joined.engaged + now) * (1.0 + GRIP)
+                    return np.abs(pull(sides, joined, moving, now).moment) - capacity
+                case _:
+                    return self._push_off(sides, joined, moving, now)
+
+        return beyond
 
     def _push_off(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """By how much the moments on a standing side exceed what holds it."""
@@ -443,9 +459,9 @@ class CoupledRuns:
         self.highs[:, mine] = np.fmax(self.highs[:, mine], high[:, taken])
         looks = [step.at(np.full(who.size, x)) for x in LOOKS]
         instants = [time + x * step.length for x in LOOKS]
-        pulls = [pull(sides, joined, at, now) for at, now in zip(looks, instants, strict=True)]
+        between = [pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]
         standing = (joined.mode == TOGETHER) & (joined.crank_way == 0.0)
-        moments = np.where(standing, 0.0, np.array([found.moment for found in pulls]))
+        moments = np.where(standing, 0.0, np.array([step.moments[0], *between, step.moments[1]]))
         self.peak[mine] = np.fmax(self.peak[mine], _greatest(np.abs(moments))[taken])
         slips = np.abs(joined.mode[taken]) == FORWARDS
         self.slip_time[mine] += np.where(slips, step.length[taken], 0.0)

@@ -109,12 +109,14 @@ def pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarr
     return Pull(moment, first, second, motors, powers[0] + powers[1], rate)
 
 
-def _rates(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Rates of all rows of a state."""
+def _rates(
+    sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rates of all rows of a state, and the moment of the coupling."""
     found, slip = pull(sides, joined, moving, time), moving[SHAFT_SPEED] - moving[CRANK_SPEED]
     slip = np.where(joined.mode == TOGETHER, 0.0, slip)
     rows = (moving[CRANK_SPEED], found.crank, moving[SHAFT_SPEED], found.shaft)
-    return np.stack((*rows, found.moment * slip, np.abs(slip), found.motors**2, *found.powers))
+    return np.stack((*rows, found.moment * slip, np.abs(slip), found.motors**2, *found.powers)), found.moment
 
 
 class CoupledStep(NamedTuple):
@@ -130,6 +132,8 @@ class CoupledStep(NamedTuple):
         Estimated error, by what is allowed.
     parts : ndarray (parts, 4, variants)
         Of the polynomial that angles and speeds follow.
+    moments : ndarray (2, variants)
+        Of the coupling, at the begin and at the end [N·m].
     """
 
     begin: np.ndarray
@@ -137,6 +141,11 @@ class CoupledStep(NamedTuple):
     length: np.ndarray
     missed: np.ndarray
     parts: np.ndarray
+    moments: np.ndarray
+
+    def some(self, who: np.ndarray) -> "CoupledStep":
+        """Of some of the variants, by index."""
+        return CoupledStep(*(rows[..., who] for rows in self))
 
     def at(self, share: np.ndarray) -> np.ndarray:
         """Angles and speeds, (4, variants), at a share of the step of each variant."""
@@ -167,12 +176,12 @@ def coupled_step(
         What may be missed, as a share of the angles turned and of the speeds or their changes.
     """
     method = ORDER_EIGHT
-    slopes = np.empty((method.dense_stages, *state.shape))
+    slopes, moments = np.empty((method.dense_stages, *state.shape)), np.empty((method.dense_stages, time.size))
     ahead = np.where(joined.crank_way < 0.0, -1.0, 1.0)
 
     def stage(s: int, moving: np.ndarray) -> None:
         moving[CRANK] = ahead * np.fmin(ahead * moving[CRANK], ahead * goal)
-        slopes[s] = _rates(sides, joined, moving, time + method.shares[method.place_of[s]] * length)
+        slopes[s], moments[s] = _rates(sides, joined, moving, time + method.shares[method.place_of[s]] * length)
 
     for s in range(method.dense_stages):
         stage(s, state[:MOVING] + length * np.tensordot(method.matrix[s, :s], slopes[:s, :MOVING], 1))
@@ -181,7 +190,8 @@ def coupled_step(
     fine, coarse = (length * np.tensordot(w, own[:, :MOVING], 1) for w in (method.less_fine, method.less_coarse))
     with np.errstate(all="ignore"):
         error = fine**2 / np.sqrt(fine**2 + 0.01 * coarse**2)
-        allowed = np.maximum(np.abs(length * own[:, :MOVING]).max(axis=0), [[0.0], [1.0], [0.0], [1.0]] * np.abs(state[:MOVING]))
+        speeds = np.abs(state[:MOVING]) * np.array([0.0, 1.0, 0.0, 1.0])[:, None]
+        allowed = np.maximum(np.abs(length * own[:, :MOVING]).max(axis=0), speeds)
         missed = np.where(fine == 0.0, 0.0, error / (tolerance * allowed)).max(axis=0)
     parts = length * np.tensordot(method.parts, slopes[:, :MOVING], 1)
-    return CoupledStep(state, end, length, missed, parts)
+    return CoupledStep(state, end, length, missed, parts, moments[[0, method.stages]])
