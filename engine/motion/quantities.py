@@ -54,6 +54,9 @@ CLUTCHED = {
     "{coupling}_lock_up_speed": ("angular speed of the input link when {coupling} came to hold in {name}", "rad s-1"),
 }
 FLUID = {"{coupling}_slip": ("angle slipped by the angle of shaft {shaft} in {name}", "1")}
+# Of a steady regime, in which a clutch holds.
+_MOMENT = "{coupling}_moment_peak"
+HELD = {_MOMENT: COUPLED[_MOMENT]}
 # Of a run with a coupling, be it open.
 AT_TWO_SPEEDS = {"{shaft}_final_speed": ("angular speed of shaft {shaft} at the end of {name}", "rad s-1")}
 # What may have no value: nothing drives a machine that runs down, a clutch needn't come to hold.
@@ -112,9 +115,10 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
 def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
     """Summaries of a run with a coupling."""
     found: list[Quantity] = []
-    for coupling, model in scene.couplings.items() if scene.regimes[name].type == "run" else ():
-        table = AT_TWO_SPEEDS
-        if coupling not in scene.regimes[name].off:
+    regime = scene.regimes[name]
+    for coupling, model in scene.couplings.items():
+        table = AT_TWO_SPEEDS if regime.type == "run" else HELD
+        if regime.type == "run" and coupling not in regime.off:
             table = COUPLED | (CLUTCHED if model.type == "friction_clutch" else FLUID) | table
         words = {"name": name, "coupling": coupling, "shaft": model.shaft}
         found += [Quantity(f"{name}.{k.format(**words)}", text.format(**words), unit) for k, (text, unit) in table.items()]

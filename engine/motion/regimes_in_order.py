@@ -16,7 +16,7 @@ from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
-from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, run_coupled
+from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds
 from engine.motion.coupled.two_sides import TwoSides
 from engine.motion.loads import PairLoads
@@ -239,6 +239,9 @@ class Schedule:
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
         """Verdict on what keeps a regime from being computed at all: a brake that locks, an inertia of zero."""
         verdict = np.where(dynamics.locked(variants), Verdict.LOCKS, Verdict.OK)
+        if self.sides and isinstance(self.regimes[name], RunRegime):
+            bare = self.sides[frozenset(self.regimes[name].off)].without_inertia(variants)
+            return np.where(bare, Verdict.NO_INERTIA, verdict).astype(np.uint8)
         # With the flywheel that is asked for there is an inertia everywhere.
         if f"{name}.flywheel" not in self.asked:
             verdict = np.where(self.reduction.without_inertia(variants), Verdict.NO_INERTIA, verdict)
@@ -374,7 +377,8 @@ class Schedule:
             variants = variants._replace(flywheel=wheel, kept=None)
         # A force may jump where its moment only bends, for want of motion: at a dead centre.
         sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
-        grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if asked else None
+        looked = bool(asked or self.sides)
+        grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if looked else None
         nodes = None if grid is None else variants.direction * grid.places[NODES]
         if nodes is None and variants.kept is not None:
             # Found together, both are kept for the second time.
@@ -391,13 +395,19 @@ class Schedule:
         change = steady.ended - steady.energy
         found |= _work_values(dynamics, steady.works, steady.squares, period, change, steady.energy)
         found |= self._slips(name, variants, dynamics.cycle / period)
+        if self.sides:
+            two = self.sides[frozenset(self.regimes[name].off)]
+            peak, most = held_moment(two, dynamics, variants, grid.places[NODES], steady.record[0])
+            found[f"{two.name}_moment_peak"] = peak
+            verdict = np.where(peak > most, Verdict.SLIPS, verdict)
         cycle = CycleAnswers({}, {}, {}, {})
         if asked:
             off = frozenset(self.regimes[name].off)
             cycle = answers_of(cycle_of(dynamics, variants, grid, steady, self.loads, off), asked, dynamics.cycle)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
         begin = np.sqrt(2.0 * steady.energy / dynamics.rows(variants, zero[None]).inertia[0])
-        return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8))
+        held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.sides else None
+        return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
 
     def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
         scene, n, slips = self.scene, variants.numbers, {}

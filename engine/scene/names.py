@@ -326,7 +326,11 @@ def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
     problems: list[Problem] = []
     clutches = {name for name, coupling in scene.couplings.items() if coupling.type == "friction_clutch"}
     for name, regime in scene.regimes.items():
-        if regime.type != "run":
+        if regime.type == "steady":
+            engaged = clutches - set(regime.off)
+            if scene.couplings and not engaged:
+                message = "only a clutch that holds, and isn't off, has one steady motion; use a run of some cycles"
+                problems.append((f"regimes.{name}.type", message))
             continue
         if regime.lock_up and not clutches - set(regime.off):
             problems.append((f"regimes.{name}.lock_up", "no friction clutch is engaged here; give another end"))

@@ -96,6 +96,8 @@ def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int
         **{f"{channel}_moment [N m]": moment for channel, moment in seen.load_moments.items()},
         "energy [J]": seen.energy,
     }
+    if scene.couplings:
+        columns |= {"shaft_speed [rad s-1]": seen.shaft_speed, "coupling_moment [N m]": seen.coupling_moment}
     rows = ([name, *map(_cell, row)] for name, *row in zip(seen.regime, *columns.values(), strict=True))
     _write_csv(out, ["regime", *columns], rows)
     return "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)

@@ -6,8 +6,9 @@ import numpy as np
 
 from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns
 from engine.motion.coupled.coupled_step import CRANK, CRANK_SPEED, HEAT, SHAFT, SHAFT_SPEED, SLIPPED, SQUARES, WORKS
-from engine.motion.coupled.two_sides import CoupledSides
+from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
 from engine.motion.moments.at_speed import greatest_moment
+from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.verdicts import Verdict
 
 
@@ -130,3 +131,29 @@ def _energy(
     rows, _ = sides.crank.at(state[CRANK], state[CRANK_SPEED], clock + time, np.ones_like(time))
     shaft = 0.5 * sides.shaft.inertia * state[SHAFT_SPEED] ** 2
     return 0.5 * rows.inertia[0] * state[CRANK_SPEED] ** 2 + shaft, shaft
+
+
+def held_moment(
+    two: TwoSides, dynamics: Dynamics, variants: Variants, places: np.ndarray, energy: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Greatest moment that a clutch transmits in steady motion while it holds, and the most that it can [N·m].
+
+    Parameters
+    ----------
+    two : TwoSides
+    dynamics : Dynamics
+        Of both sides together.
+    variants : Variants
+    places : ndarray (places, variants)
+        Crank angles over a cycle [rad].
+    energy : ndarray (places, variants)
+        Kinetic energy there [J].
+    """
+    rows, shaft = dynamics.rows(variants, places), two.of(variants, np.zeros(variants.count)).shaft
+    coupling = coupling_numbers(two.scene, variants.numbers, variants.count)
+    omega = np.sqrt(2.0 * energy / rows.inertia)
+    total = dynamics.moments(variants, rows, omega).total
+    change = (total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
+    own = shaft.dynamics.moments(shaft.variants, shaft.forwards, omega).total
+    peak = np.abs(own - shaft.inertia * change).max(axis=0)
+    return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio

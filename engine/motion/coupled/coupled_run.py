@@ -40,6 +40,8 @@ NEWTON_LEAST = 0.02
 # Shares of a step at which it is looked for places to end it, and at which speeds are looked at.
 LOOKS = (0.0, 0.25, 0.5, 0.75, 1.0)
 SPEED_LOOKS = tuple(i / 8 for i in range(9))
+# Share of the moments by which they exceed what holds a standing side, where it sets off.
+SURELY = 1e-11
 # By this share of its capacity a clutch holds more than it transmits slipping: less than any step misses.
 GRIP = 1e-11
 # A step that ends so near to a jump of the moments ends at it [rad]: a tenth of half the jump's width.
@@ -180,7 +182,7 @@ class CoupledRuns:
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
         mode = np.full(who.size, APART if sides.open else FLUID)
         if not (sides.open or sides.is_fluid):
-            mode = self._grip(sides, joined, moving, self.time[who], ways)
+            mode = self._holding(sides, joined, moving, self.time[who], ways)
         ways = self._ways(sides, joined, moving, self.time[who], mode, ways)
         self.joined.mode[who], self.joined.crank_way[who], self.joined.shaft_way[who] = mode, *ways
         holds = mode == TOGETHER
@@ -200,7 +202,7 @@ class CoupledRuns:
         self.verdict[for_ever] = Verdict.OK if self.ends.rest else Verdict.STALLS
         self._pass_jumps(who)
 
-    def _grip(
+    def _holding(
         self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray, ways: tuple[np.ndarray, ...]
     ) -> np.ndarray:
         """Whether clutches hold or slip, and which way."""
@@ -208,7 +210,7 @@ class CoupledRuns:
         standing = (ways[0] == 0.0) & (ways[1] == 0.0)
         forth, back, _, shaft_forth, _, shaft_back = self._free(sides, joined, moving, time)
         off = np.where(standing, np.where(forth > 0.0, 1.0, np.where(back < 0.0, -1.0, 0.0)), ways[0])
-        capacity = sides.coupling.capacity_at(joined.engaged + time) * (1.0 + GRIP)
+        capacity = _grip(sides, joined.engaged + time)
         trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
         needed = pull(sides, trial, moving, time).moment
         # Where both stand, either may be held by its own resistances.
@@ -321,7 +323,7 @@ class CoupledRuns:
         share = np.where(np.isnan(share), SHRINK, share)
         live = ~self.done[who]
         # What moments do beyond a jump isn't known: by Newton's method to the length that ends at it.
-        past = joined.crank_way * (step.end[CRANK] - goal)
+        past = np.where(joined.crank_way == 0.0, -np.inf, joined.crank_way * (step.end[CRANK] - goal))
         beyond = live & (past > LANDED)
         shorter = np.clip(1.0 - past / (np.abs(step.end[CRANK_SPEED]) * h), NEWTON_LEAST, 1.0)
         self.aims[who] = np.where(beyond, h * shorter, np.inf)
@@ -396,32 +398,23 @@ class CoupledRuns:
         if what in (BREAKS_LOOSE, SETS_OFF):
             sides = sides.some(sub)
 
-        def beyond(share: np.ndarray) -> np.ndarray:
-            moving, now = step.at(share), time + share * step.length
-            turned, w1, _, w2 = moving
-            match what:
-                case _ if what == LOCKS_UP:
-                    return np.where(np.abs(joined.mode) == FORWARDS, -joined.mode * (w2 - w1), -1.0)
-                case _ if what == CRANK_RESTS:
-                    return np.where(way != 0.0, -way * w1, -1.0)
-                case _ if what == SHAFT_RESTS:
-                    free = (joined.shaft_way != 0.0) & (joined.mode != TOGETHER)
-                    return np.where(free, -joined.shaft_way * w2, -1.0)
-                case _ if what == AT_ANGLE:
-                    return turned - ends.turned
-                case _ if what == TOO_FAR:
-                    return np.abs(turned) - ends.most_turned
-                case _ if what == ABOVE:
-                    return w1 - self.above[who]
-                case _ if what == BELOW:
-                    return self.below[who] - w1
-                case _ if what == BREAKS_LOOSE:
-                    capacity = sides.coupling.capacity_at(joined.engaged + now) * (1.0 + GRIP)
-                    return np.abs(pull(sides, joined, moving, now).moment) - capacity
-                case _:
-                    return self._push_off(sides, joined, moving, now)
-
-        return beyond
+        free = (joined.shaft_way != 0.0) & (joined.mode != TOGETHER)
+        places: dict[int, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+            LOCKS_UP: lambda m, _: np.where(
+                np.abs(joined.mode) == FORWARDS, joined.mode * (m[CRANK_SPEED] - m[SHAFT_SPEED]), -1.0
+            ),
+            CRANK_RESTS: lambda m, _: np.where(way != 0.0, -way * m[CRANK_SPEED], -1.0),
+            SHAFT_RESTS: lambda m, _: np.where(free, -joined.shaft_way * m[SHAFT_SPEED], -1.0),
+            AT_ANGLE: lambda m, _: m[CRANK] - ends.turned,
+            TOO_FAR: lambda m, _: np.abs(m[CRANK]) - ends.most_turned,
+            ABOVE: lambda m, _: m[CRANK_SPEED] - self.above[who],
+            BELOW: lambda m, _: self.below[who] - m[CRANK_SPEED],
+            BREAKS_LOOSE: lambda m, now: (
+                np.abs(pull(sides, joined, m, now).moment) - _grip(sides, joined.engaged + now)
+            ),
+            SETS_OFF: lambda m, now: self._push_off(sides, joined, m, now),
+        }
+        return lambda share: places[what](step.at(share), time + share * step.length)
 
     def _push_off(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """By how much the moments on a standing side exceed what holds it."""
@@ -432,11 +425,13 @@ class CoupledRuns:
         apart = np.maximum(
             np.where(joined.crank_way == 0.0, crank, -np.inf), np.where(joined.shaft_way == 0.0, shaft, -np.inf)
         )
+        # So that it is sure to set off from where it does.
+        surely = SURELY * np.maximum.reduce(np.abs((forth, shaft_forth, moment)))
         if not holds.any():
-            return apart
-        capacity = sides.coupling.capacity_at(joined.engaged + time) * (1.0 + GRIP)
+            return apart - surely
+        capacity = _grip(sides, joined.engaged + time)
         alone = np.maximum.reduce((forth - capacity, -back - capacity, shaft_forth - capacity, -shaft_back - capacity))
-        return np.where(holds, np.maximum(np.maximum(both_forth, -both_back), alone), apart)
+        return np.where(holds, np.maximum(np.maximum(both_forth, -both_back), alone), apart) - surely
 
     # After a step
 
@@ -522,6 +517,11 @@ class CoupledRuns:
             same = np.abs(now[:2] - before[:2]) <= SETTLED * np.abs(now[:2]).max(axis=0)
             self.marks[:, mine] = np.where(whole | ~moves[mine], now, before)
             self._give_up(mine[compared & same.all(axis=0)])
+
+
+def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:
+    """Moment that clutches hold [N·m] after they have been engaged for some time [s]."""
+    return sides.coupling.capacity_at(engaged) * (1.0 + GRIP)
 
 
 def _greatest(values: np.ndarray) -> np.ndarray:

@@ -196,6 +196,11 @@ class TwoSides:
         """Numbers of machines whose crank is rid of the coupled shaft's inertia."""
         return numbers.with_values({f"shafts.{self.coupling.shaft}.inertia": np.zeros(count)})
 
+    def without_inertia(self, whole: Variants) -> np.ndarray:
+        """Of which variants a side has none, (variants,) of bool."""
+        sides = self.of(whole, np.zeros(whole.count))
+        return self.crank.reduction.without_inertia(sides.crank.variants) | (sides.shaft.inertia <= 0.0)
+
     def of(self, whole: Variants, start: np.ndarray) -> CoupledSides:
         """Both sides of a number of variants.
 
