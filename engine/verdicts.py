@@ -27,6 +27,7 @@ class Verdict(IntEnum):
     SLIDES = 18
     UNDERCUT = 19
     LIFTS_OFF = 20
+    SLIPS = 21
     GROWS = 24
     TURNS_BACK = 25
     NOT_COMPUTED = 255
@@ -100,6 +101,10 @@ SENTENCES = {
     Verdict.LIFTS_OFF: (
         "a follower lifts off its cam: the spring can't keep up with it; a greater preload or stiffness, less mass or "
         "a lower speed helps"
+    ),
+    Verdict.SLIPS: (
+        "a clutch slips on and on: its capacity doesn't suffice for the loads, or its motor can't bring both sides to "
+        "one speed; a greater capacity, a stronger motor or a lower load helps"
     ),
     Verdict.GROWS: (
         "the steady motion on an elastic shaft isn't stable: disturbances grow from cycle to cycle, as the changing "

@@ -74,7 +74,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
         define(points, name, f"points.{name}")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
-    for table in ("forces", "moments", "springs", "cylinders", "elements"):
+    for table in ("forces", "moments", "springs", "cylinders", "couplings", "elements"):
         for name in getattr(scene, table):
             define({}, name, f"{table}.{name}")
     if problems:
@@ -104,6 +104,7 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
         if shaft.pivot is not None:
             refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    refs += [(f"couplings.{name}.shaft", "link", coupling.shaft) for name, coupling in scene.couplings.items()]
     for name, force in scene.forces.items():
         refs.append((f"forces.{name}.on", "point", force.on))
         refs.append((f"forces.{name}.turns_with", "link", force.turns_with))
@@ -131,7 +132,7 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
 
 def acting(scene: Scene) -> set[str]:
     """Names of everything that acts on the machine and that a regime may switch off."""
-    return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders}
+    return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders, *scene.couplings}
 
 
 def sliders(scene: Scene) -> tuple[str, ...]:
@@ -146,8 +147,8 @@ def sliders(scene: Scene) -> tuple[str, ...]:
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
-    checks += (_wrong_regimes, _wrong_drives)
+    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle, _wrong_regimes)
+    checks += (_wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
 
@@ -309,4 +310,62 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
         left = sorted(_timed(scene) - off)
         if left:
             problems.append((f"{at}.off", f"{left[0]!r} depends on time: no motion repeats itself; switch it off here"))
+    return problems
+
+
+# Moments that depend on nothing but the speed of the shaft that they are on.
+_BY_SPEED_ALONE = (
+    *("constant", "against_motion", "linear_drag", "quadratic_drag", "power_drag", "dc_motor", "induction_motor"),
+    *("block_brake", "disc_brake", "band_brake"),
+)
+
+
+def _wrong_couplings(scene: Scene) -> list[Problem]:
+    problems, geared = [], _geared_to_input(scene)
+    for i, (name, coupling) in enumerate(scene.couplings.items()):
+        path, shaft = f"couplings.{name}.shaft", coupling.shaft
+        if i > 0:
+            problems.append((f"couplings.{name}", "a machine goes at two speeds at most: leave one coupling"))
+        elif shaft not in geared:
+            allowed = ", ".join(sorted(geared)) or "none: add one to [shafts]"
+            problems.append((path, f"a coupling joins the crank to a shaft geared to it; such are: {allowed}"))
+        elif scene.shafts[shaft].pivot is not None:
+            problems.append((path, f"shaft {shaft!r} has a pivot and carries points; behind a coupling it can't"))
+        problems += [
+            (f"shafts.{other}.geared_to", f"{shaft!r} turns at a speed of its own, by coupling {name!r}; name another")
+            for other, own in scene.shafts.items()
+            if own.geared_to == shaft
+        ]
+        on_shaft = {n: moment for n, moment in scene.moments.items() if moment.on == shaft}
+        problems += [
+            (
+                f"moments.{n}.type",
+                f"shaft {shaft!r} turns at a speed of its own, by coupling {name!r}, and a moment on it may depend on "
+                f"that speed alone; allowed: {', '.join(_BY_SPEED_ALONE)}",
+            )
+            for n, moment in on_shaft.items()
+            if moment.type not in _BY_SPEED_ALONE
+        ]
+        sides = {n in on_shaft for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))}
+        if len(sides) == 2:
+            problems.append((f"couplings.{name}", "motors are on both of its sides; put them on one"))
+    return problems
+
+
+def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
+    """What of the regimes needs a coupling, or a clutch that is engaged."""
+    problems: list[Problem] = []
+    clutches = {name for name, coupling in scene.couplings.items() if coupling.type == "friction_clutch"}
+    for name, regime in scene.regimes.items():
+        if regime.type == "steady":
+            engaged = clutches - set(regime.off)
+            if scene.couplings and not engaged:
+                message = "only a clutch that holds, and isn't off, has one steady motion; use a run of some cycles"
+                problems.append((f"regimes.{name}.type", message))
+            continue
+        if regime.lock_up and not clutches - set(regime.off):
+            problems.append((f"regimes.{name}.lock_up", "no friction clutch is engaged here; give another end"))
+        if regime.from_shaft_speed is not None and not scene.couplings:
+            message = "no shaft has a speed of its own: the scene has no coupling; use from_speed"
+            problems.append((f"regimes.{name}.from_shaft_speed", message))
     return problems

@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
+from engine.motion.coupled.coupling_models import Coupling
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
 from engine.scene.elements import MachineElement
@@ -62,6 +63,7 @@ class Scene(Part):
     input: Annotated[CrankInput | SliderInput, Field(discriminator="type")] | None
     groups: dict[Name, Group] = {}
     shafts: dict[Name, Shaft] = {}
+    couplings: dict[Name, Coupling] = {}
     bodies: dict[Name, Body] = {}
     forces: dict[Name, ForceAction] = {}
     moments: dict[Name, MomentAction] = {}
