@@ -27,6 +27,8 @@ class Verdict(IntEnum):
     SLIDES = 18
     UNDERCUT = 19
     LIFTS_OFF = 20
+    MODE_NOT_REACHED = 21
+    OTHER_MODE = 22
     NOT_COMPUTED = 255
 
 
@@ -98,6 +100,14 @@ SENTENCES = {
     Verdict.LIFTS_OFF: (
         "a follower lifts off its cam: the spring can't keep up with it; a greater preload or stiffness, less mass or "
         "a lower speed helps"
+    ),
+    Verdict.MODE_NOT_REACHED: (
+        "a group can't be put together in the scene's assembly mode: on the way from the scene's numbers to these that "
+        "mode meets another one and ends; vary less, or sweep from a scene that is nearer"
+    ),
+    Verdict.OTHER_MODE: (
+        "a group comes back from a turn of the input in another assembly mode, without any singular position: its "
+        "motion doesn't repeat itself; change a length, or limit the input's range"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -17,6 +17,7 @@ from engine.graph.nodes import (
     LawResult,
     Node,
     Number,
+    NumberTable,
     Operation,
     Position,
     Stage,
@@ -35,7 +36,25 @@ FEW_ROWS = 4
 CHUNK = 16
 
 # Names of what is around the statements: loops, arguments, modules.
-_TAKEN = {"P", "T", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "math", "n", "np", "p", "positions", "q"}
+_TAKEN = {
+    "P",
+    "T",
+    "apart",
+    "c",
+    "cos_q",
+    "dtype",
+    "first",
+    "i",
+    "k",
+    "l",
+    "last",
+    "math",
+    "n",
+    "np",
+    "p",
+    "positions",
+    "q",
+}
 _TAKEN |= {"row", "rows", "sin_q", "t", "tile", "v", *(f"row{c}" for c in range(FEW_ROWS))}
 
 
@@ -57,6 +76,8 @@ class Statements:
         Expression of each output.
     reads : dict of Node to str
         Names of the numbers that the statements read.
+    tables : dict of Node to str
+        Names of the places where tables of numbers begin; `apart` is how far their entries lie apart.
     positions : dict of str to str
         Of "q", "cos_q" and "sin_q" those that are read, by themselves.
     laws : list of callable
@@ -67,6 +88,7 @@ class Statements:
         self._stage, self._inline_held = stage, inline_held
         self.statements: list[str] = []
         self.reads: dict[Node, str] = {}
+        self.tables: dict[Node, str] = {}
         self.positions: list[str] = []
         self.laws: list = []
         self._taken = set(_TAKEN)
@@ -85,7 +107,7 @@ class Statements:
             return True
         if isinstance(node, Held):
             return not self._inline_held
-        if isinstance(node, (Number, Found, Given)):
+        if isinstance(node, (Number, NumberTable, Found, Given)):
             return True
         # What follows from held nodes alone has no row of its own: it is computed where it is used.
         return node.stage < self._stage and node.stage != Stage.PANEL
@@ -99,6 +121,9 @@ class Statements:
             case Position():
                 self._texts[node] = node.which
                 self.positions.append(node.which)
+            case NumberTable():
+                begin = self.tables[node] = self._name(node)
+                self._texts[node] = f"p, {begin}, apart"
             case _ if self._is_leaf(node):
                 self._texts[node] = self.reads[node] = self._name(node)
             case Held():
@@ -214,7 +239,9 @@ def in_lanes(
     body = Statements(outputs, stage, inline_held)
     used = [which for which in ("q", "cos_q", "sin_q") if which in body.positions]
     reads = [f"{text} = p[{rows[node] * LANES} + l]" for node, text in body.reads.items()]
+    reads += [f"{text} = {rows[node.operands[0]] * LANES} + l" for node, text in body.tables.items()]
     lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = P.ravel()"]
+    lines += [f"    apart = {LANES}"] if body.tables else []
     if positions is None:
         lines += [f"    t, positions = np.empty({len(outputs) * LANES}), q.shape[0]"]
         lines += [f"    {which}_at = {which}" for which in used]
@@ -246,6 +273,8 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
     lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
     lines += [f"    {which}_at = {which}" for which in used]
     lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items()]
+    lines += ["    apart = 1"] if body.tables else []
+    lines += [f"    {text} = {rows[node.operands[0]]}" for node, text in body.tables.items()]
     if len(outputs) <= FEW_ROWS:
         inner = [*(f"{which} = {which}_at[k]" for which in used), *body.statements]
         inner += [f"row{c}[k] = {value}" for c, value in enumerate(body.values)]

@@ -1,4 +1,4 @@
-"""The command line: list, new, check, run, optimise, show, plot, orders, animate, export, flywheel, balance."""
+"""The command line: list, new, modes, check, run, optimise, show, plot, orders, animate, export, flywheel, balance."""
 
 import click
 
@@ -6,9 +6,23 @@ from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, export, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
-from sweeps.cli.starting import list_command, new
+from sweeps.cli.starting import list_command, modes, new
 
-COMMANDS = (list_command, new, check, run, optimise, show, plot, orders, animate, export, flywheel, balance_command)
+COMMANDS = (
+    list_command,
+    new,
+    modes,
+    check,
+    run,
+    optimise,
+    show,
+    plot,
+    orders,
+    animate,
+    export,
+    flywheel,
+    balance_command,
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
