@@ -21,17 +21,17 @@ PROVES = 0.5
 
 
 @scalar
-def place_in_table(q: float, first: float, step: float, intervals: float, turns: float) -> tuple[float, float]:
+def place_in_table(q: float, first: float, per_step: float, intervals: float, turns: float) -> tuple[float, float]:
     """Interval of a table of seeds in which a position lies, and where in it.
 
     Parameters
     ----------
     q, first : float
         The position and the first one of the table.
-    step : float
-        Distance of seeds, negative where the input runs backwards.
+    per_step : float
+        How many seeds there are for each unit of the input, negative where it runs backwards.
     intervals : float
-        How many there are.
+        How many intervals there are.
     turns : float
         1 where the last seed is the first again; then any q has its place. Otherwise those outside lie in the first or
         last interval.
@@ -41,8 +41,8 @@ def place_in_table(q: float, first: float, step: float, intervals: float, turns:
     interval, share : float
         Number of the interval; from 0 at its beginning to 1 at its end.
     """
-    x = (q - first) / step
-    x = x - turns * intervals * math.floor(x / intervals)
+    x = (q - first) * per_step
+    x = x - turns * intervals * math.floor(x * (1.0 / intervals))
     interval = min(max(math.floor(x), 0.0), intervals - 1.0)
     return interval, x - interval
 
@@ -55,17 +55,10 @@ def cubic_between(a: float, slope_a: float, b: float, slope_b: float, x: float) 
 
 
 @scalar
-def seeded_direction(
-    memory: np.ndarray,
-    begin: int,
-    apart: int,
-    column: float,
-    width: float,
-    interval: float,
-    share: float,
-    step: float,
-) -> tuple[float, float]:
-    """Direction between two seeds that hold its cosine, its sine and its rate.
+def two_directions(
+    memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
+) -> tuple[float, float, float, float, float, float]:
+    """Cosine, sine and rate of a direction in two seeds that follow each other.
 
     Parameters
     ----------
@@ -73,36 +66,51 @@ def seeded_direction(
         A table of numbers.
     column, width : float
         Place of the cosine among the numbers of a seed, and how many these are.
-    interval, share : float
+    interval : float
+        From `place_in_table`.
+    """
+    one = begin + int(interval * width + column) * apart
+    two = one + int(width) * apart
+    return (
+        memory[one],
+        memory[one + apart],
+        memory[one + apart + apart],
+        memory[two],
+        memory[two + apart],
+        memory[two + apart + apart],
+    )
+
+
+@scalar
+def two_slides(
+    memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
+) -> tuple[float, float, float, float]:
+    """Slide coordinate and rate in two seeds that follow each other; parameters as for `two_directions`."""
+    one = begin + int(interval * width + column) * apart
+    two = one + int(width) * apart
+    return memory[one], memory[one + apart], memory[two], memory[two + apart]
+
+
+@scalar
+def direction_between(
+    c1: float, s1: float, w1: float, c2: float, s2: float, w2: float, share: float, step: float
+) -> tuple[float, float]:
+    """Direction between two seeds, by cubics of its cosine and its sine.
+
+    Parameters
+    ----------
+    c1, s1, w1, c2, s2, w2 : float
+        From `two_directions`.
+    share : float
         From `place_in_table`.
     step : float
         Distance of seeds.
     """
-    one = begin + int(interval * width + column) * apart
-    two = one + int(width) * apart
-    c1, s1, w1 = memory[one], memory[one + apart], memory[one + apart + apart] * step
-    c2, s2, w2 = memory[two], memory[two + apart], memory[two + apart + apart] * step
-    c = cubic_between(c1, -s1 * w1, c2, -s2 * w2, share)
-    s = cubic_between(s1, c1 * w1, s2, c2 * w2, share)
-    length = math.sqrt(c * c + s * s)
-    return c / length, s / length
-
-
-@scalar
-def seeded_slide(
-    memory: np.ndarray,
-    begin: int,
-    apart: int,
-    column: float,
-    width: float,
-    interval: float,
-    share: float,
-    step: float,
-) -> float:
-    """Slide coordinate between two seeds that hold it and its rate; parameters as for `seeded_direction`."""
-    one = begin + int(interval * width + column) * apart
-    two = one + int(width) * apart
-    return cubic_between(memory[one], memory[one + apart] * step, memory[two], memory[two + apart] * step, share)
+    turn1, turn2 = w1 * step, w2 * step
+    c = cubic_between(c1, -s1 * turn1, c2, -s2 * turn2, share)
+    s = cubic_between(s1, c1 * turn1, s2, c2 * turn2, share)
+    per_length = 1.0 / math.sqrt(c * c + s * s)
+    return c * per_length, s * per_length
 
 
 @scalar
@@ -110,8 +118,9 @@ def turned(c: float, s: float, angle: float) -> tuple[float, float]:
     """Direction turned by a small angle, by Cayley's form: of unit length exactly, short of the angle by angle³/12."""
     t = 0.5 * angle
     square = t * t
-    whole, rest = 1.0 + square, 1.0 - square
-    return (c * rest - s * (t + t)) / whole, (s * rest + c * (t + t)) / whole
+    per_whole = 1.0 / (1.0 + square)
+    cosine, sine = (1.0 - square) * per_whole, (t + t) * per_whole
+    return c * cosine - s * sine, s * cosine + c * sine
 
 
 @scalar

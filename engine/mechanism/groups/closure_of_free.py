@@ -212,6 +212,11 @@ class ClosureOfFree:
         found = [self.joint_on(links, _far(cut.name, pair), joint_of(pair), still) for pair in (cut.one, cut.other)]
         return found[0], found[1]
 
+    def measures(self) -> list[Node]:
+        """Of each equation what makes a length of what it misses: that of a cut link misses a square."""
+        found = [self.bar(cut).length if cut.other.kind == "revolute" else self.graph.one for cut in self.cut_links]
+        return found + [self.graph.one] * (2 * len(self.cutting.cut_pairs))
+
     def bar(self, cut: CutLink) -> Vector:
         """From the first to the second joint of a cut link, in its own axes."""
         return self.local(cut.name, joint_of(cut.other)) - self.local(cut.name, joint_of(cut.one))
@@ -231,9 +236,9 @@ class ClosureOfFree:
             point = self.joint_on(links, _far(cut.name, cut.one), joint_of(cut.one), still)
             return _beside(*self.line(links, cut), point)
         one, other = self.ends(links, cut, still)
-        length = self.bar(cut).length
+        bar = self.bar(cut)
         r, v, a = (two - first for first, two in zip(one, other, strict=True))
-        return Miss((r.dot(r) / length - length) * 0.5, r.dot(v) / length, (r.dot(a) + v.dot(v)) / length)
+        return Miss((r.dot(r) - bar.dot(bar)) * 0.5, r.dot(v), r.dot(a) + v.dot(v))
 
     def _of_pair(self, links: dict[str, Turning], pair: Pair, still: bool) -> list[Miss]:
         if pair.kind == "revolute":
@@ -278,8 +283,10 @@ class ClosureOfFree:
                 two = self._reach_of_joint(origins, turns, nothing, _far(cut.name, cut.other), joint_of(cut.other))
                 first = [a + b for a, b in zip(one.first, two.first, strict=True)]
                 total, length = _total(first), self.bar(cut).length
-                away = graph.one + abs(miss.r) / length
-                found.append((first, total * total / length + (one.second + two.second) * away))
+                # At most: what the equation misses is half the difference of the squares of distance and length.
+                distance = length + abs(miss.r) * (graph.one / length)
+                first = [reach * length for reach in first]
+                found.append((first, total * total + (one.second + two.second) * distance))
                 continue
             carrier = _far(cut.name, cut.other)
             base, place = origins.get(carrier, (nothing, self._zero))

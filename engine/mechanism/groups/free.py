@@ -5,7 +5,15 @@ from typing import NamedTuple
 
 from engine.graph.nodes import Node
 from engine.laws.kinematics.closure import greater
-from engine.laws.kinematics.seeds import place_in_table, proved, seeded_direction, seeded_slide, turned
+from engine.laws.kinematics.seeds import (
+    cubic_between,
+    direction_between,
+    place_in_table,
+    proved,
+    turned,
+    two_directions,
+    two_slides,
+)
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown
 from engine.mechanism.groups.minors import Inverse, inverse
@@ -82,7 +90,8 @@ def add_free_group(assembly: Assembly, group: FreeGroup, span: tuple[Node, Node]
     motions = with_rates(closure, places, beside)
     links = closure.placed(motions)
     _register(closure, links, motions)
-    graph, misses = assembly.graph, [abs(miss.r) / closure.size for miss in beside.misses]
+    graph, measures = assembly.graph, closure.measures()
+    misses = [abs(m.r) / (size * closure.size) for m, size in zip(beside.misses, measures, strict=True)]
     worst = misses[0]
     for miss in misses[1:]:
         worst = graph.apply(greater, worst, miss)
@@ -135,16 +144,17 @@ def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node],
         f"seeds of {name}",
         [graph.derived(f"{name} seed {i}", lambda n, i=i: tables(n).seeds[i]) for i in range(tables.entries)],
     )
-    interval, share = graph.apply(place_in_table, graph.q, span[0], step, float(SEEDS), float(turns))
+    interval, share = graph.apply(place_in_table, graph.q, span[0], graph.one / step, float(SEEDS), float(turns))
     found: list[Place] = []
     column = 0
     for slides in closure.slides:
-        given = (float(column), float(tables.width), interval, share, step)
+        given = (table, float(column), float(tables.width), interval)
         column += 2 if slides else 3
         if slides:
-            found.append(graph.apply(seeded_slide, table, *given))
+            d1, v1, d2, v2 = graph.apply(two_slides, *given)
+            found.append(graph.apply(cubic_between, d1, step * v1, d2, step * v2, share))
         else:
-            found.append(Vector(*graph.apply(seeded_direction, table, *given)))
+            found.append(Vector(*graph.apply(direction_between, *graph.apply(two_directions, *given), share, step)))
     return found
 
 
@@ -224,7 +234,7 @@ def transmission(closure: ClosureOfFree, places: Sequence[Place], beside: Linear
         for bound in row[1:]:
             square = square + bound * bound
         greatest = greatest * closure.graph.function("sqrt", square)
-    return beside.inverse.determinant / greatest
+    return beside.inverse.determinant * (closure.graph.one / greatest)
 
 
 # What is known then
@@ -265,10 +275,10 @@ def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -
         one, other = closure.ends(links, cut)
         r, v, a = (two - first for first, two in zip(one, other, strict=True))
         bar = closure.bar(cut)
-        square = bar.dot(bar)
-        share = bar * (closure.graph.one / square)
+        per_square = closure.graph.one / bar.dot(bar)
+        share = bar * per_square
         u = Vector(r.dot(share), share.cross(r))
-        return _from_joint(one, joint, Turning(one, u, r.cross(v) / square, r.cross(a) / square))
+        return _from_joint(one, joint, Turning(one, u, r.cross(v) * per_square, r.cross(a) * per_square))
     point = _joint_beyond(closure, links, cut)
     line, _ = closure.line(links, cut)
     u = line.u

@@ -98,7 +98,8 @@ class _Balance:
         """Add the force that was unknown of a cut link, and note its reactions."""
         joint, one, other = self._joint(cut.name, cut.one), *(self._far(cut.name, p) for p in (cut.one, cut.other))
         if cut.other.kind == "revolute":
-            force = unknown * self._direction(cut)
+            one_end, other_end = self._closure.ends(self._motion.links, cut)
+            force = unknown * (other_end.r - one_end.r)
             self._loads.push(one, joint, force)
             self._loads.push(other, self._joint(cut.name, cut.other), -force)
             at_end = force + self._across(cut, load)
