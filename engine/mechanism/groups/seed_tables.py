@@ -17,7 +17,7 @@ from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_at
 from engine.graph.nodes import Constant, Graph, Node
 from engine.laws.kinematics.seeds import PROVES
-from engine.mechanism.groups.seed_walk import correct_at, walk_seeds
+from engine.mechanism.groups.seed_walk import LEAST_SHARE, correct_at, walk_seeds
 from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
@@ -279,15 +279,15 @@ class SeedTables:
         self.check()
         table = self._table(numbers, self._functions)
         variants = table.shape[1]
-        chosen = [mode.unknowns for mode in self.modes if mode.chosen]
+        chosen = [mode for mode in self.modes if mode.chosen]
         verdict = np.full(variants, int(Verdict.OK))
         first = table[self._functions.rows[self._span[0]]]
         if not chosen:
             seeds = np.full((self.entries, variants), np.nan)
             return SeedAnswers(seeds, np.full(variants, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
-        start, reached = self._carried(numbers, table, chosen[0])
+        start, sines, reached = self._carried(numbers, table, chosen[0])
         seeds, at, closes = walk_seeds(
-            *self._compiled, self._functions, self._given_rows, self._slides, table, start, SEEDS, self._turns
+            *self._compiled, self._functions, self._given_rows, self._slides, table, start, sines, SEEDS, self._turns
         )
         verdict[~np.isnan(at)] = Verdict.SINGULAR
         verdict[~closes] = Verdict.OTHER_MODE
@@ -297,10 +297,12 @@ class SeedTables:
         seeds[:, ~reached] = np.nan
         return SeedAnswers(seeds, verdict, at)
 
-    def _carried(self, numbers: Numbers, table: np.ndarray, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The scene's mode in every variant at its first position, and whether it could be carried there."""
+    def _carried(
+        self, numbers: Numbers, table: np.ndarray, mode: AssemblyMode
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The scene's mode in every variant at its first position, its quality, and whether it was reached."""
         variants, count = table.shape[1], self._slides.size
-        unknowns = np.repeat(mode[:, None], variants, axis=1)
+        unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
         own = self._table(self._own, self._functions)
         given = np.isin(np.arange(len(table)), self._given_rows)
         way, step = np.zeros(variants), np.full(variants, _FIRST_STEP)
@@ -308,7 +310,7 @@ class SeedTables:
         while True:
             going = (way < 1.0) & (step > _SHORTEST_STEP)
             if not going.any():
-                return unknowns, way >= 1.0
+                return unknowns, sines, way >= 1.0
             ahead = np.where(going, np.minimum(way + step, 1.0), way)
             there = self._table(numbers.on_the_way(ahead if variants > 1 else ahead[0]), self._functions)
             q = there[self._functions.rows[self._span[0]]]
@@ -320,6 +322,8 @@ class SeedTables:
                     moved = self._moved(moved, found[:count])
                     found = self._at(there, moved, q)
                 accepted &= (np.abs(found[:count]) < _SAME).all(axis=0)
+                accepted &= found[-2] / sines > LEAST_SHARE
+            sines = np.where(accepted, found[-2], sines)
             unknowns = np.where(accepted, moved, unknowns)
             way = np.where(accepted, ahead, way)
             step = np.where(accepted, np.minimum(2.0 * step, _LONGEST_STEP), np.where(going, 0.5 * step, step))

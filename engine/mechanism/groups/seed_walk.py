@@ -17,6 +17,8 @@ from engine.laws.kinematics.seeds import PROVES, turned
 
 # Corrections of a step before it is accepted, and halvings of a step before a path ends.
 _CORRECTIONS, _HALVINGS = 3, 24
+# Of the quality of transmission at least this share is left after a step.
+LEAST_SHARE = 0.2
 # What the unknowns at the end of a turn may differ by from those at its beginning [rad, or shares of the group's size].
 _CLOSED = 1e-6
 
@@ -33,8 +35,9 @@ class _Room(NamedTuple):
     level_tile : ndarray (levels, 1, LANES)
     now, ahead : ndarray (unknowns' values, LANES)
     rates : ndarray (2 unknowns, LANES)
-    path : ndarray (5, LANES)
-        Position, step, where it ends, halvings, whether this step is tried and proved.
+    path : ndarray (6, LANES)
+        Position, step, halvings of it, where the path ends, the step that is tried (NaN once it failed), quality of
+        transmission.
     """
 
     block: np.ndarray
@@ -47,7 +50,7 @@ class _Room(NamedTuple):
     path: np.ndarray
 
 
-_Q, _STEP, _HALVED, _LOST, _TRIED = range(5)
+_Q, _STEP, _HALVED, _LOST, _TRIED, _SINE = range(6)
 
 
 def _new_room(functions: Functions, values: int, unknowns: int, curves: int) -> _Room:
@@ -59,7 +62,7 @@ def _new_room(functions: Functions, values: int, unknowns: int, curves: int) -> 
         rows(values),
         rows(values),
         rows(2 * unknowns),
-        rows(5),
+        rows(6),
     )
 
 
@@ -135,6 +138,7 @@ def _walk(
     table: np.ndarray,
     memory: np.ndarray,
     start: np.ndarray,
+    sines: np.ndarray,
     intervals: int,
     seeds: np.ndarray,
     ends_at: np.ndarray,
@@ -150,6 +154,7 @@ def _walk(
             path[_Q, lane] = room.block[0, lane]
             path[_STEP, lane] = (room.block[1, lane] - room.block[0, lane]) / intervals
             path[_HALVED, lane], path[_LOST, lane] = 0.0, math.nan
+            path[_SINE, lane] = sines[min(first + lane, variants - 1)]
             for i in range(now.shape[0]):
                 now[i, lane] = start[i, min(first + lane, variants - 1)]
             for i in range(2 * count):
@@ -178,12 +183,18 @@ def _walk(
                     _put(ahead, given, room.block)
                     fill(room.block, memory, room.at[0], room.at[1], room.at[2], tile)
                 _move(ahead, slides, tile)
+                for lane in range(LANES):
+                    # Two modes that meet have determinants of unlike sign: a step across such a place is none.
+                    share = tile[3 * count + 1, 0, lane] / path[_SINE, lane]
+                    if not share > LEAST_SHARE:
+                        path[_TRIED, lane] = math.nan
                 going = False
                 for lane in range(LANES):
                     if path[_LOST, lane] == path[_LOST, lane]:
                         continue
                     if path[_TRIED, lane] == path[_TRIED, lane]:
                         path[_Q, lane] = room.at[0, 0, lane]
+                        path[_SINE, lane] = tile[3 * count + 1, 0, lane]
                         for i in range(now.shape[0]):
                             now[i, lane] = ahead[i, lane]
                         for i in range(2 * count):
@@ -210,7 +221,8 @@ def _walk(
                     i += 1
                     j += 1
                 for lane in range(min(LANES, variants - first)):
-                    seeds[j, first + lane] = rates[k, lane]
+                    lost = path[_LOST, lane] == path[_LOST, lane]
+                    seeds[j, first + lane] = math.nan if lost else rates[k, lane]
                 j += 1
         for lane in range(min(LANES, variants - first)):
             ends_at[first + lane] = path[_LOST, lane]
@@ -224,6 +236,7 @@ def walk_seeds(
     slides: np.ndarray,
     table: np.ndarray,
     start: np.ndarray,
+    sines: np.ndarray,
     intervals: int,
     turns: bool,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -243,6 +256,8 @@ def walk_seeds(
     table : ndarray (numbers, variants)
     start : ndarray (values, variants)
         Unknowns at the first position.
+    sines : ndarray (variants,)
+        Quality of transmission there.
     intervals : int
         Of a table.
     turns : bool
@@ -267,6 +282,7 @@ def walk_seeds(
         np.ascontiguousarray(table),
         functions.memory,
         np.ascontiguousarray(start),
+        np.ascontiguousarray(sines),
         intervals,
         seeds,
         ends_at,
