@@ -68,10 +68,16 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
             define(links, getattr(group, side).link, f"groups.{name}.{side}.link")
         if hasattr(group, "inner"):
             define(points, group.inner, f"groups.{name}.inner")
+    for name in scene.links:
+        define(links, name, f"links.{name}")
     for name in scene.shafts:
         define(links, name, f"shafts.{name}")
     for name in scene.points:
         define(points, name, f"points.{name}")
+    for name, link in scene.links.items():
+        for joint in link.joints:
+            if joint not in points:
+                define(points, joint, f"links.{name}.joints")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
     for table in ("forces", "moments", "springs", "cylinders", "couplings", "elements"):
@@ -97,6 +103,10 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
                 refs.append((f"{path}.guide", "guide", part.guide))
             else:
                 refs.append((f"{path}.joint", "point", part.joint))
+    for name, link in scene.links.items():
+        if link.guide is not None:
+            refs.append((f"links.{name}.guide", "guide", link.guide))
+    refs += [(f"near.{name}", "point", name) for name in scene.near]
     for table in ("points", "guides", "bodies"):
         for name, part in getattr(scene, table).items():
             refs.append((f"{table}.{name}.link", "link", part.link))
@@ -142,7 +152,21 @@ def sliders(scene: Scene) -> tuple[str, ...]:
         found += [part.link for part in (group.first, group.second) if isinstance(part, (Sliding, Yoke))]
         if group.type in ("RPR", "RPP"):
             found.append(group.first.link)
+    found += [name for name, link in scene.links.items() if link.guide is not None]
     return tuple(found)
+
+
+def joint_owners(scene: Scene) -> dict[str, str]:
+    """Of each joint that free links name the link that carries it: the one whose point it is, or the first of them."""
+    owners = {input_point(scene): scene.input.link}
+    for group in scene.groups.values():
+        if hasattr(group, "inner"):
+            owners[group.inner] = group.second.link if group.type == "RRP" else group.first.link
+    owners |= {name: point.link for name, point in scene.points.items()}
+    for name, link in scene.links.items():
+        for joint in link.joints:
+            owners.setdefault(joint, name)
+    return {joint: owners[joint] for link in scene.links.values() for joint in link.joints}
 
 
 def misplaced(scene: Scene) -> list[Problem]:
@@ -217,6 +241,9 @@ def _still_links(scene: Scene) -> set[str]:
                     found.add(part.link)
             if group.type == "RPP" and group.second.link in still:
                 found.add(group.first.link)
+        for name, link in scene.links.items():
+            if link.guide is not None and scene.guides[link.guide].link in still:
+                found.add(name)
         grown, still = found != still, found
     return still
 
@@ -284,7 +311,8 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
-        if name in scene.forces or name in scene.moments or name in {*scene.groups, *scene.points, *scene.elements}:
+        taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
+        if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
     return problems
 

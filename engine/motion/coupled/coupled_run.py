@@ -227,7 +227,7 @@ class CoupledRuns:
     def _free(
         self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray
     ) -> tuple[np.ndarray, ...]:
-        """Moments that would set both sides off together, forwards and backwards; of the crank, and of the shaft alone."""
+        """Moments that would set off both sides together, forwards and backwards, the crank and the shaft alone."""
         forth = np.ones(time.size)
         found = []
         for way in (forth, -forth):
@@ -505,7 +505,7 @@ class CoupledRuns:
     def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never come to their end.
 
-        Those that come no farther forward than the last time they came to rest; that go as they did a cycle before; that
+        Those that come no farther forward than when they last came to rest; that go as they did a cycle before; that
         ever more slowly come to no rest.
         """
         rest = rest[~self.done[rest] & self._never_changes(rest) & (self.joined.crank_way[rest] > 0.0)]
