@@ -11,7 +11,7 @@ from PIL import Image
 from sweeps.cli import main
 
 HERE = Path(__file__).parent
-WIDTH, TONES = 1000, 64
+WIDTH = 1000
 
 
 class Shown(NamedTuple):
@@ -81,14 +81,14 @@ def make(shown: Shown, folder: Path) -> list[str]:
 
 
 def shrink(path: Path) -> str:
-    """Copy a picture to the gallery, no wider than a page and with few tones."""
+    """Copy a picture to the gallery, no wider than a page and in 256 colours, thin lines' own among them."""
     if path.suffix == ".gif":
         shutil.copy(path, HERE / path.name)
         return path.name
     picture = Image.open(path).convert("RGB")
     if picture.width > WIDTH:
         picture = picture.resize((WIDTH, round(picture.height * WIDTH / picture.width)), Image.Resampling.LANCZOS)
-    picture.quantize(TONES).save(HERE / path.name, optimize=True)
+    picture.quantize(256, Image.Quantize.MAXCOVERAGE).save(HERE / path.name, optimize=True)
     return path.name
 
 
