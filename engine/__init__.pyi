@@ -123,6 +123,8 @@ from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.units import UnitError, any_quantity, base_powers, in_text, recognised
 from engine.verdicts import SENTENCES, Verdict
 
+__version__: str
+
 __all__ = [
     "ACCURACY_REACHED",
     "ACCURACY_SUMMARIES",

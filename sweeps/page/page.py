@@ -1,6 +1,5 @@
 """The page: what is told, in which order, and the file that it is written to."""
 
-import os
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from sweeps.page.page_tables import (
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
+from sweeps.text.whole_files import whole_file
 
 
 def write_page(path: Path, out: Path) -> None:
@@ -59,12 +59,10 @@ def write_page(path: Path, out: Path) -> None:
 
 
 def _replace(out: Path, text: str) -> None:
-    beside = out.with_name(f".{out.name}.{os.getpid()}.part")
     try:
-        beside.write_text(text, encoding="utf8")
-        beside.replace(out)
+        with whole_file(out) as draft:
+            draft.write_text(text, encoding="utf8")
     except OSError as error:
-        beside.unlink(missing_ok=True)
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
 

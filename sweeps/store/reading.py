@@ -105,6 +105,7 @@ class MappedResult:
 
     Attributes
     ----------
+    path : Path
     columns : dict of str to ndarray
         All columns, and the axes.
     variants, block : int
@@ -125,6 +126,7 @@ class MappedResult:
     """
 
     def __init__(self, path: Path) -> None:
+        self.path = path
         with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
             record, progress = layout_record(file), file["progress"]
             self.variants, self.block = int(record["variants"]), int(record["block"])
@@ -169,6 +171,20 @@ class MappedResult:
     def edited_decisively(self) -> list[str]:
         """Of what isn't as it was written that on which it depends what numbers are taken for."""
         return [name for name in self.edited if name in _DECISIVE or name in self.columns]
+
+    def refuse_damage(self, kinds: Sequence[str]) -> None:
+        """See that what is done agrees with its checksums; kinds as for `is_sound`.
+
+        Raises
+        ------
+        DamagedError
+            It doesn't.
+        """
+        if edited := self.edited_decisively:
+            raise DamagedError(f"{self.path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
+        if damaged := self.damaged(kinds):
+            words = damage_text(self, damaged)
+            raise DamagedError(f"{self.path} is damaged: numbers of variants {words} changed. {_AGAIN}")
 
     def rows(self, block: int) -> slice:
         """Variants of a block."""
@@ -226,10 +242,7 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np
     first = sorted(names, key=lambda name: name != "status")
     arrays = {name: np.array(mapped.columns[name]) for name in first}
     kinds = ("flat", "fields") if any(mapped.columns[name].ndim > 1 for name in names) else ("flat",)
-    if edited := mapped.edited_decisively:
-        raise DamagedError(f"{path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
-    if damaged := mapped.damaged(kinds):
-        raise DamagedError(f"{path} is damaged: numbers of variants {damage_text(mapped, damaged)} changed. {_AGAIN}")
+    mapped.refuse_damage(kinds)
     return {name: arrays[name] for name in names}
 
 
