@@ -471,8 +471,15 @@ class CoupledRuns:
             return who[taken & np.isin(kind, kinds)]
 
         locked, at_jump = met(LOCKS_UP), taken & (kind == AT_JUMP)
-        self.state[SHAFT_SPEED, locked] = self.state[CRANK_SPEED, locked]
-        self.lock_time[locked] = np.nan
+        if locked.size:
+            # Of what rounding leaves between the speeds, the heavier side says more.
+            sides, moving = self.sides.some(locked), self.state[:MOVING, locked]
+            crank = sides.crank.at(moving[CRANK], moving[CRANK_SPEED], self.time[locked], np.ones(locked.size))
+            crank, shaft = crank[0].inertia[0], sides.shaft.inertia
+            both = (crank * moving[CRANK_SPEED] + shaft * moving[SHAFT_SPEED]) / (crank + shaft)
+            # A side that stands, or comes to rest just then, does.
+            both = np.where(self.joined.crank_way[locked] == 0.0, 0.0, both)
+            self.state[CRANK_SPEED, locked] = self.state[SHAFT_SPEED, locked] = both
         rest = met(CRANK_RESTS)
         together = rest[self.joined.mode[rest] == TOGETHER]
         self.state[CRANK_SPEED, rest], self.state[SHAFT_SPEED, together] = 0.0, 0.0
