@@ -10,7 +10,10 @@ import numpy as np
 
 
 def fluid_coupling_moment(
-    coefficient: float | np.ndarray, density: float | np.ndarray, speed: float | np.ndarray, diameter: float | np.ndarray
+    coefficient: float | np.ndarray,
+    density: float | np.ndarray,
+    speed: float | np.ndarray,
+    diameter: float | np.ndarray,
 ) -> float | np.ndarray:
     """Moment of a fluid coupling, λ ρ ω² D⁵ [N·m].
 

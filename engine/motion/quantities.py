@@ -121,7 +121,9 @@ def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
         if regime.type == "run" and coupling not in regime.off:
             table = COUPLED | (CLUTCHED if model.type == "friction_clutch" else FLUID) | table
         words = {"name": name, "coupling": coupling, "shaft": model.shaft}
-        found += [Quantity(f"{name}.{k.format(**words)}", text.format(**words), unit) for k, (text, unit) in table.items()]
+        found += [
+            Quantity(f"{name}.{k.format(**words)}", text.format(**words), unit) for k, (text, unit) in table.items()
+        ]
     return found
 
 

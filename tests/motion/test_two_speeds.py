@@ -1,6 +1,7 @@
 """Motion at two speeds, with a clutch or a fluid coupling between the crank and a shaft."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -152,7 +153,7 @@ def reference(capacity: float, engagement: float, until: float, shaft_speed: flo
         whole, crank, drive = sides(y)
         return drive - own * (crank + drive) / (whole + own)
 
-    def slipping(way: int):  # noqa: ANN202
+    def slipping(way: int) -> Callable[[float, np.ndarray], list[float]]:
         def rates(t: float, y: np.ndarray) -> list[float]:
             whole, crank, drive = sides(y)
             pull = way * limit(t)
@@ -242,7 +243,8 @@ def test_steady_motion__slips_where_the_clutch_holds_less_than_it_takes():
     found = ask(runs, names, varied={"couplings.clutch.capacity": [4.0, 1.01 * peak]})
     assert found.status == [Verdict.OK] * 2
     assert found.values["on.clutch_heat"] == pytest.approx(0.0, abs=1e-12)
-    assert found.values["on.clutch_moment_peak"] == pytest.approx(peak, rel=1e-4)
+    off = np.abs(found.values["on.clutch_moment_peak"] - peak)
+    assert (off <= figure + found.errors["on.clutch_moment_peak"]).all()
 
 
 def test_regimes_of_a_press__spin_up_couple_and_brake():
@@ -299,7 +301,9 @@ def test_fluid_coupling__transmits_what_its_characteristic_says():
     """With λ = c s the moment is c ρ D⁵ ω₂ (ω₂ − ω₁), and 1/ω₂ of two free masses obeys a quadratic of its own."""
     scene = coupled(rotor({"go": run("", from_speed=0.0, from_shaft_speed=90.0, time=2.0)}))
     scene["couplings"] = {"fluid": FLUID}
-    found = ask(scene, of("go", "final_speed motor_shaft_final_speed fluid_heat fluid_slip energy_change work_residual"))
+    found = ask(
+        scene, of("go", "final_speed motor_shaft_final_speed fluid_heat fluid_slip energy_change work_residual")
+    )
     own, factor = RATIO**2 * SHAFT_INERTIA, 1e-3 * 860.0 * 0.2**5 * RATIO**3
 
     def rates(_: float, y: np.ndarray) -> list[float]:

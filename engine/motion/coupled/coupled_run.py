@@ -55,7 +55,9 @@ MOST_ATTEMPTS = 12
 # nothing stops a machine; swings that differ by no more are the same [rad].
 SETTLED, FADED, SAME_SWING = 1e-8, 1e-9, 1e-6
 # What ends a step, besides its length.
-LOCKS_UP, CRANK_RESTS, SHAFT_RESTS, AT_JUMP, AT_ANGLE, TOO_FAR, ABOVE, BELOW, BREAKS_LOOSE, SETS_OFF, AT_INSTANT = range(11)
+LOCKS_UP, CRANK_RESTS, SHAFT_RESTS, AT_JUMP, AT_ANGLE, TOO_FAR, ABOVE, BELOW, BREAKS_LOOSE, SETS_OFF, AT_INSTANT = (
+    range(11)
+)
 
 
 class CoupledEnds(NamedTuple):
@@ -216,12 +218,16 @@ class CoupledRuns:
         # Where both stand, either may be held by its own resistances.
         alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
         crank_forth, crank_back = forth - shaft_forth, back - shaft_back
-        alone = np.where(alone == 0, np.where(crank_forth > capacity, -1, np.where(-crank_back > capacity, 1, 0)), alone)
+        alone = np.where(
+            alone == 0, np.where(crank_forth > capacity, -1, np.where(-crank_back > capacity, 1, 0)), alone
+        )
         torn = np.where(np.abs(needed) > capacity, np.sign(needed).astype(int), 0)
         return np.where(slip != 0, slip, np.where(standing & (off == 0.0), alone, torn))
 
-    def _free(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Moments that would set both sides off together, forwards and backwards; of the crank, and of the shaft alone."""
+    def _free(
+        self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
+        """Moments that set off both sides together, forwards and backwards; so of the crank and of the shaft alone."""
         forth = np.ones(time.size)
         found = []
         for way in (forth, -forth):
@@ -294,7 +300,9 @@ class CoupledRuns:
         later = np.where(every > time * (1.0 + 1e-15), every, np.inf)
         return later.min(axis=0) - time
 
-    def _length(self, who: np.ndarray, sides: CoupledSides, joined: Joined, goal: np.ndarray, longest: np.ndarray) -> np.ndarray:
+    def _length(
+        self, who: np.ndarray, sides: CoupledSides, joined: Joined, goal: np.ndarray, longest: np.ndarray
+    ) -> np.ndarray:
         """Length of the next step."""
         state, time = self.state[:, who], self.time[who]
         fresh = np.isinf(self.pace[who])
@@ -329,7 +337,9 @@ class CoupledRuns:
         self.aims[who] = np.where(beyond, h * shorter, np.inf)
         taken = live & (step.missed <= 1.0) & ~beyond
         limited = beyond | (taken & (h < self.pace[who]))
-        self.pace[who] = np.where(live, np.where(limited, np.fmax(self.pace[who], h * share), h * share), self.pace[who])
+        self.pace[who] = np.where(
+            live, np.where(limited, np.fmax(self.pace[who], h * share), h * share), self.pace[who]
+        )
         lost = live & ~taken & ~beyond & (h < 1e-14 * np.maximum(time, 1e-300)) & (h < 1e-14)
         self.verdict[who[lost]], self.done[who[lost]] = Verdict.NOT_FINITE, True
         ended, kind = self._ended(who, sides, joined, step, time, goal, np.flatnonzero(taken))
@@ -502,8 +512,8 @@ class CoupledRuns:
     def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never come to their end.
 
-        Those that come no farther forward than the last time they came to rest; that go as they did a cycle before; that
-        ever more slowly come to no rest.
+        Those that come no farther forward than when they came to rest the last time, that go as they did a cycle before,
+        that go ever more slowly and don't come to rest.
         """
         rest = rest[~self.done[rest] & self._never_changes(rest) & (self.joined.crank_way[rest] > 0.0)]
         turned = self.state[CRANK, rest]

@@ -109,9 +109,7 @@ def pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarr
     return Pull(moment, first, second, motors, powers[0] + powers[1], rate)
 
 
-def _rates(
-    sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _rates(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rates of all rows of a state, and the moment of the coupling."""
     found, slip = pull(sides, joined, moving, time), moving[SHAFT_SPEED] - moving[CRANK_SPEED]
     slip = np.where(joined.mode == TOGETHER, 0.0, slip)

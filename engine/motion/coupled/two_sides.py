@@ -55,7 +55,9 @@ class CouplingNumbers(NamedTuple):
         value = self.capacity[0].copy()
         pieces = zip(self.times, self.times[1:], self.capacity, self.capacity[1:], strict=False)
         for begin, end, low, high in pieces:
-            value = np.where(engaged > begin, low + (high - low) * np.fmin((engaged - begin) / (end - begin), 1.0), value)
+            value = np.where(
+                engaged > begin, low + (high - low) * np.fmin((engaged - begin) / (end - begin), 1.0), value
+            )
         return value
 
     def fluid_moment(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
