@@ -78,7 +78,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history
 from engine.quantities.friction import friction_in_pairs
-from engine.quantities.quantity import InputUnits, Quantity, has_cycle
+from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
@@ -107,7 +107,7 @@ from engine.scene.names import did_you_mean, input_point
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import FRAME, RPP, RPR, CrankInput, Hinged, Sliding, Yoke
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime
@@ -133,6 +133,7 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
+    "STATISTICS",
     "AnyGovernor",
     "AskError",
     "BalanceError",
@@ -144,6 +145,7 @@ __all__ = [
     "CrankInput",
     "DCMotor",
     "Derivatives",
+    "DimensionMark",
     "ElementsAlone",
     "Engine",
     "EngineElement",

@@ -1,4 +1,4 @@
-"""Commands to start with: list, new."""
+"""Commands to start with: list, new, guide."""
 
 from pathlib import Path
 
@@ -36,3 +36,13 @@ def new(template: str, out: Path | None) -> None:
         raise InputError(str(out), [(None, "", "exists already; name another file with --out")])
     write_text(out, text)
     click.echo(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+
+
+@click.command("guide")
+@click.argument("chapter", required=False)
+@errors_as_messages
+def guide_command(chapter: str | None) -> None:
+    """Show a chapter of the guide, or list them all."""
+    from sweeps.guide.chapters import chapter_text, chapters_text
+
+    click.echo(chapters_text() if chapter is None else chapter_text(chapter))

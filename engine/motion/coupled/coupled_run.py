@@ -512,8 +512,8 @@ class CoupledRuns:
     def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never come to their end.
 
-        Those that come no farther forward than when they came to rest the last time, that go as they did a cycle before,
-        that go ever more slowly and don't come to rest.
+        Those that come no farther forward than when they came to rest the last time, that go as they did a cycle
+        before, that go ever more slowly and don't come to rest.
         """
         rest = rest[~self.done[rest] & self._never_changes(rest) & (self.joined.crank_way[rest] > 0.0)]
         turned = self.state[CRANK, rest]
