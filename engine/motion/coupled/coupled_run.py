@@ -24,8 +24,8 @@ from engine.motion.coupled.coupled_step import (
     WORKS,
     CoupledStep,
     Joined,
+    coupled_pull,
     coupled_step,
-    pull,
 )
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.breaks import JUMP
@@ -214,7 +214,7 @@ class CoupledRuns:
         off = np.where(standing, np.where(forth > 0.0, 1.0, np.where(back < 0.0, -1.0, 0.0)), ways[0])
         capacity = _grip(sides, joined.engaged + time)
         trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
-        needed = pull(sides, trial, moving, time).moment
+        needed = coupled_pull(sides, trial, moving, time).moment
         # Where both stand, either may be held by its own resistances.
         alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
         crank_forth, crank_back = forth - shaft_forth, back - shaft_back
@@ -249,7 +249,7 @@ class CoupledRuns:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Which way each side goes: as it moves, or as it sets off from rest."""
         both_forth, both_back, forth, shaft_forth, back, shaft_back = self._free(sides, joined, moving, time)
-        moment = pull(sides, joined._replace(mode=mode), moving, time).moment
+        moment = coupled_pull(sides, joined._replace(mode=mode), moving, time).moment
         holds = mode == TOGETHER
 
         def off(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -307,7 +307,7 @@ class CoupledRuns:
         state, time = self.state[:, who], self.time[who]
         fresh = np.isinf(self.pace[who])
         if fresh.any():
-            found = pull(sides, joined, state[:MOVING], time)
+            found = coupled_pull(sides, joined, state[:MOVING], time)
             speed = np.maximum(np.abs(state[CRANK_SPEED]), np.abs(state[SHAFT_SPEED]))
             change = np.maximum(np.abs(found.crank), np.abs(found.shaft))
             # A hundredth of the time that a radian takes; moments that pull speeds together leave less.
@@ -420,7 +420,7 @@ class CoupledRuns:
             ABOVE: lambda m, _: m[CRANK_SPEED] - self.above[who],
             BELOW: lambda m, _: self.below[who] - m[CRANK_SPEED],
             BREAKS_LOOSE: lambda m, now: (
-                np.abs(pull(sides, joined, m, now).moment) - _grip(sides, joined.engaged + now)
+                np.abs(coupled_pull(sides, joined, m, now).moment) - _grip(sides, joined.engaged + now)
             ),
             SETS_OFF: lambda m, now: self._push_off(sides, joined, m, now),
         }
@@ -429,7 +429,7 @@ class CoupledRuns:
     def _push_off(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """By how much the moments on a standing side exceed what holds it."""
         both_forth, both_back, forth, shaft_forth, back, shaft_back = self._free(sides, joined, moving, time)
-        moment, holds = pull(sides, joined, moving, time).moment, joined.mode == TOGETHER
+        moment, holds = coupled_pull(sides, joined, moving, time).moment, joined.mode == TOGETHER
         crank = np.maximum(forth + moment, -(back + moment))
         shaft = np.maximum(shaft_forth - moment, -(shaft_back - moment))
         apart = np.maximum(
@@ -459,15 +459,15 @@ class CoupledRuns:
         self.attempts[mine] = 0
         self.state[:, mine], self.time[mine] = step.end[:, taken], (time + step.length)[taken]
         speeds = np.array([step.at(np.full(who.size, x))[[CRANK_SPEED, SHAFT_SPEED]] for x in SPEED_LOOKS])
-        low, high = -_greatest(-speeds), _greatest(speeds)
+        low, high = -greatest_between(-speeds), greatest_between(speeds)
         self.lows[:, mine] = np.fmin(self.lows[:, mine], low[:, taken])
         self.highs[:, mine] = np.fmax(self.highs[:, mine], high[:, taken])
         looks = [step.at(np.full(who.size, x)) for x in LOOKS]
         instants = [time + x * step.length for x in LOOKS]
-        between = [pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]
+        between = [coupled_pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]
         standing = (joined.mode == TOGETHER) & (joined.crank_way == 0.0)
         moments = np.where(standing, 0.0, np.array([step.moments[0], *between, step.moments[1]]))
-        self.peak[mine] = np.fmax(self.peak[mine], _greatest(np.abs(moments))[taken])
+        self.peak[mine] = np.fmax(self.peak[mine], greatest_between(np.abs(moments))[taken])
         slips = np.abs(joined.mode[taken]) == FORWARDS
         self.slip_time[mine] += np.where(slips, step.length[taken], 0.0)
         if self.notes is not None and taken.all():
@@ -497,7 +497,9 @@ class CoupledRuns:
         self.state[CRANK, who[at_jump]] = goal[at_jump]
         torn = met(BREAKS_LOOSE)
         if torn.size:
-            found = pull(self.sides.some(torn), self.joined.some(torn), self.state[:MOVING, torn], self.time[torn])
+            found = coupled_pull(
+                self.sides.some(torn), self.joined.some(torn), self.state[:MOVING, torn], self.time[torn]
+            )
             self.joined.mode[torn] = np.where(found.moment > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
         exact = met(AT_ANGLE)
@@ -541,11 +543,18 @@ def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:
     return sides.coupling.capacity_at(engaged) * (1.0 + GRIP)
 
 
-def _greatest(values: np.ndarray) -> np.ndarray:
-    """Greatest of values at equally spaced places, the first axis, with the tops of parabolas through three of them."""
+def greatest_between(values: np.ndarray, even: bool | np.ndarray = True) -> np.ndarray:
+    """Greatest of values at some places, the first axis, with the tops of parabolas through three of them.
+
+    Parameters
+    ----------
+    values : ndarray (places, variants)
+    even : bool or ndarray (places - 2, variants) of bool
+        Whether a place, the first and the last left out, is as far from the one before as from the one after it.
+    """
     low, middle, high = values[:-2], values[1:-1], values[2:]
     bend = low - 2.0 * middle + high
-    inside = (middle >= low) & (middle >= high) & (bend < 0.0)
+    inside = (middle >= low) & (middle >= high) & (bend < 0.0) & even
     with np.errstate(all="ignore"):
         tops = np.where(inside, middle - (high - low) ** 2 / (8.0 * bend), middle)
     return np.maximum(tops.max(axis=0), np.maximum(values[0], values[-1]))
