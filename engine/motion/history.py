@@ -154,7 +154,8 @@ def _gathered(parts: list[_Part], verdict: Verdict) -> History:
         energy, speed, transmitted = 0.5 * rows.inertia[:, 0] * omega**2, none, none
         own, of_loads, total = moments.motors[:, 0], moments.loads[:, :, 0], moments.total[:, 0]
         slope, inertia = rows.inertia_phi[:, 0], rows.inertia[:, 0]
-        powers, heat = np.concatenate((own[None], of_loads)) * omega, np.zeros_like(omega)
+        with np.errstate(all="ignore"):
+            powers, heat = np.concatenate((own[None], of_loads)) * omega, np.zeros_like(omega)
         if sides is not None and shaft is None:
             speed = sides.coupling.ratio * omega
         elif sides is not None:

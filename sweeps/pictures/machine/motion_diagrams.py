@@ -154,7 +154,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
 def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     own = {"speed": (BLUE, None), "energy": ("black", "kinetic energy E"), "acceleration": (GREEN, None)}
     own |= {"shaft_speed": (GREEN, "shaft behind the coupling")}
-    own |= {"coupling": ("black", "coupling on the crank, its heat")}
+    own |= {"coupling": (GREEN, "coupling on the crank, its heat")}
     for key, row in rows.items():
         colour, label = own.get(key) or (_COLOURS[key], _WORDS[key])
         ax.plot(*_thinned(x, row), color=colour, label=label, linewidth=1.0)
