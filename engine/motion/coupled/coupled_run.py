@@ -24,8 +24,8 @@ from engine.motion.coupled.coupled_step import (
     WORKS,
     CoupledStep,
     Joined,
-    coupled_pull,
     coupled_step,
+    coupling_pull,
 )
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.breaks import JUMP
@@ -214,7 +214,7 @@ class CoupledRuns:
         off = np.where(standing, np.where(forth > 0.0, 1.0, np.where(back < 0.0, -1.0, 0.0)), ways[0])
         capacity = _grip(sides, joined.engaged + time)
         trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
-        needed = coupled_pull(sides, trial, moving, time).moment
+        needed = coupling_pull(sides, trial, moving, time).moment
         # Where both stand, either may be held by its own resistances.
         alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
         crank_forth, crank_back = forth - shaft_forth, back - shaft_back
@@ -249,7 +249,7 @@ class CoupledRuns:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Which way each side goes: as it moves, or as it sets off from rest."""
         both_forth, both_back, forth, shaft_forth, back, shaft_back = self._free(sides, joined, moving, time)
-        moment = coupled_pull(sides, joined._replace(mode=mode), moving, time).moment
+        moment = coupling_pull(sides, joined._replace(mode=mode), moving, time).moment
         holds = mode == TOGETHER
 
         def off(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -307,7 +307,7 @@ class CoupledRuns:
         state, time = self.state[:, who], self.time[who]
         fresh = np.isinf(self.pace[who])
         if fresh.any():
-            found = coupled_pull(sides, joined, state[:MOVING], time)
+            found = coupling_pull(sides, joined, state[:MOVING], time)
             speed = np.maximum(np.abs(state[CRANK_SPEED]), np.abs(state[SHAFT_SPEED]))
             change = np.maximum(np.abs(found.crank), np.abs(found.shaft))
             # A hundredth of the time that a radian takes; moments that pull speeds together leave less.
@@ -420,7 +420,7 @@ class CoupledRuns:
             ABOVE: lambda m, _: m[CRANK_SPEED] - self.above[who],
             BELOW: lambda m, _: self.below[who] - m[CRANK_SPEED],
             BREAKS_LOOSE: lambda m, now: (
-                np.abs(coupled_pull(sides, joined, m, now).moment) - _grip(sides, joined.engaged + now)
+                np.abs(coupling_pull(sides, joined, m, now).moment) - _grip(sides, joined.engaged + now)
             ),
             SETS_OFF: lambda m, now: self._push_off(sides, joined, m, now),
         }
@@ -429,7 +429,7 @@ class CoupledRuns:
     def _push_off(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """By how much the moments on a standing side exceed what holds it."""
         both_forth, both_back, forth, shaft_forth, back, shaft_back = self._free(sides, joined, moving, time)
-        moment, holds = coupled_pull(sides, joined, moving, time).moment, joined.mode == TOGETHER
+        moment, holds = coupling_pull(sides, joined, moving, time).moment, joined.mode == TOGETHER
         crank = np.maximum(forth + moment, -(back + moment))
         shaft = np.maximum(shaft_forth - moment, -(shaft_back - moment))
         apart = np.maximum(
@@ -464,7 +464,7 @@ class CoupledRuns:
         self.highs[:, mine] = np.fmax(self.highs[:, mine], high[:, taken])
         looks = [step.at(np.full(who.size, x)) for x in LOOKS]
         instants = [time + x * step.length for x in LOOKS]
-        between = [coupled_pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]
+        between = [coupling_pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]
         standing = (joined.mode == TOGETHER) & (joined.crank_way == 0.0)
         moments = np.where(standing, 0.0, np.array([step.moments[0], *between, step.moments[1]]))
         self.peak[mine] = np.fmax(self.peak[mine], greatest_between(np.abs(moments))[taken])
@@ -497,7 +497,7 @@ class CoupledRuns:
         self.state[CRANK, who[at_jump]] = goal[at_jump]
         torn = met(BREAKS_LOOSE)
         if torn.size:
-            found = coupled_pull(
+            found = coupling_pull(
                 self.sides.some(torn), self.joined.some(torn), self.state[:MOVING, torn], self.time[torn]
             )
             self.joined.mode[torn] = np.where(found.moment > 0.0, FORWARDS, BACKWARDS)

@@ -73,7 +73,7 @@ class Pull(NamedTuple):
     rate: np.ndarray
 
 
-def coupled_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> Pull:
+def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> Pull:
     """What moves both sides.
 
     Parameters
@@ -111,7 +111,7 @@ def coupled_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: 
 
 def _rates(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rates of all rows of a state, and the moment of the coupling."""
-    found, slip = coupled_pull(sides, joined, moving, time), moving[SHAFT_SPEED] - moving[CRANK_SPEED]
+    found, slip = coupling_pull(sides, joined, moving, time), moving[SHAFT_SPEED] - moving[CRANK_SPEED]
     slip = np.where(joined.mode == TOGETHER, 0.0, slip)
     rows = (moving[CRANK_SPEED], found.crank, moving[SHAFT_SPEED], found.shaft)
     return np.stack((*rows, found.moment * slip, np.abs(slip), found.motors**2, *found.powers)), found.moment

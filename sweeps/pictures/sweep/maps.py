@@ -37,6 +37,8 @@ REASONS = {
     Verdict.UNDERCUT: "cam undercut",
     Verdict.LIFTS_OFF: "follower lifts off",
     Verdict.SLIPS: "clutch slips on",
+    Verdict.GROWS: "vibration grows",
+    Verdict.TURNS_BACK: "turns back on its shaft",
     Verdict.DOES_NOT_FIT: "wheels don't fit",
     Verdict.SELF_LOCKS: "gears lock by themselves",
     Verdict.STANDS: "losses stop the gears",
