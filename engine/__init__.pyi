@@ -80,7 +80,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history
 from engine.quantities.friction import friction_in_pairs
-from engine.quantities.quantity import InputUnits, Quantity, has_cycle
+from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
@@ -109,7 +109,7 @@ from engine.scene.names import did_you_mean, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import FRAME, RPP, RPR, CrankInput, Hinged, Near, Sliding, Yoke
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime
@@ -135,6 +135,7 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
+    "STATISTICS",
     "AnyGovernor",
     "AskError",
     "AssemblyMode",
@@ -147,6 +148,7 @@ __all__ = [
     "CrankInput",
     "DCMotor",
     "Derivatives",
+    "DimensionMark",
     "ElementsAlone",
     "Engine",
     "EngineElement",

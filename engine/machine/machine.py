@@ -138,14 +138,14 @@ class Machine:
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        return {name: Quantity(*field[:3]) for name, field in self.register.fields.items()} | self.regimes.fields
+        return {name: field.quantity for name, field in self.register.fields.items()} | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        own = {name: Quantity(*summary[:3]) for name, summary in self.register.summaries.items()}
+        own = {name: summary.quantity for name, summary in self.register.summaries.items()}
         statistics = {name: self.register.summary(name) for name in self.asked_summaries}
-        own |= {name: Quantity(*summary[:3]) for name, summary in statistics.items() if summary is not None}
+        own |= {name: summary.quantity for name, summary in statistics.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
         of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
         return own | self.regimes.summaries | elements | of_accuracy

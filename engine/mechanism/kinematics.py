@@ -10,7 +10,7 @@ from engine.mechanism.groups import GROUPS
 from engine.mechanism.groups.free import FreeMotion, add_free_group
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector
-from engine.scene.masses import LinkMass, masses, whole_body
+from engine.scene.masses import LinkMass, resultant_masses, whole_body
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure.free_groups import FreeGroup
@@ -31,7 +31,7 @@ class Kinematics(Assembly):
     Attributes
     ----------
     masses : dict of str to LinkMass
-        Bodies and the point masses that stand for bodies.
+        Bodies and the point masses that stand for bodies, those of one link joined.
     free : dict of str to FreeMotion
         Groups of free links.
     """
@@ -39,7 +39,7 @@ class Kinematics(Assembly):
     def __init__(self, scene: Scene, structure: Structure, graph: Graph, varied: frozenset[str]) -> None:
         super().__init__(scene, graph)
         self.varied = varied
-        self.masses: dict[str, LinkMass] = masses(scene, varied)
+        self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
         self.free: dict[str, FreeMotion] = {}
         # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
         for name, point in scene.points.items():

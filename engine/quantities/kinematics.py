@@ -17,6 +17,19 @@ _RATES = {
     "angle": ("angular_velocity", "angular_acceleration"),
     "slide": ("velocity", "acceleration"),
 }
+_RATES_IN_WORDS = {
+    "x": "x component of the {rate} of point {owner}",
+    "y": "y component of the {rate} of point {owner}",
+    "angle": "angular {rate} of link {owner}",
+    "slide": "{rate} of slider {owner}",
+}
+# Of the coordinate, and of its derivatives by time.
+_SYMBOLS = {
+    "x": ("x_{owner}", "v_{owner}x", "a_{owner}x"),
+    "y": ("y_{owner}", "v_{owner}y", "a_{owner}y"),
+    "angle": ("φ_{owner}", "ω_{owner}", "ε_{owner}"),
+    "slide": ("s_{owner}", "v_{owner}", "a_{owner}"),
+}
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -36,7 +49,7 @@ def declare(mechanics: Mechanics) -> Declared:
         yield from _coordinate(mechanics, name, "slide", words, "m", tuple(k.slides[name]))
     for name in scene.groups:
         words = f"sine of the transmission angle of group {name}"
-        yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
+        yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]), "sin γ")
     for name, h in k.certificates.items():
         words = f"quality of transmission of {name}: the determinant of its loops, as a share of the greatest"
         yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
@@ -61,17 +74,20 @@ def _coordinate(
 ) -> Declared:
     """A coordinate, its derivatives by the input, and its derivatives by time at the input's uniform speed."""
     q, graph = InputUnits.of(mechanics.scene).q, mechanics.graph
+    symbol, of_first, of_second = (text.format(owner=owner) for text in _SYMBOLS[kind])
     for order, (suffix, word, node) in enumerate(zip(_SUFFIXES, _WORDS, nodes, strict=True)):
         units = f"{unit} {q}-{order}" if order else unit
-        yield Field(f"{owner}.{kind}{suffix}", f"{word}{words}", units, _known(node))
+        yield Field(f"{owner}.{kind}{suffix}", f"{word}{words}", units, _known(node), symbol + "′" * order)
     first, second = _RATES[kind]
     speed, squared = mechanics.speed, mechanics.speed_squared
-    yield Field(
-        f"{owner}.{first}", f"velocity of the {words}", f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])])
+    velocity, acceleration = (
+        _RATES_IN_WORDS[kind].format(rate=rate, owner=owner) for rate in ("velocity", "acceleration")
     )
+    yield Field(f"{owner}.{first}", velocity, f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])]), of_first)
     yield Field(
         f"{owner}.{second}",
-        f"acceleration of the {words} at uniform speed of the input",
+        f"{acceleration} at uniform speed of the input",
         f"{unit} s-2",
         lambda: graph.combination([(squared, nodes[2])]),
+        of_second,
     )

@@ -5,21 +5,37 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, make_folder, plots_of, run_options, stop, tell_files, use_threads
+from sweeps.cli.shared import (
+    JSON,
+    errors_as_messages,
+    make_folder,
+    plots_of,
+    run_options,
+    stop,
+    stop_if_all_failed,
+    study_options,
+    tell_data,
+    tell_files,
+    use_threads,
+)
 
 
 @click.command()
 @click.argument("study")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the result would go.")
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
+@study_options
 @errors_as_messages
-def check(study: str, out: Path, source: bool) -> None:
+def check(
+    study: str, out: Path, source: bool, settings: tuple[str, ...], positions: int | None, accuracy: str | None
+) -> None:
     """Say what a study or scene will compute, what not and why, and its time, memory and file size."""
     from sweeps.report.check_report import check_text
     from sweeps.study.bundled import find_study
+    from sweeps.study.settings import changed_study
     from sweeps.study.study import read_study
 
-    found = read_study(find_study(study))
+    found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
     if source:
         click.echo(found.machine().source())
     else:
@@ -29,19 +45,37 @@ def check(study: str, out: Path, source: bool) -> None:
 @click.command()
 @click.argument("study")
 @run_options("results/NAME.h5")
+@study_options
+@JSON
 @errors_as_messages
-def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
-    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
+def run(
+    study: str,
+    out: Path | None,
+    restart: bool,
+    jobs: int | None,
+    no_plots: bool,
+    quiet: bool,
+    settings: tuple[str, ...],
+    positions: int | None,
+    accuracy: str | None,
+    as_json: bool,
+) -> None:
+    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted.
+
+    The exit code is 1 where no variant has a result.
+    """
     from sweeps.report.check_report import between_positions_text
+    from sweeps.report.files.result_data import result_data
     from sweeps.report.result_report import answer_text, counts_text, kept_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
     from sweeps.study.bundled import find_study
+    from sweeps.study.settings import changed_study
     from sweeps.study.study import read_study
 
     started = time.perf_counter()
-    found = read_study(find_study(study))
+    found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
@@ -52,6 +86,13 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
         stop(bar, kept_text(out, bar.total))
     bar.close()
     result = SweepResult(out)
+    if as_json:
+        best = result.best()
+        told = [best] if best is not None else range(min(found.design.size, 1))
+        made = [out, *([] if no_plots else plots_of(result))]
+        tell_data(result_data(result, told) | {"files": [str(path) for path in made]})
+        stop_if_all_failed(result.columns["status"])
+        return
     plural = "" if found.design.size == 1 else "s"
     click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
     click.echo(counts_text(result))
@@ -59,6 +100,7 @@ def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots:
     if hidden := between_positions_text(found):
         click.echo(hidden)
     tell_files([out, *([] if no_plots else plots_of(result))], started)
+    stop_if_all_failed(result.columns["status"])
 
 
 @click.command()
@@ -92,3 +134,4 @@ def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_p
     click.echo(counts_text(result))
     click.echo(optimum_text(result))
     tell_files([out, *([] if no_plots else plots_of(result))], started)
+    stop_if_all_failed(result.columns["status"])

@@ -1,8 +1,9 @@
 """What the commands have in common: options, messages, files and threads."""
 
+import json
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import reduce, wraps
 from pathlib import Path
 
@@ -10,6 +11,9 @@ import click
 
 INTERRUPTED = 130
 WRONG_INPUT = 2
+ALL_FAILED = 1
+
+Command = Callable[..., None]
 
 
 def fail(message: str) -> None:
@@ -53,6 +57,34 @@ def run_options(out: str) -> Callable:
         click.option("--quiet", is_flag=True, help="No progress on standard error."),
     )
     return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
+
+
+SET = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="PATH=VALUE",
+    help="A number of the scene, input.length='55 mm'; may be repeated.",
+)
+POSITIONS = click.option("--positions", type=int, help="Positions of fields over the cycle, an even number.")
+ACCURACY = click.option("--accuracy", help="Allowed error of every summary, such as '0.1 %'.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON, in SI units.")
+
+
+def study_options(command: Command) -> Command:
+    """Options of what reads a study: numbers of its scene, its positions, its accuracy."""
+    return SET(POSITIONS(ACCURACY(command)))
+
+
+def tell_data(data: object) -> None:
+    """Answer with JSON."""
+    click.echo(json.dumps(data, ensure_ascii=False, indent=2))
+
+
+def stop_if_all_failed(status: Iterable[int]) -> None:
+    """End with an exit code of its own where no variant has a result."""
+    if all(status):
+        sys.exit(ALL_FAILED)
 
 
 def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:

@@ -1,4 +1,4 @@
-"""Commands to start with: list, new, modes."""
+"""Commands to start with: list, new, modes, guide."""
 
 from pathlib import Path
 
@@ -61,3 +61,13 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     if found and not no_plots:
         made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
         click.echo("\n".join(f"Wrote {path}" for path in made))
+
+
+@click.command("guide")
+@click.argument("chapter", required=False)
+@errors_as_messages
+def guide_command(chapter: str | None) -> None:
+    """Show a chapter of the guide, or list them all."""
+    from sweeps.guide.chapters import chapter_text, chapters_text
+
+    click.echo(chapters_text() if chapter is None else chapter_text(chapter))

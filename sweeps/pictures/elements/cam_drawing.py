@@ -6,7 +6,7 @@ import numpy as np
 
 from engine import CamCurves, CamElement, Scene, cam_curves
 from sweeps.pictures.picture_error import PictureError
-from sweeps.report.cam_tables import cam_csv
+from sweeps.report.files.cam_tables import cam_csv
 from sweeps.text.input_files import InputError
 
 MM = 1e3
