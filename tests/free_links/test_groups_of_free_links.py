@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from commands import said
 from free_link_scenes import KINDS, four_sided, free_link_scene, six_sided, triad_data
 from link_coordinates import LinkCoordinates
 
@@ -189,6 +190,34 @@ def test_modes_that_meet__end_at_one_singular_place():
         places.append(outcome.status_at[0])
     assert modes[1].transmission * modes[2].transmission < 0.0
     assert places[0] == pytest.approx(places[1], abs=1e-6)
+
+
+def test_turn_that_ends_on_another_mode__has_its_verdict():
+    data = triad_data() | {"bodies": {}, "near": {"D": {"x": -0.1436, "y": -0.117}}}
+    places = {
+        "P": (0.16118991452736542, -0.15871848211076536),
+        "Q": (-0.019079077318118365, -0.06985801014958354),
+        "B": (0.08142639717253887, 0.058049477547174835),
+        "C": (-0.07656358429201503, 0.06432742463646056),
+        "D": (0.08907119200760616, -0.04545682296800074),
+    }
+    for name, (x, y) in places.items():
+        data["points"][name] |= {"x": x, "y": y}
+    lengths = {"rod": 0.1502634300047681, "lower": 0.25412478894339685, "upper": 0.13317289919438757}
+    for name, length in lengths.items():
+        data["links"][name]["length"] = length
+    data["input"]["length"] = 0.0424065209876992
+    outcome = Machine(Scene.model_validate(data), ["loop_closure_residual"]).evaluate({})
+    assert outcome.status[0] == Verdict.OTHER_MODE
+    assert np.isnan(outcome.summaries["loop_closure_residual"][0])
+
+
+def test_command__lists_the_modes_of_the_template(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert said("new", "triad").exit_code == 0
+    listed = said("modes", "triad.toml", "--no-plots").output
+    assert "group_of_plate: 2 real assembly modes" in listed
+    assert listed.count("the scene's") == 1
 
 
 # Sweeps
