@@ -9,7 +9,7 @@ from commands import said
 from free_link_scenes import KINDS, four_sided, free_link_scene, six_sided, triad_data
 from link_coordinates import LinkCoordinates
 
-from engine import Machine, Near, Scene, SceneError, Verdict, assembly_modes
+from engine import AskError, Machine, Near, Scene, SceneError, Verdict, assembly_modes
 from engine.scene.structure.free_groups import cutting_of
 from engine.scene.structure.ordering import order
 
@@ -236,6 +236,11 @@ def test_sweep__follows_the_mode_of_its_scene():
         data["near"]["C"] = {"x": float(swept.fields["C.x"][i][0]), "y": float(swept.fields["C.y"][i][0])}
         alone = Machine(Scene.model_validate(data), fields=fields, positions=8).evaluate({})
         assert swept.fields["plate.angle"][i] == pytest.approx(alone.fields["plate.angle"][0], abs=1e-13)
+
+
+def test_place_that_tells_the_mode__is_not_varied():
+    with pytest.raises(AskError, match=r"near\.C\.x tells the scene's assembly mode"):
+        Machine(free_link_scene("three bars"), varied=["near.C.x"])
 
 
 def test_free_links_that_are_dyads__agree_with_the_dyads():
