@@ -37,6 +37,7 @@ from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_columns import drive_history
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
@@ -70,6 +71,7 @@ from engine.machine.assembly_modes import assembly_modes
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
+from engine.machine.elastic_drives import DriveCycle, drive_cycle
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
@@ -149,6 +151,7 @@ __all__ = [
     "DCMotor",
     "Derivatives",
     "DimensionMark",
+    "DriveCycle",
     "ElementsAlone",
     "Engine",
     "EngineElement",
@@ -168,6 +171,7 @@ __all__ = [
     "InputUnits",
     "LoadChange",
     "Machine",
+    "MachineDrive",
     "MasterRod",
     "Mechanics",
     "Move",
@@ -225,6 +229,7 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
+    "drive_cycle",
     "drive_history",
     "engine_numbers",
     "engine_shaking",

@@ -12,6 +12,7 @@ from engine.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
+from engine.machine.elastic_drives import ElasticDrives, drives_on_machine
 from engine.machine.excited_trains import machine_harmonics, machine_numbers, trains_on_machine
 from engine.machine.first_failure import first_failure
 from engine.machine.governed_engines import GovernedEngines
@@ -119,6 +120,8 @@ class Machine:
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
         self._trains = trains_on_machine(scene, self._elements.elements)
+        drives = drives_on_machine(scene, self._elements.elements)
+        self._drives = ElasticDrives(self.mechanics, drives) if drives else None
         self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions, accuracy)
         self._check_asked()
         others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
@@ -219,8 +222,12 @@ class Machine:
         expressions += self._harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
         kept = [field_node(c) for c in self._kept_curves.values()]
-        moving = self.regimes.nodes
-        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, moving)
+        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self._moving)
+
+    @property
+    def _moving(self) -> list[Node]:
+        """All that regimes and elastic drives are computed from at a position."""
+        return [*self.regimes.nodes, *(self._drives.nodes if self._drives else ())]
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -240,7 +247,7 @@ class Machine:
     @property
     def computed(self) -> dict[str, list[str]]:
         """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
-        return computed_levels(self.mechanics, [*self.measuring.curves, *self.regimes.nodes])
+        return computed_levels(self.mechanics, [*self.measuring.curves, *self._moving])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
@@ -302,6 +309,8 @@ class Machine:
         panels, of_trains = zip(*measured, strict=True)
         machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
         of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}
+        if self._drives is not None:
+            of_machine |= self._drives.numbers(numbers, outcome.status[keep] == Verdict.OK)
         self._fill_elements(outcome, keep, numbers.with_values(of_machine))
         if self.schedule is not None:
             self._move(outcome, keep, numbers)

@@ -8,7 +8,9 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
+from engine.motion.coupled.coupling_models import Coupling
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
 from engine.scene.elements import MachineElement
@@ -66,6 +68,7 @@ class Scene(Part):
     links: dict[Name, FreeLink] = {}
     near: dict[Name, Near] = {}
     shafts: dict[Name, Shaft] = {}
+    couplings: dict[Name, Coupling] = {}
     bodies: dict[Name, Body] = {}
     forces: dict[Name, ForceAction] = {}
     moments: dict[Name, MomentAction] = {}
@@ -95,6 +98,8 @@ class Scene(Part):
         for name, element in self.elements.items():
             if getattr(element, "machine_at", None) is not None and not turns:
                 raise ValueError(f"elements.{name}.machine_at: only a crank that turns fully excites a train")
+            if isinstance(element, MachineDrive) and not turns:
+                raise ValueError(f"elements.{name}: only a crank that turns fully is driven through an elastic shaft")
         return self
 
     @model_validator(mode="after")

@@ -23,8 +23,9 @@ from engine import (
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.result_report import drop_lines
+from sweeps.run.blocks import LARGEST_BLOCK, block_size
 from sweeps.run.cost import probe
-from sweeps.run.runner import LARGEST_BLOCK, layout_of
+from sweeps.run.runner import layout_of
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import Study
 from sweeps.text.engineer_units import quantity_text
@@ -189,12 +190,13 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     if machine.schedule is not None:
         seconds += "; the first time up to a minute more, to compile"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
-    memory = layout.block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
+    block = block_size(study, machine, cost.seconds)
+    memory = block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
     free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
-        ("Evaluation", f"{way}; {study.precision}; saved after every {layout.block} variants"),
+        ("Evaluation", f"{way}; {study.precision}; saved after every {block} variants"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
         ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
