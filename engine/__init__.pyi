@@ -20,6 +20,7 @@ from engine.balancing.engines.engine_layout import (
 from engine.balancing.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 from engine.balancing.engines.harmonics import crank_radius, piston_harmonics
 from engine.balancing.engines.hodograph import Hodograph
+from engine.balancing.engines.locomotive_element import LocomotiveElement
 from engine.balancing.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.balancing.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
 from engine.balancing.rotors.correction import corrected_unbalance
@@ -85,6 +86,7 @@ from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
 from engine.scene.dimensions import described as described_dimension
+from engine.scene.elements import CarElement
 from engine.scene.formulas.by_formula import FormulaNumber
 from engine.scene.formulas.dimension_check import (
     check_yields,
@@ -142,6 +144,7 @@ __all__ = [
     "Brake",
     "CamCurves",
     "CamElement",
+    "CarElement",
     "CounterweightPlace",
     "CrankInput",
     "DCMotor",
@@ -165,6 +168,7 @@ __all__ = [
     "InductionMotor",
     "InputUnits",
     "LoadChange",
+    "LocomotiveElement",
     "Machine",
     "MachineDrive",
     "MasterRod",

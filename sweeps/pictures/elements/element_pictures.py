@@ -4,9 +4,11 @@ from pathlib import Path
 
 from engine import (
     CamElement,
+    CarElement,
     EngineElement,
     GearTrain,
     Governor,
+    LocomotiveElement,
     MachineDrive,
     OscillatorElement,
     RotorElement,
@@ -22,17 +24,18 @@ from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
+from sweeps.pictures.elements.vehicle_sheets import car_sheet, locomotive_sheet
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors, engines, governors, oscillators, torsional trains, elastic drives, cams and gears of a scene.
+    """Draw the elements of a scene that have pictures: rotors, engines, vehicles, governors, springs, cams, gears.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_governor`,
-        `_vibration`, `_transient`, `_cycle`, `_cam` or `_velocities` added.
+        The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_shaking`, `_braking`,
+        `_governor`, `_vibration`, `_transient`, `_cycle`, `_cam` or `_velocities` added.
 
     Returns
     -------
@@ -56,6 +59,12 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case EngineElement():
                 made.append(path.with_name(f"{path.stem}_{name}_orders{path.suffix}"))
                 engine_sheet(element, made[-1], title)
+            case LocomotiveElement():
+                made.append(path.with_name(f"{path.stem}_{name}_shaking{path.suffix}"))
+                locomotive_sheet(element, made[-1], title)
+            case CarElement():
+                made.append(path.with_name(f"{path.stem}_{name}_braking{path.suffix}"))
+                car_sheet(element, made[-1], title)
             case Governor():
                 made.append(path.with_name(f"{path.stem}_{name}_governor{path.suffix}"))
                 governor_sheet(element, made[-1], title, cycles.get(name))
