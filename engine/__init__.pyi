@@ -71,7 +71,7 @@ from engine.laws.tables import TableError
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
-from engine.machine.elastic_drives import DriveCycle, drive_cycle
+from engine.machine.elastic_drives import DriveCycle, DriveRun, drive_cycle, drive_run
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
@@ -150,6 +150,7 @@ __all__ = [
     "DCMotor",
     "Derivatives",
     "DriveCycle",
+    "DriveRun",
     "ElementsAlone",
     "Engine",
     "EngineElement",
@@ -228,6 +229,7 @@ __all__ = [
     "dimensions_by_unit",
     "drive_cycle",
     "drive_history",
+    "drive_run",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",

@@ -18,7 +18,12 @@ from engine import (
     governed_scene,
 )
 from sweeps.pictures.elements.cam_sheet import cam_sheet
-from sweeps.pictures.elements.elastic_sheets import drive_sheet, machine_drive_sheet, oscillator_sheet
+from sweeps.pictures.elements.elastic_sheets import (
+    drive_sheet,
+    machine_drive_sheet,
+    machine_run_sheet,
+    oscillator_sheet,
+)
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
@@ -35,7 +40,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_shaking`, `_braking`,
-        `_governor`, `_vibration`, `_transient`, `_cycle`, `_cam` or `_velocities` added.
+        `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam` or `_velocities` added.
 
     Returns
     -------
@@ -80,6 +85,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case MachineDrive():
                 made.append(path.with_name(f"{path.stem}_{name}_cycle{path.suffix}"))
                 machine_drive_sheet(scene, name, made[-1], title)
+                if element.run is not None:
+                    made.append(path.with_name(f"{path.stem}_{name}_run{path.suffix}"))
+                    machine_run_sheet(scene, name, made[-1], title)
             case CamElement():
                 made.append(path.with_name(f"{path.stem}_{name}_cam{path.suffix}"))
                 cam_sheet(element, made[-1], title)
