@@ -141,14 +141,14 @@ class Machine:
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        return {name: Quantity(*field[:3]) for name, field in self.register.fields.items()} | self.regimes.fields
+        return {name: field.quantity for name, field in self.register.fields.items()} | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        own = {name: Quantity(*summary[:3]) for name, summary in self.register.summaries.items()}
+        own = {name: summary.quantity for name, summary in self.register.summaries.items()}
         statistics = {name: self.register.summary(name) for name in self.asked_summaries}
-        own |= {name: Quantity(*summary[:3]) for name, summary in statistics.items() if summary is not None}
+        own |= {name: summary.quantity for name, summary in statistics.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
         of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
         return own | self.regimes.summaries | elements | of_accuracy
@@ -227,7 +227,7 @@ class Machine:
     @property
     def groups(self) -> tuple[str, ...]:
         """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
-        return tuple(self.scene.groups)
+        return tuple(self.mechanics.kinematics.sines)
 
     def source(self) -> str:
         """The printed functions, to be read."""
@@ -355,6 +355,7 @@ class Machine:
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
+        self._blame_modes(outcome, keep, numbers)
         failed = keep[outcome.status[keep] != Verdict.OK]
         if failed.size:
             for name in self._summaries:
@@ -460,6 +461,19 @@ class Machine:
         self._blame_jams(outcome, keep, table, answers)
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
+
+    def _blame_modes(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+        """Give the verdict on variants in which a group of free links doesn't keep its assembly mode."""
+        for group, tables in self.mechanics.kinematics.seed_tables.items():
+            if group not in self.measuring.groups:
+                continue
+            found = tables(numbers)
+            verdict, at = (np.broadcast_to(part, keep.shape) for part in (found.verdict, found.at))
+            # What fails before this group leaves it without a path.
+            whole = np.isin(outcome.status_group[keep], [-1, self.groups.index(group)])
+            for code in (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE):
+                here = whole & (verdict == code)
+                self._blame(outcome, keep[here], code, group, at[here])
 
     def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> None:
         """Give the verdict on variants in which a group jams."""

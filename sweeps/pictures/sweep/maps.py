@@ -36,6 +36,7 @@ REASONS = {
     Verdict.RESONANCE: "resonance without damping",
     Verdict.UNDERCUT: "cam undercut",
     Verdict.LIFTS_OFF: "follower lifts off",
+    Verdict.SLIPS: "clutch slips on",
     Verdict.GROWS: "vibration grows",
     Verdict.TURNS_BACK: "turns back on its shaft",
     Verdict.DOES_NOT_FIT: "wheels don't fit",
