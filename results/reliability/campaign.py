@@ -100,7 +100,7 @@ class Campaign:
     def started(self, *arguments: str) -> subprocess.Popen:
         """A command as a process that goes on."""
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        return subprocess.Popen(self._line(*arguments), **pipes, **self._options({}))
+        return subprocess.Popen(self._line(*arguments), **pipes, **self._options({"preexec_fn": heeding}))
 
     def _line(self, *arguments: str) -> list[str]:
         return [sys.executable, "-m", "sweeps", *arguments]
@@ -138,6 +138,11 @@ class Campaign:
         for name in names:
             for path in self.folder.glob(f"{name}*"):
                 path.unlink()
+
+
+def heeding() -> None:
+    """Heed Ctrl-C, which what is started in the background ignores."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def wordless(answer: subprocess.CompletedProcess) -> str:
