@@ -5,7 +5,7 @@ import sys
 from functools import cache
 from types import ModuleType
 
-from engine.compiling.kept_code import COMPILING, PRINTED
+from engine.compiling.kept_code import PRINTED, compiling
 from engine.compiling.sources import digest_of_text
 
 
@@ -17,7 +17,7 @@ def load_printed(text: str) -> ModuleType:
     text : str
         Source of the module.
     """
-    with COMPILING:
+    with compiling():
         return _load(text)
 
 

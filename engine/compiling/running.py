@@ -6,7 +6,7 @@ from functools import wraps
 from numba import types
 
 from engine.compiling.decorators import driver
-from engine.compiling.kept_code import COMPILING
+from engine.compiling.kept_code import compiling
 from engine.compiling.threads import on_all_threads, pieces_of
 
 
@@ -21,7 +21,7 @@ def prepare(compiled: Callable, parameters: Sequence[types.Type]) -> None:
         Returns nothing.
     parameters : sequence of Type
     """
-    with COMPILING:
+    with compiling():
         if tuple(parameters) in compiled.overloads:
             return
         compiled.disable_compile(False)
@@ -48,7 +48,7 @@ def over_variants(function: Callable) -> Callable:
 
     @wraps(function)
     def run(count: int, *arguments: object) -> None:
-        with COMPILING:
+        with compiling():
             kernel(0, 0, *arguments)
         on_all_threads(lambda piece: kernel(*piece, *arguments), pieces_of(count))
 

@@ -17,6 +17,7 @@ from engine import (
     assembly_ranges,
     group_links,
     made_ready,
+    order_groups,
     regime_text,
 )
 from sweeps.report import accuracy_words
@@ -34,16 +35,23 @@ from sweeps.text.tables import table
 MOST_COUNTED = 16 * LARGEST_BLOCK
 # A field whose greatest magnitude exceeds that at its kept positions by this share hides something between them.
 MISSED = 0.02
+# Classes of structural groups as textbooks write them.
+ROMAN = ("", "I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
 
 
 def structure_text(scene: Scene) -> str:
     """The mechanism in the mechanic's words: input, groups in order, mobility."""
     if scene.input is None:
         return "none; machine elements alone"
-    links = 1 + sum(2 for _ in scene.groups)
-    pairs = 1 + 3 * len(scene.groups)
+    free = order_groups(scene).free_groups.values()
+    links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free)
+    pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free)
     lines = [f"input {scene.input.link} ({scene.input.type})"]
     lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
+    lines += [
+        f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {', '.join(g.links[:-1])} and {g.links[-1]}"
+        for g in free
+    ]
     lines.append(f"W = 3n − 2p₁ = 3·{links} − 2·{pairs} = {3 * links - 2 * pairs}")
     return "\n".join(lines)
 

@@ -108,6 +108,9 @@ def history_table(scene: Scene, values: Mapping[str, float], steps: int = 360) -
         **of_loads,
         "energy": (seen.energy, "J"),
     }
+    if scene.couplings:
+        columns["shaft_speed"] = (seen.shaft_speed, "rad s-1")
+        columns["coupling_moment"] = (seen.coupling_moment, "N m")
     numbers, units = ({name: pair[i] for name, pair in columns.items()} for i in (0, 1))
     ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
     return DataTable({"regime": seen.regime} | numbers, units, scene.title), ended
