@@ -55,10 +55,7 @@ def write_page(path: Path, out: Path) -> None:
     template = jinja2.Environment(autoescape=True).from_string((here / "page.html").read_text("utf8"))
     parts = _parts(digest)
     plotly_source = Markup(plotly.offline.get_plotlyjs()) if parts["linked"] else ""
-    _replace(out, template.render(**parts, css=css, script=script, plotly=plotly_source))
-
-
-def _replace(out: Path, text: str) -> None:
+    text = template.render(**parts, css=css, script=script, plotly=plotly_source)
     try:
         with whole_file(out) as draft:
             draft.write_text(text, encoding="utf8")
