@@ -1,14 +1,18 @@
 """The history of one machine through its regimes: angle, speed, moments and energy, instant by instant."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
+from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule, Standing
+from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
+from engine.quantities.quantity import Quantity
 from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
@@ -33,6 +37,8 @@ class History(NamedTuple):
         By the sort of work: "driving", "useful", "harmful", "braking", "other" [N·m].
     energy : ndarray
         Kinetic energy [J].
+    loads_on_pairs : dict of str to ndarray
+        Of the loads on pairs and frame that were to be kept, by name [N, N·m].
     verdict : Verdict
         Where it isn't OK, the history ends where the motion did.
     """
@@ -45,10 +51,11 @@ class History(NamedTuple):
     motor_moment: np.ndarray
     load_moments: dict[str, np.ndarray]
     energy: np.ndarray
+    loads_on_pairs: dict[str, np.ndarray]
     verdict: Verdict
 
 
-def history(scene: Scene, steps: int = 360) -> History:
+def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> History:
     """Go through the regimes of a scene.
 
     Parameters
@@ -57,74 +64,135 @@ def history(scene: Scene, steps: int = 360) -> History:
         With at least one regime.
     steps : int
         Steps a cycle; even.
+    fields : iterable of str
+        Loads on the pairs and on the frame to keep as well, such as "input.reaction", from `history_fields`.
 
     Raises
     ------
     ValueError
-        The scene has no regimes.
+        The scene has no regimes, or a field doesn't exist.
     """
     if not scene.regimes:
         raise ValueError("regimes: the scene has none; add [regimes.NAME] with type = 'run' or 'steady'")
-    schedule = Schedule(Mechanics(scene), {f"{name}.useful_work" for name in scene.regimes}, steps)
+    mechanics, fields = Mechanics(scene), tuple(fields)
+    known = _fields_of(mechanics)
+    unknown = [name for name in fields if name not in known]
+    if unknown:
+        raise ValueError(f"{unknown[0]!r} isn't a load that a history keeps; there are: {', '.join(known)}")
+    asked = {f"{name}.useful_work" for name in scene.regimes}
+    asked |= {f"{name}.{field}.max" for name in scene.regimes for field in fields}
+    schedule = Schedule(mechanics, asked, steps)
     every = schedule.variants(Numbers(scene_numbers(scene), {}), 1)
     zero = np.zeros(1)
     standing = Standing(zero, zero, zero, np.full(1, Verdict.OK, np.uint8))
-    parts: list[tuple[str, np.ndarray, Dynamics, Variants]] = []
+    parts: list[_Part] = []
     begun = 0.0
     for name in schedule.needed:
-        dynamics = schedule.dynamics[frozenset(scene.regimes[name].off)]
+        off = frozenset(scene.regimes[name].off)
+        dynamics = schedule.dynamics[off]
         variants = dynamics.driven(every)
         hindered = schedule.hindered(name, dynamics, variants)
         if hindered.any():
-            parts.append((name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
+            along = RunFields(dynamics, variants, standing.angle, standing.clock, schedule.loads, off)
+            parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
         if isinstance(scene.regimes[name], RunRegime):
-            angle = scene.regimes[name].from_angle
-            start = standing.angle[0] if angle is None else angle
-            outcome, standing = schedule.run(name, dynamics, variants, standing, record=True)
-            time, turned, omega = outcome.history
+            records: list[_Record] = []
+
+            def record(along: RunFields, records: list[_Record] = records) -> _Record:
+                records.append(_Record(along))
+                return records[-1]
+
+            _, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
+            parts.append(_Part(name, begun, records[0].along, records[0].pieces))
         else:
-            start, (time, turned, omega), standing = 0.0, *_one_cycle(dynamics, variants, steps, schedule.tolerance)
-        parts.append((name, np.array([time + begun, start + variants.direction * turned, omega]), dynamics, variants))
-        begun += time[-1]
+            piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
+            along = RunFields(dynamics, variants, zero, zero, schedule.loads, off)
+            parts.append(_Part(name, begun, along, [piece]))
+        begun += parts[-1].pieces[-1].time[-1, 0]
         if standing.verdict[0] != Verdict.OK:
             break
-    return _gathered(parts, Verdict(int(standing.verdict[0])))
+    return _gathered(parts, fields, Verdict(int(standing.verdict[0])))
 
 
-def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[np.ndarray, Standing]:
+def history_fields(scene: Scene) -> dict[str, Quantity]:
+    """What a history may keep of the loads on the pairs and on the frame, by name; nothing with friction in pairs."""
+    return _fields_of(Mechanics(scene))
+
+
+def _fields_of(mechanics: Mechanics) -> dict[str, Quantity]:
+    made = {} if mechanics.scene.friction else load_fields(mechanics)
+    return {name: Quantity(name, words.format(name="its regimes"), unit) for name, (words, unit) in made.items()}
+
+
+class _Record:
+    """Keeps all that it sees of a run of one variant."""
+
+    def __init__(self, along: RunFields) -> None:
+        self.along = along
+        self.pieces: list[Piece] = []
+
+    def see(self, who: np.ndarray, piece: Piece) -> None:
+        """Keep a piece."""
+        self.pieces.append(piece)
+
+
+class _Part(NamedTuple):
+    """A regime gone through: its name, when it began [s], its fields, and its pieces."""
+
+    name: str
+    begun: float
+    along: RunFields
+    pieces: list[Piece]
+
+
+def _instant(standing: Standing) -> Piece:
+    """Where a machine stands."""
+    rows = [np.zeros((1, 1)), np.zeros((1, 1)), standing.omega[None]]
+    return Piece(*rows, np.ones(1), np.empty((0, 1)), np.full((1, 1), np.nan))
+
+
+def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[Piece, Standing]:
     zero = np.zeros(1)
-    places = dynamics.grid(variants, zero, dynamics.cycle, steps).places[NODES]
+    sided = variants._replace(breaks=variants.breaks.two_sided())
+    grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
+    places = grid.places[NODES]
     steady = steady_motion(dynamics, variants, tolerance, variants.direction * places)[0]
-    energy, time, _ = steady.record
+    energy, time, moment = steady.record
     omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
-    turned = variants.direction * places
-    return np.array([time[:, 0], turned[:, 0], omega[:, 0]]), Standing(zero, omega[0], zero, steady.verdict)
+    piece = Piece(time, variants.direction * places, omega, np.ones(1), grid.steps, moment)
+    return piece, Standing(zero, omega[0], zero, steady.verdict)
 
 
-def _gathered(parts: list[tuple[str, np.ndarray, Dynamics, Variants]], verdict: Verdict) -> History:
+def _gathered(parts: list[_Part], fields: Iterable[str], verdict: Verdict) -> History:
     columns: dict[str, list[np.ndarray]] = {}
-
-    def add(key: str, values: np.ndarray) -> None:
-        columns.setdefault(key, []).append(values)
-
-    for name, (time, angle, omega), dynamics, variants in parts:
-        way = variants.direction[0]
-        rows = dynamics.rows(variants, angle[:, None], time[:, None])
-        moments = dynamics.moments(variants, rows, omega[:, None])
-        slope = rows.inertia_phi[:, 0]
-        with np.errstate(all="ignore"):
-            epsilon = (moments.total[:, 0] - 0.5 * omega**2 * slope) / rows.inertia[:, 0]
-        add("regime", np.full(time.size, name))
-        add("time", time)
-        add("angle", angle)
-        add("speed", way * omega)
-        add("acceleration", way * epsilon)
-        add("motor_moment", way * moments.motors[:, 0])
-        add("energy", 0.5 * rows.inertia[:, 0] * omega**2)
-        for channel, moment in zip(CHANNELS, moments.loads, strict=True):
-            add(channel, way * moment[:, 0])
+    for name, begun, along, pieces in parts:
+        way = along.variants.direction[0]
+        for before, piece in zip([None, *pieces], pieces, strict=False):
+            new = _new_nodes(piece, before)
+            rows = {key: row[new, 0] for key, row in along(np.zeros(1, int), piece).items()}
+            own = {
+                "regime": np.full(new.sum(), name),
+                "time": begun + piece.time[new, 0],
+                "angle": along.start[0] + way * piece.turned[new, 0],
+                "speed": way * rows["speed"],
+                "acceleration": rows["acceleration"],
+                "motor_moment": rows["motor_moment"],
+            }
+            own |= {key: rows[key] for key in (*CHANNELS, "energy", *fields)}
+            for key, row in own.items():
+                columns.setdefault(key, []).append(row)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
-    loads = {channel: whole.pop(channel) for channel in CHANNELS}
-    return History(load_moments=loads, verdict=verdict, **whole)
+    loads, kept = ({key: whole.pop(key) for key in keys} for keys in (CHANNELS, fields))
+    return History(load_moments=loads, loads_on_pairs=kept, verdict=verdict, **whole)
+
+
+def _new_nodes(piece: Piece, before: Piece | None) -> np.ndarray:
+    """Which nodes of a piece are new, (nodes,) of bool: not its last one once more, nor the end of the one before."""
+    states = np.stack((piece.time[:, 0], piece.turned[:, 0], piece.omega[:, 0]))
+    new = np.concatenate(([True], (np.diff(states, axis=1) != 0.0).any(axis=0)))
+    # A motion without an end that was found stays a row of NaN.
+    if before is not None:
+        new[0] = (before.time[-1, 0], before.turned[-1, 0]) != (piece.time[0, 0], piece.turned[0, 0])
+    return new

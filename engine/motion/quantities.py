@@ -55,6 +55,12 @@ LOADS = (
     *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
 )
 
+# Of fields of runs: extremes, with their places and instants.
+EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean", "rms")} | {
+    "min_time": "time since its begin of the least value of",
+    "max_time": "time since its begin of the greatest value of",
+}
+
 
 class Asked(NamedTuple):
     """What is asked of a regime: its name, that of a field (or of a summary), and a statistic of the field or ""."""
@@ -68,7 +74,8 @@ class Asked(NamedTuple):
         """The parts of a name."""
         regime, _, rest = name.partition(".")
         field, _, statistic = rest.rpartition(".")
-        return cls(regime, field, statistic) if field and statistic in STATISTICS else cls(regime, rest, "")
+        known = statistic in STATISTICS or statistic in EXTREMES
+        return cls(regime, field, statistic) if field and known else cls(regime, rest, "")
 
 
 def _made(name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
@@ -92,11 +99,11 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
     return found
 
 
-def motion_fields(mechanics: Mechanics) -> list[Quantity]:
-    """Fields of the steady regimes of a scene."""
+def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
+    """Fields of the regimes of one kind, "steady" or "run", of a scene."""
     found: list[Quantity] = []
     for name, regime in mechanics.scene.regimes.items():
-        if regime.type == "steady":
+        if regime.type == kind:
             found += _made(name, FIELDS)
             found += [] if mechanics.scene.friction else _made(name, load_fields(mechanics))
     return found
@@ -121,6 +128,19 @@ def cycle_statistics(field: Quantity) -> list[Quantity]:
             "rad" if suffix.endswith("_at") else field.units,
         )
         for suffix, words in STATISTICS.items()
+    ]
+
+
+def run_extremes(field: Quantity) -> list[Quantity]:
+    """Extremes of a field along a run, with their places and instants."""
+    units = {"_at": "rad", "_time": "s"}
+    return [
+        Quantity(
+            f"{field.name}.{suffix}",
+            f"{words} the {field.long_name}",
+            next((unit for end, unit in units.items() if suffix.endswith(end)), field.units),
+        )
+        for suffix, words in EXTREMES.items()
     ]
 
 

@@ -167,10 +167,18 @@ def animate(file: str, out: Path | None, variant: int | None, paths: str, frames
 @click.option("--at", default="", help="Crank angle of the drawing [deg], or displacement such as '20 mm'.")
 @click.option("--where", help="Only variants that meet a condition (CSV of a result).")
 @click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (CSV).")
+@click.option("--loads", default="", help="Loads on pairs to add to --history, such as input.reaction; with commas.")
 @click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
 @errors_as_messages
 def export(
-    file: str, to: Path, variant: int | None, at: str, where: str | None, history: bool, element: str | None
+    file: str,
+    to: Path,
+    variant: int | None,
+    at: str,
+    where: str | None,
+    history: bool,
+    loads: str,
+    element: str | None,
 ) -> None:
     """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML).
 
@@ -185,6 +193,8 @@ def export(
 
     if history and to.suffix != ".csv":
         raise InputError(str(to), [(None, "--history", f"writes .csv, not {to.suffix!r}; name a .csv file")])
+    if loads and not history:
+        raise InputError(str(to), [(None, "--loads", "is for the motion through the regimes; add --history")])
     make_folder(to)
     machine = ""
     if to.suffix in (".csv", ".svg", ".dxf") and not (to.suffix == ".csv" and is_result(file) and variant is None):
@@ -196,7 +206,7 @@ def export(
     match to.suffix:
         case ".csv" if history:
             scene, values, machine = machine_of(file, variant)
-            if ended := exports.history_csv(scene, values, to):
+            if ended := exports.history_csv(scene, values, to, names_in(loads)):
                 click.echo(f"The history ends early: {ended}", err=True)
         case ".csv" if is_result(file) and variant is None:
             exports.result_csv(Path(file), to, where)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import InputUnits, Machine, Scene, Verdict, history
+from engine import InputUnits, Machine, Scene, Verdict, did_you_mean, history, history_fields
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.input_files import InputError
@@ -60,7 +60,9 @@ def positions_csv(scene: Scene, values: Mapping[str, float], out: Path, position
     _write_csv(out, header, rows)
 
 
-def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int = 360) -> str:
+def history_csv(
+    scene: Scene, values: Mapping[str, float], out: Path, fields: Iterable[str] = (), steps: int = 360
+) -> str:
     """History of a machine through its regimes as CSV; a steady regime is there for one cycle.
 
     Parameters
@@ -69,6 +71,8 @@ def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int
     values : mapping of path to float
         Numbers of the scene (SI) to be replaced.
     out : Path
+    fields : iterable of str
+        Loads on the pairs and on the frame to write as well, such as "input.reaction".
     steps : int
         Steps a cycle.
 
@@ -80,13 +84,21 @@ def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int
     Raises
     ------
     InputError
-        The scene has no regimes, or the file can't be written.
+        The scene has no regimes or no such loads, or the file can't be written.
     """
     if not scene.regimes:
         message = 'the scene has none, so no history; add [regimes.NAME] with type = "run" or "steady"'
         raise InputError(scene.title or "scene", [(None, "regimes", message)])
-    scene = with_values(scene, values)
-    seen = history(scene, steps)
+    scene, fields = with_values(scene, values), tuple(fields)
+    known = history_fields(scene) if fields else {}
+    for name in fields:
+        if name not in known:
+            why = "loads at the true motion are computed without friction in pairs, and this scene has [friction]"
+            message = (
+                f"{name!r} is no load that a history keeps; {why if scene.friction else did_you_mean(name, known)}"
+            )
+            raise InputError(scene.title or "scene", [(None, "--loads", message)])
+    seen = history(scene, steps, fields)
     columns = {
         "time [s]": seen.time,
         "angle [rad]": seen.angle,
@@ -95,6 +107,7 @@ def history_csv(scene: Scene, values: Mapping[str, float], out: Path, steps: int
         "motor_moment [N m]": seen.motor_moment,
         **{f"{channel}_moment [N m]": moment for channel, moment in seen.load_moments.items()},
         "energy [J]": seen.energy,
+        **{_header(name, known[name].units): row for name, row in seen.loads_on_pairs.items()},
     }
     rows = ([name, *map(_cell, row)] for name, *row in zip(seen.regime, *columns.values(), strict=True))
     _write_csv(out, ["regime", *columns], rows)

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 from machines import compare
-from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, run, slider_crank, steady
+from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
 from newton_euler import reactions
 from oracle import EPS
 from press import actions, bodies, press
@@ -339,12 +339,6 @@ def test_table_of_positions__without_regimes(tmp_path):
     header = (tmp_path / "positions.csv").read_text().splitlines()[0]
     assert "input.reaction" in header
     assert "on." not in header
-
-
-def test_run__has_no_cycle_to_load():
-    scene = slider_crank({"go": run("dc cut", time=1.0)}, flywheel=0.2)
-    with pytest.raises(AskError, match="not a summary"):
-        Machine(Scene.model_validate(scene), ["go.input.reaction.max"])
 
 
 def test_machine_that_stalls__has_its_verdict_and_no_loads():

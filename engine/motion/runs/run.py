@@ -35,8 +35,8 @@ def run_to_end(runs: Progress) -> RunOutcome:
 
 def _run(runs: Progress) -> RunOutcome:
     started = runs.energy()
-    runs.note_now()
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
+    runs.see_begin()
     if runs.ends.rest and runs.dynamics.fades:
         # What vanishes with the speed stops no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
@@ -57,7 +57,6 @@ def _run(runs: Progress) -> RunOutcome:
             time_steps[slow] += 1
             lost = (time_steps > MOST_TIME_STEPS) & np.isinf(runs.ends.time)
             runs.give_up(np.flatnonzero(~runs.done & lost), Verdict.NO_END)
-    history = None if runs.notes is None else np.concatenate(runs.notes, axis=1)
     return RunOutcome(
         runs.verdict,
         runs.state,
@@ -66,7 +65,6 @@ def _run(runs: Progress) -> RunOutcome:
         greatest_moment(runs.variants.drive, runs.slowest, runs.fastest),
         started,
         runs.energy(),
-        history,
     )
 
 
@@ -75,6 +73,7 @@ def _brisk(runs: Progress, who: np.ndarray) -> np.ndarray:
     if runs.dynamics.timed:
         return np.zeros(who.size, bool)
     state, way = runs.part(who), np.where(runs.facing[who] < 0.0, -1.0, 1.0)
-    rows, moments = runs.form(who).at(state.turned, state.omega, state.time + runs.clock[who], way)
+    now = (x[None] for x in (state.turned, state.omega, state.time + runs.clock[who]))
+    rows, moments = runs.form(who).at(*now, way)
     twice_energy = rows.inertia[0] * state.omega**2
     return (state.omega > 0.0) & (np.abs(moments.total[0]) < BRISK * twice_energy)

@@ -5,6 +5,7 @@ import numpy as np
 from engine.motion.moments.grid import JUMP
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
+from engine.motion.runs.watching import piece_in_time
 from engine.motion.steppers.time_form import State, Step, TimeForm
 from engine.verdicts import Verdict
 
@@ -76,10 +77,14 @@ def step(runs: Progress, who: np.ndarray) -> None:
         after = _merged(after, part.after, late)
         slowest, fastest = np.where(late, part.slowest, slowest), np.where(late, part.fastest, fastest)
     kept = ~lost
+    if runs.observers and kept.any():
+        before, own = (State(*(x[..., kept] for x in one)) for one in (state, after))
+        form = runs.form(who[kept])
+        piece = piece_in_time(form, before, own, runs.clock[who[kept]], facing[kept], runs.spacing)
+        runs.see(who[kept], piece)
     runs.slowest[who[kept]] = np.minimum(runs.slowest[who[kept]], slowest[kept])
     runs.fastest[who[kept]] = np.maximum(runs.fastest[who[kept]], fastest[kept])
     runs.put(who[kept], State(*(x[..., kept] for x in after))._replace(time=(after.time - runs.clock[who])[kept]))
-    runs.note_now()
     _after_step(runs, who[kept], which[kept])
 
 
@@ -138,9 +143,6 @@ def _good_step(
     speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
     with np.errstate(all="ignore"):
         h = np.fmin(np.fmin(h, runs.farthest_step / speed), longest)
-        if runs.notes is not None:
-            # What is noted is to be seen.
-            h = np.fmin(h, form.first_step(state, runs.spacing, facing))
         # Through a jump at once.
         across = (ahead < ACROSS) & (speed * h > ahead)
         h = np.where(across, ahead / speed, h)

@@ -83,17 +83,17 @@ class TimeForm:
         self._mirrored: Variants | None = None
 
     def at(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> tuple[Rows, Moments]:
-        """Rows and moments at an instant, (1, variants); `facing` +1 or −1 is the way that resistances resist."""
-        places = (self.start + self.variants.direction * turned)[None]
-        rows = self.dynamics.rows(self.variants, places, time[None])
+        """Rows and moments at instants, (instants, variants); `facing` +1 or −1 is the way that resistances resist."""
+        places = self.start + self.variants.direction * turned
+        rows = self.dynamics.rows(self.variants, places, time)
         if (facing < 0.0).any():
             rows = _choose(facing > 0.0, rows, self._backwards(places, time))
-        moments = self.dynamics.moments(self.variants, rows, omega[None])
+        moments = self.dynamics.moments(self.variants, rows, omega)
         return rows, moments
 
     def _backwards(self, places: np.ndarray, time: np.ndarray) -> Rows:
         """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
-        rows = self.dynamics.rows(self._mirror(), places, time[None])
+        rows = self.dynamics.rows(self._mirror(), places, time)
         # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
         # each odd power of ω.
         signs = np.array([-1.0, 1.0, -1.0])[None, :, None, None]
@@ -111,7 +111,7 @@ class TimeForm:
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
     ) -> tuple[np.ndarray, ...]:
         """ε [rad/s²], the powers of the motors and channels [W], the motors' moment, and the decay rate of ω [1/s]."""
-        rows, moments = self.at(turned, omega, time, facing)
+        rows, moments = self.at(turned[None], omega[None], time[None], facing)
         inertia, slope = rows.inertia[0], rows.inertia_phi[0]
         with np.errstate(all="ignore"):
             epsilon = (moments.total[0] - 0.5 * omega * omega * slope) / inertia
