@@ -90,10 +90,12 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     sources = _sources(dynamics)
     arguments = frozenset().union(*sources.values())
     turning = _varies(dynamics.reduction.mechanics.reduced.inertia)
-    number = _number(turning, arguments)
-    law = None if turning or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
-    method = TIME_FORM if dynamics.timed else ENERGY_FORM
+    rubs = bool(dynamics.reduction.mechanics.scene.friction)
+    number = _number(turning, arguments | {"φ", "ω"} if rubs else arguments)
+    law = None if turning or rubs or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
+    method = TIME_FORM if dynamics.timed or rubs else ENERGY_FORM
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"
+    sentence += ", and friction in pairs by φ, ω² and ε" if rubs else ""
     return Case(number, sentence, method if law is None else CLOSED_FORM, law)
 
 

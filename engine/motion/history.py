@@ -10,7 +10,7 @@ from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule, Standing
 from engine.motion.runs.watching import Piece, RunFields
-from engine.motion.settled.steady import steady_motion
+from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.quantities.quantity import Quantity
 from engine.scene.regimes import RunRegime
@@ -117,13 +117,13 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
 
 
 def history_fields(scene: Scene) -> dict[str, Quantity]:
-    """What a history may keep of the loads on the pairs and on the frame, by name; nothing with friction in pairs."""
+    """What a history may keep of the loads on the pairs and on the frame, by name."""
     return _fields_of(Mechanics(scene))
 
 
 def _fields_of(mechanics: Mechanics) -> dict[str, Quantity]:
-    made = {} if mechanics.scene.friction else load_fields(mechanics)
-    return {name: Quantity(name, words.format(name="its regimes"), unit) for name, (words, unit) in made.items()}
+    made = load_fields(mechanics).items()
+    return {name: Quantity(name, words.format(name="its regimes"), unit) for name, (words, unit) in made}
 
 
 class _Record:
@@ -158,7 +158,7 @@ def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: fl
     sided = variants._replace(breaks=variants.breaks.two_sided())
     grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
     places = grid.places[NODES]
-    steady = steady_motion(dynamics, variants, tolerance, variants.direction * places)[0]
+    steady = settled_motion(dynamics, variants, tolerance, False, variants.direction * places)
     energy, time, moment = steady.record
     omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
     piece = Piece(time, variants.direction * places, omega, np.ones(1), grid.steps, moment)

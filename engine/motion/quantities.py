@@ -1,6 +1,5 @@
 """What can be asked of a regime: names, words and units."""
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 from engine.mechanism.mechanics import Mechanics
@@ -8,7 +7,6 @@ from engine.quantities import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
-from engine.scene.names import Problem
 from engine.scene.scene import Scene
 
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
@@ -105,7 +103,7 @@ def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
     for name, regime in mechanics.scene.regimes.items():
         if regime.type == kind:
             found += _made(name, FIELDS)
-            found += [] if mechanics.scene.friction else _made(name, load_fields(mechanics))
+            found += _made(name, load_fields(mechanics))
     return found
 
 
@@ -115,6 +113,8 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     found = {q.name: q for q in declared if q.name.rpartition(".")[2] in LOADS}
     table = {key: (q.long_name.replace(AT_UNIFORM_SPEED, ""), q.units) for key, q in found.items()}
     table["input_moment_by_equilibrium"] = ("input moment by equilibrium of the input link, without flywheel", "N m")
+    if mechanics.scene.friction:
+        table["friction_moment"] = ("moment on the input that stands for friction in pairs", "N m")
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 
 
@@ -142,20 +142,3 @@ def run_extremes(field: Quantity) -> list[Quantity]:
         )
         for suffix, words in EXTREMES.items()
     ]
-
-
-def kept_from(mechanics: Mechanics, names: Iterable[str]) -> list[Problem]:
-    """What of the names asks for loads on the pairs in a regime that friction in pairs keeps from being computed."""
-    found: list[Problem] = []
-    scene = mechanics.scene
-    loads = load_fields(mechanics) if scene.friction and scene.regimes else {}
-    for name in names:
-        asked = Asked.of(name)
-        if asked.regime in scene.regimes and asked.field in loads:
-            at_speed = name.partition(".")[2]
-            message = (
-                "loads at the true motion are computed without friction in pairs, and this scene has [friction]; "
-                f"leave it out, or ask {at_speed!r}, which is at uniform speed, friction included"
-            )
-            found.append((name, message))
-    return found

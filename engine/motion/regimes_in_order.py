@@ -26,9 +26,11 @@ from engine.motion.runs.run_extremes import ExtremeAnswers, RunExtremes
 from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
+from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
+from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
 from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
@@ -139,7 +141,8 @@ class Schedule:
         works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
-        self.dynamics = {off: Dynamics(self.reduction, off, works) for off in sets}
+        friction = PairLoads(mechanics, [FRICTION_MOMENT]) if scene.friction else None
+        self.dynamics = {off: Dynamics(self.reduction, off, works, friction) for off in sets}
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
@@ -331,13 +334,13 @@ class Schedule:
         sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
         grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if asked else None
         nodes = None if grid is None else variants.direction * grid.places[NODES]
-        if nodes is None and variants.kept is not None:
+        if nodes is None and variants.kept is not None and dynamics.friction is None:
             # Found together, both are kept for the second time.
             if "steady" not in variants.kept:
                 variants.kept["steady"] = steady_motion(dynamics, variants, self.tolerance)
             steady = variants.kept["steady"][which]
         else:
-            steady = steady_motion(dynamics, variants, self.tolerance, nodes)[which]
+            steady = settled_motion(dynamics, variants, self.tolerance, half, nodes)
         low, high, period = steady.slowest, steady.fastest, steady.period
         found |= {"speed_min": low, "speed_max": high, "speed_fluctuation": steady.fluctuation}
         found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}

@@ -93,10 +93,7 @@ def history_csv(
     known = history_fields(scene) if fields else {}
     for name in fields:
         if name not in known:
-            why = "loads at the true motion are computed without friction in pairs, and this scene has [friction]"
-            message = (
-                f"{name!r} is no load that a history keeps; {why if scene.friction else did_you_mean(name, known)}"
-            )
+            message = f"{name!r} is no load that a history keeps; {did_you_mean(name, known)}"
             raise InputError(scene.title or "scene", [(None, "--loads", message)])
     seen = history(scene, steps, fields)
     columns = {

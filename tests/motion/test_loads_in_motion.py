@@ -15,7 +15,7 @@ from newton_euler import reactions
 from oracle import EPS
 from press import actions, bodies, press
 
-from engine import AskError, Machine, Scene, Verdict
+from engine import Machine, Scene, Verdict
 from engine.quantities.quantity import STATISTICS
 from engine.scene.pairs import pairs
 from sweeps.report.exports import positions_csv
@@ -315,16 +315,6 @@ def test_idling_engine__gas_of_the_ignition_on_its_pin():
 
 
 # What can't be
-
-
-def test_friction_in_pairs__is_refused_with_what_to_ask_instead():
-    scene = slider_crank({"on": steady("dc cut")}, flywheel=0.2)
-    scene["friction"] = {"pin": {"pair": "drive.inner", "coefficient": 0.1, "diameter": 0.03}}
-    with pytest.raises(AskError, match=r"without friction in pairs.*'input.reaction.max'"):
-        Machine(Scene.model_validate(scene), ["on.input.reaction.max"])
-    with pytest.raises(AskError, match=r"without friction in pairs.*'shaking_force'"):
-        Machine(Scene.model_validate(scene), fields=["on.shaking_force"])
-    Machine(Scene.model_validate(scene), ["on.mean_speed", "on.input_moment.max"], ["on.motor_moment"])
 
 
 def test_table_of_positions__without_regimes(tmp_path):

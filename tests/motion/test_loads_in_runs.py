@@ -152,13 +152,6 @@ def test_variants_side_by_side__answer_as_alone():
 # What can't be
 
 
-def test_run_of_a_machine_with_friction_in_pairs__is_refused_with_what_to_ask_instead():
-    scene = slider_crank({"go": run("dc cut", time=1.0)}, flywheel=0.2)
-    scene["friction"] = {"pin": {"pair": "drive.inner", "coefficient": 0.1, "diameter": 0.03}}
-    with pytest.raises(AskError, match=r"without friction in pairs.*'input.reaction.max'"):
-        Machine(Scene.model_validate(scene), ["go.input.reaction.max"])
-
-
 def test_means_of_runs__are_not_offered():
     scene = slider_crank({"go": run("dc cut", time=1.0)}, flywheel=0.2)
     with pytest.raises(AskError, match="not a summary"):

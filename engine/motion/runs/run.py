@@ -70,7 +70,7 @@ def _run(runs: Progress) -> RunOutcome:
 
 def _brisk(runs: Progress, who: np.ndarray) -> np.ndarray:
     """Which variants move forward with so much energy that it lasts for a radian, whatever acts on them."""
-    if runs.dynamics.timed:
+    if runs.dynamics.timed or runs.dynamics.friction is not None:
         return np.zeros(who.size, bool)
     state, way = runs.part(who), np.where(runs.facing[who] < 0.0, -1.0, 1.0)
     now = (x[None] for x in (state.turned, state.omega, state.time + runs.clock[who]))

@@ -7,6 +7,7 @@ import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.runs.watching import Observer, Piece
+from engine.motion.steppers.rubbing_form import form_in_time
 from engine.motion.steppers.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
@@ -161,7 +162,7 @@ class Progress:
 
     def form(self, who: np.ndarray) -> TimeForm:
         """The equation of motion in time of some variants."""
-        return TimeForm(self.dynamics, self.variants.some(who), self.start[who])
+        return form_in_time(self.dynamics, self.variants.some(who), self.start[who])
 
     def absolute(self, state: State, who: np.ndarray) -> State:
         """A state of some variants, its time on the clock that moments over time go by."""

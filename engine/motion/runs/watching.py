@@ -11,10 +11,12 @@ import numpy as np
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.settled.cycle import motion_rows
+from engine.motion.steppers.rubbing_form import form_in_time
 from engine.motion.steppers.time_form import State, TimeForm
 
-# A step in time is looked at in at least so many places.
-LEAST_LOOKS = 4
+# A step in time is looked at in at least so many places. Within a shorter one [rad] the speed is straight: of what is
+# left of its angles after rounding nothing could be told.
+LEAST_LOOKS, SHORT = 4, 1e-6
 
 
 class Piece(NamedTuple):
@@ -85,7 +87,7 @@ class RunFields:
         With them the kinetic energy and the moment of each channel of loads.
         """
         own = self.variants.some(who)
-        form, clock = TimeForm(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
+        form, clock = form_in_time(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
         machine, moments = form.at(piece.turned, piece.omega, clock, piece.facing)
         known = np.isfinite(piece.moment)
         others = moments.loads.sum(axis=0)
@@ -146,7 +148,8 @@ def piece_in_time(
     cubic, quartic, quintic = 10.0 * x - 4.0 * v + 0.5 * a, -15.0 * x + 7.0 * v - a, 6.0 * x - 3.0 * v + 0.5 * a
     turned = before.turned + s * (first + s * (0.5 * second + s * (cubic + s * (quartic + s * quintic))))
     rate = first + s * (second + s * (3.0 * cubic + s * (4.0 * quartic + s * 5.0 * quintic)))
-    omega = np.where(length > 0.0, rate / np.where(length > 0.0, length, 1.0), before.omega)
+    straight = before.omega + s * (after.omega - before.omega)
+    omega = np.where(reach > SHORT, rate / np.where(reach > SHORT, length, 1.0), straight)
     turned, omega = np.where(s < 1.0, turned, after.turned), np.where(s < 1.0, omega, after.omega)
     steps = reach * np.diff(s, axis=0)
     return Piece(before.time - clock + s * length, turned, omega, facing, steps, np.full_like(turned, np.nan))

@@ -17,6 +17,7 @@ from engine.motion.moments.piecewise import bound, extremes, integral
 from engine.motion.quantities import Asked
 from engine.motion.settled.steady import Steady
 from engine.motion.steppers.energy_form import NODES
+from engine.motion.steppers.rubbing_form import form_in_time
 
 
 class Cycle(NamedTuple):
@@ -74,9 +75,9 @@ def cycle_of(
         Actions that don't act.
     """
     angle, way = grid.places[NODES], variants.direction
-    machine = dynamics.rows(variants, angle)
-    omega = np.sqrt(2.0 * steady.record[0] / machine.inertia)
-    moments = dynamics.moments(variants, machine, omega)
+    omega = np.sqrt(2.0 * steady.record[0] / dynamics.rows(variants, angle).inertia)
+    form = form_in_time(dynamics, variants, np.zeros(variants.count))
+    machine, moments = form.at(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
     others = moments.loads.sum(axis=0)
     total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
     motors = np.where(np.isnan(steady.record[2]), moments.motors, total - others)
