@@ -37,6 +37,7 @@ from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_columns import drive_history
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
@@ -66,19 +67,22 @@ from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
+from engine.machine.assembly_modes import assembly_modes
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
+from engine.machine.elastic_drives import DriveCycle, drive_cycle
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
+from engine.mechanism.groups.seed_tables import AssemblyMode
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history, history_fields
 from engine.quantities.friction import friction_in_pairs
-from engine.quantities.quantity import InputUnits, Quantity, has_cycle
+from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
@@ -103,19 +107,19 @@ from engine.scene.formulas.expressions import Tree as ExpressionTree
 from engine.scene.formulas.expressions import parse as parse_expression
 from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
-from engine.scene.names import did_you_mean, input_point
+from engine.scene.names import did_you_mean, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import FRAME, RPP, RPR, CrankInput, Hinged, Sliding, Yoke
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime
 from engine.scene.scene import Numbers as SceneNumbers
 from engine.scene.scene import Scene, SceneError, scene_numbers
-from engine.scene.structure import group_links
-from engine.scene.structure import order as order_groups
-from engine.scene.structure import sliders as sliders_of
+from engine.scene.structure.ordering import group_links
+from engine.scene.structure.ordering import order as order_groups
+from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.units import UnitError, any_quantity, base_powers, in_text, recognised
 from engine.verdicts import SENTENCES, Verdict
 
@@ -133,8 +137,10 @@ __all__ = [
     "RPR",
     "SENTENCES",
     "SHAKING_ORDERS",
+    "STATISTICS",
     "AnyGovernor",
     "AskError",
+    "AssemblyMode",
     "BalanceError",
     "BalancedMachine",
     "Brake",
@@ -144,6 +150,8 @@ __all__ = [
     "CrankInput",
     "DCMotor",
     "Derivatives",
+    "DimensionMark",
+    "DriveCycle",
     "ElementsAlone",
     "Engine",
     "EngineElement",
@@ -163,10 +171,12 @@ __all__ = [
     "InputUnits",
     "LoadChange",
     "Machine",
+    "MachineDrive",
     "MasterRod",
     "Mechanics",
     "Move",
     "NaturalVibration",
+    "Near",
     "OscillatorElement",
     "Outcome",
     "Pair",
@@ -198,6 +208,7 @@ __all__ = [
     "Yoke",
     "acting_fields",
     "any_quantity",
+    "assembly_modes",
     "assembly_ranges",
     "balance",
     "balance_shafts",
@@ -218,6 +229,7 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
+    "drive_cycle",
     "drive_history",
     "engine_numbers",
     "engine_shaking",
@@ -247,6 +259,7 @@ __all__ = [
     "input_point",
     "is_excited",
     "joined_by_and",
+    "joint_owners",
     "load_change",
     "made_engine",
     "made_ready",

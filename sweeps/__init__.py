@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sweeps.report.readings import readings_at, readings_in_time
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.runner import run_study
     from sweeps.store import StoreError, read
@@ -20,6 +21,8 @@ _HOMES = {
     "StoreError": "sweeps.store",
     "Study": "sweeps.study.study",
     "read": "sweeps.store",
+    "readings_at": "sweeps.report.readings",
+    "readings_in_time": "sweeps.report.readings",
     "read_scene": "sweeps.text.scene_text",
     "read_study": "sweeps.study.study",
     "run_study": "sweeps.run.runner",
@@ -34,6 +37,8 @@ __all__ = [
     "read",
     "read_scene",
     "read_study",
+    "readings_at",
+    "readings_in_time",
     "run_study",
     "write_scene",
 ]

@@ -1,11 +1,12 @@
 """The history of one machine through its regimes: angle, speed, moments and energy, instant by instant."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule, Standing
@@ -39,6 +40,9 @@ class History(NamedTuple):
         Kinetic energy [J].
     loads_on_pairs : dict of str to ndarray
         Of the loads on pairs and frame that were to be kept, by name [N, N·m].
+    shaft_speed, coupling_moment : ndarray
+        Of a shaft behind a coupling, at its own speed [rad/s], and what the coupling transmits to the crank, reduced to
+        it [N·m]; NaN where a machine has no coupling, or where it is in steady motion.
     verdict : Verdict
         Where it isn't OK, the history ends where the motion did.
     """
@@ -52,6 +56,8 @@ class History(NamedTuple):
     load_moments: dict[str, np.ndarray]
     energy: np.ndarray
     loads_on_pairs: dict[str, np.ndarray]
+    shaft_speed: np.ndarray
+    coupling_moment: np.ndarray
     verdict: Verdict
 
 
@@ -85,7 +91,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
     every = schedule.variants(Numbers(scene_numbers(scene), {}), 1)
     zero = np.zeros(1)
     standing = Standing(zero, zero, zero, np.full(1, Verdict.OK, np.uint8))
-    parts: list[_Part] = []
+    parts: list[_Part | _CoupledPart] = []
     begun = 0.0
     for name in schedule.needed:
         off = frozenset(scene.regimes[name].off)
@@ -97,7 +103,16 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
-        if isinstance(scene.regimes[name], RunRegime):
+        if isinstance(scene.regimes[name], RunRegime) and schedule.sides:
+            angle = scene.regimes[name].from_angle
+            start = standing.angle[0] if angle is None else angle
+            gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
+            sides = schedule.sides[off].of(variants, np.full(1, start))
+            time, turned, omega, *shaft = gone.history
+            course = np.array([time + begun, start + variants.direction * turned, omega])
+            parts.append(_CoupledPart(name, course, variants, sides, np.array(shaft)))
+            begun += time[-1]
+        elif isinstance(scene.regimes[name], RunRegime):
             records: list[_Record] = []
 
             def record(along: RunFields, records: list[_Record] = records) -> _Record:
@@ -106,11 +121,12 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
 
             _, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
             parts.append(_Part(name, begun, records[0].along, records[0].pieces))
+            begun += records[0].pieces[-1].time[-1, 0]
         else:
             piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
             along = RunFields(dynamics, variants, zero, zero, schedule.loads, off)
             parts.append(_Part(name, begun, along, [piece]))
-        begun += parts[-1].pieces[-1].time[-1, 0]
+            begun += piece.time[-1, 0]
         if standing.verdict[0] != Verdict.OK:
             break
     return _gathered(parts, fields, Verdict(int(standing.verdict[0])))
@@ -147,6 +163,16 @@ class _Part(NamedTuple):
     pieces: list[Piece]
 
 
+class _CoupledPart(NamedTuple):
+    """A run with a coupling: time, angle and speed of the crank by instants, its sides, and their speed and moment."""
+
+    name: str
+    course: np.ndarray
+    variants: Variants
+    sides: CoupledSides
+    shaft: np.ndarray
+
+
 def _instant(standing: Standing) -> Piece:
     """Where a machine stands."""
     rows = [np.zeros((1, 1)), np.zeros((1, 1)), standing.omega[None]]
@@ -165,27 +191,61 @@ def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: fl
     return piece, Standing(zero, omega[0], zero, steady.verdict)
 
 
-def _gathered(parts: list[_Part], fields: Iterable[str], verdict: Verdict) -> History:
+def _gathered(parts: list[_Part | _CoupledPart], fields: Iterable[str], verdict: Verdict) -> History:
     columns: dict[str, list[np.ndarray]] = {}
-    for name, begun, along, pieces in parts:
-        way = along.variants.direction[0]
-        for before, piece in zip([None, *pieces], pieces, strict=False):
-            new = _new_nodes(piece, before)
-            rows = {key: row[new, 0] for key, row in along(np.zeros(1, int), piece).items()}
-            own = {
-                "regime": np.full(new.sum(), name),
-                "time": begun + piece.time[new, 0],
-                "angle": along.start[0] + way * piece.turned[new, 0],
-                "speed": way * rows["speed"],
-                "acceleration": rows["acceleration"],
-                "motor_moment": rows["motor_moment"],
-            }
-            own |= {key: rows[key] for key in (*CHANNELS, "energy", *fields)}
+    for part in parts:
+        for own in _of_coupled(part, fields) if isinstance(part, _CoupledPart) else _of_pieces(part, fields):
             for key, row in own.items():
                 columns.setdefault(key, []).append(row)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
     loads, kept = ({key: whole.pop(key) for key in keys} for keys in (CHANNELS, fields))
     return History(load_moments=loads, loads_on_pairs=kept, verdict=verdict, **whole)
+
+
+def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
+    """Columns of a regime, piece by piece."""
+    name, begun, along, pieces = part
+    way = along.variants.direction[0]
+    for before, piece in zip([None, *pieces], pieces, strict=False):
+        new = _new_nodes(piece, before)
+        rows = {key: row[new, 0] for key, row in along(np.zeros(1, int), piece).items()}
+        none = np.full(new.sum(), np.nan)
+        own = {
+            "regime": np.full(new.sum(), name),
+            "time": begun + piece.time[new, 0],
+            "angle": along.start[0] + way * piece.turned[new, 0],
+            "speed": way * rows["speed"],
+            "shaft_speed": none,
+            "coupling_moment": none,
+        }
+        kept = ("acceleration", "motor_moment", *CHANNELS, "energy", *fields)
+        yield own | {key: rows[key] for key in kept}
+
+
+def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
+    """Columns of a run with a coupling; the loads on pairs aren't known there."""
+    (time, angle, omega), sides, shaft = part.course, part.sides, part.shaft
+    way, none = part.variants.direction[0], np.full(time.size, np.nan)
+    rows = sides.crank.dynamics.rows(sides.crank.variants, angle[:, None], time[:, None])
+    of_crank = sides.crank.dynamics.moments(sides.crank.variants, rows, omega[:, None])
+    of_shaft = sides.shaft.dynamics.moments(sides.shaft.variants, sides.shaft.forwards, shaft[0][:, None])
+    loads = of_crank.loads[:, :, 0] + of_shaft.loads[:, :, 0]
+    inertia, total = rows.inertia[:, 0], of_crank.total[:, 0] + shaft[1]
+    with np.errstate(all="ignore"):
+        epsilon = (total - 0.5 * omega**2 * rows.inertia_phi[:, 0]) / inertia
+    own = {
+        "regime": np.full(time.size, part.name),
+        "time": time,
+        "angle": angle,
+        "speed": way * omega,
+        "shaft_speed": sides.coupling.ratio * shaft[0],
+        "coupling_moment": way * shaft[1],
+        "acceleration": way * epsilon,
+        "motor_moment": way * (of_crank.motors[:, 0] + of_shaft.motors[:, 0]),
+        "energy": 0.5 * inertia * omega**2 + 0.5 * sides.shaft.inertia * shaft[0] ** 2,
+    }
+    own |= {channel: way * moment for channel, moment in zip(CHANNELS, loads, strict=True)}
+    yield own | dict.fromkeys(fields, none)
 
 
 def _new_nodes(piece: Piece, before: Piece | None) -> np.ndarray:

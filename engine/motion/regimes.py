@@ -6,7 +6,14 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.quantities import Asked, cycle_statistics, motion_fields, motion_summaries, run_extremes
+from engine.motion.quantities import (
+    MAY_BE_UNDEFINED,
+    Asked,
+    cycle_statistics,
+    motion_fields,
+    motion_summaries,
+    run_extremes,
+)
 from engine.motion.regimes_in_order import RegimeAnswers, Schedule
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers
@@ -70,8 +77,7 @@ class Regimes:
         found = self.schedule.answers(numbers, count)
         missing = np.zeros(count, bool)
         for name, value in found.values.items():
-            # Nothing drives a machine that runs down: it has no efficiency.
-            if not name.endswith(".efficiency"):
+            if not name.endswith(MAY_BE_UNDEFINED):
                 missing |= ~np.isfinite(value)
         verdict = np.where(missing & (found.verdict == Verdict.OK), Verdict.NOT_FINITE, found.verdict)
         return found._replace(verdict=verdict.astype(np.uint8))

@@ -4,6 +4,8 @@ Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on redu
 flywheels.
 """
 
+from functools import partial
+
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
@@ -48,9 +50,8 @@ def declare(mechanics: Mechanics) -> Declared:
     )
     for action in m.loads.actions:
         terms = [(t.coefficient, t.basis) for t in m.loads.terms if t.action == action]
-        yield Field(
-            f"{action}.moment", f"reduced moment of {action}", u.moment, lambda terms=terms: graph.combination(terms)
-        )
+        words = f"reduced moment of {action}"
+        yield Field(f"{action}.moment", words, u.moment, partial(graph.combination, terms), f"M_{action}")
     yield Summary(
         "first_kind_inertia",
         "constant part of the reduced moment of inertia",

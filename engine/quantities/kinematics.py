@@ -6,6 +6,7 @@ from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits
+from engine.scene.names import joint_owners
 from engine.scene.parts import FRAME, CrankInput
 
 _WORDS = ("", "first derivative by the input of the ", "second derivative by the input of the ")
@@ -15,6 +16,19 @@ _RATES = {
     "y": ("vy", "ay"),
     "angle": ("angular_velocity", "angular_acceleration"),
     "slide": ("velocity", "acceleration"),
+}
+_RATES_IN_WORDS = {
+    "x": "x component of the {rate} of point {owner}",
+    "y": "y component of the {rate} of point {owner}",
+    "angle": "angular {rate} of link {owner}",
+    "slide": "{rate} of slider {owner}",
+}
+# Of the coordinate, and of its derivatives by time.
+_SYMBOLS = {
+    "x": ("x_{owner}", "v_{owner}x", "a_{owner}x"),
+    "y": ("y_{owner}", "v_{owner}y", "a_{owner}y"),
+    "angle": ("φ_{owner}", "ω_{owner}", "ε_{owner}"),
+    "slide": ("s_{owner}", "v_{owner}", "a_{owner}"),
 }
 
 
@@ -35,13 +49,19 @@ def declare(mechanics: Mechanics) -> Declared:
         yield from _coordinate(mechanics, name, "slide", words, "m", tuple(k.slides[name]))
     for name in scene.groups:
         words = f"sine of the transmission angle of group {name}"
+        yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]), "sin γ")
+    for name, h in k.certificates.items():
+        words = f"quality of transmission of {name}: the determinant of its loops, as a share of the greatest"
         yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
+        words = f"h of Newton and Kantorovich in {name}: no more than 1/2 proves its assembly mode"
+        yield Field(f"{name}.certificate", words, "1", _known(h))
 
 
 def _moving_points(mechanics: Mechanics) -> list[str]:
     scene = mechanics.scene
     names = [name for name, point in scene.points.items() if point.link != FRAME]
     names += [group.inner for group in scene.groups.values() if hasattr(group, "inner")]
+    names += [joint for joint, link in joint_owners(scene).items() if link in scene.links and joint not in names]
     return [*names, scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point]
 
 
@@ -54,17 +74,20 @@ def _coordinate(
 ) -> Declared:
     """A coordinate, its derivatives by the input, and its derivatives by time at the input's uniform speed."""
     q, graph = InputUnits.of(mechanics.scene).q, mechanics.graph
+    symbol, of_first, of_second = (text.format(owner=owner) for text in _SYMBOLS[kind])
     for order, (suffix, word, node) in enumerate(zip(_SUFFIXES, _WORDS, nodes, strict=True)):
         units = f"{unit} {q}-{order}" if order else unit
-        yield Field(f"{owner}.{kind}{suffix}", f"{word}{words}", units, _known(node))
+        yield Field(f"{owner}.{kind}{suffix}", f"{word}{words}", units, _known(node), symbol + "′" * order)
     first, second = _RATES[kind]
     speed, squared = mechanics.speed, mechanics.speed_squared
-    yield Field(
-        f"{owner}.{first}", f"velocity of the {words}", f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])])
+    velocity, acceleration = (
+        _RATES_IN_WORDS[kind].format(rate=rate, owner=owner) for rate in ("velocity", "acceleration")
     )
+    yield Field(f"{owner}.{first}", velocity, f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])]), of_first)
     yield Field(
         f"{owner}.{second}",
-        f"acceleration of the {words} at uniform speed of the input",
+        f"{acceleration} at uniform speed of the input",
         f"{unit} s-2",
         lambda: graph.combination([(squared, nodes[2])]),
+        of_second,
     )

@@ -18,11 +18,12 @@ STATISTICS = {
 
 
 class Quantity(NamedTuple):
-    """A quantity one may ask: its name, meaning and unit (SI, spelt as CF does)."""
+    """A quantity one may ask: its name, meaning and unit (SI, spelt as CF does), and the textbook's symbol, if any."""
 
     name: str
     long_name: str
     units: str
+    symbol: str = ""
 
 
 class InputUnits(NamedTuple):

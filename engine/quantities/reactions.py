@@ -47,8 +47,8 @@ def declare(mechanics: Mechanics) -> Declared:
     yield from _checks(m)
 
 
-def _variable(m: Mechanics, name: str, words: str, unit: str) -> Field:
-    return Field(name, words, unit, lambda: m.reactions.variables[name])
+def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "") -> Field:
+    return Field(name, words, unit, lambda: m.reactions.variables[name], symbol)
 
 
 def _fields_of(m: Mechanics, pair: Pair) -> Declared:
@@ -56,14 +56,14 @@ def _fields_of(m: Mechanics, pair: Pair) -> Declared:
     force = f"force on link {pair.link} from {other} in {pair.place}"
     if pair.name in m.scene.shafts:
         force += " (without forces between teeth)"
-    yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N")
-    yield _variable(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N")
+    yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N", "R_x")
+    yield _variable(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N", "R_y")
     if pair.kind == "prismatic":
         where = "about the slider's joint" if pair.name != "input" else "about the input's point"
-        yield _variable(m, f"{pair.name}.reaction", f"{force}, positive to the left of its direction", "N")
+        yield _variable(m, f"{pair.name}.reaction", f"{force}, positive to the left of its direction", "N", "R")
         yield _variable(m, f"{pair.name}.reaction_moment", f"moment of the {force}, {where}", "N m")
         return
-    yield _variable(m, f"{pair.name}.reaction", force, "N")
+    yield _variable(m, f"{pair.name}.reaction", force, "N", "R")
     words = f"direction of the {force}, continuous over the range"
     yield Field(f"{pair.name}.reaction_direction", words, "rad", lambda: _direction(m, pair))
     yield _variable(m, f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N")

@@ -18,7 +18,7 @@ from engine.quantities.expressions import (
     place_of_greatest,
     sqrt,
 )
-from engine.quantities.quantity import STATISTICS, InputUnits
+from engine.quantities.quantity import STATISTICS, InputUnits, Quantity
 
 
 class Field(NamedTuple):
@@ -38,6 +38,11 @@ class Field(NamedTuple):
     units: str
     curve: Callable[[], Node | Followed]
     symbol: str = ""
+
+    @property
+    def quantity(self) -> Quantity:
+        """What it tells of itself."""
+        return Quantity(self.name, self.long_name, self.units, self.symbol)
 
 
 class Summary(NamedTuple):
@@ -60,6 +65,11 @@ class Summary(NamedTuple):
     expression: Callable[[], Expression]
     may_be_undefined: bool = False
     symbol: str = ""
+
+    @property
+    def quantity(self) -> Quantity:
+        """What it tells of itself."""
+        return Quantity(self.name, self.long_name, self.units, self.symbol)
 
 
 Declared = Iterator[Field | Summary]

@@ -54,7 +54,8 @@ def _ends(mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[
     of = f"{'slider' if kind == 'stroke' else 'link'} {name}"
     q = InputUnits.of(mechanics.scene).q
     swings = kind == "swing"
-    yield Summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), swings)
+    symbol = "ψ" if swings else "H"
+    yield Summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), swings, symbol)
     for side in ("low", "high"):
         words = f"{side} end of the {kind} of {of}"
         yield Summary(f"{name}.{kind}_{side}", words, unit, lambda side=side: end(side), swings)
@@ -67,6 +68,7 @@ def _ends(mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[
             "1",
             lambda: Formula(quick_return_ratio, (end("low_at"), end("high_at"))),
             swings,
+            "K",
         )
 
 

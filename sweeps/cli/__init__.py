@@ -1,14 +1,37 @@
-"""The command line: list, new, check, run, optimise, show, plot, orders, animate, export, flywheel, balance."""
+"""The command line: its group of commands."""
 
 import click
 
+from sweeps.cli.asking import help_command, quantities
+from sweeps.cli.exporting import export
+from sweeps.cli.reporting import report
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
-from sweeps.cli.showing import animate, export, orders, plot, show
+from sweeps.cli.showing import animate, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
-from sweeps.cli.starting import list_command, new
+from sweeps.cli.starting import guide_command, list_command, modes, new
+from sweeps.cli.verifying import verify
 
-COMMANDS = (list_command, new, check, run, optimise, show, plot, orders, animate, export, flywheel, balance_command)
+COMMANDS = (
+    list_command,
+    help_command,
+    guide_command,
+    new,
+    modes,
+    quantities,
+    check,
+    run,
+    optimise,
+    verify,
+    show,
+    plot,
+    report,
+    orders,
+    animate,
+    export,
+    flywheel,
+    balance_command,
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})

@@ -1,12 +1,14 @@
 """The machine that a file names, of a scene or a study, or a variant of a result; and positions of its input."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from engine import CrankInput, Scene, UnitError, in_text
 from sweeps.optimising.optimum import choices, is_front
+from sweeps.report.readings import Readings, readings_at, readings_in_time
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.bundled import find_study
+from sweeps.study.settings import changed_scene, given_values
 from sweeps.study.study import read_study
 from sweeps.text.input_files import InputError, is_hdf5
 
@@ -16,7 +18,7 @@ def is_result(file: str) -> bool:
     return file.endswith(".h5") or is_hdf5(Path(file))
 
 
-def machine_of(file: str, variant: int | None) -> tuple[Scene, Mapping[str, float], str]:
+def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> tuple[Scene, Mapping[str, float], str]:
     """Scene, replaced values and name of what a file describes: a result, a study or a scene.
 
     Parameters
@@ -25,6 +27,8 @@ def machine_of(file: str, variant: int | None) -> tuple[Scene, Mapping[str, floa
     variant : int, optional
         Unless given, of a result the best variant, of a Pareto front its last choice, the knee where it has one; of a
         study the scene as it is.
+    settings : sequence of str
+        Numbers of the scene set anew, as for `given_values`.
 
     Raises
     ------
@@ -38,12 +42,18 @@ def machine_of(file: str, variant: int | None) -> tuple[Scene, Mapping[str, floa
         if variant is None and is_front(result):
             variant = next((choice.variant for choice in reversed(choices(result))), None)
         chosen = 0 if variant is None else variant
-        return result.scene, result.variant_values(chosen), f"{Path(file).stem}_{chosen}"
+        return (*_set_anew(result.scene, result.variant_values(chosen), settings), f"{Path(file).stem}_{chosen}")
     study = read_study(find_study(file))
     if variant is None:
-        return study.scene, {}, study.name
+        return (*_set_anew(study.scene, {}, settings), study.name)
     values, _ = study.values(variant, variant + 1)
-    return study.scene, {p: float(values[p][0]) for p in study.paths}, f"{study.name}_{variant}"
+    return (*_set_anew(study.scene, {p: float(values[p][0]) for p in study.paths}, settings), f"{study.name}_{variant}")
+
+
+def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, Mapping[str, float]]:
+    """A scene and the numbers replaced in it, with numbers set anew."""
+    anew = given_values(scene, settings)
+    return changed_scene(scene, settings), {path: value for path, value in values.items() if path not in anew}
 
 
 def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
@@ -72,3 +82,40 @@ def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
         return tuple(in_text(f"{part} deg" if turns and part[-1].isdigit() else part, dimension) for part in parts)
     except UnitError as error:
         raise InputError("--at", [(None, "", f"{error}; give it such as --at {mend}")]) from None
+
+
+def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
+    """Fields of a machine at positions of its input, or its motion at instants, from a text with commas.
+
+    Parameters
+    ----------
+    scene : Scene
+    text : str
+        Positions as for `positions_of`, or times such as "0.2 s".
+    names : sequence of str
+        Fields; all unless given.
+
+    Raises
+    ------
+    InputError
+        A part is neither, or times and positions are mixed.
+    AskError
+        There is no such field.
+    """
+    times = [_time(part) for part in text.split(",") if part.strip()]
+    if None not in times and times:
+        found = readings_in_time(scene, [time for time in times if time is not None])
+        unknown = [name for name in names if name not in found.values]
+        if unknown:
+            message = f"{unknown[0]!r} is not told of an instant; there are: {', '.join(found.values)}"
+            raise InputError("--at", [(None, "", message)])
+        kept = names or found.values
+        return found._replace(values={name: found.values[name] for name in kept})
+    return readings_at(scene, positions_of(scene, text), names)
+
+
+def _time(text: str) -> float | None:
+    try:
+        return in_text(text, "time") if text.strip()[-1:].isalpha() else None
+    except UnitError:
+        return None

@@ -5,21 +5,38 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, make_folder, plots_of, run_options, stop, tell_files, use_threads
+from sweeps.cli.shared import (
+    JSON,
+    errors_as_messages,
+    make_folder,
+    plots_of,
+    run_options,
+    stop_if_all_failed,
+    study_options,
+    tell,
+    tell_data,
+    tell_files,
+    use_threads,
+)
+from sweeps.interruption import keeping
 
 
 @click.command()
 @click.argument("study")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the result would go.")
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
+@study_options
 @errors_as_messages
-def check(study: str, out: Path, source: bool) -> None:
+def check(
+    study: str, out: Path, source: bool, settings: tuple[str, ...], positions: int | None, accuracy: str | None
+) -> None:
     """Say what a study or scene will compute, what not and why, and its time, memory and file size."""
     from sweeps.report.check_report import check_text
     from sweeps.study.bundled import find_study
+    from sweeps.study.settings import changed_study
     from sweeps.study.study import read_study
 
-    found = read_study(find_study(study))
+    found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
     if source:
         click.echo(found.machine().source())
     else:
@@ -29,46 +46,76 @@ def check(study: str, out: Path, source: bool) -> None:
 @click.command()
 @click.argument("study")
 @run_options("results/NAME.h5")
+@study_options
+@JSON
 @errors_as_messages
-def run(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
-    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted."""
+def run(
+    study: str,
+    out: Path | None,
+    restart: bool,
+    replace: bool,
+    jobs: int | None,
+    no_plots: bool,
+    quiet: bool,
+    settings: tuple[str, ...],
+    positions: int | None,
+    accuracy: str | None,
+    as_json: bool,
+) -> None:
+    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted.
+
+    What the file there holds of the study already isn't computed again: variants, summaries and fields may be added. If
+    it holds more than the study by now, or other numbers, it is kept beside, as NAME.1.h5.
+
+    The exit code is 1 where no variant has a result.
+    """
     from sweeps.report.check_report import between_positions_text
-    from sweeps.report.result_report import answer_text, counts_text, kept_text
+    from sweeps.report.files.result_data import result_data
+    from sweeps.report.result_report import answer_text, counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
     from sweeps.study.bundled import find_study
+    from sweeps.study.settings import changed_study
     from sweeps.study.study import read_study
 
     started = time.perf_counter()
-    found = read_study(find_study(study))
+    found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
     bar = ProgressBar(found.design.size, quiet)
-    try:
-        run_study(found, out, restart, bar.update)
-    except KeyboardInterrupt:
-        stop(bar, kept_text(out, bar.total))
-    bar.close()
-    result = SweepResult(out)
-    plural = "" if found.design.size == 1 else "s"
-    click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
-    click.echo(counts_text(result))
-    click.echo(answer_text(result))
-    if hidden := between_positions_text(found):
-        click.echo(hidden)
-    tell_files([out, *([] if no_plots else plots_of(result))], started)
+    with keeping(bar.kept_text):
+        run_study(found, out, restart, bar.update, replace, tell)
+        bar.close()
+        result = SweepResult(out)
+        if as_json:
+            best = result.best()
+            told = [best] if best is not None else range(min(found.design.size, 1))
+            made = [out, *([] if no_plots else plots_of(result))]
+            tell_data(result_data(result, told) | {"files": [str(path) for path in made]})
+            stop_if_all_failed(result.columns["status"])
+            return
+        plural = "" if found.design.size == 1 else "s"
+        click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
+        click.echo(counts_text(result))
+        click.echo(answer_text(result))
+        if hidden := between_positions_text(found):
+            click.echo(hidden)
+        tell_files([out, *([] if no_plots else plots_of(result))], started)
+    stop_if_all_failed(result.columns["status"])
 
 
 @click.command()
 @click.argument("study")
 @run_options("results/NAME_optimised.h5")
 @errors_as_messages
-def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
+def optimise(
+    study: str, out: Path | None, restart: bool, replace: bool, jobs: int | None, no_plots: bool, quiet: bool
+) -> None:
     """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
     from sweeps.optimising.optimum import optimum_text
-    from sweeps.optimising.runner import generations_kept, optimise_study
+    from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
@@ -82,13 +129,12 @@ def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_p
     make_folder(out)
     use_threads(jobs)
     bar = ProgressBar(task_of(found).generations, quiet, "generations")
-    try:
-        optimise_study(found, out, restart, bar.update)
-    except KeyboardInterrupt:
-        stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
-    bar.close()
-    result = SweepResult(out)
-    click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
-    click.echo(counts_text(result))
-    click.echo(optimum_text(result))
-    tell_files([out, *([] if no_plots else plots_of(result))], started)
+    with keeping(bar.kept_text):
+        optimise_study(found, out, restart, bar.update, replace, tell)
+        bar.close()
+        result = SweepResult(out)
+        click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
+        click.echo(counts_text(result))
+        click.echo(optimum_text(result))
+        tell_files([out, *([] if no_plots else plots_of(result))], started)
+    stop_if_all_failed(result.columns["status"])

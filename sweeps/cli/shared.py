@@ -1,15 +1,18 @@
 """What the commands have in common: options, messages, files and threads."""
 
+import json
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import reduce, wraps
 from pathlib import Path
 
 import click
 
-INTERRUPTED = 130
 WRONG_INPUT = 2
+ALL_FAILED = 1
+
+Command = Callable[..., None]
 
 
 def fail(message: str) -> None:
@@ -47,12 +50,41 @@ def run_options(out: str) -> Callable:
     """Options of what makes a result file."""
     options = (
         click.option("--out", type=click.Path(path_type=Path), help=f"Result file; {out} unless given."),
-        click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it."),
+        click.option("--restart", is_flag=True, help="Compute everything, and throw away an earlier result."),
+        click.option("--replace", is_flag=True, help="Keep no former result of an edited study beside the new one."),
         click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
         click.option("--no-plots", is_flag=True, help="Make no pictures."),
         click.option("--quiet", is_flag=True, help="No progress on standard error."),
     )
     return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
+
+
+SET = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="PATH=VALUE",
+    help="A number of the scene, input.length='55 mm'; may be repeated.",
+)
+POSITIONS = click.option("--positions", type=int, help="Positions of fields over the cycle, an even number.")
+ACCURACY = click.option("--accuracy", help="Allowed error of every summary, such as '0.1 %'.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON, in SI units.")
+
+
+def study_options(command: Command) -> Command:
+    """Options of what reads a study: numbers of its scene, its positions, its accuracy."""
+    return SET(POSITIONS(ACCURACY(command)))
+
+
+def tell_data(data: object) -> None:
+    """Answer with JSON."""
+    click.echo(json.dumps(data, ensure_ascii=False, indent=2))
+
+
+def stop_if_all_failed(status: Iterable[int]) -> None:
+    """End with an exit code of its own where no variant has a result."""
+    if all(status):
+        sys.exit(ALL_FAILED)
 
 
 def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -67,11 +99,9 @@ def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
         context.exit()
 
 
-def stop(bar: object, kept: str) -> None:
-    """Say what an interrupted run leaves behind, and stop."""
-    bar.close()
-    click.echo(f"\nInterrupted: {kept}; the same command goes on from there.", err=True)
-    sys.exit(INTERRUPTED)
+def tell(sentence: str) -> None:
+    """Say something on standard error that isn't what was asked for."""
+    click.echo(sentence, err=True)
 
 
 def tell_files(made: list[Path], started: float) -> None:
@@ -130,9 +160,11 @@ def write_text(path: Path, text: str) -> None:
         It can't be written.
     """
     from sweeps.text.input_files import InputError
+    from sweeps.text.whole_files import whole_file
 
     make_folder(path)
     try:
-        path.write_text(text, encoding="utf8")
+        with whole_file(path) as draft:
+            draft.write_text(text, encoding="utf8")
     except OSError as error:
         raise InputError(str(path), [(None, "", f"can't be written: {error.strerror}")]) from None

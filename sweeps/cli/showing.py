@@ -1,10 +1,10 @@
-"""Commands that show what there is: show, plot, orders, animate, export."""
+"""Commands that show what there is: show, plot, orders, animate."""
 
 from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, make_folder, names_in
+from sweeps.cli.shared import JSON, POSITIONS, SET, errors_as_messages, make_folder, names_in, tell_data
 
 
 @click.command()
@@ -13,11 +13,32 @@ from sweeps.cli.shared import errors_as_messages, make_folder, names_in
 @click.option("--sort", help="Column to sort by.")
 @click.option("--descending", is_flag=True, help="Greatest first.")
 @click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="How many variants to list.")
-@click.option("--columns", help="Summaries to show, separated by commas; all unless given.")
+@click.option("--columns", help="Summaries to show, or with --at fields, separated by commas; all unless given.")
+@click.option(
+    "--at", help="Fields of one machine at crank angles '37 deg', at displacements, or its motion at '0.2 s'."
+)
+@click.option("--variant", type=int, help="With --at: one variant of a result file.")
+@SET
+@JSON
 @errors_as_messages
-def show(file: Path, where: str | None, sort: str | None, descending: bool, limit: int, columns: str | None) -> None:
-    """Show a result file: what it holds, its verdicts, its best variants."""
+def show(
+    file: Path,
+    where: str | None,
+    sort: str | None,
+    descending: bool,
+    limit: int,
+    columns: str | None,
+    at: str | None,
+    variant: int | None,
+    settings: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Show a result file: what it holds, its verdicts, its best variants; or with --at one machine at one position.
+
+    With --at, FILE may be a scene or study too.
+    """
     from sweeps.optimising.optimum import is_front, is_search, optimum_text
+    from sweeps.report.files.result_data import result_data
     from sweeps.report.result_report import (
         answer_text,
         counts_text,
@@ -29,6 +50,11 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
     from sweeps.report.sweep_result import SweepResult
     from sweeps.text.input_files import InputError
 
+    if at is not None:
+        _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
+        return
+    if settings or variant is not None:
+        raise InputError(str(file), [(None, "", "--set and --variant go with --at, which shows one machine")])
     result = SweepResult(file)
     names = [n.strip() for n in columns.split(",")] if columns else []
     unknown = [n for n in names if n not in result.columns]
@@ -41,6 +67,9 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
         sort, descending = goal.goal, goal.sign < 0
     condition = where or (goal.where if goal else usual)
     chosen = result.select(condition, sort or (usual and "front"), descending)
+    if as_json:
+        tell_data(result_data(result, chosen[:limit], names))
+        return
     d = result.description
     click.echo(f"{d.title}: {variants_done_text(result)}")
     click.echo(f"varied: {varied_text(result)}")
@@ -52,6 +81,24 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
     click.echo(variants_text(result, chosen[:limit], names))
     if where is None:
         click.echo((optimum_text if is_search(result) else answer_text)(result))
+
+
+def _show_at(
+    file: str, variant: int | None, at: str, names: tuple[str, ...], settings: tuple[str, ...], as_json: bool
+) -> None:
+    """Show fields of one machine at some positions or instants."""
+    from sweeps.cli.named_machine import machine_of, read_at
+    from sweeps.report.files.data_files import table_data
+    from sweeps.report.files.exports import reading_table
+    from sweeps.report.readings import readings_text
+    from sweeps.text.scene_text import with_values
+
+    scene, values, _ = machine_of(file, variant, settings)
+    readings = read_at(with_values(scene, values), at, names)
+    if as_json:
+        tell_data(table_data(reading_table(readings, scene.title)))
+        return
+    click.echo(readings_text(readings))
 
 
 @click.command()
@@ -67,9 +114,11 @@ def show(file: Path, where: str | None, sort: str | None, descending: bool, limi
 @click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
 @click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")
-@click.option("-x", help="Column along x (results).")
-@click.option("-y", help="Column along y, or shown (results).")
+@click.option("-x", help="Column along x (results); a field along x instead of the crank angle.")
+@click.option("-y", help="Column along y, or shown (results); fields of one machine, such as B.vx, with commas.")
 @click.option("--colour", help="Column shown as colour (results).")
+@POSITIONS
+@SET
 @errors_as_messages
 def plot(
     file: str,
@@ -83,6 +132,8 @@ def plot(
     x: str | None,
     y: str | None,
     colour: str | None,
+    positions: int | None,
+    settings: tuple[str, ...],
 ) -> None:
     """Draw: of a scene its machine and diagrams; of a result file the sweep, or the machine of one variant.
 
@@ -98,10 +149,15 @@ def plot(
     from sweeps.text.scene_text import with_values
 
     tables = ""
-    if is_result(file) and variant is None and not (plans or hodograph or beside):
+    if is_result(file) and variant is None and not (plans or hodograph or beside or settings):
         made = picture_files.result_pictures(Path(file), out, x, y, colour)
+    elif x or y:
+        scene, values, name = machine_of(file, variant, settings)
+        fields = names_in(y or "")
+        target = out or Path(f"{name}_{'_'.join(fields).replace('.', '_') or 'fields'}.png")
+        made = [picture_files.field_picture(with_values(scene, values), target, fields, x, positions)]
     else:
-        scene, values, name = machine_of(file, variant)
+        scene, values, name = machine_of(file, variant, settings)
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
         made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths))
         made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
@@ -147,78 +203,17 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 @click.option("--variant", type=int, help="Machine of one variant of a result file.")
 @click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
 @click.option("--frames", type=click.IntRange(min=4), default=60, show_default=True)
+@SET
 @errors_as_messages
-def animate(file: str, out: Path | None, variant: int | None, paths: str, frames: int) -> None:
+def animate(
+    file: str, out: Path | None, variant: int | None, paths: str, frames: int, settings: tuple[str, ...]
+) -> None:
     """Animate the mechanism of a scene, study or variant as a GIF."""
     from sweeps.cli.named_machine import machine_of
     from sweeps.pictures.machine.animation import save_animation
 
-    scene, values, name = machine_of(file, variant)
+    scene, values, name = machine_of(file, variant, settings)
     out = out or Path(f"{name}.gif")
     make_folder(out)
     save_animation(scene, out, frames=frames, paths=names_in(paths), values=values)
     click.echo(f"Wrote {out}")
-
-
-@click.command()
-@click.argument("file")
-@click.option("--to", type=click.Path(path_type=Path), required=True, help="File to write: .csv, .svg, .dxf or .toml.")
-@click.option("--variant", type=int, help="One variant of a result file.")
-@click.option("--at", default="", help="Crank angle of the drawing [deg], or displacement such as '20 mm'.")
-@click.option("--where", help="Only variants that meet a condition (CSV of a result).")
-@click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (CSV).")
-@click.option("--loads", default="", help="Loads on pairs to add to --history, such as input.reaction; with commas.")
-@click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
-@errors_as_messages
-def export(
-    file: str,
-    to: Path,
-    variant: int | None,
-    at: str,
-    where: str | None,
-    history: bool,
-    loads: str,
-    element: str | None,
-) -> None:
-    """Write results, positions or a history as CSV, the drawing as SVG or DXF, one variant as a scene (TOML).
-
-    Of a scene with one cam and no mechanism that is the cam.
-    """
-    from sweeps.cli.named_machine import is_result, machine_of, positions_of
-    from sweeps.pictures import picture_files
-    from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
-    from sweeps.report import exports
-    from sweeps.text.input_files import InputError
-    from sweeps.text.scene_text import with_values
-
-    if history and to.suffix != ".csv":
-        raise InputError(str(to), [(None, "--history", f"writes .csv, not {to.suffix!r}; name a .csv file")])
-    if loads and not history:
-        raise InputError(str(to), [(None, "--loads", "is for the motion through the regimes; add --history")])
-    make_folder(to)
-    machine = ""
-    if to.suffix in (".csv", ".svg", ".dxf") and not (to.suffix == ".csv" and is_result(file) and variant is None):
-        scene, values, name = machine_of(file, variant)
-        if (cam := cam_named(with_values(scene, values), element)) is not None:
-            export_cam(cam, to)
-            click.echo(f"Wrote {to} of {name}")
-            return
-    match to.suffix:
-        case ".csv" if history:
-            scene, values, machine = machine_of(file, variant)
-            if ended := exports.history_csv(scene, values, to, names_in(loads)):
-                click.echo(f"The history ends early: {ended}", err=True)
-        case ".csv" if is_result(file) and variant is None:
-            exports.result_csv(Path(file), to, where)
-        case ".csv":
-            scene, values, machine = machine_of(file, variant)
-            exports.positions_csv(scene, values, to)
-        case ".svg" | ".dxf":
-            scene, values, machine = machine_of(file, variant)
-            picture_files.drawing_file(scene, values, to, next(iter(positions_of(scene, at)), None))
-        case ".toml":
-            scene, values, machine = machine_of(file, variant)
-            exports.scene_toml(scene, values, to)
-        case _:
-            raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are .csv, .svg, .dxf, .toml")])
-    click.echo(f"Wrote {to}" + (f" of {machine}" if machine else ""))

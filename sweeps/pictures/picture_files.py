@@ -11,6 +11,7 @@ from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.elements.element_pictures import element_pictures
 from sweeps.pictures.machine.diagrams import diagrams
+from sweeps.pictures.machine.field_curves import POSITIONS, field_curves
 from sweeps.pictures.machine.hodographs import hodographs
 from sweeps.pictures.machine.motion_diagrams import courses, cycle_diagrams, history_diagrams
 from sweeps.pictures.picture_error import PictureError
@@ -67,6 +68,34 @@ def machine_pictures(
     picture(scene, path, at, paths, values)
     diagrams(scene, second, values)
     return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *made]
+
+
+def field_picture(
+    scene: Scene, path: Path, names: Sequence[str], x: str | None = None, positions: int | None = None
+) -> Path:
+    """Draw fields of a machine over its cycle, or over another field.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+    names : sequence of str
+    x : str, optional
+        Field along x.
+    positions : int, optional
+
+    Returns
+    -------
+    Path
+        The file made.
+
+    Raises
+    ------
+    PictureError, AskError
+        As for `field_curves`.
+    """
+    field_curves(scene, path, names, x, positions or POSITIONS)
+    return path
 
 
 def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:

@@ -141,7 +141,7 @@ class Sensitivity:
     def columns(self) -> list[Column]:
         """Columns that `of_variants` fills."""
         found = []
-        for name, words, units in self.quantities:
+        for name, words, units, _ in self.quantities:
             found += [Column(name, words, units), Column(f"{name}_error", f"error figure of: {words}", units)]
         words = "verdict on the neighbours of the variant by"
         return found + [Column(f"status_by.{by}", f"{words} {by}", "1", dtype=np.uint8) for by in self._derived_by]

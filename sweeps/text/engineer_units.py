@@ -60,7 +60,7 @@ def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
         # How something changes with a length.
         scale = tuple((f"{name}/mm", size * 1e3) for name, size in _SCALES.get(units.removesuffix(" m-1"), ()))
     if not scale:
-        return 1.0, _PLAIN.get(units) or _written(units)
+        return 1.0, unit_label(units)
     finite = np.abs(np.asarray(values, float)[np.isfinite(values)])
     largest = float(finite.max()) if finite.size else 0.0
     # Metres only from 10 m on: drawings of machines are in millimetres. Angles within a cycle are in degrees.
@@ -70,8 +70,12 @@ def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
     return 1.0 / size, name
 
 
-def _written(units: str) -> str:
-    """A unit without a usual name of its own, as a product or with a bar: "W s rad-1" as "W·s/rad"."""
+def unit_label(units: str) -> str:
+    """An SI unit as it is read, with its own bar: "W s rad-1" as "W·s/rad"; "" for plain numbers."""
+    if units in ("", "1"):
+        return units.removesuffix("1")
+    if units in _PLAIN:
+        return _PLAIN[units]
     above, below = [], []
     for part in units.split():
         symbol = part.rstrip("-0123456789")
@@ -90,7 +94,7 @@ def quantity_text(value: float, units: str, error: float | None = None) -> str:
         return "–"
     factor, label = engineer_unit(units, np.array([value]))
     unit = f" {label}" if label not in ("", "1") else ""
-    return figure_text(value * factor, None if error is None else error * factor, 5) + unit
+    return figure_text(value * factor + 0.0, None if error is None else error * factor, 5) + unit
 
 
 def figure_text(value: float, error: float | None, digits: int) -> str:

@@ -127,30 +127,31 @@ def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
     here: Any = model
     for item in loc:
         here = _descend(here, item)
-    here = _bare(here)
+    here = bare_annotation(here)
     return list(here.model_fields) if isinstance(here, type) and issubclass(here, BaseModel) else []
 
 
-def _bare(annotation: Any) -> Any:
+def bare_annotation(annotation: Any) -> Any:
     """An annotation without its marks and without None."""
     while get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
-    if _is_union(annotation):
+    if is_union(annotation):
         arms = [a for a in get_args(annotation) if a is not type(None)]
         if len(arms) == 1:
-            return _bare(arms[0])
+            return bare_annotation(arms[0])
     return annotation
 
 
-def _is_union(annotation: Any) -> bool:
+def is_union(annotation: Any) -> bool:
+    """Whether an annotation is one of several."""
     return get_origin(annotation) is Union or type(annotation).__name__ == "UnionType"
 
 
 def _descend(annotation: Any, item: str | int) -> Any:
     """Annotation of a key, an entry of a table, or an arm of a union named by its tag."""
-    here = _bare(annotation)
-    if _is_union(here):
-        return next((_bare(a) for a in get_args(here) if item in _tags(a)), None)
+    here = bare_annotation(annotation)
+    if is_union(here):
+        return next((bare_annotation(a) for a in get_args(here) if item in _tags(a)), None)
     if isinstance(here, type) and issubclass(here, BaseModel):
         field = here.model_fields.get(str(item))
         return field.annotation if field else None
@@ -164,7 +165,7 @@ def _tags(arm: Any) -> tuple[object, ...]:
     own = tuple(mark.tag for mark in getattr(arm, "__metadata__", ()) if isinstance(mark, Tag))
     if own:
         return own
-    model = _bare(arm)
+    model = bare_annotation(arm)
     field = getattr(model, "model_fields", {}).get("type")
     return get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
 

@@ -13,7 +13,7 @@ from engine import Machine, Scene, Verdict
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run import cost
-from sweeps.run.runner import block_size
+from sweeps.run.blocks import largest_block
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import read_study
 from sweeps.text.scene_text import read_scene
@@ -127,8 +127,8 @@ def test_variants_saved_together__are_fewer_where_motion_is_asked(folder):
     Path("study.toml").write_text(STUDY.replace("[outputs]", many))
     Path("still.toml").write_text(Path("study.toml").read_text().split("summaries")[0] + 'summaries = ["excess_work"]')
     moving, still = (read_study(name) for name in ("study.toml", "still.toml"))
-    assert block_size(moving, moving.machine()) == 4096
-    assert block_size(still, still.machine()) > 30_000
+    assert largest_block(moving, moving.machine()) == 4096
+    assert largest_block(still, still.machine()) > 30_000
 
 
 def test_probe__looks_at_variants_from_all_over_the_study(folder):
@@ -262,7 +262,7 @@ def test_export_history__is_the_motion_instant_by_instant(folder):
 
 
 def test_export_history_with_loads__has_a_column_for_each_and_refuses_others(folder):
-    said("export", "press.toml", "--history", "--loads", "input.reaction, frame.reaction_x", "--to", "h.csv")
+    said("export", "press.toml", "--history", "--columns", "input.reaction, frame.reaction_x", "--to", "h.csv")
     header, *rows = csv.reader(Path("h.csv").read_text().splitlines())
     assert header[-2:] == ["input.reaction [N]", "frame.reaction_x [N]"]
     greatest = max(float(row[-2]) for row in rows if row[0] == "stop")
@@ -270,10 +270,9 @@ def test_export_history_with_loads__has_a_column_for_each_and_refuses_others(fol
     value, figure = (part["stop.input.reaction.max"][0] for part in (found.summaries, found.errors))
     # The history goes by 360 steps a cycle, the summary by 720: the history may miss four times as much.
     assert greatest == pytest.approx(value, abs=4 * figure)
-    text = refused("export", "press.toml", "--history", "--loads", "input.reactoin", "--to", "h.csv")
-    assert "--loads" in text
+    text = refused("export", "press.toml", "--history", "--columns", "input.reactoin", "--to", "h.csv")
+    assert "--columns" in text
     assert "did you mean 'input.reaction'" in text
-    assert "add --history" in refused("export", "press.toml", "--loads", "input.reaction", "--to", "h.csv")
 
 
 def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(folder):

@@ -14,7 +14,8 @@ from engine.motion.history import history
 from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
-from sweeps.report.exports import history_csv
+from sweeps.report.files.data_files import write_table
+from sweeps.report.files.exports import history_table
 from sweeps.report.regime_words import failure_text
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
@@ -197,8 +198,10 @@ def test_courses__begin_each_regime_at_zero_and_go_on_with_the_works():
 # As a table
 
 
-def test_history_csv__holds_the_equation_of_motion(tmp_path):
-    assert history_csv(SCENE, {}, tmp_path / "h.csv") == ""
+def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
+    table, ended = history_table(SCENE, {})
+    assert ended == ""
+    write_table(tmp_path / "h.csv", table)
     header, *rows = csv.reader((tmp_path / "h.csv").read_text(encoding="utf8").splitlines())
     assert header[:7] == [
         "regime",
@@ -228,7 +231,6 @@ def test_history_csv__holds_the_equation_of_motion(tmp_path):
     assert left == pytest.approx(moment[chosen][shared], abs=1e-10)
 
 
-def test_history_csv_without_regimes__is_refused(tmp_path):
+def test_table_of_the_history_without_regimes__is_refused():
     with pytest.raises(InputError, match=r"regimes: the scene has none, so no history; add \[regimes.NAME\]"):
-        history_csv(slider_crank(), {}, tmp_path / "h.csv")
-    assert not (tmp_path / "h.csv").exists()
+        history_table(slider_crank(), {})

@@ -73,7 +73,6 @@ def _brisk(runs: Progress, who: np.ndarray) -> np.ndarray:
     if runs.dynamics.timed or runs.dynamics.friction is not None:
         return np.zeros(who.size, bool)
     state, way = runs.part(who), np.where(runs.facing[who] < 0.0, -1.0, 1.0)
-    now = (x[None] for x in (state.turned, state.omega, state.time + runs.clock[who]))
-    rows, moments = runs.form(who).at(*now, way)
+    rows, moments = runs.form(who).at(state.turned, state.omega, state.time + runs.clock[who], way)
     twice_energy = rows.inertia[0] * state.omega**2
     return (state.omega > 0.0) & (np.abs(moments.total[0]) < BRISK * twice_energy)

@@ -88,7 +88,7 @@ class RunFields:
         """
         own = self.variants.some(who)
         form, clock = form_in_time(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
-        machine, moments = form.at(piece.turned, piece.omega, clock, piece.facing)
+        machine, moments = form.along(piece.turned, piece.omega, clock, piece.facing)
         known = np.isfinite(piece.moment)
         others = moments.loads.sum(axis=0)
         total = np.where(known, piece.moment, moments.total)

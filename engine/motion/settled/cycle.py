@@ -77,7 +77,7 @@ def cycle_of(
     angle, way = grid.places[NODES], variants.direction
     omega = np.sqrt(2.0 * steady.record[0] / dynamics.rows(variants, angle).inertia)
     form = form_in_time(dynamics, variants, np.zeros(variants.count))
-    machine, moments = form.at(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
+    machine, moments = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
     others = moments.loads.sum(axis=0)
     total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
     motors = np.where(np.isnan(steady.record[2]), moments.motors, total - others)

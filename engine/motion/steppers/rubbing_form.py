@@ -19,9 +19,11 @@ FRICTION_MOMENT = "friction_moment"
 class RubbingForm(TimeForm):
     """Steps of a set of variants with friction in pairs, in time; see `TimeForm`."""
 
-    def at(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> tuple[Rows, Moments]:
+    def along(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
+    ) -> tuple[Rows, Moments]:
         """Rows and moments at instants, (instants, variants), the moment of friction among those of harmful loads."""
-        rows, moments = super().at(turned, omega, time, facing)
+        rows, moments = super().along(turned, omega, time, facing)
         with np.errstate(all="ignore"):
             free = (moments.total - 0.5 * omega * omega * rows.inertia_phi) / rows.inertia
             rubbed = self._friction(turned, omega, time, facing, free, rows.inertia)

@@ -87,6 +87,12 @@ class TimeForm:
         self._mirrored: Variants | None = None
 
     def at(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> tuple[Rows, Moments]:
+        """Rows and moments at an instant, (1, variants), as `along` gives them."""
+        return self.along(turned[None], omega[None], time[None], facing)
+
+    def along(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
+    ) -> tuple[Rows, Moments]:
         """Rows and moments at instants, (instants, variants); `facing` +1 or −1 is the way that resistances resist."""
         places = self.start + self.variants.direction * turned
         rows = self.dynamics.rows(self.variants, places, time)
@@ -115,7 +121,7 @@ class TimeForm:
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
     ) -> tuple[np.ndarray, ...]:
         """ε [rad/s²], the powers of the motors and channels [W], the motors' moment, and the decay rate of ω [1/s]."""
-        rows, moments = self.at(turned[None], omega[None], time[None], facing)
+        rows, moments = self.at(turned, omega, time, facing)
         inertia, slope = rows.inertia[0], rows.inertia_phi[0]
         with np.errstate(all="ignore"):
             epsilon = (moments.total[0] - 0.5 * omega * omega * slope) / inertia

@@ -93,15 +93,15 @@ def cycle_curves(
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
         raise PictureError(f"no diagrams of this machine: {SENTENCES[verdict]}")
     rows = known | {name: row[0].astype(float) for name, row in outcome.fields.items()}
-    q, label, factor = _input_axis(scene, values, machine.nodes)
+    q, label, factor = input_axis(scene, values, machine.nodes)
     centres = (math.degrees(outcome.summaries[end][0]) for end in ends)
     units = {name: quantity.units for name, quantity in machine.available_fields.items()}
     centres = tuple(c for c in centres if math.isfinite(c))
     return CycleCurves(q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres)
 
 
-def _input_axis(scene: Scene, values: Mapping[str, float], nodes: np.ndarray) -> tuple[np.ndarray, str, float]:
-    """Values, label and factor of the axis of the input's position."""
+def input_axis(scene: Scene, values: Mapping[str, float], nodes: np.ndarray) -> tuple[np.ndarray, str, float]:
+    """Values, label and factor of the axis of the input's position at shares of its range, or at crank angles."""
     if isinstance(scene.input, CrankInput):
         return nodes, "crank angle φ, °", 180 / math.pi
     start, stop = (values.get(f"input.{end}", getattr(scene.input, end)) for end in ("start", "stop"))

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from engine import CamElement, cam_curves
-from sweeps.report.exports import write_columns
+from sweeps.report.files.exports import write_columns
 from sweeps.text.input_files import InputError
 
 

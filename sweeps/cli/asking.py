@@ -1,0 +1,27 @@
+"""Commands that tell what there is to ask and to write: quantities, help."""
+
+import click
+
+from sweeps.cli.shared import errors_as_messages
+
+
+@click.command()
+@click.argument("file")
+@click.argument("words", nargs=-1)
+@errors_as_messages
+def quantities(file: str, words: tuple[str, ...]) -> None:
+    """List what may be asked of a scene, study or result: name, symbol, unit, meaning; only what has all WORDS."""
+    from sweeps.cli.named_machine import machine_of
+    from sweeps.report.quantity_list import quantities_text
+
+    click.echo(quantities_text(machine_of(file, None)[0], file, words))
+
+
+@click.command("help")
+@click.argument("key", required=False)
+@errors_as_messages
+def help_command(key: str | None) -> None:
+    """Explain a key of scenes and studies: `sweeps help input.length`, a table, or a type such as compressor."""
+    from sweeps.report.key_help import key_text, tables_text
+
+    click.echo(tables_text() if key is None else key_text(key))

@@ -1,0 +1,86 @@
+"""The command that writes files for other programs: export."""
+
+from pathlib import Path
+
+import click
+
+from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in
+
+TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
+
+
+@click.command()
+@click.argument("file")
+@click.option(
+    "--to",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="File to write: .csv, .json, .parquet, .mat, .svg, .dxf or .toml.",
+)
+@click.option("--variant", type=int, help="One variant of a result file.")
+@click.option(
+    "--at", default="", help="Crank angles [deg], displacements such as '20 mm', or instants such as '0.2 s'."
+)
+@click.option("--where", help="Only variants that meet a condition (tables of a result).")
+@click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (tables).")
+@click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
+@click.option("--columns", default="", help="Fields of one machine, with commas, or loads to add to --history.")
+@click.option("--overwrite", is_flag=True, help="Write over a scene that is there already.")
+@POSITIONS
+@SET
+@errors_as_messages
+def export(
+    file: str,
+    to: Path,
+    variant: int | None,
+    at: str,
+    where: str | None,
+    history: bool,
+    element: str | None,
+    columns: str,
+    overwrite: bool,
+    positions: int | None,
+    settings: tuple[str, ...],
+) -> None:
+    """Write results, positions or a history as a table, the drawing as SVG or DXF, one variant as a scene (TOML).
+
+    Of a scene with one cam and no mechanism that is the cam.
+    """
+    from sweeps.cli.named_machine import is_result, machine_of, positions_of, read_at
+    from sweeps.pictures import picture_files
+    from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
+    from sweeps.report.files import exports
+    from sweeps.report.files.data_files import write_table
+    from sweeps.text.input_files import InputError
+    from sweeps.text.scene_text import with_values
+
+    if to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
+        allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
+        raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are {allowed}")])
+    if history and to.suffix not in TABLES:
+        message = f"writes a table, {', '.join(TABLES)}, not {to.suffix!r}"
+        raise InputError(str(to), [(None, "--history", message)])
+    if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
+        make_folder(to)
+        write_table(to, exports.result_table(Path(file), where))
+        click.echo(f"Wrote {to}")
+        return
+    scene, values, name = machine_of(file, variant, settings)
+    machine = with_values(scene, values)
+    make_folder(to)
+    if to.suffix == ".toml":
+        exports.scene_toml(scene, values, to, overwrite)
+    elif (cam := cam_named(machine, element)) is not None:
+        export_cam(cam, to)
+    elif to.suffix in DRAWINGS:
+        picture_files.drawing_file(scene, values, to, next(iter(positions_of(scene, at)), None))
+    elif history:
+        table, ended = exports.history_table(machine, {}, names_in(columns))
+        write_table(to, table)
+        if ended:
+            click.echo(f"The history ends early: {ended}", err=True)
+    elif at:
+        write_table(to, exports.reading_table(read_at(machine, at, names_in(columns)), scene.title))
+    else:
+        write_table(to, exports.position_table(machine, {}, positions or 360, names_in(columns)))
+    click.echo(f"Wrote {to} of {name}")

@@ -1,0 +1,86 @@
+"""Fields of one machine as curves over its cycle, or over each other."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from engine import Machine, Scene, has_cycle
+from sweeps.pictures.machine.diagrams import input_axis
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import BLUE, house_style, new_figure, save
+from sweeps.text.engineer_units import engineer_unit
+
+POSITIONS = 720
+# Panels above each other that a sheet has room for.
+MOST = 8
+
+
+def field_curves(
+    scene: Scene, path: Path, names: Sequence[str], x: str | None = None, positions: int = POSITIONS
+) -> None:
+    """Draw fields of a machine in panels above each other.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+        Ending .svg, .pdf or .png.
+    names : sequence of str
+        Fields, at least one and at most `MOST`.
+    x : str, optional
+        A field along x instead of the input's position, such as "B.x" with "B.y": a path.
+    positions : int
+
+    Raises
+    ------
+    PictureError
+        The scene has no mechanism, too many fields or none are named, or nothing of one is finite.
+    AskError
+        There is no such field, or the number of positions isn't allowed.
+    """
+    if scene.input is None:
+        raise PictureError("the scene has machine elements alone, which have no fields to draw")
+    if not 1 <= len(names) <= MOST:
+        raise PictureError(f"name from 1 to {MOST} fields with -y, such as -y B.vx; `sweeps quantities` lists them")
+    along = [x] if x else []
+    machine = Machine(scene, fields=dict.fromkeys([*names, *along]), positions=positions)
+    outcome, known = machine.evaluate({}), machine.available_fields
+    rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
+    for name, row in rows.items():
+        if not np.isfinite(row).any():
+            raise PictureError(f"{name} is infinite or undefined everywhere: see `sweeps run` for the reason")
+    if x:
+        factor, label = engineer_unit(known[x].units, rows[x])
+        places, title = rows[x] * factor, f"{x}{_comma(label)}"
+    else:
+        places, title, factor = input_axis(scene, {}, machine.nodes)
+        places = places * factor
+    closed = has_cycle(scene)
+    with house_style():
+        figure = new_figure(180, 25 + 45 * len(names))
+        axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+        for ax, name in zip(axes, names, strict=True):
+            factor, label = engineer_unit(known[name].units, rows[name])
+            shown, at = rows[name] * factor, places
+            if closed:
+                begin = shown[0] + (_turned(rows[name]) * factor if known[name].units == "rad" else 0.0)
+                end = places[0] if x else places[0] + 360.0 * scene.input.revolutions
+                shown, at = np.append(shown, begin), np.append(at, end)
+            ax.plot(at, shown, color=BLUE)
+            ax.set(title=known[name].long_name, ylabel=f"{name}{_comma(label)}")
+        axes[-1].set_xlabel(title)
+        if scene.title:
+            figure.suptitle(scene.title, fontweight="bold")
+    save(figure, path)
+
+
+def _comma(label: str) -> str:
+    return f", {label}" if label not in ("", "1") else ""
+
+
+def _turned(row: np.ndarray) -> float:
+    """By how much an angle has grown when the cycle is over: a whole number of turns."""
+    step = row[1] - row[0]
+    return 2 * math.pi * round((row[-1] + step - row[0]) / (2 * math.pi))

@@ -1,0 +1,1 @@
+"""Results, positions, histories and cams as files for other programs."""

@@ -1,0 +1,178 @@
+"""Results, positions and histories as tables, and scenes as texts, for other programs."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from engine import InputUnits, Machine, Scene, Verdict, did_you_mean, history, history_fields
+from sweeps.report.files.data_files import DataTable, write_table
+from sweeps.report.readings import Readings, fields_at_uniform_speed
+from sweeps.report.regime_words import failure_text
+from sweeps.report.sweep_result import SweepResult
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.whole_files import whole_file
+
+
+def result_table(path: Path, where: str | None = None) -> DataTable:
+    """Everything that a result holds of its variants, but for fields: parameters, verdicts, summaries, derivatives.
+
+    Parameters
+    ----------
+    path : Path
+    where : str, optional
+        Only computed variants that meet a condition; without it all variants, failed ones too.
+    """
+    result = SweepResult(path)
+    chosen = np.arange(result.description.variants) if where is None else result.select(where)
+    errors = [f"{name}_error" for name in result.summaries]
+    named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
+    others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
+    columns = {name: result.columns[name][chosen] for name in (*named, *others) if name in result.columns}
+    return DataTable({"variant": chosen} | columns, dict(result.units), result.description.title)
+
+
+def position_table(
+    scene: Scene, values: Mapping[str, float], positions: int = 360, names: Sequence[str] = ()
+) -> DataTable:
+    """Fields of one machine over the cycle, first the input's angle or displacement.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        Numbers of the scene (SI) to be replaced.
+    positions : int
+    names : sequence of str
+        Fields; all at uniform speed of the input unless given.
+
+    Raises
+    ------
+    InputError
+        The scene has no mechanism.
+    AskError
+        There is no such field, or the number of positions isn't allowed.
+    """
+    if scene.input is None:
+        message = "the scene has machine elements alone, which have no positions; `sweeps run` gives their numbers"
+        raise InputError(scene.title or "scene", [(None, "", message)])
+    fields = list(names) or fields_at_uniform_speed(scene)
+    machine = Machine(with_values(scene, values), fields=fields, positions=positions)
+    outcome, unit = machine.evaluate({}), InputUnits.of(scene).q
+    place = "phi" if unit == "rad" else "q"
+    columns = {place: machine.input_values} | {name: outcome.fields[name][0] for name in fields}
+    units = {place: unit} | {name: machine.available_fields[name].units for name in fields}
+    return DataTable(columns, units, scene.title)
+
+
+def reading_table(readings: Readings, title: str) -> DataTable:
+    """Readings as a table, a row for each place."""
+    return DataTable({readings.place: readings.at} | readings.values, readings.units, title)
+
+
+def history_table(
+    scene: Scene, values: Mapping[str, float], fields: Sequence[str] = (), steps: int = 360
+) -> tuple[DataTable, str]:
+    """History of a machine through its regimes; a steady regime is there for one cycle.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        Numbers of the scene (SI) to be replaced.
+    fields : sequence of str
+        Loads on the pairs and on the frame to add, such as "input.reaction".
+    steps : int
+        Steps a cycle.
+
+    Returns
+    -------
+    DataTable
+    str
+        Why the history ends before its last regime does; "" where it doesn't.
+
+    Raises
+    ------
+    InputError
+        The scene has no regimes, or no such loads.
+    """
+    if not scene.regimes:
+        message = 'the scene has none, so no history; add [regimes.NAME] with type = "run" or "steady"'
+        raise InputError(scene.title or "scene", [(None, "regimes", message)])
+    scene = with_values(scene, values)
+    known = history_fields(scene) if fields else {}
+    for name in fields:
+        if name not in known:
+            message = f"{name!r} is no load that a history keeps; {did_you_mean(name, known)}"
+            raise InputError(scene.title or "scene", [(None, "--columns", message)])
+    seen = history(scene, steps, fields)
+    of_loads = {f"{channel}_moment": (moment, "N m") for channel, moment in seen.load_moments.items()}
+    columns = {
+        "time": (seen.time, "s"),
+        "angle": (seen.angle, "rad"),
+        "speed": (seen.speed, "rad s-1"),
+        "acceleration": (seen.acceleration, "rad s-2"),
+        "motor_moment": (seen.motor_moment, "N m"),
+        **of_loads,
+        "energy": (seen.energy, "J"),
+    }
+    if scene.couplings:
+        columns["shaft_speed"] = (seen.shaft_speed, "rad s-1")
+        columns["coupling_moment"] = (seen.coupling_moment, "N m")
+    columns |= {name: (row, known[name].units) for name, row in seen.loads_on_pairs.items()}
+    numbers, units = ({name: pair[i] for name, pair in columns.items()} for i in (0, 1))
+    ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
+    return DataTable({"regime": seen.regime} | numbers, units, scene.title), ended
+
+
+def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: bool = False) -> None:
+    """Scene with some numbers replaced, as TOML.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        Numbers of the scene (SI) to be replaced.
+    out : Path
+    overwrite : bool
+        Whether a file that is there already is written over.
+
+    Raises
+    ------
+    InputError
+        There is such a file, or it can't be written.
+    """
+    if out.exists() and not overwrite:
+        message = "is there already, and a person may have written it; name another file, or give --overwrite"
+        raise InputError(str(out), [(None, "", message)])
+    try:
+        with whole_file(out) as draft:
+            draft.write_text(write_scene(scene, values), encoding="utf8")
+    except OSError as error:
+        raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
+
+
+def write_columns(out: Path, columns: Mapping[str, np.ndarray], kept: np.ndarray) -> None:
+    """Some rows of columns with units in their names, in the format that the file's ending says.
+
+    Parameters
+    ----------
+    out : Path
+    columns : mapping of header to ndarray (rows,)
+    kept : ndarray (rows,) of bool
+        Which rows to write.
+
+    Raises
+    ------
+    InputError
+        As for `write_table`.
+    """
+    parts = {header: header.rstrip("]").partition(" [") for header in columns}
+    write_table(
+        out,
+        DataTable(
+            {parts[header][0]: np.asarray(column)[kept] for header, column in columns.items()},
+            {name: unit or "1" for name, _, unit in parts.values()},
+        ),
+    )

@@ -1,0 +1,44 @@
+"""What a result says, as data for other programs."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from engine import Verdict
+from sweeps.report.files.data_files import plain_number
+from sweeps.report.sweep_result import SweepResult
+
+
+def result_data(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> dict[str, Any]:
+    """A result in types that JSON has: how many variants got which verdict, and some of them with their numbers.
+
+    Parameters
+    ----------
+    result : SweepResult
+    variants : iterable of int
+        Those listed.
+    names : sequence of str
+        Summaries; all unless given.
+    """
+    status = result.columns["status"]
+    counts = {v.name.lower(): int((status == v).sum()) for v in Verdict if (status == v).any()}
+    shown = [*result.parameters, *(names or result.summaries)]
+    return {
+        "title": result.description.title,
+        "file": str(result.path),
+        "variants": result.description.variants,
+        "status": counts,
+        "best": result.best(),
+        "units": {name: result.units[name] for name in shown},
+        "listed": [_variant(result, int(variant), shown) for variant in variants],
+    }
+
+
+def _variant(result: SweepResult, variant: int, names: Sequence[str]) -> dict[str, Any]:
+    columns = result.columns
+    errors = [name for name in names if f"{name}_error" in columns]
+    return {
+        "variant": variant,
+        "status": Verdict(int(columns["status"][variant])).name.lower(),
+        "values": {name: plain_number(columns[name][variant]) for name in names},
+        "errors": {name: plain_number(columns[f"{name}_error"][variant]) for name in errors},
+    }

@@ -1,0 +1,282 @@
+"""What every key of scenes and studies means, told from the models that read them: kind, unit, default, limits."""
+
+import re
+from collections.abc import Iterator, Sequence
+from functools import cache
+from inspect import cleandoc
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+
+from annotated_types import Ge, Gt, Le, Lt, MinLen
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from engine import DimensionMark, FormulaNumber, Scene, common_units, described_dimension, nearest_names
+from sweeps.study.study_text import StudyText
+from sweeps.text.input_files import InputError
+from sweeps.text.tables import table
+from sweeps.text.toml_text import bare_annotation, is_union
+
+# What stands in a path for names that the user gives.
+NAME, PATH = "NAME", "PATH"
+_BY_PATH = ("vary", "derive", "tolerances", "start")
+_LIMITS = {Gt: ("greater than", "gt"), Ge: ("at least", "ge"), Lt: ("less than", "lt"), Le: ("at most", "le")}
+
+
+class Key(NamedTuple):
+    """A key of a scene or study.
+
+    Attributes
+    ----------
+    path : tuple of str
+        Names of tables and the key, NAME for names of the user's own.
+    kind : str
+        The table's `type` where that decides which keys it has, else "".
+    model : type of BaseModel
+        Of the table that it stands in.
+    field : FieldInfo
+    """
+
+    path: tuple[str, ...]
+    kind: str
+    model: type[BaseModel]
+    field: FieldInfo
+
+
+def key_text(asked: str) -> str:
+    """What is known of a key, a table or a type: its meaning, what it takes, its default and its limits.
+
+    Parameters
+    ----------
+    asked : str
+        A path such as "input.length" or "bodies.ram.mass", its end such as "mass", a table such as "cylinders", or a
+        type such as "compressor".
+
+    Raises
+    ------
+    InputError
+        There is none; the message names what is near.
+    """
+    parts = tuple(part for part in asked.strip("[] ").split(".") if part)
+    found = [key for key in _keys() if parts and _matches(key.path, parts)]
+    if not found and len(parts) == 1:
+        found = [key for key in _keys() if key.kind == parts[0] and _of_table(key)]
+    if not found:
+        found = [key for key in _keys() if parts and _ends_with(key.path, parts)]
+    if not found:
+        known = {".".join(key.path[n:]) for key in _keys() for n in range(len(key.path)) if key.path[n] != NAME}
+        near = nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
+        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "`sweeps help` lists all tables"
+        raise InputError("help", [(None, "", f"no key or type of scenes and studies is called {asked!r}; {hint}")])
+    return "\n\n".join(_paragraphs(found))
+
+
+def tables_text() -> str:
+    """All tables and keys at the top of scenes and studies, with the first sentence on each."""
+    parts = []
+    for words, model in (("Scenes", Scene), ("Studies", StudyText)):
+        rows = [(key.path[0], _first_sentence(key)) for key in _keys() if key.model is model]
+        parts += [f"{words} (`sweeps help KEY` says more):", table(rows, "  ")]
+    return "\n".join(parts)
+
+
+@cache
+def _keys() -> tuple[Key, ...]:
+    return (*_walk(Scene, (), ""), *_walk(StudyText, (), ""))
+
+
+def _walk(model: type[BaseModel], path: tuple[str, ...], kind: str) -> Iterator[Key]:
+    """Keys of a model and of the tables within it."""
+    for name, field in model.model_fields.items():
+        here = (*path, field.alias or name)
+        yield Key(here, kind, model, field)
+        for arm, places in _tables_in(field.annotation, here):
+            if len(places) < 9:
+                yield from _walk(arm, places, _type_of(arm) or "")
+
+
+def _tables_in(annotation: Any, path: tuple[str, ...]) -> Iterator[tuple[type[BaseModel], tuple[str, ...]]]:
+    """Models that may stand at a place, and the places of their keys."""
+    here = bare_annotation(annotation)
+    if is_union(here):
+        for arm in get_args(here):
+            yield from _tables_in(arm, path)
+    elif get_origin(here) is dict:
+        yield from _tables_in(get_args(here)[1], (*path, PATH if path[-1] in _BY_PATH else NAME))
+    elif get_origin(here) in (list, tuple):
+        for arm in get_args(here):
+            yield from _tables_in(arm, path)
+    elif isinstance(here, type) and issubclass(here, BaseModel) and here is not FormulaNumber:
+        yield here, path
+
+
+def _type_of(model: type[BaseModel]) -> str | None:
+    """The one value that the key `type` of a model takes."""
+    field = model.model_fields.get("type")
+    values = get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
+    return values[0] if len(values) == 1 else None
+
+
+def _matches(path: tuple[str, ...], parts: Sequence[str]) -> bool:
+    """Whether parts name just this place, a name of the user's own in each NAME; a varied path has dots in it."""
+    if PATH in path:
+        at = path.index(PATH)
+        rest = len(path) - at - 1
+        return len(parts) > len(path) - 1 and _matches(path[:at] + path[at + 1 :], (*parts[:at], *parts[-rest:]))
+    return len(path) == len(parts) and all(a in (b, NAME) for a, b in zip(path, parts, strict=True))
+
+
+def _ends_with(path: tuple[str, ...], parts: Sequence[str]) -> bool:
+    return path[-1] not in (NAME, PATH) and _matches(path[-len(parts) :], parts) and path[-len(parts)] != NAME
+
+
+def _of_table(key: Key) -> bool:
+    return key.path[-1] == "type"
+
+
+def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
+    """A paragraph for each different thing that was found; places where the same is said are named together."""
+    told: dict[str, list[str]] = {}
+    for key in found:
+        text = _table_text(key) if key.path[-1] == "type" and key.kind else _one_text(key)
+        place = ".".join(key.path[:-1] if key.path[-1] == "type" and key.kind else key.path)
+        places = told.setdefault(text, [])
+        if place not in places:
+            places.append(place)
+    for text, places in told.items():
+        yield f"{', '.join(places)}\n{text}"
+
+
+def _one_text(key: Key) -> str:
+    """On one key: what it means, what it takes; of a table its keys."""
+    tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
+    whose = f"of type {key.kind!r}: " if key.kind else ""
+    lines = [f"  {whose}{sentence}" for sentence in [_meaning(key)] if sentence]
+    if not tables:
+        lines = lines or [f"  {whose}a key of: {_sentences(key.model)[0]}"]
+        return "\n".join([*lines, f"  takes {_takes(key.field)}", f"  {_necessity(key.field)}", *_example(key)])
+    kinds = [kind for kind in map(_type_of, tables) if kind]
+    if len(kinds) > 1:
+        return "\n".join([*lines, f"  type is one of: {', '.join(kinds)}; `sweeps help TYPE` tells the keys of each"])
+    if len(tables) == 1:
+        return "\n".join([*lines, _keys_text(tables[0])])
+    each = (f"  either: {_paragraph(arm)}\n{_keys_text(arm)}" for arm in tables)
+    return "\n".join([*lines, *each])
+
+
+def _table_text(key: Key) -> str:
+    """On a table of some type: what it is and its keys."""
+    return "\n".join([f'  type = "{key.kind}": {_paragraph(key.model)}', _keys_text(key.model)])
+
+
+def _keys_text(model: type[BaseModel]) -> str:
+    rows = [
+        (field.alias or name, _takes(field), _necessity(field))
+        for name, field in model.model_fields.items()
+        if name != "type" or not _type_of(model)
+    ]
+    return table(rows, "    ")
+
+
+def _paragraph(model: type[BaseModel]) -> str:
+    """A model's description on one line."""
+    return " ".join(cleandoc(model.__doc__ or "").split())
+
+
+def _sentences(model: type[BaseModel]) -> list[str]:
+    return re.split(r"(?<=[.])\s+(?=[A-Z`])", _paragraph(model))
+
+
+def _first_sentence(key: Key) -> str:
+    tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
+    if len(tables) == 1:
+        return _sentences(tables[0])[0]
+    kinds = [kind for kind in map(_type_of, tables) if kind]
+    shown = f"{', '.join(kinds[:8])}{', …' if len(kinds) > 8 else ''}"
+    return shown if kinds else _takes(key.field)
+
+
+def _meaning(key: Key) -> str:
+    """What descriptions say of a key: of a table what it is, else the sentences that name it."""
+    tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
+    if len(tables) == 1:
+        return _paragraph(tables[0])
+    models = [m for m in key.model.__mro__ if issubclass(m, BaseModel) and m.__doc__]
+    return " ".join(s for model in models for s in _sentences(model) if f"`{key.path[-1]}`" in s)
+
+
+def _necessity(field: FieldInfo) -> str:
+    if field.is_required():
+        return "must be given"
+    default = field.default
+    if default is None or default in ({}, [], (), ""):
+        return "may be left out"
+    if isinstance(default, BaseModel):
+        return "may be left out"
+    if isinstance(default, bool):
+        return f"{str(default).lower()} unless given"
+    dimension = _dimension(field)
+    unit = common_units(dimension)[-1] if dimension and dimension != "number" else ""
+    return f"{default:g} {unit}".strip() + " unless given" if isinstance(default, float) else f"{default} unless given"
+
+
+def _marks(annotation: Any, metadata: Sequence[object] = ()) -> list[object]:
+    """All marks of an annotation, those of the types within it too."""
+    found = []
+    for mark in metadata:
+        found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
+    for inner in get_args(annotation):
+        found += _marks(inner, getattr(inner, "__metadata__", ()))
+    return found
+
+
+def _dimension(field: FieldInfo) -> str | None:
+    marks = _marks(field.annotation, field.metadata)
+    return next((str(mark) for mark in marks if isinstance(mark, DimensionMark)), None)
+
+
+def _takes(field: FieldInfo) -> str:
+    """What a key takes, with its limits."""
+    marks = _marks(field.annotation, field.metadata)
+    limits = [f"{words} {getattr(m, at):g}" for m in marks for t, (words, at) in _LIMITS.items() if isinstance(m, t)]
+    here = bare_annotation(field.annotation)
+    several = get_origin(here) in (list, tuple)
+    is_name = here is str and any(getattr(mark, "pattern", None) for mark in marks)
+    kind = "a name" if is_name else _kind(here, _dimension(field))
+    least = next((m.min_length for m in marks if isinstance(m, MinLen)), 0)
+    kind = f"a list, each {kind}" if several else kind
+    return ", ".join([kind, *limits, *(["at least one"] if least else [])])
+
+
+def _kind(here: Any, dimension: str | None) -> str:
+    if dimension == "number":
+        return "a number, a fraction such as '1/30' or a percentage"
+    if dimension is not None:
+        other = [unit for unit in common_units(dimension) if unit not in described_dimension(dimension).example]
+        return f"{dimension.replace('_', ' ')}, '{described_dimension(dimension).example}'" + "".join(
+            f" (or in {unit})" for unit in other
+        )
+    if get_origin(here) is Literal:
+        return " or ".join("true" if v is True else f'"{v}"' if isinstance(v, str) else str(v) for v in get_args(here))
+    if get_origin(here) in (list, tuple):
+        return _kind(bare_annotation(get_args(here)[0]), None)
+    if get_origin(here) is dict:
+        return f"a table, each entry {_kind(bare_annotation(get_args(here)[1]), None)}"
+    if is_union(here):
+        return " or ".join(dict.fromkeys(_kind(bare_annotation(arm), None) for arm in get_args(here)))
+    if isinstance(here, type) and issubclass(here, BaseModel):
+        return "a quantity in any unit" if here is FormulaNumber else "a table"
+    return {bool: "true or false", int: "a whole number", float: "a number", dict: "a table"}.get(here, "a text")
+
+
+def _example(key: Key) -> list[str]:
+    """A line as a text has it, where one can be made."""
+    dimension = _dimension(key.field)
+    here = bare_annotation(key.field.annotation)
+    if dimension == "number" or (dimension is None and get_origin(here) is not Literal):
+        return []
+    if dimension is None:
+        first = get_args(here)[0]
+        value = "true" if first is True else f'"{first}"' if isinstance(first, str) else str(first)
+    else:
+        value = f'"{described_dimension(dimension).example}"'
+    return [f"  for instance {key.path[-1]} = {f'[{value}]' if get_origin(here) in (list, tuple) else value}"]

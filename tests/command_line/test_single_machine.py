@@ -1,0 +1,223 @@
+"""One machine at the command line: its fields at one place, plotted, exported, with numbers set anew."""
+
+import csv
+import json
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import press_texts
+import pytest
+from commands import refused, said
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from motion_scenes import INERTIA, rotor
+from scipy.io import loadmat
+
+from engine import Machine, Scene
+from sweeps.report.readings import readings_at, readings_in_time
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import read_scene, scene_from
+
+CRANK, ROD = 0.05, 0.2
+PRESS = scene_from(tomllib.loads(press_texts.PRESS), "", "press", Path())
+# Of lengths of some decimetres in double precision.
+ROUNDING = 1e-15
+
+
+def slide(angle: float, crank: float = CRANK) -> float:
+    """Height of the press's point B: guide along −y, x = r cos φ."""
+    return crank * math.sin(angle) - math.sqrt(ROD**2 - (crank * math.cos(angle)) ** 2)
+
+
+@pytest.fixture
+def press(press_folder):
+    return read_scene("press.toml")
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.integers(-720_00, 720_00), min_size=20, max_size=100))
+def test_reading__at_hundredths_of_a_degree_is_exact(hundredths):
+    angles = [math.radians(each / 100) for each in hundredths]
+    found = readings_at(PRESS, angles, ["B.y"]).values["B.y"]
+    assert found == pytest.approx([slide(angle) for angle in angles], abs=4 * ROUNDING)
+
+
+# Of a curve f, h²/8 f″ with h = 2π/36000; |y″| of B is at most r(1 + r/l)/(1 − r²/l²)^1.5 < 0.07 m.
+BY_LINES = (2 * math.pi / 36_000) ** 2 / 8 * 0.07
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.floats(-20, 20), min_size=20, max_size=100))
+def test_reading__elsewhere_is_as_near_as_straight_lines_are(angles):
+    found = readings_at(PRESS, angles, ["B.y"]).values["B.y"]
+    assert found == pytest.approx([slide(angle) for angle in angles], abs=BY_LINES)
+
+
+def test_reading__of_angles_follows_the_link_from_the_begin_of_the_cycle():
+    found = readings_at(PRESS, np.radians([350, 359.999]), ["crank.angle"]).values["crank.angle"]
+    assert np.degrees(found) == pytest.approx([350, 359.999], abs=1e-12)
+
+
+def test_show_at__tells_every_field(press):
+    lines = said("show", "press.toml", "--at", "37deg").stdout.splitlines()
+    assert {line.split()[0] for line in lines[1:]} == set(Machine(press).available_fields)
+
+
+def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
+    answer = said("show", "press.toml", "--at", "0, 1 rad", "--columns", "B.y", "--json", "--set", "input.length=60 mm")
+    told = json.loads(answer.stdout)
+    assert told["phi"]["values"] == [0, 1]
+    assert told["B.y"]["unit"] == "m"
+    assert told["B.y"]["values"] == pytest.approx([slide(0, 0.06), slide(1, 0.06)], abs=1.5 * BY_LINES)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--at", "37 kg"], "expected an angle"),
+        (["--at", "0.2 s"], "the scene has none"),
+        (["--at", "10", "--columns", "B.vz"], "or 'B.vx'?"),
+        (["--at", "10", "--set", "input.lenght=3 mm"], "did you mean 'input.length'"),
+        (["--at", "10", "--set", "input.length=3 kg"], "expected a length"),
+        (["--at", "10", "--set", "input.length"], "PATH=VALUE"),
+        (["--at", "10", "--set", "input.length=-3 mm"], "input.length"),
+        (["--set", "input.length=3 mm"], "go with --at"),
+    ],
+)
+def test_show_at__refuses_in_one_sentence(arguments, words, press_folder):
+    message = refused("show", "press.toml", *arguments)
+    assert words in message
+    assert len(message.splitlines()) == 1
+
+
+def test_reading__outside_the_range_of_the_input_is_refused():
+    scene = Scene.model_validate(PRESS.model_dump() | {"input": PRESS.input.model_dump() | {"start": 0, "stop": 1}})
+    with pytest.raises(InputError, match="outside the range"):
+        readings_at(scene, [1.5])
+    assert readings_at(scene, [0.25], ["B.y"]).values["B.y"][0] == pytest.approx(slide(0.25), abs=4 * ROUNDING)
+
+
+def test_reading_in_time__of_a_rotor_under_a_constant_moment():
+    """φ = M t²/2J, ω = M t/J, which cubics follow exactly."""
+    scene = Scene.model_validate(rotor({"go": {"type": "run", "only": "push", "time": 1.0}}))
+    found = readings_in_time(scene, [0.0, 0.123, 0.5, 1.0])
+    rate, t = 3.0 / INERTIA, np.array([0.0, 0.123, 0.5, 1.0])
+    # Steps of the run keep to 1e-9 or better.
+    assert found.values["angle"] == pytest.approx(rate * t**2 / 2, rel=1e-8, abs=1e-12)
+    assert found.values["speed"] == pytest.approx(rate * t, rel=1e-8, abs=1e-12)
+    with pytest.raises(InputError, match="last from 0 to 1 s"):
+        readings_in_time(scene, [1.1])
+
+
+# Numbers and settings of studies
+
+
+def test_run_with_numbers_set_anew__has_their_results(press_folder):
+    answer = said("run", "press.toml", "--no-plots", "--json", "--set", "input.length='60 mm'", "--accuracy", "1 %")
+    told = json.loads(answer.stdout)
+    assert told["status"] == {"ok": 1}
+    assert told["listed"][0]["values"]["ram.stroke"] == pytest.approx(0.12, rel=1e-12)
+    assert told["listed"][0]["values"]["accuracy_reached"] == 1
+    assert told["files"] == ["results/press.h5"]
+
+
+def test_number_that_varies__is_not_set_anew(press_folder):
+    assert "varies in this study" in refused("check", "study.toml", "--set", "input.length=60 mm")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--positions", "7"], "an even number of at least 8"),
+        (["--accuracy", "2"], "a share between 0 and 1"),
+        (["--accuracy", "1 mm"], "expected a number"),
+    ],
+)
+def test_wrong_setting__is_refused(arguments, words, press_folder):
+    assert words in refused("check", "press.toml", *arguments)
+
+
+def test_run_of_which_every_variant_fails__exits_with_1(press_folder):
+    answer = said("run", "press.toml", "--no-plots", "--set", "input.length=250 mm")
+    assert answer.exit_code == 1
+    assert "cannot assemble" in answer.stdout
+
+
+def test_show_json__has_the_best_and_what_is_listed(press_result):
+    told = json.loads(said("show", press_result, "--json", "--limit", "2").stdout)
+    assert told["variants"] == 8
+    assert told["status"] == {"ok": 6, "cannot_assemble": 2}
+    assert len(told["listed"]) == 2
+    assert told["listed"][0]["variant"] == told["best"]
+    assert told["units"]["input.length"] == "m"
+
+
+# Pictures and tables
+
+
+def test_plot__draws_any_field_over_the_cycle_or_over_another(press_folder):
+    assert said("plot", "press.toml", "-y", "B.vy,rod.angle", "--out", "over.svg").exit_code == 0
+    assert said("plot", "press.toml", "-x", "A.x", "-y", "A.y").stdout == "Wrote press_A_y.png\n"
+    assert Path("over.svg").stat().st_size > 0
+    assert "did you mean 'B.vy'" in refused("plot", "press.toml", "-y", "B.vz")
+    assert "-y B.vx" in refused("plot", "press.toml", "-x", "B.vy")
+
+
+def test_table_of_positions__holds_every_field(press):
+    assert said("export", "press.toml", "--to", "p.csv").exit_code == 0
+    header = next(csv.reader(Path("p.csv").read_text().splitlines()))
+    assert {name.partition(" ")[0] for name in header} == {"phi", *Machine(press).available_fields}
+
+
+def test_table_of_a_result__holds_all_that_was_asked(press_folder):
+    text = (
+        Path("study.toml")
+        .read_text()
+        .replace(
+            'summaries = ["ram.stroke", "excess_work"]',
+            'summaries = ["excess_work"]\nderivatives = ["excess_work by bodies.ram.mass"]',
+        )
+        .replace("where = \"ram.stroke > '90 mm'\"", "")
+        + '[tolerances]\n"input.length" = "0.1 mm"\n'
+    )
+    Path("study.toml").write_text(text)
+    assert said("run", "study.toml", "--no-plots", "--quiet", "--out", "r.h5").exit_code == 0
+    assert said("export", "r.h5", "--to", "r.csv").exit_code == 0
+    names = [name.partition(" ")[0] for name in next(csv.reader(Path("r.csv").read_text().splitlines()))]
+    for asked in ("excess_work.by.bodies.ram.mass", "excess_work.tolerance_rss", "status_by.bodies.ram.mass"):
+        assert asked in names
+    assert len(set(names)) == len(names)
+
+
+def test_same_table__in_json_and_mat(press_folder):
+    for ending in ("csv", "json", "mat"):
+        answer = said(
+            "export", "press.toml", "--to", f"p.{ending}", "--columns", "B.y,ram.velocity", "--positions", "8"
+        )
+        assert answer.exit_code == 0
+    rows = list(csv.DictReader(Path("p.csv").read_text().splitlines()))
+    from_csv = [float(row["B.y [m]"]) for row in rows]
+    from_json = json.loads(Path("p.json").read_text())["columns"]
+    from_mat = loadmat("p.mat", simplify_cells=True)
+    assert from_csv == from_json["B.y"]["values"] == from_mat["data"]["B_y"].tolist()
+    assert from_json["ram.velocity"]["unit"] == from_mat["units"]["ram_velocity"] == "m s-1"
+    assert from_mat["names"]["ram_velocity"] == "ram.velocity"
+
+
+def test_table_as_parquet__is_the_same_or_says_what_is_missing(press_folder):
+    try:
+        from pyarrow import parquet
+    except ImportError:
+        assert "machine-sweeps[parquet]" in refused("export", "press.toml", "--to", "p.parquet")
+        return
+    assert said("export", "press.toml", "--to", "p.parquet", "--columns", "B.y", "--positions", "8").exit_code == 0
+    found = parquet.read_table("p.parquet").column("B.y [m]").to_pylist()
+    assert found == pytest.approx([slide(k * math.pi / 4) for k in range(8)], abs=4 * ROUNDING)
+
+
+def test_scene_that_is_there_already__is_not_written_over(press_folder):
+    before = Path("press.toml").read_text()
+    assert "--overwrite" in refused("export", "press.toml", "--to", "press.toml")
+    assert Path("press.toml").read_text() == before
