@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from motion_scenes import Found, ask, run, slider_crank, steady
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, Scene, SceneError, Verdict
 
 MASS, INERTIA, COEFFICIENT, DIAMETER, GRAVITY = 2.0, 0.05, 0.2, 0.04, 9.81
 # Radius of the friction circle: f r over the root of 1 + f².
@@ -123,3 +123,17 @@ def test_heavy_flywheel__needs_the_moment_of_uniform_speed():
     # The flywheel leaves 11 J of excess work over I ω² of the speed, about 2e-5; and the speed's own figure.
     room = 1e-3 + 0.2 * found.figure("on.mean_speed")
     assert given == pytest.approx(outcome.summaries["input_moment_with_friction.mean"][0], rel=0, abs=room)
+
+
+# What can't be
+
+
+def test_friction_beside_a_coupling__is_refused_where_regimes_are_asked():
+    scene = rubbing({"go": run("dc gravity", time=0.5)})
+    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
+    scene["shafts"]["motor_shaft"]["inertia"] = 0.01
+    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 5.0}}
+    with pytest.raises(
+        SceneError, match=r"friction: regimes don't know it beside \[couplings\].*leave one of them out"
+    ):
+        Machine(Scene.model_validate(scene), ["go.time"])
