@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.quantities import load_fields
@@ -17,6 +18,9 @@ from engine.quantities.quantity import Quantity
 from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
+
+# What power comes from, and goes to.
+SOURCES = ("motors", *CHANNELS, "coupling")
 
 
 class History(NamedTuple):
@@ -40,9 +44,11 @@ class History(NamedTuple):
         Kinetic energy [J].
     loads_on_pairs : dict of str to ndarray
         Of the loads on pairs and frame that were to be kept, by name [N, N·m].
+    powers : dict of str to ndarray
+        Of the "motors", by the sort of work as `load_moments`, and of the "coupling", whose heat it is [W].
     shaft_speed, coupling_moment : ndarray
         Of a shaft behind a coupling, at its own speed [rad/s], and what the coupling transmits to the crank, reduced to
-        it [N·m]; NaN where a machine has no coupling, or where it is in steady motion.
+        it [N·m]; NaN where a machine has no coupling, and the moment where it is in steady motion.
     verdict : Verdict
         Where it isn't OK, the history ends where the motion did.
     """
@@ -56,6 +62,7 @@ class History(NamedTuple):
     load_moments: dict[str, np.ndarray]
     energy: np.ndarray
     loads_on_pairs: dict[str, np.ndarray]
+    powers: dict[str, np.ndarray]
     shaft_speed: np.ndarray
     coupling_moment: np.ndarray
     verdict: Verdict
@@ -125,7 +132,10 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
         else:
             piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
             along = RunFields(dynamics, variants, zero, zero, schedule.loads, off)
-            parts.append(_Part(name, begun, along, [piece]))
+            sides = schedule.sides[off].of(variants, zero) if schedule.sides else None
+            if sides is not None:
+                standing = standing._replace(coupled=CoupledStanding(standing.omega, np.full(1, np.inf)))
+            parts.append(_Part(name, begun, along, [piece], sides))
             begun += piece.time[-1, 0]
         if standing.verdict[0] != Verdict.OK:
             break
@@ -155,12 +165,13 @@ class _Record:
 
 
 class _Part(NamedTuple):
-    """A regime gone through: its name, when it began [s], its fields, and its pieces."""
+    """A regime: its name, when it began [s], its fields and pieces; with a coupling that holds its sides."""
 
     name: str
     begun: float
     along: RunFields
     pieces: list[Piece]
+    sides: CoupledSides | None = None
 
 
 class _CoupledPart(NamedTuple):
@@ -199,12 +210,13 @@ def _gathered(parts: list[_Part | _CoupledPart], fields: Iterable[str], verdict:
                 columns.setdefault(key, []).append(row)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
     loads, kept = ({key: whole.pop(key) for key in keys} for keys in (CHANNELS, fields))
-    return History(load_moments=loads, loads_on_pairs=kept, verdict=verdict, **whole)
+    powers = {source: whole.pop(f"{source} power") for source in SOURCES}
+    return History(load_moments=loads, loads_on_pairs=kept, powers=powers, verdict=verdict, **whole)
 
 
 def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
     """Columns of a regime, piece by piece."""
-    name, begun, along, pieces = part
+    name, begun, along, pieces, sides = part
     way = along.variants.direction[0]
     for before, piece in zip([None, *pieces], pieces, strict=False):
         new = _new_nodes(piece, before)
@@ -215,9 +227,12 @@ def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndar
             "time": begun + piece.time[new, 0],
             "angle": along.start[0] + way * piece.turned[new, 0],
             "speed": way * rows["speed"],
-            "shaft_speed": none,
+            "shaft_speed": none if sides is None else sides.coupling.ratio * rows["speed"],
             "coupling_moment": none,
         }
+        moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
+        powers = [*(way * moment * rows["speed"] for moment in moments), np.zeros(new.sum())]
+        own |= {f"{source} power": power for source, power in zip(SOURCES, powers, strict=True)}
         kept = ("acceleration", "motor_moment", *CHANNELS, "energy", *fields)
         yield own | {key: rows[key] for key in kept}
 
@@ -229,7 +244,9 @@ def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str,
     rows = sides.crank.dynamics.rows(sides.crank.variants, angle[:, None], time[:, None])
     of_crank = sides.crank.dynamics.moments(sides.crank.variants, rows, omega[:, None])
     of_shaft = sides.shaft.dynamics.moments(sides.shaft.variants, sides.shaft.forwards, shaft[0][:, None])
-    loads = of_crank.loads[:, :, 0] + of_shaft.loads[:, :, 0]
+    both = [np.concatenate((m.motors[None], m.loads))[:, :, 0] for m in (of_crank, of_shaft)]
+    motors, loads = both[0][0] + both[1][0], both[0][1:] + both[1][1:]
+    powers, heat = both[0] * omega + both[1] * shaft[0], shaft[1] * (omega - shaft[0])
     inertia, total = rows.inertia[:, 0], of_crank.total[:, 0] + shaft[1]
     with np.errstate(all="ignore"):
         epsilon = (total - 0.5 * omega**2 * rows.inertia_phi[:, 0]) / inertia
@@ -241,10 +258,11 @@ def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str,
         "shaft_speed": sides.coupling.ratio * shaft[0],
         "coupling_moment": way * shaft[1],
         "acceleration": way * epsilon,
-        "motor_moment": way * (of_crank.motors[:, 0] + of_shaft.motors[:, 0]),
+        "motor_moment": way * motors,
         "energy": 0.5 * inertia * omega**2 + 0.5 * sides.shaft.inertia * shaft[0] ** 2,
     }
     own |= {channel: way * moment for channel, moment in zip(CHANNELS, loads, strict=True)}
+    own |= {f"{source} power": power for source, power in zip(SOURCES, (*powers, heat), strict=True)}
     yield own | dict.fromkeys(fields, none)
 
 
