@@ -107,7 +107,7 @@ from engine.scene.names import did_you_mean, input_point
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Sliding, Yoke
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, PlainText, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime
@@ -116,7 +116,7 @@ from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure import group_links
 from engine.scene.structure import order as order_groups
 from engine.scene.structure import sliders as sliders_of
-from engine.scene.units import UnitError, any_quantity, base_powers, in_text, recognised
+from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised
 from engine.verdicts import SENTENCES, Verdict
 
 __all__ = [
@@ -174,6 +174,7 @@ __all__ = [
     "Pair",
     "PatternError",
     "PlainNumber",
+    "PlainText",
     "Quantity",
     "ReducedTrain",
     "Regime",
@@ -210,6 +211,7 @@ __all__ = [
     "cam_curves",
     "centre_along",
     "check_yields",
+    "column_in_text",
     "common_units",
     "corrected_unbalance",
     "crank_radius",

@@ -274,9 +274,9 @@ def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str])
         return np.append(x, end), np.append(y, y[0])
     if abs(y[-1] - y[0]) > CLOSING_TOLERANCE * np.abs(y).max():
         raise TableError(
-            f"row {x.size}: {names[1]} = {y[-1]} one period after the first row, whose {names[1]} = {y[0]}; make them"
-            f' equal (for a step there: interpolation "linear", and one more row with the same {names[0]} and the'
-            f" first {names[1]})"
+            f"row {x.size}: {names[1]} = {y[-1]:g} one period after the first row, whose {names[1]} = {y[0]:g}; make"
+            f' them equal: repeat row 1 there (for a step: interpolation "linear", row {x.size} as it is, and row 1'
+            f" after it once more, with the {names[0]} of row {x.size})"
         )
     return x, np.append(y[:-1], y[0])
 

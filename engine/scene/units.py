@@ -14,16 +14,29 @@ import math
 import numbers
 import re
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from decimal import Context, Decimal, localcontext
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from engine.scene.dimensions import DIMENSIONS, common_units, described, in_words, with_example
 
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["UNIT_NAMES", "UnitError", "any_quantity", "base_powers", "in_any_unit", "in_text", "recognised", "to_si"]
+__all__ = [
+    "UNIT_NAMES",
+    "UnitError",
+    "any_quantity",
+    "base_powers",
+    "column_in_text",
+    "in_any_unit",
+    "in_text",
+    "recognised",
+    "to_si",
+]
 
 
 class UnitError(ValueError):
@@ -95,6 +108,8 @@ _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _FRACTION = re.compile(rf"({_NUMBER})\s*/\s*([0-9]+\.?[0-9]*)")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
+# Characters of numbers in columns.
+_OF_NUMBERS = frozenset("0123456789+-.eE \t")
 _SYMBOLS = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad"}
 _SPELLINGS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
@@ -160,6 +175,52 @@ def in_text(value: str | float | int, dimension: str) -> float:
     if not isinstance(value, str) and number != 0 and dimension != "number":
         raise _no_unit(str(value), dimension)
     return number
+
+
+def column_in_text(cells: Sequence[str] | np.ndarray, unit: str, dimension: str) -> list[float]:
+    """Convert a column of numbers that have one unit to SI.
+
+    Parameters
+    ----------
+    cells : sequence of str, or ndarray
+        Numbers without units; of texts each is rounded correctly, like "80 mm" by `in_text`.
+    unit : str
+        Of all of them, "" for none.
+    dimension : str
+        As in `to_si`.
+
+    Returns
+    -------
+    list of float
+        In SI.
+
+    Raises
+    ------
+    UnitError
+        As `in_text`, for the first cell that is wrong.
+    KeyError
+        As `to_si`.
+    """
+    if not unit and dimension != "number":
+        return [in_text(cell if isinstance(cell, str) else float(cell), dimension) for cell in cells]
+    expected = with_example(dimension)
+    factor = _factor(unit, dimension) if unit else Decimal(1)
+    if isinstance(cells, np.ndarray):
+        found = (cells * float(factor)).tolist()
+        texts = [repr(cell) for cell in cells.tolist()] if not all(map(math.isfinite, found)) else []
+    else:
+        with localcontext(Context(prec=_DIGITS)):
+            # Whatever else Decimal reads, such as "nan" or "1_000", has other characters.
+            if set("".join(cells)) <= _OF_NUMBERS:
+                with suppress(ArithmeticError, OverflowError):
+                    found = [float(Decimal(cell) * factor) for cell in cells]
+                    if all(map(math.isfinite, found)):
+                        return found
+        found, texts = [], list(cells)
+    for cell in texts:
+        _number_and_unit(_stripped(cell, expected), expected)
+        found.append(in_text(f"{cell.strip()} {unit}".strip(), dimension))
+    return found
 
 
 def _read_text(text: str, dimension: str) -> float:

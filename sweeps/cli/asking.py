@@ -2,7 +2,7 @@
 
 import click
 
-from sweeps.cli.shared import errors_as_messages
+from sweeps.cli.shared import errors_as_messages, tell
 
 
 @click.command()
@@ -14,7 +14,7 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
     from sweeps.cli.named_machine import machine_of
     from sweeps.report.quantity_list import quantities_text
 
-    click.echo(quantities_text(machine_of(file, None)[0], file, words))
+    tell(quantities_text(machine_of(file, None)[0], file, words))
 
 
 @click.command("help")
@@ -24,4 +24,4 @@ def help_command(key: str | None) -> None:
     """Explain a key of scenes and studies: `sweeps help input.length`, a table, or a type such as compressor."""
     from sweeps.report.key_help import key_text, tables_text
 
-    click.echo(tables_text() if key is None else key_text(key))
+    tell(tables_text() if key is None else key_text(key))

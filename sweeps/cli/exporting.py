@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in
+from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in, tell
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 
@@ -63,7 +63,7 @@ def export(
     if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
         make_folder(to)
         write_table(to, exports.result_table(Path(file), where))
-        click.echo(f"Wrote {to}")
+        tell(f"Wrote {to}")
         return
     scene, values, name = machine_of(file, variant, settings)
     machine = with_values(scene, values)
@@ -78,9 +78,9 @@ def export(
         table, ended = exports.history_table(machine, {})
         write_table(to, table)
         if ended:
-            click.echo(f"The history ends early: {ended}", err=True)
+            tell(f"The history ends early: {ended}", err=True)
     elif at:
         write_table(to, exports.reading_table(read_at(machine, at, names_in(columns)), scene.title))
     else:
         write_table(to, exports.position_table(machine, {}, positions or 360, names_in(columns)))
-    click.echo(f"Wrote {to} of {name}")
+    tell(f"Wrote {to} of {name}")

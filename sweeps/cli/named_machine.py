@@ -46,6 +46,8 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     study = read_study(find_study(file))
     if variant is None:
         return (*_set_anew(study.scene, {}, settings), study.name)
+    if not 0 <= variant < study.design.size:
+        raise InputError(file, [(None, "variant", f"{variant} is not one of 0 … {study.design.size - 1}")])
     values, _ = study.values(variant, variant + 1)
     return (*_set_anew(study.scene, {p: float(values[p][0]) for p in study.paths}, settings), f"{study.name}_{variant}")
 

@@ -14,6 +14,7 @@ from sweeps.cli.shared import (
     stop,
     stop_if_all_failed,
     study_options,
+    tell,
     tell_data,
     tell_files,
     use_threads,
@@ -37,9 +38,9 @@ def check(
 
     found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
     if source:
-        click.echo(found.machine().source())
+        tell(found.machine().source())
     else:
-        click.echo(check_text(found, out))
+        tell(check_text(found, out))
 
 
 @click.command()
@@ -66,6 +67,7 @@ def run(
     """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.files.result_data import result_data
+    from sweeps.report.remarks import remarks_on
     from sweeps.report.result_report import answer_text, counts_text, kept_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
@@ -76,6 +78,8 @@ def run(
 
     started = time.perf_counter()
     found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
+    for remark in remarks_on(found.scene):
+        tell(f"Warning: {remark}", err=True)
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
@@ -94,11 +98,11 @@ def run(
         stop_if_all_failed(result.columns["status"])
         return
     plural = "" if found.design.size == 1 else "s"
-    click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
-    click.echo(counts_text(result))
-    click.echo(answer_text(result))
+    tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
+    tell(counts_text(result))
+    tell(answer_text(result))
     if hidden := between_positions_text(found):
-        click.echo(hidden)
+        tell(hidden)
     tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])
 
@@ -130,8 +134,8 @@ def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_p
         stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
     bar.close()
     result = SweepResult(out)
-    click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
-    click.echo(counts_text(result))
-    click.echo(optimum_text(result))
+    tell(f"{found.title or found.name}: {result.description.variants} candidates")
+    tell(counts_text(result))
+    tell(optimum_text(result))
     tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])

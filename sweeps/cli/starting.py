@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, write_text
+from sweeps.cli.shared import errors_as_messages, tell, write_text
 
 
 @click.command("list")
@@ -15,10 +15,10 @@ def list_command() -> None:
     from sweeps.text.tables import table
     from sweeps.text.templates import templates
 
-    click.echo("Studies (sweeps run NAME):")
-    click.echo(table(list(questions().items()), "  "))
-    click.echo("Templates (sweeps new NAME):")
-    click.echo(table(list(templates().items()), "  "))
+    tell("Studies (sweeps run NAME):")
+    tell(table(list(questions().items()), "  "))
+    tell("Templates (sweeps new NAME):")
+    tell(table(list(templates().items()), "  "))
 
 
 @click.command()
@@ -35,4 +35,4 @@ def new(template: str, out: Path | None) -> None:
     if out.exists():
         raise InputError(str(out), [(None, "", "exists already; name another file with --out")])
     write_text(out, text)
-    click.echo(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+    tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")

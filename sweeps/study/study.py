@@ -204,7 +204,7 @@ def read_study(path: Path | str) -> Study:
     if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
         message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
         raise InputError(str(path), [(None, "", message)])
-    if "scene" not in data and data.keys() & {"input", "elements"}:
+    if "scene" not in data and data.keys() & (Scene.model_fields.keys() - StudyText.model_fields.keys()):
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text)
     else:

@@ -233,7 +233,7 @@ def test_input__is_not_changed():
             [0, 1, 4],
             [0, 1, 2],
             {"period": 4.0},
-            r"row 3: y = 2\.0 one period after.*y = 0\.0; make them equal",
+            r"row 3: y = 2 one period after.*y = 0; make them equal: repeat row 1 there",
         ),
         ([0, 5e-324, 1], [0, 1, 2], {}, r"rows 1 and 2: .* too close"),
         ([0, 1e-310, 1], [0, 1, 2], {"interpolation": "spline"}, r"rows 1 and 2: .* too close"),
