@@ -29,7 +29,7 @@ from pydantic import (
     model_validator,
 )
 
-from engine.scene.units import in_text, to_si
+from engine.scene.units import in_text, to_si, unit_in
 
 FRAME = "frame"
 
@@ -56,6 +56,8 @@ def quantity(dimension: str) -> type:
 
     def read(value: object, info: ValidationInfo) -> float:
         from_text = bool(info.context and info.context.get("text"))
+        if from_text and isinstance(value, str):
+            info.context.setdefault("units", []).append((dimension, unit_in(value)))
         return in_text(value, dimension) if from_text else to_si(value, dimension)
 
     return Annotated[float, BeforeValidator(read), DimensionMark(dimension)]

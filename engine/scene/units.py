@@ -36,6 +36,7 @@ __all__ = [
     "in_text",
     "recognised",
     "to_si",
+    "unit_in",
 ]
 
 
@@ -45,7 +46,9 @@ class UnitError(ValueError):
 
 _TWO_PI = "6.283185307179586476925286766559005768394"
 
-# hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s.
+# hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s. The pound is 0.45359237 kg, standard
+# gravity 9.80665 m/s². Left out is what may be taken for something else: nm and kn (N m and kN in small letters), ton
+# (three of them), cal (several), P, c and d.
 _DEFINITIONS = f"""
 m = [length]
 um = 1e-6 m
@@ -54,27 +57,51 @@ cm = 1e-2 m
 dm = 0.1 m
 km = 1e3 m
 in = 0.0254 m
+inch = 0.0254 m
+mil = 2.54e-5 m
+thou = 2.54e-5 m
+ft = 0.3048 m
+yd = 0.9144 m
 l = 1e-3 m**3
 L = 1e-3 m**3
+ml = 1e-6 m**3
+mL = 1e-6 m**3
+cc = 1e-6 m**3
 rad = [angle]
 mrad = 1e-3 rad
 rev = {_TWO_PI} rad
 deg = {_TWO_PI} / 360 rad
+gon = {_TWO_PI} / 400 rad
+arcmin = {_TWO_PI} / 21600 rad
+arcsec = {_TWO_PI} / 1296000 rad
 s = [time]
 us = 1e-6 s
 ms = 1e-3 s
 min = 60 s
 h = 3600 s
 Hz = 1 / s
+kHz = 1e3 / s
+rps = {_TWO_PI} rad / s
 rpm = {_TWO_PI} / 60 rad / s
 kg = [mass]
 mg = 1e-6 kg
 g = 1e-3 kg
 t = 1e3 kg
+lb = 0.45359237 kg
+lbm = 0.45359237 kg
+oz = 0.028349523125 kg
+slug = 4.4482216152605 / 0.3048 kg
 N = kg m / s**2
 mN = 1e-3 N
 kN = 1e3 N
 MN = 1e6 N
+daN = 10 N
+lbf = 4.4482216152605 N
+ozf = 0.27801385095378125 N
+kip = 4448.2216152605 N
+kgf = 9.80665 N
+kp = 9.80665 N
+gf = 9.80665e-3 N
 Nmm = 1e-3 N m
 Nm = N m
 kNm = 1e3 N m
@@ -83,15 +110,25 @@ Pa = N / m**2
 kPa = 1e3 Pa
 MPa = 1e6 Pa
 GPa = 1e9 Pa
+hPa = 100 Pa
 bar = 1e5 Pa
+mbar = 100 Pa
+atm = 101325 Pa
+psi = 4.4482216152605 / 0.00064516 Pa
+ksi = 4448.2216152605 / 0.00064516 Pa
 J = N m
 kJ = 1e3 J
 MJ = 1e6 J
+mJ = 1e-3 J
+Wh = 3600 J
+kWh = 3.6e6 J
 W = J / s
 kW = 1e3 W
 MW = 1e6 W
+mW = 1e-3 W
 hp = 745.69987158227022 W
 PS = 735.49875 W
+mph = 0.44704 m / s
 percent = 0.01
 """.strip().splitlines()
 
@@ -452,6 +489,12 @@ def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
             return _in_range(number, f"{text!r}", "quantity"), {base: int(power) for base, power in kind.items()}
         except ArithmeticError:
             raise UnitError(f"{text!r} is not a finite quantity") from None
+
+
+def unit_in(text: str) -> str:
+    """The unit of a quantity's text as it is written; "" where there is none."""
+    found = _QUANTITY.fullmatch(text.strip())
+    return found[2] if found else ""
 
 
 def any_quantity(text: str) -> float:

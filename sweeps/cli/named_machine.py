@@ -37,6 +37,7 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     """
     if is_result(file):
         result = SweepResult(Path(file))
+        result.show_own_units()
         if variant is None:
             variant = result.best()
         if variant is None and is_front(result):

@@ -22,6 +22,7 @@ from sweeps.store import Description, StoreError, describe_result, read_columns
 from sweeps.study.study import misses
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
+from sweeps.text.engineer_units import show_units
 from sweeps.text.input_files import InputError
 
 
@@ -117,6 +118,10 @@ class SweepResult:
     def scene(self) -> Scene:
         """The scene as the study gives it, tables and all."""
         return Scene.model_validate(self.record["scene"])
+
+    def show_own_units(self) -> None:
+        """Show numbers in the units of other systems that the scene was written in, as for `show_units`."""
+        show_units(self.record.get("units", {}))
 
     def variant_values(self, variant: int) -> dict[str, float]:
         """Numbers of the scene (SI) that a variant has in place of the scene's own.

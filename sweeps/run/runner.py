@@ -15,6 +15,7 @@ from engine import SENTENCES, InputUnits, Machine, Outcome, Quantity, Verdict, t
 from sweeps.store import Column, FileLayout, Store
 from sweeps.study.study import Study
 from sweeps.study.study_record import study_record
+from sweeps.text.engineer_units import units_shown
 from sweeps.text.scene_text import write_scene
 
 # A block is long enough that its overhead (a few milliseconds) doesn't count, short enough that a killed sweep
@@ -95,7 +96,7 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "title": study.title or study.name,
         "question": study.question,
         "study": study.text,
-        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups)}),
+        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups), "units": units_shown()}),
         "scene": write_scene(study.scene),
         "study_hash": study.digest,
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, Tag, ValidationError
 
 from engine import in_text, nearest_names
+from sweeps.text.engineer_units import show_in_units
 from sweeps.text.input_files import InputError
 
 
@@ -75,10 +76,14 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     InputError
         All that is wrong with it, not only the first.
     """
+    context: dict[str, Any] = {"text": True}
     try:
-        return model.model_validate(data, context={"text": True})
+        made = model.model_validate(data, context=context)
     except ValidationError as error:
         raise InputError(source, [_problem(model, data, text, e, prefix) for e in error.errors()]) from None
+    if "units" in context:
+        show_in_units(context["units"])
+    return made
 
 
 def _problem(
