@@ -116,7 +116,7 @@ from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure import group_links
 from engine.scene.structure import order as order_groups
 from engine.scene.structure import sliders as sliders_of
-from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised
+from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
 from engine.verdicts import SENTENCES, Verdict
 
 __all__ = [
@@ -290,6 +290,7 @@ __all__ = [
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",
+    "unit_in",
     "unit_of_dimension",
     "unit_over",
     "unknown_name_message",

@@ -44,9 +44,10 @@ def export(
 ) -> None:
     """Write results, positions or a history as a table, the drawing as SVG or DXF, one variant as a scene (TOML).
 
-    Of a scene with one cam and no mechanism that is the cam.
+    Of a scene with one cam and no mechanism that is the cam. A scene is written as its author wrote it, comments and
+    units kept, with the numbers of the variant in it.
     """
-    from sweeps.cli.named_machine import is_result, machine_of, positions_of, read_at
+    from sweeps.cli.named_machine import is_result, machine_of, numbers_replaced, positions_of, read_at, scene_text_of
     from sweeps.pictures import picture_files
     from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
     from sweeps.report.files import exports
@@ -69,7 +70,8 @@ def export(
     machine = with_values(scene, values)
     make_folder(to)
     if to.suffix == ".toml":
-        exports.scene_toml(scene, values, to, overwrite)
+        given, replaced = numbers_replaced(file, values, settings)
+        exports.scene_toml(given, replaced, to, scene_text_of(file), overwrite)
     elif (cam := cam_named(machine, element)) is not None:
         export_cam(cam, to)
     elif to.suffix in DRAWINGS:

@@ -59,6 +59,28 @@ def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]
     return changed_scene(scene, settings), {path: value for path, value in values.items() if path not in anew}
 
 
+def scene_text_of(file: str) -> str:
+    """What the scene of a result, a study or a scene was read from, as TOML; "" where that isn't known."""
+    if is_result(file):
+        return SweepResult(Path(file)).description.attributes.get("scene_text", "")
+    return read_study(find_study(file)).scene_text
+
+
+def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, dict[str, float]]:
+    """The scene of a file as it was given, and all numbers that are replaced in it: of a variant, and set anew.
+
+    Parameters
+    ----------
+    file : str
+    values : mapping of str to float
+        Of the variant (SI), by path.
+    settings : sequence of str
+        As for `given_values`.
+    """
+    scene = SweepResult(Path(file)).scene if is_result(file) else read_study(find_study(file)).scene
+    return scene, {**values, **given_values(scene, settings)}
+
+
 def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
     """Positions of a scene's input from a text with commas.
 

@@ -166,15 +166,17 @@ def make_folder(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file.
+    """Write a text file, but not over one that is there, which a person may have written.
 
     Raises
     ------
     InputError
-        It can't be written.
+        There is one, or it can't be written.
     """
     from sweeps.text.input_files import InputError
 
+    if path.exists():
+        raise InputError(str(path), [(None, "", "exists already; name another file with --out")])
     make_folder(path)
     try:
         path.write_text(text, encoding="utf8")

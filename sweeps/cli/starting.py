@@ -27,12 +27,9 @@ def list_command() -> None:
 @errors_as_messages
 def new(template: str, out: Path | None) -> None:
     """Write a commented scene to start from."""
-    from sweeps.text.input_files import InputError
     from sweeps.text.templates import template_text
 
     text = template_text(template)
     out = out or Path(f"{template}.toml")
-    if out.exists():
-        raise InputError(str(out), [(None, "", "exists already; name another file with --out")])
     write_text(out, text)
     tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")

@@ -98,6 +98,7 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "study": study.text,
         "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups), "units": units_shown()}),
         "scene": write_scene(study.scene),
+        "scene_text": study.scene_text,
         "study_hash": study.digest,
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
         "machine": f"{platform.machine()} {platform.system()}, {threads()} threads",

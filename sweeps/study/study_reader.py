@@ -72,6 +72,7 @@ class StudyReader:
         }
 
     def _scene(self) -> Scene:
+        self.scene_text = ""
         if isinstance(self.raw.scene, dict):
             return scene_from(self.raw.scene, self.text, self.path.name, self.folder, ("scene",))
         path = self.folder / self.raw.scene
@@ -79,6 +80,7 @@ class StudyReader:
             text = read_text(path)
         except InputError as error:
             raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", str(error))]) from None
+        self.scene_text = text
         return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
 
     def content(self) -> dict[str, Any]:
@@ -120,6 +122,7 @@ class StudyReader:
             "title": self.raw.title or self.scene.title,
             "question": self.raw.question,
             "text": self.text,
+            "scene_text": self.scene_text,
             "best": self.raw.best,
             "optimise": self.raw.optimise,
             "tolerances": self.raw.tolerances,

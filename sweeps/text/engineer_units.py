@@ -47,30 +47,10 @@ _PLAIN = {
 
 # Units of other systems, which numbers are shown in where a scene gives most of its numbers of that kind so.
 _OTHER_SYSTEMS = frozenset(
-    [
-        "in",
-        "inch",
-        "ft",
-        "yd",
-        "mil",
-        "thou",
-        "lb",
-        "lbm",
-        "oz",
-        "slug",
-        "lbf",
-        "ozf",
-        "kip",
-        "kgf",
-        "kp",
-        "gf",
-        "psi",
-        "ksi",
-        "atm",
-        "mph",
-        "hp",
-        "PS",
-    ]
+    (
+        *("in", "inch", "ft", "yd", "mil", "thou", "lb", "lbm", "oz", "slug", "mph", "hp", "PS"),
+        *("lbf", "ozf", "kip", "kgf", "kp", "gf", "psi", "ksi", "atm"),
+    )
 )
 # Factor from SI and label by SI unit; of the scene that was read last.
 _as_given: ContextVar[Mapping[str, tuple[float, str]]] = ContextVar("units as given", default=MappingProxyType({}))

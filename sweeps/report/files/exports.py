@@ -10,8 +10,9 @@ from sweeps.report.files.data_files import DataTable, write_table
 from sweeps.report.readings import Readings, fields_at_uniform_speed
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
+from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.scene_text import with_values
 
 
 def result_table(path: Path, where: str | None = None) -> DataTable:
@@ -112,8 +113,8 @@ def history_table(scene: Scene, values: Mapping[str, float], steps: int = 360) -
     return DataTable({"regime": seen.regime} | numbers, units, scene.title), ended
 
 
-def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: bool = False) -> None:
-    """Scene with some numbers replaced, as TOML.
+def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, overwrite: bool = False) -> None:
+    """Scene with some numbers replaced, as TOML: the author's text where there is one, comments and units kept.
 
     Parameters
     ----------
@@ -121,6 +122,8 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: 
     values : mapping of path to float
         Numbers of the scene (SI) to be replaced.
     out : Path
+    text : str
+        What the scene was read from, "" where that isn't known.
     overwrite : bool
         Whether a file that is there already is written over.
 
@@ -133,7 +136,7 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: 
         message = "is there already, and a person may have written it; name another file, or give --overwrite"
         raise InputError(str(out), [(None, "", message)])
     try:
-        out.write_text(write_scene(scene, values), encoding="utf8")
+        out.write_text(edited_scene(scene, values, text, out.parent), encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
