@@ -2,7 +2,7 @@
 
 import click
 
-from sweeps.cli.asking import help_command, quantities
+from sweeps.cli.asking import compare_command, help_command, quantities
 from sweeps.cli.exporting import export
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
@@ -19,6 +19,7 @@ COMMANDS = (
     run,
     optimise,
     show,
+    compare_command,
     plot,
     orders,
     animate,

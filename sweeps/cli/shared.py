@@ -13,6 +13,7 @@ import click
 INTERRUPTED = 130
 WRONG_INPUT = 2
 ALL_FAILED = 1
+DIFFERENT = 1
 
 LONGEST_MESSAGE = 2900
 # All but line breaks and tabs.
