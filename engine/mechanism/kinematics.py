@@ -8,7 +8,7 @@ from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.vectors import Vector
-from engine.scene.masses import LinkMass, masses, whole_body
+from engine.scene.masses import LinkMass, resultant_masses, whole_body
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure import Structure
@@ -28,13 +28,13 @@ class Kinematics(Assembly):
     Attributes
     ----------
     masses : dict of str to LinkMass
-        Bodies and the point masses that stand for bodies.
+        Bodies and the point masses that stand for bodies, those of one link joined.
     """
 
     def __init__(self, scene: Scene, structure: Structure, graph: Graph, varied: frozenset[str]) -> None:
         super().__init__(scene, graph)
         self.varied = varied
-        self.masses: dict[str, LinkMass] = masses(scene, varied)
+        self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
         # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
         for name, point in scene.points.items():
             if point.link == FRAME:

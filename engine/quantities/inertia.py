@@ -10,7 +10,7 @@ from engine.quantities.expressions import Expression, Formula, Integral, Variant
 from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.inertia import body_inertia, inertia_from_swing
-from engine.scene.masses import CENTRE, count_points, point_name, replacement
+from engine.scene.masses import CENTRE, count_points, replacement, replacement_mass
 from engine.scene.scene import scene_numbers
 
 ORDERS = (1, 2, 4)
@@ -70,7 +70,7 @@ def _replacement(m: Mechanics, name: str) -> Declared:
         chosen = body.replace.at[i : i + 1]
         place = ("the centre of mass" if chosen == (CENTRE,) else chosen[0]) if chosen else "the point found"
         whose = f"mass {i + 1} (at {place}) that stands for body {name}"
-        part = m.kinematics.masses[point_name(name, i)]
+        part = replacement_mass(m.scene, name, i)
         for key, words, unit, compute in (
             ("mass", f"point {whose}, may be negative", "kg", part.mass),
             ("x", f"x coordinate on the link of {whose}", "m", part.along),

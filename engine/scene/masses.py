@@ -68,8 +68,62 @@ def masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
         if body.replace is None:
             found[name] = whole_body(scene, name, varied)
         else:
-            found |= {point_name(name, i): _part(scene, name, i) for i in range(count_points(scene, name))}
+            found |= {point_name(name, i): replacement_mass(scene, name, i) for i in range(count_points(scene, name))}
     return found
+
+
+def resultant_masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
+    """The masses of a scene, those of one link joined: what moves together acts as one body.
+
+    A mass that is alone on its link keeps its name, others are found under LINK__bodies. Mass, centre and moment of
+    inertia follow from the sums and the parallel axis theorem.
+
+    Parameters
+    ----------
+    scene : Scene
+    varied : frozenset of str
+        Paths of numbers that will vary.
+    """
+    on_link: dict[str, dict[str, LinkMass]] = {}
+    for name, mass in masses(scene, varied).items():
+        on_link.setdefault(mass.link, {})[name] = mass
+    found = {}
+    for link, own in on_link.items():
+        found |= own if len(own) == 1 else {f"{link}__bodies": _joined(link, list(own.values()))}
+    return found
+
+
+def _joined(link: str, parts: list[LinkMass]) -> LinkMass:
+    """The masses of a link as one."""
+
+    def mass(n: Numbers) -> float | np.ndarray:
+        return sum(part.mass(n) for part in parts)
+
+    def centre(n: Numbers, coordinate: Callable[[LinkMass], Compute]) -> float | np.ndarray:
+        total, first = np.asarray(mass(n)), coordinate(parts[0])(n)
+        moment = sum(part.mass(n) * (coordinate(part)(n) - first) for part in parts)
+        # Bodies without mass have no centre; wherever it is, it plays no part.
+        return first + np.divide(moment, total, out=np.zeros(np.broadcast(moment, total).shape), where=total != 0.0)
+
+    def along(n: Numbers) -> float | np.ndarray:
+        return centre(n, lambda part: part.along)
+
+    def across(n: Numbers) -> float | np.ndarray:
+        return centre(n, lambda part: part.across)
+
+    def inertia(n: Numbers) -> float | np.ndarray:
+        x, y = along(n), across(n)
+        about_centre = sum(part.inertia(n) for part in parts if part.inertia is not None)
+        return about_centre + sum(
+            part.mass(n) * ((part.along(n) - x) ** 2 + (part.across(n) - y) ** 2) for part in parts
+        )
+
+    points = {part.point for part in parts}
+    point = points.pop() if len(points) == 1 else None
+    at_origin = all(part.at_origin for part in parts)
+    together = at_origin or point is not None
+    turns = not together or any(part.inertia is not None for part in parts)
+    return LinkMass(link, mass, inertia if turns else None, along, across, point, at_origin)
 
 
 def whole_body(scene: Scene, name: str, varied: frozenset[str]) -> LinkMass:
@@ -98,7 +152,16 @@ def whole_body(scene: Scene, name: str, varied: frozenset[str]) -> LinkMass:
     )
 
 
-def _part(scene: Scene, name: str, i: int) -> LinkMass:
+def replacement_mass(scene: Scene, name: str, i: int) -> LinkMass:
+    """One of the point masses that stand for a body, counted from 0.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of the body.
+    i : int
+    """
     body = scene.bodies[name]
     chosen = body.replace.at[i] if i < len(body.replace.at) else CENTRE
     return LinkMass(

@@ -8,11 +8,12 @@ from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
-from sweeps.cli.starting import list_command, new
+from sweeps.cli.starting import guide_command, list_command, new
 
 COMMANDS = (
     list_command,
     help_command,
+    guide_command,
     new,
     quantities,
     check,

@@ -1,4 +1,4 @@
-"""Commands to start with: list, new."""
+"""Commands to start with: list, new, guide."""
 
 from pathlib import Path
 
@@ -33,3 +33,13 @@ def new(template: str, out: Path | None) -> None:
     out = out or Path(f"{template}.toml")
     write_text(out, text)
     tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+
+
+@click.command("guide")
+@click.argument("chapter", required=False)
+@errors_as_messages
+def guide_command(chapter: str | None) -> None:
+    """Show a chapter of the guide, or list them all."""
+    from sweeps.guide.chapters import chapter_text, chapters_text
+
+    tell(chapters_text() if chapter is None else chapter_text(chapter))

@@ -1,4 +1,4 @@
-"""The README's texts and commands are run as they stand."""
+"""The texts and commands of README and guide are run as they stand."""
 
 import re
 import shlex
@@ -12,37 +12,54 @@ from engine import ElementsAlone, Machine, Verdict
 from sweeps import read_scene
 from sweeps.cli import main
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf8")
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf8")
+GUIDE = {page.stem: page.read_text(encoding="utf8") for page in sorted((ROOT / "sweeps" / "guide").glob("*.md"))}
 
 
-def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.S)
+def blocks(language, text=README):
+    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.S)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with the README's scene and study, and the study run."""
+    """A folder with the scenes, the study and the tables of README and guide."""
     path = tmp_path_factory.mktemp("readme")
-    scene, study, formulas, motion, friction, cam, gears = blocks("toml")
-    (path / "cam.toml").write_text(cam, encoding="utf8")
-    (path / "compressor.toml").write_text(scene, encoding="utf8")
-    (path / "compressor_friction.toml").write_text(scene + friction, encoding="utf8")
-    (path / "compressor_formulas.toml").write_text(scene + formulas, encoding="utf8")
-    (path / "reducer.toml").write_text(gears, encoding="utf8")
-    (path / "compressor_motion.toml").write_text(scene + motion, encoding="utf8")
-    # All of it together.
-    (path / "compressor_whole.toml").write_text(scene + formulas + motion + friction, encoding="utf8")
-    (path / "study.toml").write_text(study, encoding="utf8")
-    (runs,) = blocks("csv")
+    scene, study = blocks("toml")
+    chapters = {
+        name: "".join(blocks("toml", GUIDE[name])) for name in ("formulas", "motion", "forces", "cams", "gears")
+    }
+    texts = {
+        "compressor": scene,
+        "compressor_friction": scene + chapters["forces"],
+        "compressor_formulas": scene + chapters["formulas"],
+        "compressor_motion": scene + chapters["motion"],
+        "compressor_whole": scene + chapters["formulas"] + chapters["motion"] + chapters["forces"],
+        "study": study,
+        "cam": chapters["cams"],
+        "reducer": chapters["gears"],
+    }
+    for name, text in texts.items():
+        (path / f"{name}.toml").write_text(text, encoding="utf8")
+    (runs,) = blocks("csv", GUIDE["balancing"])
     (path / "runs.csv").write_text(runs, encoding="utf8")
     (path / "torque.csv").write_text("phi [deg], moment [N m]\n0,0\n90,1000\n180,0\n270,-200\n360,0\n", encoding="utf8")
     return path
 
 
 def commands():
-    """Every `sweeps` command of the README, without its comment."""
-    lines = [line.split("  #")[0].strip() for block in blocks("sh") for line in block.splitlines()]
+    """Every `sweeps` command of README and guide, without its comment."""
+    texts = [block for text in (README, *GUIDE.values()) for block in blocks("sh", text)]
+    lines = [line.split("  #")[0].strip() for block in texts for line in block.splitlines()]
     return [line for line in lines if line.startswith("sweeps ")]
+
+
+def test_chapters__are_all_in_the_readme():
+    assert set(re.findall(r"\(sweeps/guide/([a-z]+)\.md\)", README)) == set(GUIDE)
+
+
+def test_readme__is_read_in_one_go():
+    assert len(README.splitlines()) <= 250
 
 
 def test_commands__run_in_the_order_written(folder, monkeypatch):
@@ -69,7 +86,7 @@ def test_python__runs(folder, monkeypatch):
     assert dict(names["data"].sizes)["variant"] == 21 * 3 * 256
 
 
-def test_formulas__work_as_the_readme_says(folder):
+def test_formulas__work_as_the_guide_says(folder):
     """The spring of the buffer is met on the way out, over 10 mm of the 250 mm that the piston reaches."""
     scene = read_scene(folder / "compressor_formulas.toml")
     asked = ["rings.moment.mean", "buffer.moment.mean", "fan.moment.mean"]
@@ -89,7 +106,7 @@ def test_all_together__can_be_ordered(folder):
     assert {"rings", "buffer", "fan", "motor"} <= {*scene.forces, *scene.moments}
 
 
-def test_friction__works_as_the_readme_says(folder):
+def test_friction__works_as_the_guide_says(folder):
     scene = read_scene(folder / "compressor_friction.toml")
     asked = ["friction_loss", "drive.inner.friction_work", "mechanical_efficiency", "input.reaction.max"]
     outcome = Machine(scene, [*asked, "shaking_force.order_1", "jamming_margin"]).evaluate({})
@@ -97,10 +114,21 @@ def test_friction__works_as_the_readme_says(folder):
     assert outcome.summaries["friction_loss"] > 0.0
 
 
-def test_gear_train__has_what_the_readme_names(folder):
+def test_gear_train__has_what_the_guide_names(folder):
     scene = read_scene(folder / "reducer.toml")
     known = ElementsAlone(scene).available_summaries
-    named = [name for name in re.findall(r"`(reducer\.[a-z_.]+)`", README) if not name.endswith("reduced_inertia")]
+    named = [
+        name for name in re.findall(r"`(reducer\.[a-z_.]+)`", GUIDE["gears"]) if not name.endswith("reduced_inertia")
+    ]
     assert len(named) >= 12
     assert set(named) <= set(known)
     assert ElementsAlone(scene, named).evaluate({}).status == [Verdict.OK]
+
+
+def test_guide__shows_its_chapters():
+    listed = CliRunner().invoke(main, ["guide"])
+    assert all(name in listed.output for name in GUIDE)
+    assert CliRunner().invoke(main, ["guide", "cams"]).output == GUIDE["cams"]
+    wrong = CliRunner().invoke(main, ["guide", "motoin"])
+    assert wrong.exit_code != 0
+    assert "did you mean 'motion'" in wrong.output

@@ -1,0 +1,33 @@
+"""The chapters of the guide, told in the terminal."""
+
+from importlib.resources import files
+
+from engine import unknown_name_message
+from sweeps.text.input_files import InputError
+from sweeps.text.tables import table
+
+
+def chapters() -> dict[str, str]:
+    """The chapters' texts in Markdown, by name."""
+    pages = (page for page in (files("sweeps") / "guide").iterdir() if page.name.endswith(".md"))
+    return {page.name.removesuffix(".md"): page.read_text("utf8") for page in sorted(pages, key=lambda page: page.name)}
+
+
+def chapters_text() -> str:
+    """Names and titles of all chapters."""
+    rows = [(name, text.partition("\n")[0].removeprefix("# ")) for name, text in chapters().items()]
+    return "\n".join(["Chapters (`sweeps guide CHAPTER` shows one):", table(rows, "  ")])
+
+
+def chapter_text(name: str) -> str:
+    """Text of a chapter.
+
+    Raises
+    ------
+    InputError
+        There is none of that name; the message says which there are.
+    """
+    known = chapters()
+    if name not in known:
+        raise InputError("guide", [(None, "", unknown_name_message(name, known))])
+    return known[name].rstrip()
