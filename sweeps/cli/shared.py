@@ -10,6 +10,8 @@ from pathlib import Path
 
 import click
 
+from sweeps.cli.waiting import clear_the_line, waiting_told
+
 INTERRUPTED = 130
 WRONG_INPUT = 2
 ALL_FAILED = 1
@@ -24,6 +26,7 @@ Command = Callable[..., None]
 
 def tell(text: str, err: bool = False) -> None:
     """Write a text to the terminal; control characters in it, which may come from files, are spelt out."""
+    clear_the_line()
     click.echo(_CONTROL.sub(lambda found: repr(found[0])[1:-1], text), err=err)
 
 
@@ -41,7 +44,8 @@ def errors_as_messages(command: Callable) -> Callable:
     @wraps(command)
     def guarded(*args: object, **kwargs: object) -> None:
         try:
-            command(*args, **kwargs)
+            with waiting_told():
+                command(*args, **kwargs)
         except Exception as error:
             if not isinstance(error, _foreseen()):
                 raise
