@@ -267,8 +267,8 @@ def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str])
     if beyond.size:
         row = beyond[0]
         raise TableError(
-            f"row {row + 1}: {names[0]} = {x[row]} is more than one period ({period}) after the first row"
-            f" ({x[0]}); remove the rows from there on, or correct the period"
+            f"row {row + 1}: {names[0]} = {x[row]:.9g} is more than one period ({period:.9g}) after the first row"
+            f" ({x[0]:.9g}); remove the rows from there on, or correct the period"
         )
     if x[-1] < end:
         return np.append(x, end), np.append(y, y[0])

@@ -276,8 +276,9 @@ def _open_tables(scene: Scene) -> list[Problem]:
         for name, action in getattr(scene, table).items():
             if isinstance(action, Tabled) and action.over_angle is not None:
                 try:
-                    period, names = 2.0 * math.pi * drive.revolutions, ("over_angle", ordinate)
-                    make_table(action.over_angle, action.ordinates, action.interpolation, period, names=names)
+                    angles, period = [math.degrees(angle) for angle in action.over_angle], 360.0 * drive.revolutions
+                    names = ("over_angle [deg]", ordinate)
+                    make_table(angles, action.ordinates, action.interpolation, period, names=names)
                 except TableError as error:
                     problems.append((f"{table}.{name}.{ordinate}", str(error)))
     return problems

@@ -23,7 +23,7 @@ from sweeps.study.study import misses
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
 from sweeps.text.engineer_units import show_units
-from sweeps.text.input_files import InputError
+from sweeps.text.input_files import InputError, check_file
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,7 @@ class SweepResult:
     @cached_property
     def description(self) -> Description:
         """Title, attributes, columns and progress."""
+        check_file(self.path)
         return describe_result(self.path)
 
     @cached_property

@@ -22,14 +22,14 @@ class InputError(ValueError):
             yield f"{place}: {key}: {message}" if key else f"{place}: {message}"
 
 
-def check_file(path: Path, largest: int) -> None:
+def check_file(path: Path, largest: int | None = None) -> None:
     """See that a path, if there is anything, is a file or folder, not a device or a pipe, and not too large.
 
     Parameters
     ----------
     path : Path
-    largest : int
-        Bytes that it may have.
+    largest : int, optional
+        Bytes that it may have; any number unless given.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def check_file(path: Path, largest: int) -> None:
         return
     if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
         raise InputError(str(path), [(None, "", "is a device or a pipe; name a file")])
-    if found.st_size > largest:
+    if largest is not None and found.st_size > largest:
         message = f"has {found.st_size / 1e6:.0f} MB, more than the {largest / 1e6:.0f} MB that such a file may have"
         raise InputError(str(path), [(None, "", message)])
 

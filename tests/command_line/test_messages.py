@@ -83,6 +83,7 @@ def test_scene_without_input__is_told_that(press_folder):
     [
         (COMPRESSOR.replace("1 bar", "8 bar"), "suction must be below discharge"),
         ('\n[shafts.s]\ngeared_to = "crank"\nratio = 0\n', "shafts.s.ratio: a shaft with the ratio 0"),
+        (TABLE.replace("360 deg", "400 deg"), "row 3: over_angle [deg] = 400 is more than one period (360) after"),
         (TABLE, "moments.cam.moment: row 3: moment = 3 one period after the first row, whose moment = 0; make them"),
     ],
 )
@@ -144,6 +145,7 @@ def test_device_or_pipe__is_refused_at_once(command, press_folder):
     os.mkfifo("pipe.toml")
     for name in ("/dev/zero", "pipe.toml"):
         assert "is a device or a pipe" in refused(command, name)
+    assert "is a device or a pipe" in refused("show", "pipe.toml")
 
 
 def test_device_as_a_table__is_refused(press_folder):

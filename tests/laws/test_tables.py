@@ -228,7 +228,7 @@ def test_input__is_not_changed():
         ([0, 1], [0, 1], {"outside": "nil"}, r"outside = 'nil'.*'hold', 'zero'"),
         ([0, 1], [0, 1], {"period": -1.0}, r"period = -1\.0: give a positive"),
         ([0, 1], [0, 1], {"period": math.nan}, r"period = nan"),
-        ([0, 1, 5], [0, 1, 0], {"period": 4.0}, r"row 3: x = 5\.0 is more than one period \(4\.0\)"),
+        ([0, 1, 5], [0, 1, 0], {"period": 4.0}, r"row 3: x = 5 is more than one period \(4\)"),
         (
             [0, 1, 4],
             [0, 1, 2],
