@@ -192,7 +192,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         rows = engine_rows(with_values(scene, values))
         if not rows:
             raise InputError(file, [(None, "elements", 'none is an engine; add [elements.NAME] with type = "engine"')])
-    tell(order_table(rows, markdown=False), nl=False)
+    tell(order_table(rows, markdown=False).removesuffix("\n"))
     if out is not None:
         order_picture(out, rows)
         tell(f"Wrote {out}")

@@ -70,10 +70,10 @@ def test_run_without_candidates__says_so_and_succeeds(press_folder):
     assert "No variant was computed that meets the conditions" in answer.stdout
 
 
-def test_run_where_nothing_assembles__says_so_and_succeeds(press_folder):
+def test_run_where_nothing_assembles__says_so_and_exits_with_1(press_folder):
     Path("study.toml").write_text(STUDY.replace('"40 mm", "60 mm", "250 mm", "50 mm"', '"250 mm"'))
     answer = said("run", "study.toml", "--no-plots")
-    assert answer.exit_code == 0
+    assert answer.exit_code == 1
     assert "cannot assemble" in answer.stdout
     assert "No variant" in answer.stdout
 
