@@ -34,9 +34,11 @@ from engine.balancing.rotors.influence import (
 from engine.balancing.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
+from engine.compiling.kept_code import is_compiling
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_columns import drive_history
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
@@ -66,14 +68,17 @@ from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
+from engine.machine.assembly_modes import assembly_modes
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
+from engine.machine.elastic_drives import DriveCycle, drive_cycle
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
+from engine.mechanism.groups.seed_tables import AssemblyMode
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history
@@ -103,19 +108,19 @@ from engine.scene.formulas.expressions import Tree as ExpressionTree
 from engine.scene.formulas.expressions import parse as parse_expression
 from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
-from engine.scene.names import did_you_mean, input_point
+from engine.scene.names import did_you_mean, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, PlainText, Sliding, Yoke
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, PlainText, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime
 from engine.scene.scene import Numbers as SceneNumbers
 from engine.scene.scene import Scene, SceneError, scene_numbers
-from engine.scene.structure import group_links
-from engine.scene.structure import order as order_groups
-from engine.scene.structure import sliders as sliders_of
+from engine.scene.structure.ordering import group_links
+from engine.scene.structure.ordering import order as order_groups
+from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
 from engine.verdicts import SENTENCES, Verdict
 
@@ -136,6 +141,7 @@ __all__ = [
     "STATISTICS",
     "AnyGovernor",
     "AskError",
+    "AssemblyMode",
     "BalanceError",
     "BalancedMachine",
     "Brake",
@@ -146,6 +152,7 @@ __all__ = [
     "DCMotor",
     "Derivatives",
     "DimensionMark",
+    "DriveCycle",
     "ElementsAlone",
     "Engine",
     "EngineElement",
@@ -165,10 +172,12 @@ __all__ = [
     "InputUnits",
     "LoadChange",
     "Machine",
+    "MachineDrive",
     "MasterRod",
     "Mechanics",
     "Move",
     "NaturalVibration",
+    "Near",
     "OscillatorElement",
     "Outcome",
     "Pair",
@@ -201,6 +210,7 @@ __all__ = [
     "Yoke",
     "acting_fields",
     "any_quantity",
+    "assembly_modes",
     "assembly_ranges",
     "balance",
     "balance_shafts",
@@ -222,6 +232,7 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
+    "drive_cycle",
     "drive_history",
     "engine_numbers",
     "engine_shaking",
@@ -248,8 +259,10 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "is_compiling",
     "is_excited",
     "joined_by_and",
+    "joint_owners",
     "load_change",
     "made_engine",
     "made_ready",

@@ -27,6 +27,11 @@ class Verdict(IntEnum):
     SLIDES = 18
     UNDERCUT = 19
     LIFTS_OFF = 20
+    SLIPS = 21
+    MODE_NOT_REACHED = 22
+    OTHER_MODE = 23
+    GROWS = 24
+    TURNS_BACK = 25
     NOT_COMPUTED = 255
 
 
@@ -98,6 +103,27 @@ SENTENCES = {
     Verdict.LIFTS_OFF: (
         "a follower lifts off its cam: the spring can't keep up with it; a greater preload or stiffness, less mass or "
         "a lower speed helps"
+    ),
+    Verdict.SLIPS: (
+        "a clutch slips on and on: its capacity doesn't suffice for the loads, or its motor can't bring both sides to "
+        "one speed; a greater capacity, a stronger motor or a lower load helps"
+    ),
+    Verdict.MODE_NOT_REACHED: (
+        "a group can't be put together in the scene's assembly mode: on the way from the scene's numbers to these that "
+        "mode meets another one and ends; vary less, or sweep from a scene that is nearer"
+    ),
+    Verdict.OTHER_MODE: (
+        "a group comes back from a turn of the input in another assembly mode, without any singular position: its "
+        "motion doesn't repeat itself; change a length, or limit the input's range"
+    ),
+    Verdict.GROWS: (
+        "the steady motion on an elastic shaft isn't stable: disturbances grow from cycle to cycle, as the changing "
+        "inertia feeds the shaft's vibration (parametric resonance) or a motor drives the more the faster it turns; "
+        "another speed or stiffness, more damping or a flywheel at the machine helps"
+    ),
+    Verdict.TURNS_BACK: (
+        "on its elastic shaft the machine doesn't turn through its cycle in one sense: it stops or turns back; a "
+        "flywheel at the machine, a stiffer shaft, more damping or a higher speed helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -1,5 +1,35 @@
 """`python -m sweeps` is the command `sweeps`."""
 
-from sweeps.cli import main
+import os
+import sys
 
-main(prog_name="sweeps")
+from sweeps.interruption import listen
+
+
+def start() -> None:
+    """Run the command line; signals are heard before anything that takes long is loaded."""
+    listen()
+    from sweeps.cli import main
+
+    try:
+        try:
+            main(prog_name="sweeps")
+        finally:
+            # Otherwise a full disk under standard output shows when Python has ended, as a traceback.
+            sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever read has seen enough.
+        _leave("", 1)
+    except OSError as error:
+        where = error.filename or "what is shown, or a file that nothing names,"
+        _leave(f"Error: {where} can't be written or read: {error.strerror}\n", 2)
+
+
+def _leave(message: str, code: int) -> None:
+    """End without another attempt to write what standard output didn't take."""
+    os.write(2, message.encode(errors="replace"))
+    os._exit(code)
+
+
+if __name__ == "__main__":
+    start()

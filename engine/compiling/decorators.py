@@ -8,6 +8,7 @@ over positions are added in the order written, and results don't depend on the w
 from collections.abc import Callable
 
 from numba import njit
+from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 
 from engine.compiling.kept_code import keep_compiled
@@ -16,6 +17,42 @@ RULES = frozenset({"contract", "arcp", "nsz"})
 LAW_RULES = RULES | {"reassoc"}
 # Arrays are borrowed from the caller: where none is made in compiled code, none needs to be counted there.
 BORROWING = {"_nrt": False}
+
+
+class PartOfCallers(JITCodeLibrary):
+    """Code that becomes part of its callers' alone: with theirs it is optimised and made into machine code, once.
+
+    A library of Numba's own would be both by itself too, at every level of calls again.
+    """
+
+    def _optimize_final_module(self) -> None:
+        """Leave it to the callers."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Nowhere: there is no machine code."""
+        return 0
+
+    @property
+    def codegen(self) -> "PartOfCallers":
+        """What takes the environment for Python's objects, of which compiled code alone has none."""
+        return self
+
+    def set_env(self, name: str, environment: object) -> None:
+        """Nothing reads it."""
+
+
+class Within(Compiler):
+    """Compiler of functions that are called by compiled code alone."""
+
+    def define_pipelines(self) -> list:
+        """Passes as usual, into a library that waits for its callers'."""
+        self.state.library = PartOfCallers(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        return super().define_pipelines()
 
 
 class Apart(Compiler):
@@ -28,6 +65,10 @@ class Apart(Compiler):
         """Passes as usual, with the promise among the flags."""
         self.state.flags.noalias = True
         return super().define_pipelines()
+
+
+class ApartWithin(Apart, Within):
+    """Both."""
 
 
 def scalar(function: Callable) -> Callable:
@@ -57,12 +98,12 @@ def _kept(function: Callable, rules: frozenset[str], **options: bool) -> Callabl
 
 def inlined(function: Callable) -> Callable:
     """Compile a small function of compiled code alone; it becomes part of whatever calls it."""
-    return _within(function, forceinline=True)
+    return _within(function, forceinline=True, pipeline_class=Within)
 
 
 def routine(function: Callable) -> Callable:
     """Compile a function of compiled code alone that is called; what it writes to overlaps with no other argument."""
-    return _within(function, forceinline=False, pipeline_class=Apart)
+    return _within(function, forceinline=False, pipeline_class=ApartWithin)
 
 
 def _within(function: Callable, **options: object) -> Callable:

@@ -1,49 +1,84 @@
-"""Machine code kept on disk: in the user's cache, in a folder of its own for each digest of its sources."""
+"""Machine code kept on disk: in the user's cache, in a folder of its own for each digest of its sources.
 
+Code is run as it is found, so that it is believed only in a folder that belongs to the user and that no one else may
+write to, and only if it agrees with the digest before it. What doesn't is removed and made again; where nothing can be
+written, it is made in every process.
+"""
+
+import gc
+import hashlib
+import logging
 import os
 import pickle
 import shutil
-import tempfile
+import stat
 import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from numba import config
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
+from numba.core.serialize import dumps
 
 from engine.compiling.sources import digest_of_module
 
-# One thread compiles at a time.
-COMPILING = threading.Lock()
-# What a file that is cut short or overwritten gives when it is read.
-BROKEN = (EOFError, pickle.UnpicklingError)
+# Modules of printed sources are named by their digest.
+PRINTED = "engine_printed_"
+
+_ONE_COMPILES = threading.Lock()
 
 _UNUSED_FOR = 60 * 24 * 3600.0
+_DIGEST = hashlib.sha256
+_DIGEST_SIZE = _DIGEST().digest_size
 
 
-def cache_folder() -> Path:
-    """Folder for machine code: the user's cache, or a temporary one where that can't be written."""
+@contextmanager
+def compiling() -> Iterator[None]:
+    """While one thread compiles, and no other; garbage isn't looked for.
+
+    Numba makes millions of objects and keeps most: looking through them again and again takes a tenth of the time.
+    """
+    with _ONE_COMPILES:
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            yield
+        finally:
+            if collects:
+                gc.enable()
+
+
+def is_compiling() -> bool:
+    """Whether some thread compiles just now, or loads what was compiled."""
+    return _ONE_COMPILES.locked()
+
+
+def cache_folder() -> Path | None:
+    """Folder for machine code in the user's cache, made if it isn't there; None where there is none to be trusted."""
     home = os.environ.get("XDG_CACHE_HOME")
     try:
         folder = (Path(home) if home else Path.home() / ".cache") / "machine-sweeps"
-        folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK):
-            return folder
-    except (OSError, RuntimeError):
-        pass
-    return _temporary_folder()
-
-
-@cache
-def _temporary_folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="machine-sweeps-"))
+        if not folder.exists():
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.stat()
+    except (OSError, RuntimeError) as error:
+        _say_once(f"no cache of machine code can be made ({error})")
+        return None
+    if not stat.S_ISDIR(found.st_mode):
+        _say_once(f"the cache of machine code, {folder}, is no folder")
+        return None
+    if hasattr(os, "geteuid") and (found.st_uid != os.geteuid() or found.st_mode & 0o022):
+        _say_once(f"the cache of machine code, {folder}, isn't used, as others may write to it")
+        return None
+    return folder
 
 
 @cache
 def folder_of(digest: str, within: Path) -> Path:
-    """The folder of a digest, made if it isn't there, and marked as used.
+    """The folder of a digest, made if it isn't there and can be, and marked as used.
 
     Parameters
     ----------
@@ -52,10 +87,10 @@ def folder_of(digest: str, within: Path) -> Path:
         The cache.
     """
     folder = within / digest[:32]
-    if not folder.exists():
-        _forget_unused(within)
     with suppress(OSError):
-        folder.mkdir(parents=True, exist_ok=True)
+        if not folder.exists():
+            _forget_unused(within)
+            folder.mkdir(mode=0o700, exist_ok=True)
         os.utime(folder)
     return folder
 
@@ -68,25 +103,94 @@ def _forget_unused(within: Path) -> None:
                 shutil.rmtree(folder, ignore_errors=True)
 
 
+@cache
+def _say_once(what: str) -> None:
+    logging.getLogger("engine").warning("Machine code is compiled in every run: %s.", what)
+
+
 def keep_compiled(function: Callable) -> None:
-    """Let Numba keep the machine code of a function, so that only what is new is compiled.
-
-    Numba asks for the folder when caching is switched on.
-    """
-    before = config.CACHE_DIR
-    try:
-        config.CACHE_DIR = str(folder_of(digest_of_module(function.py_func.__module__), cache_folder()))
-        function.enable_caching()
-    except (OSError, RuntimeError):
-        # Nowhere to keep it: it is compiled in every process.
-        return
-    finally:
-        config.CACHE_DIR = before
+    """Let Numba keep the machine code of a function, so that only what is new is compiled."""
+    if cache_folder() is not None:
+        function._cache = _KeptFunction(function.py_func)
 
 
-def empty_cache() -> None:
-    """Throw away all machine code that is kept, leaving its folders: some of it is broken."""
-    for path in cache_folder().rglob("*"):
-        if path.is_file():
-            with suppress(OSError):
-                path.unlink()
+class _Place(_CacheLocator):
+    """Where the machine code of a function lies: its folder tells of which sources it is."""
+
+    def __init__(self, folder: Path, line: int) -> None:
+        self._folder, self._line = folder, line
+
+    @classmethod
+    def from_function(cls, py_func: Callable, _: str) -> "_Place":
+        module = py_func.__module__
+        digest = module.removeprefix(PRINTED) if module.startswith(PRINTED) else digest_of_module(module)
+        return cls(folder_of(digest, cache_folder()), py_func.__code__.co_firstlineno)
+
+    def ensure_cache_path(self) -> None:
+        """What can't be written shows when it is written."""
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> None:
+        return None
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
+class _Kept(CompileResultCacheImpl):
+    _locator_classes = (_Place,)
+
+
+class _KeptFunction(FunctionCache):
+    _impl_class = _Kept
+
+    def __init__(self, py_func: Callable) -> None:
+        super().__init__(py_func)
+        self._cache_file = _VerifiedFiles(self._cache_path, self._impl.filename_base, None)
+
+
+class _VerifiedFiles(IndexDataCacheFile):
+    """Numba's files of a function's machine code, each with a digest before it."""
+
+    def save(self, key: tuple, data: object) -> None:
+        # Two processes may give one name to different entries, so that each tells whose it is.
+        try:
+            super().save(key, (key, data))
+        except OSError as error:
+            _say_once(f"the cache in {Path(self._cache_path).parent} can't be written ({error.strerror})")
+
+    def load(self, key: tuple) -> object:
+        found = super().load(key)
+        return found[1] if found and found[0] == key else None
+
+    def _load_index(self) -> dict:
+        return self._verified(self._index_path) or {}
+
+    def _load_data(self, name: str) -> tuple | None:
+        return self._verified(self._data_path(name))
+
+    def _save_index(self, overloads: dict) -> None:
+        self._write(self._index_path, overloads)
+
+    def _save_data(self, name: str, data: tuple) -> None:
+        self._write(self._data_path(name), data)
+
+    def _write(self, path: str, content: object) -> None:
+        payload = dumps(content)
+        with self._open_for_write(path) as file:
+            file.write(_DIGEST(payload).digest() + payload)
+
+    def _verified(self, path: str) -> object:
+        """What a file holds; None if it isn't there, or isn't as it was written, and is removed."""
+        try:
+            content = Path(path).read_bytes()
+        except OSError:
+            return None
+        payload = content[_DIGEST_SIZE:]
+        if _DIGEST(payload).digest() == content[:_DIGEST_SIZE]:
+            return pickle.loads(payload)
+        with suppress(OSError):
+            os.unlink(path)
+        return None

@@ -1,13 +1,11 @@
-"""Printed modules: written to the cache, imported, compiled by the signatures that their functions state."""
+"""Printed modules: their functions are compiled by the signatures that they state, or loaded from the cache."""
 
-import importlib.util
-import os
+import linecache
 import sys
 from functools import cache
-from pathlib import Path
 from types import ModuleType
 
-from engine.compiling.kept_code import BROKEN, COMPILING, cache_folder, empty_cache, folder_of
+from engine.compiling.kept_code import PRINTED, compiling
 from engine.compiling.sources import digest_of_text
 
 
@@ -19,31 +17,18 @@ def load_printed(text: str) -> ModuleType:
     text : str
         Source of the module.
     """
-    with COMPILING:
-        try:
-            return _load(text)
-        except BROKEN:
-            empty_cache()
-            return _load(text)
+    with compiling():
+        return _load(text)
 
 
 @cache
 def _load(text: str) -> ModuleType:
-    path = _written(text)
-    name = f"engine_printed_{path.parent.name}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    module = importlib.util.module_from_spec(spec)
+    name = f"{PRINTED}{digest_of_text(text)[:32]}"
+    file = f"<{name}>"
+    module = ModuleType(name)
+    module.__file__ = file
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    # So that a traceback can show its lines.
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    exec(compile(text, file, "exec"), module.__dict__)
     return module
-
-
-def _written(text: str) -> Path:
-    """The file of a printed source, written where it isn't there."""
-    path = folder_of(digest_of_text(text), cache_folder()) / "printed.py"
-    if not path.exists() or path.read_text(encoding="utf8", errors="replace") != text:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_suffix(f".{os.getpid()}.tmp")
-        draft.write_text(text, encoding="utf8")
-        os.replace(draft, path)
-    return path

@@ -6,7 +6,7 @@ from functools import wraps
 from numba import types
 
 from engine.compiling.decorators import driver
-from engine.compiling.kept_code import BROKEN, COMPILING, empty_cache
+from engine.compiling.kept_code import compiling
 from engine.compiling.threads import on_all_threads, pieces_of
 
 
@@ -21,15 +21,11 @@ def prepare(compiled: Callable, parameters: Sequence[types.Type]) -> None:
         Returns nothing.
     parameters : sequence of Type
     """
-    with COMPILING:
+    with compiling():
         if tuple(parameters) in compiled.overloads:
             return
         compiled.disable_compile(False)
-        try:
-            compiled.compile(types.void(*parameters))
-        except BROKEN:
-            empty_cache()
-            compiled.compile(types.void(*parameters))
+        compiled.compile(types.void(*parameters))
         compiled.disable_compile()
 
 
@@ -52,7 +48,7 @@ def over_variants(function: Callable) -> Callable:
 
     @wraps(function)
     def run(count: int, *arguments: object) -> None:
-        with COMPILING:
+        with compiling():
             kernel(0, 0, *arguments)
         on_all_threads(lambda piece: kernel(*piece, *arguments), pieces_of(count))
 

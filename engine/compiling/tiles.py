@@ -8,6 +8,7 @@ from numba import types
 from numba.core.typing import Signature
 
 from engine.compiling.decorators import RULES, Apart
+from engine.compiling.kept_code import keep_compiled
 
 # Variants side by side. With 64 the loops over lanes are vectorised whole.
 LANES = 64
@@ -19,7 +20,25 @@ _ROWS = types.float64[:, ::1]
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
 # A function of that signature as a parameter of a driver.
 FILLS_TILE = types.FunctionType(TILE_SIGNATURE)
-TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "cache": True, "pipeline_class": Apart}
+TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "pipeline_class": Apart}
+
+
+def filling(signature: Signature) -> Callable:
+    """Decorator of functions that fill tiles or rows: compiled for one signature, their machine code kept on disk.
+
+    Parameters
+    ----------
+    signature : Signature
+    """
+
+    def compiled(function: Callable) -> Callable:
+        made = numba.njit(**TILE_OPTIONS)(function)
+        keep_compiled(made)
+        made.compile(signature)
+        made.disable_compile()
+        return made
+
+    return compiled
 
 
 def field_signature(dtype: np.dtype) -> Signature:

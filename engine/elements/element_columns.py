@@ -20,6 +20,8 @@ from engine.compiling.threads import on_all_threads
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.elastic.compliances.compliance_columns import compliance_law
 from engine.elastic.compliances.elastic_parts import ComplianceElement
+from engine.elastic.drives.machine_drive_columns import machine_drive_law
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_columns import drive_law
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_law
@@ -270,6 +272,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return train_law(element)
         case TwoMassDrive():
             return drive_law(element)
+        case MachineDrive():
+            return machine_drive_law(element)
         case GearTrain():
             return gear_law(element)
         case FrictionDrive():

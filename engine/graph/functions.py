@@ -38,7 +38,6 @@ _HEAD = '''"""{title}"""
 import math
 
 import numpy as np
-from numba import njit
 
 {imports}
 
@@ -235,9 +234,9 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
             missing.append(f"from engine.compiling.nothing import nothing as {part.name}")
             continue
         text, called = in_lanes(part.name, part.doc, part.outputs, rows, part.stage, part.positions, part.inline_held)
-        texts.append(f"@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}")
+        texts.append(f"@filling(TILE_SIGNATURE)\n{text}")
         laws += called
-    imports = [*missing, "from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]
+    imports = [*missing, "from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
     places = {curve: i for i, (curve, _) in enumerate(plan.events)}
     return Functions(
         "\n\n".join([_HEAD.format(title=title, imports="\n".join(imports), dtype="float64"), *texts]),
@@ -257,17 +256,17 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
 def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
     """Text of a module with `fields`, which fills rows over equally spaced positions."""
     text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows)
-    imports = ["from engine.compiling.tiles import TILE_OPTIONS, field_signature", *_imports(laws)]
+    imports = ["from engine.compiling.tiles import field_signature, filling", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype=np.dtype(dtype).name)
-    return f"{head}\n\n@njit(field_signature(dtype), **TILE_OPTIONS)\n{text}"
+    return f"{head}\n\n@filling(field_signature(dtype))\n{text}"
 
 
 def number_function(title: str, results: Sequence[Node], rows: dict[Node, int]) -> str:
     """Text of a module with `numbers`, which fills a tile of one position with what numbers of the variant decide."""
     text, laws = in_lanes("numbers", "What follows from numbers alone.", results, rows, Stage.CYCLE, 1)
-    imports = ["from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE", *_imports(laws)]
+    imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype="float64")
-    return f"{head}\n\n@njit(TILE_SIGNATURE, **TILE_OPTIONS)\n{text}"
+    return f"{head}\n\n@filling(TILE_SIGNATURE)\n{text}"
 
 
 def _of_kind(nodes: Iterable[Node], kind: type) -> list:

@@ -110,6 +110,16 @@ class Number(Node):
         self.compute, self.role = compute, role
 
 
+class NumberTable(Node):
+    """Numbers of the variant that a law looks up by their place: their rows follow each other.
+
+    A law takes it as three arguments: the flat memory of numbers, where the first of them lies there, and the distance
+    from one to the next.
+    """
+
+    __slots__ = ()
+
+
 class Found(Node):
     """A number of the variant's cycle that is found by going round it, such as an end of a stroke.
 
@@ -309,6 +319,10 @@ class Graph:
     def derived(self, label: str, compute: Compute, role: Role = "shape") -> Number:
         """A number computed once for each variant from the scene's; the same label means the same number."""
         return self._once(("number", label), lambda: Number(self, label, compute, role))
+
+    def number_table(self, label: str, numbers: Iterable[Number]) -> NumberTable:
+        """Numbers to be looked up by their place; none of them may be used otherwise."""
+        return self._once(("number table", label), lambda: NumberTable(self, Stage.VARIANT, tuple(numbers), label))
 
     def found(self, curve: Node, rate: Node, which: Literal["low", "high", "low_at", "high_at"]) -> Node:
         """Least or greatest value of a curve over the cycle, or its place; of a constant curve that constant."""

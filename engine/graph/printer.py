@@ -17,6 +17,7 @@ from engine.graph.nodes import (
     LawResult,
     Node,
     Number,
+    NumberTable,
     Operation,
     Position,
     Stage,
@@ -35,7 +36,8 @@ FEW_ROWS = 4
 CHUNK = 16
 
 # Names of what is around the statements: loops, arguments, modules.
-_TAKEN = {"P", "T", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "math", "n", "np", "p", "positions", "q"}
+_TAKEN = {"P", "T", "apart", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "looked_up", "math", "n", "np", "p"}
+_TAKEN |= {"positions", "q"}
 _TAKEN |= {"row", "rows", "sin_q", "t", "tile", "v", *(f"row{c}" for c in range(FEW_ROWS))}
 
 
@@ -49,6 +51,8 @@ class Statements:
         Nodes that change less often are read from the numbers.
     inline_held : bool
         Whether held nodes are computed at the position itself instead of being read.
+    looked_up : sequence of Node
+        Nodes that were computed before and are read.
 
     Attributes
     ----------
@@ -57,16 +61,21 @@ class Statements:
         Expression of each output.
     reads : dict of Node to str
         Names of the numbers that the statements read.
+    tables : dict of Node to str
+        Names of the places where tables of numbers begin; `apart` is how far their entries lie apart.
     positions : dict of str to str
         Of "q", "cos_q" and "sin_q" those that are read, by themselves.
     laws : list of callable
         Laws that are called.
     """
 
-    def __init__(self, outputs: Sequence[Node], stage: Stage, inline_held: bool = True) -> None:
-        self._stage, self._inline_held = stage, inline_held
+    def __init__(
+        self, outputs: Sequence[Node], stage: Stage, inline_held: bool = True, looked_up: Sequence[Node] = ()
+    ) -> None:
+        self._stage, self._inline_held, self._looked_up = stage, inline_held, frozenset(looked_up)
         self.statements: list[str] = []
         self.reads: dict[Node, str] = {}
+        self.tables: dict[Node, str] = {}
         self.positions: list[str] = []
         self.laws: list = []
         self._taken = set(_TAKEN)
@@ -81,11 +90,11 @@ class Statements:
         self.values = [self._texts[node] for node in outputs]
 
     def _is_leaf(self, node: Node) -> bool:
-        if isinstance(node, (Constant, TableMemory, Position)):
+        if isinstance(node, (Constant, TableMemory, Position)) or node in self._looked_up:
             return True
         if isinstance(node, Held):
             return not self._inline_held
-        if isinstance(node, (Number, Found, Given)):
+        if isinstance(node, (Number, NumberTable, Found, Given)):
             return True
         # What follows from held nodes alone has no row of its own: it is computed where it is used.
         return node.stage < self._stage and node.stage != Stage.PANEL
@@ -99,6 +108,9 @@ class Statements:
             case Position():
                 self._texts[node] = node.which
                 self.positions.append(node.which)
+            case NumberTable():
+                begin = self.tables[node] = self._name(node)
+                self._texts[node] = f"p, {begin}, apart"
             case _ if self._is_leaf(node):
                 self._texts[node] = self.reads[node] = self._name(node)
             case Held():
@@ -166,6 +178,18 @@ class Statements:
         self._texts[node], self._depth[node] = text, depth
 
 
+def _results_looked_up(outputs: Sequence[Node]) -> list[Node]:
+    """Results of laws that look up numbers of the variant by their place, and of those that find the place.
+
+    They are computed by themselves first: loads from anywhere would keep compilers from computing all else side by
+    side. Both in one go: what says where between two entries a position lies must fit to which entries these are.
+    """
+    results = [node for node in reached(outputs) if isinstance(node, LawResult)]
+    looks = {r.application for r in results if any(isinstance(o, NumberTable) for o in r.application.operands)}
+    finds = {o.application for look in looks for o in look.operands if isinstance(o, LawResult)}
+    return [node for node in results if node.application in looks | finds]
+
+
 def _count_uses(order: Iterable[Node], outputs: Iterable[Node], is_leaf: object) -> dict[Node, list]:
     """For each node the nodes that use it, an output counted twice so that it gets a name."""
     uses: dict[Node, list] = {}
@@ -211,28 +235,38 @@ def in_lanes(
     laws : list of callable
         Functions that the text calls.
     """
-    body = Statements(outputs, stage, inline_held)
-    used = [which for which in ("q", "cos_q", "sin_q") if which in body.positions]
-    reads = [f"{text} = p[{rows[node] * LANES} + l]" for node, text in body.reads.items()]
+    looked_up = _results_looked_up(outputs)
+    before, body = Statements(looked_up, stage, inline_held), Statements(outputs, stage, inline_held, looked_up)
+    used = [which for which in ("q", "cos_q", "sin_q") if which in (*body.positions, *before.positions)]
+    places = {node: f"looked_up[{i * LANES} + l]" for i, node in enumerate(looked_up)}
+    reads = [f"{text} = {places.get(n) or f'p[{rows[n] * LANES} + l]'}" for n, text in body.reads.items()]
     lines = [f"def {name}(P, T, q, cos_q, sin_q, tile):", f'    """{doc}"""', "    p = P.ravel()"]
+    if looked_up:
+        lines += [f"    apart = {LANES}", f"    looked_up = np.empty({len(looked_up) * LANES})"]
     if positions is None:
         lines += [f"    t, positions = np.empty({len(outputs) * LANES}), q.shape[0]"]
         lines += [f"    {which}_at = {which}" for which in used]
         lines += ["    for k in range(positions):"]
         lines += [f"        {which}_row = {which}_at[k]" for which in used]
-        inner = [f"{which} = {which}_row[l]" for which in used]
+        at = [f"{which} = {which}_row[l]" for which in used]
     else:
         lines += ["    t = tile.ravel()", *(f"    {which}_at = {which}.ravel()" for which in used)]
         lines += [f"    for k in range({positions}):"]
-        inner = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
+        at = [f"i = k * {LANES} + l", *(f"{which} = {which}_at[i]" for which in used)]
+    if looked_up:
+        first = [*at, *(f"{text} = p[{rows[n] * LANES} + l]" for n, text in before.reads.items())]
+        first += [f"{text} = {rows[n.operands[0]] * LANES} + l" for n, text in before.tables.items()]
+        first += before.statements
+        first += [f"{places[node]} = {value}" for node, value in zip(looked_up, before.values, strict=True)]
+        lines += [f"        for l in range({LANES}):", *(f"            {line}" for line in first)]
     step, place = (LANES, "l") if positions is None else (positions * LANES, "i")
-    inner += [*reads, *body.statements]
+    inner = [*at, *reads, *body.statements]
     inner += [f"t[{c * step} + {place}] = {value}" for c, value in enumerate(body.values)]
     lines += [f"        for l in range({LANES}):", *(f"            {line}" for line in inner)]
     if positions is None:
         lines += [f"        for c in range({len(outputs)}):", f"            for l in range({LANES}):"]
         lines += [f"                tile[c, k, l] = t[c * {LANES} + l]"]
-    return "\n".join(lines) + "\n", body.laws
+    return "\n".join(lines) + "\n", list(dict.fromkeys([*before.laws, *body.laws]))
 
 
 def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[Node, int]) -> tuple[str, list]:
@@ -241,24 +275,36 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
     Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the place of the
     variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as for `in_lanes`.
     """
-    body = Statements(outputs, Stage.POSITION)
-    used = dict.fromkeys(body.positions)
+    looked_up = _results_looked_up(outputs)
+    before, body = Statements(looked_up, Stage.POSITION), Statements(outputs, Stage.POSITION, looked_up=looked_up)
+    used = dict.fromkeys([*before.positions, *body.positions])
     lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
     lines += [f"    {which}_at = {which}" for which in used]
-    lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items()]
-    if len(outputs) <= FEW_ROWS:
+    places = {node: f"looked_up[{i * CHUNK} + k]" for i, node in enumerate(looked_up)}
+    lines += [f"    {text} = p[{rows[node]}]" for node, text in body.reads.items() if node not in places]
+    if len(outputs) <= FEW_ROWS and not looked_up:
         inner = [*(f"{which} = {which}_at[k]" for which in used), *body.statements]
         inner += [f"row{c}[k] = {value}" for c, value in enumerate(body.values)]
         lines += [f"    row{c} = rows[{c}, v]" for c in range(len(outputs))]
         lines += ["    for k in range(rows.shape[2]):", *(f"        {line}" for line in inner)]
         return "\n".join(lines) + "\n", body.laws
-    inner = [*(f"{which} = {which}_row[k]" for which in used), *body.statements]
+    at = [f"{which} = {which}_row[k]" for which in used]
+    inner = [*at, *(f"{body.reads[n]} = {place}" for n, place in places.items() if n in body.reads), *body.statements]
     inner += [f"t[{c * CHUNK} + k] = {value}" for c, value in enumerate(body.values)]
+    first = []
+    if looked_up:
+        lines += ["    apart = 1", f"    looked_up = np.empty({len(looked_up) * CHUNK})"]
+        first = [*at, *(f"{text} = p[{rows[n]}]" for n, text in before.reads.items())]
+        first += [f"{text} = {rows[n.operands[0]]}" for n, text in before.tables.items()]
+        first += before.statements
+        first += [f"{places[node]} = {value}" for node, value in zip(looked_up, before.values, strict=True)]
+        first = ["        for k in range(n):", *(f"            {line}" for line in first)]
     lines += [
         f"    t = np.empty({len(outputs) * CHUNK})",
         f"    for first in range(0, rows.shape[2], {CHUNK}):",
         f"        n = min({CHUNK}, rows.shape[2] - first)",
         *(f"        {which}_row = {which}_at[first : first + n]" for which in used),
+        *first,
         "        for k in range(n):",
         *(f"            {line}" for line in inner),
         f"        for c in range({len(outputs)}):",
@@ -266,4 +312,4 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
         "            for k in range(n):",
         f"                row[k] = t[c * {CHUNK} + k]",
     ]
-    return "\n".join(lines) + "\n", body.laws
+    return "\n".join(lines) + "\n", list(dict.fromkeys([*before.laws, *body.laws]))

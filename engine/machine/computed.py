@@ -32,7 +32,7 @@ def _levels(mechanics: Mechanics) -> dict[str, dict[str, tuple[Node, ...]]]:
     """Of each subject the nodes of each level that change with the position."""
     k = mechanics.kinematics
     found = {
-        f"group {name} ({mechanics.scene.groups[name].type})": {
+        f"group {name} ({_kind(mechanics, name)})": {
             "position": k.solution(name),
             "velocity": tuple(k.links[link].w for link in _links(mechanics, name)),
             "acceleration": tuple(k.links[link].e for link in _links(mechanics, name)),
@@ -65,6 +65,14 @@ def _reaction(mechanics: Mechanics, pair: Pair) -> tuple[Node, ...]:
     return tuple(mechanics.reactions.variables[f"{pair.name}.{part}"] for part in parts)
 
 
-def _links(mechanics: Mechanics, group: str) -> tuple[str, str]:
+def _kind(mechanics: Mechanics, group: str) -> str:
+    """Type of a dyad; class of a group of free links."""
+    free = mechanics.structure.free_groups.get(group)
+    return mechanics.scene.groups[group].type if free is None else f"class {free.group_class}"
+
+
+def _links(mechanics: Mechanics, group: str) -> tuple[str, ...]:
+    if group in mechanics.structure.free_groups:
+        return mechanics.structure.free_groups[group].links
     parts = mechanics.scene.groups[group]
     return parts.first.link, parts.second.link

@@ -21,9 +21,9 @@ def trains_on_machine(scene: Scene, elements: tuple[str, ...]) -> tuple[str, ...
 
 
 def machine_harmonics(m: Mechanics) -> list[Expression]:
-    """Mean of the input moment at uniform speed, then cosine and sine parts of its harmonics, in turn."""
+    """Mean inertia; mean of the input moment at uniform speed, then cosine and sine parts of its harmonics, in turn."""
     harmonics = (part for k in range(1, MACHINE_HARMONICS + 1) for part in input_moment_harmonic(m, k))
-    return [mean(m, m.input_moment), *harmonics]
+    return [mean(m, m.reduced.inertia), mean(m, m.input_moment), *harmonics]
 
 
 def machine_numbers(
@@ -52,7 +52,7 @@ def machine_numbers(
         By `MACHINE_KEYS`.
     """
     with np.errstate(all="ignore"):
-        found = [value_of(expression) for expression in expressions]
+        inertia, *found = (value_of(expression) for expression in expressions)
     values, errors = (
         [np.broadcast_to(part, (variants,)).astype(float) for part in parts]
         for parts in ([f.value for f in found], [f.error for f in found])
@@ -61,6 +61,8 @@ def machine_numbers(
     cosines, sines = [-values[0], *(-v for v in values[1::2])], [0.0 * values[0], *(-v for v in values[2::2])]
     off = [errors[0], *(a + b for a, b in zip(errors[1::2], errors[2::2], strict=True))]
     own = {"speed": numbers["input.speed"], "revolutions": m.scene.input.revolutions}
+    wheel = numbers.get("flywheel.inertia", 0.0)
+    own |= {"inertia": inertia.value + wheel, "inertia_error": inertia.error}
     for k, parts in enumerate(zip(cosines, sines, off, strict=True)):
         own |= {f"{name}_{k}": part for name, part in zip(("cosine", "sine", "error"), parts, strict=True)}
     return {f"machine.{key}": np.broadcast_to(np.asarray(value, float), (variants,)) for key, value in own.items()}

@@ -12,6 +12,7 @@ from engine.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
+from engine.machine.elastic_drives import ElasticDrives, drives_on_machine
 from engine.machine.excited_trains import machine_harmonics, machine_numbers, trains_on_machine
 from engine.machine.first_failure import first_failure
 from engine.machine.governed_engines import GovernedEngines
@@ -114,6 +115,8 @@ class Machine:
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
         self._trains = trains_on_machine(scene, self._elements.elements)
+        drives = drives_on_machine(scene, self._elements.elements)
+        self._drives = ElasticDrives(self.mechanics, drives) if drives else None
         self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions, accuracy)
         self._check_asked()
         others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
@@ -214,13 +217,17 @@ class Machine:
         expressions += self._harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
         kept = [field_node(c) for c in self._kept_curves.values()]
-        moving = self.regimes.nodes
-        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, moving)
+        return Measuring(self.mechanics, expressions, kept, followed, grid, self.accuracy, self._moving)
+
+    @property
+    def _moving(self) -> list[Node]:
+        """All that regimes and elastic drives are computed from at a position."""
+        return [*self.regimes.nodes, *(self._drives.nodes if self._drives else ())]
 
     @property
     def groups(self) -> tuple[str, ...]:
         """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
-        return tuple(self.scene.groups)
+        return tuple(self.mechanics.kinematics.sines)
 
     def source(self) -> str:
         """The printed functions, to be read."""
@@ -235,7 +242,7 @@ class Machine:
     @property
     def computed(self) -> dict[str, list[str]]:
         """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
-        return computed_levels(self.mechanics, [*self.measuring.curves, *self.regimes.nodes])
+        return computed_levels(self.mechanics, [*self.measuring.curves, *self._moving])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
@@ -297,6 +304,8 @@ class Machine:
         panels, of_trains = zip(*measured, strict=True)
         machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
         of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}
+        if self._drives is not None:
+            of_machine |= self._drives.numbers(numbers, outcome.status[keep] == Verdict.OK)
         self._fill_elements(outcome, keep, numbers.with_values(of_machine))
         if self.schedule is not None:
             self._move(outcome, keep, numbers)
@@ -346,6 +355,7 @@ class Machine:
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
+        self._blame_modes(outcome, keep, numbers)
         failed = keep[outcome.status[keep] != Verdict.OK]
         if failed.size:
             for name in self._summaries:
@@ -451,6 +461,19 @@ class Machine:
         self._blame_jams(outcome, keep, table, answers)
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
+
+    def _blame_modes(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
+        """Give the verdict on variants in which a group of free links doesn't keep its assembly mode."""
+        for group, tables in self.mechanics.kinematics.seed_tables.items():
+            if group not in self.measuring.groups:
+                continue
+            found = tables(numbers)
+            verdict, at = (np.broadcast_to(part, keep.shape) for part in (found.verdict, found.at))
+            # What fails before this group leaves it without a path.
+            whole = np.isin(outcome.status_group[keep], [-1, self.groups.index(group)])
+            for code in (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE):
+                here = whole & (verdict == code)
+                self._blame(outcome, keep[here], code, group, at[here])
 
     def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> None:
         """Give the verdict on variants in which a group jams."""

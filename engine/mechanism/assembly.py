@@ -4,7 +4,7 @@ Rates are by the input: dr/dq and d²r/dq², the transfer functions of the textb
 displacement of a sliding input.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from engine.graph.nodes import Graph, Node
 from engine.mechanism.vectors import Vector, named
 from engine.scene.parts import FRAME
 from engine.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from engine.mechanism.groups.seed_tables import SeedTables
 
 
 class MovingPoint(NamedTuple):
@@ -91,6 +94,12 @@ class Assembly:
         By their names in the scene.
     sines, closures : dict of str to Node
         Of each group the quality of force transmission, and what its loop misses of being closed.
+    certificates : dict of str to Node
+        Of each group of free links what proves its assembly mode.
+    seed_tables : dict of str to SeedTables
+        Of each group of free links.
+    solutions : dict of str to tuple of Node
+        Nodes that are needed wherever the position of a group of free links is.
     """
 
     def __init__(self, scene: Scene, graph: Graph) -> None:
@@ -103,6 +112,9 @@ class Assembly:
         self.slides: dict[str, Slide] = {}
         self.sines: dict[str, Node] = {}
         self.closures: dict[str, Node] = {}
+        self.certificates: dict[str, Node] = {}
+        self.seed_tables: dict[str, SeedTables] = {}
+        self.solutions: dict[str, tuple[Node, ...]] = {}
 
     def at_rest(self, r: Vector) -> MovingPoint:
         """A point that doesn't move."""
@@ -137,5 +149,7 @@ class Assembly:
 
         Where the angle between two guides never changes, the quality follows from numbers alone, the position doesn't.
         """
+        if group in self.solutions:
+            return self.solutions[group]
         sine, slide = self.sines[group], self.slides.get(self.scene.groups[group].second.link)
         return (sine, *sine.operands, *(slide.d.operands if slide else ()))

@@ -1,12 +1,24 @@
 """How the input moves at a position: at its own uniform speed, or at any speed and acceleration."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Graph, Node
+from engine.graph.nodes import Graph, Node, Number
 from engine.laws.elementary import power
 from engine.mechanism.vectors import Vector
+from engine.scene.parts import CrankInput
+from engine.scene.scene import Scene
+
+
+def input_span(scene: Scene, graph: Graph) -> tuple[Number, Number]:
+    """First and last position of the input [rad, or m of a sliding input]."""
+    drive = scene.input
+    if isinstance(drive, CrankInput) and drive.start is None:
+        full = 2.0 * math.pi * drive.revolutions
+        return graph.derived("first position", lambda n: 0.0), graph.derived("last position", lambda n: full)
+    return graph.number("input.start"), graph.number("input.stop")
 
 
 class InputMotion(NamedTuple):

@@ -7,11 +7,14 @@ from engine.graph.nodes import Graph
 from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.groups import GROUPS
+from engine.mechanism.groups.free import FreeMotion, add_free_group
+from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.scene import Scene
-from engine.scene.structure import Structure
+from engine.scene.structure.free_groups import FreeGroup
+from engine.scene.structure.ordering import Structure
 
 
 class Kinematics(Assembly):
@@ -29,12 +32,15 @@ class Kinematics(Assembly):
     ----------
     masses : dict of str to LinkMass
         Bodies and the point masses that stand for bodies, those of one link joined.
+    free : dict of str to FreeMotion
+        Groups of free links.
     """
 
     def __init__(self, scene: Scene, structure: Structure, graph: Graph, varied: frozenset[str]) -> None:
         super().__init__(scene, graph)
         self.varied = varied
         self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
+        self.free: dict[str, FreeMotion] = {}
         # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
         for name, point in scene.points.items():
             if point.link == FRAME:
@@ -46,6 +52,7 @@ class Kinematics(Assembly):
             "input": self._input,
             "shaft": self._shaft,
             "group": lambda name: GROUPS[scene.groups[name].type](self, name),
+            "free group": lambda name: self._free_group(structure.free_groups[name]),
             "point": self._point,
             "guide": self._guide,
         }
@@ -100,6 +107,11 @@ class Kinematics(Assembly):
         self.points[drive.point] = point.called(drive.point)
         self.links[name] = Turning(point, guide.u, g.zero, g.zero)
         self.slides[name] = Slide(g.q, g.one, g.zero)
+
+    def _free_group(self, group: FreeGroup) -> None:
+        drive = self.scene.input
+        turns = isinstance(drive, CrankInput) and drive.start is None
+        self.free[group.name] = add_free_group(self, group, input_span(self.scene, self.graph), turns)
 
     def _shaft(self, name: str) -> None:
         shaft, driver = self.scene.shafts[name], self.links[self.scene.shafts[name].geared_to]

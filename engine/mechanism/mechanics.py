@@ -1,6 +1,5 @@
 """The mechanics of a scene, whole: one graph, and what each chapter of the textbook adds to it when it is asked for."""
 
-import math
 from functools import cached_property
 
 import numpy as np
@@ -14,13 +13,13 @@ from engine.mechanism.inertia import (
     reduced_inertia,
     shaking,
 )
-from engine.mechanism.input_motion import InputMotion
+from engine.mechanism.input_motion import InputMotion, input_span
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.mechanism.reactions import Reactions
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Scene
-from engine.scene.structure import Structure, order
+from engine.scene.structure.ordering import Structure, order
 
 
 class Mechanics:
@@ -59,17 +58,12 @@ class Mechanics:
     @property
     def first(self) -> Number:
         """Where the range of the input begins [rad, or m of a sliding input]."""
-        if self.has_cycle:
-            return self.graph.derived("first position", lambda n: 0.0)
-        return self.graph.number("input.start")
+        return input_span(self.scene, self.graph)[0]
 
     @property
     def last(self) -> Number:
         """Where it ends."""
-        if self.has_cycle:
-            full = 2.0 * math.pi * self.scene.input.revolutions
-            return self.graph.derived("last position", lambda n: full)
-        return self.graph.number("input.stop")
+        return input_span(self.scene, self.graph)[1]
 
     @property
     def speed(self) -> Number:

@@ -24,13 +24,15 @@ from engine.mechanism.acting import Load
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import Turning
 from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
+from engine.mechanism.groups.free import FreeMotion
+from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.scene.pairs import Pair, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
-from engine.scene.structure import Structure
+from engine.scene.structure.ordering import Structure
 
 # What friction causes in each kind of pair, as the names of fields have it.
 _FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force"}
@@ -81,6 +83,8 @@ class Reactions:
         for element in reversed(structure.elements):
             if element.kind == "group":
                 self._group(element.name)
+            elif element.kind == "free group":
+                self._free_group(kinematics.free[element.name])
             elif element.kind == "shaft":
                 self._shaft(element.name)
         self._input()
@@ -156,24 +160,31 @@ class Reactions:
 
     def _revolute(self, pair: Pair, force: Vector) -> None:
         """Register the reaction of a revolute pair; what carries an outer pair bears the opposite."""
+        self._in_joint(pair, force)
+        if not pair.name.endswith(".inner"):
+            self._loads.push(pair.other, self.kinematics.links[pair.link].origin, -force)
+
+    def _in_joint(self, pair: Pair, force: Vector) -> None:
         link, other = (self.kinematics.links[name] for name in (pair.link, pair.other))
         force.called(f"{pair.name} reaction")
         own = self.in_axes[pair.name, pair.link] = _components(force, link)
         self.in_axes[pair.name, pair.other] = _components(-force, other)
         found = {"_x": force.x, "_y": force.y, "_along": own.x, "_across": own.y, "": force.length}
         self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
-        if not pair.name.endswith(".inner"):
-            self._loads.push(pair.other, link.origin, -force)
 
     def _prismatic(self, pair: Pair, normal: Node, moment: Node) -> None:
         """Register the reaction of a prismatic pair; what carries an outer pair bears the opposite."""
+        force = self._on_guide(pair, normal, moment)
+        if not pair.name.endswith(".inner"):
+            self._loads.push(pair.other, self.kinematics.links[pair.link].origin, -force)
+            self._loads.twist(pair.other, -moment)
+
+    def _on_guide(self, pair: Pair, normal: Node, moment: Node) -> Vector:
         link = self.kinematics.links[pair.link]
         force = normal * link.u.normal
         found = {"": normal, "_x": force.x, "_y": force.y, "_moment": moment}
         self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
-        if not pair.name.endswith(".inner"):
-            self._loads.push(pair.other, link.origin, -force)
-            self._loads.twist(pair.other, -moment)
+        return force
 
     # Groups, last first, then what turns on the frame
 
@@ -188,6 +199,18 @@ class Reactions:
                 self._prismatic(pair, *reaction)
         unloaded = {part.link for part, load in zip((group.first, group.second), loads, strict=True) if load.is_nothing}
         for pair in pairs_of_group(self.scene, name):
+            self._kinks(pair, unloaded)
+
+    def _free_group(self, motion: FreeMotion) -> None:
+        group = motion.closure.group
+        unloaded = {link for link in group.links if self._loads.total(link).is_nothing}
+        found = free_reactions(self.kinematics, motion, self._loads)
+        for pair in group.pairs:
+            if pair.kind == "revolute":
+                self._in_joint(pair, Vector(*found[pair.name]))
+            else:
+                self._on_guide(pair, *found[pair.name])
+        for pair in group.pairs:
             self._kinks(pair, unloaded)
 
     def _solved(self, name: str, loads: tuple[Wrench, Wrench]) -> list[Components]:

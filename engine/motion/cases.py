@@ -91,9 +91,13 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     arguments = frozenset().union(*sources.values())
     turning = _varies(dynamics.reduction.mechanics.reduced.inertia)
     number = _number(turning, arguments)
-    law = None if turning or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
-    method = TIME_FORM if dynamics.timed else ENERGY_FORM
+    couplings = dynamics.reduction.mechanics.scene.couplings if isinstance(regime, RunRegime) else {}
+    law = None if turning or couplings or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
+    method = TIME_FORM if dynamics.timed or couplings else ENERGY_FORM
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"
+    for name, coupling in couplings.items():
+        joined = "open" if name in regime.off else "at work"
+        sentence += f"; at two speeds, of the crank and of shaft {coupling.shaft}, with {name} {joined}"
     return Case(number, sentence, method if law is None else CLOSED_FORM, law)
 
 

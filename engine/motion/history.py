@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.regimes_in_order import Schedule, Standing
 from engine.motion.settled.steady import steady_motion
@@ -33,6 +34,9 @@ class History(NamedTuple):
         By the sort of work: "driving", "useful", "harmful", "braking", "other" [N·m].
     energy : ndarray
         Kinetic energy [J].
+    shaft_speed, coupling_moment : ndarray
+        Of a shaft behind a coupling, at its own speed [rad/s], and what the coupling transmits to the crank, reduced to
+        it [N·m]; NaN where a machine has no coupling, or where it is in steady motion.
     verdict : Verdict
         Where it isn't OK, the history ends where the motion did.
     """
@@ -45,6 +49,8 @@ class History(NamedTuple):
     motor_moment: np.ndarray
     load_moments: dict[str, np.ndarray]
     energy: np.ndarray
+    shaft_speed: np.ndarray
+    coupling_moment: np.ndarray
     verdict: Verdict
 
 
@@ -69,28 +75,50 @@ def history(scene: Scene, steps: int = 360) -> History:
     every = schedule.variants(Numbers(scene_numbers(scene), {}), 1)
     zero = np.zeros(1)
     standing = Standing(zero, zero, zero, np.full(1, Verdict.OK, np.uint8))
-    parts: list[tuple[str, np.ndarray, Dynamics, Variants]] = []
+    parts: list[_Part] = []
     begun = 0.0
     for name in schedule.needed:
         dynamics = schedule.dynamics[frozenset(scene.regimes[name].off)]
         variants = dynamics.driven(every)
         hindered = schedule.hindered(name, dynamics, variants)
         if hindered.any():
-            parts.append((name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
+            parts.append(_Part(name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
             standing = standing._replace(verdict=hindered)
             break
         if isinstance(scene.regimes[name], RunRegime):
             angle = scene.regimes[name].from_angle
             start = standing.angle[0] if angle is None else angle
+            if schedule.sides:
+                gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
+                sides = schedule.sides[frozenset(scene.regimes[name].off)].of(variants, np.full(1, start))
+                time, turned, omega, *shaft = gone.history
+                own = np.array([time + begun, start + variants.direction * turned, omega])
+                parts.append(_Part(name, own, dynamics, variants, sides, np.array(shaft)))
+                begun += time[-1]
+                if standing.verdict[0] != Verdict.OK:
+                    break
+                continue
             outcome, standing = schedule.run(name, dynamics, variants, standing, record=True)
             time, turned, omega = outcome.history
         else:
             start, (time, turned, omega), standing = 0.0, *_one_cycle(dynamics, variants, steps, schedule.tolerance)
-        parts.append((name, np.array([time + begun, start + variants.direction * turned, omega]), dynamics, variants))
+        own = np.array([time + begun, start + variants.direction * turned, omega])
+        parts.append(_Part(name, own, dynamics, variants))
         begun += time[-1]
         if standing.verdict[0] != Verdict.OK:
             break
     return _gathered(parts, Verdict(int(standing.verdict[0])))
+
+
+class _Part(NamedTuple):
+    """One regime: time, crank angle and speed by instants, and what acts; of a coupling its sides, speed and moment."""
+
+    name: str
+    course: np.ndarray
+    dynamics: Dynamics
+    variants: Variants
+    sides: CoupledSides | None = None
+    shaft: np.ndarray | None = None
 
 
 def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[np.ndarray, Standing]:
@@ -103,28 +131,41 @@ def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: fl
     return np.array([time[:, 0], turned[:, 0], omega[:, 0]]), Standing(zero, omega[0], zero, steady.verdict)
 
 
-def _gathered(parts: list[tuple[str, np.ndarray, Dynamics, Variants]], verdict: Verdict) -> History:
+def _gathered(parts: list[_Part], verdict: Verdict) -> History:
     columns: dict[str, list[np.ndarray]] = {}
 
     def add(key: str, values: np.ndarray) -> None:
         columns.setdefault(key, []).append(values)
 
-    for name, (time, angle, omega), dynamics, variants in parts:
-        way = variants.direction[0]
+    for name, (time, angle, omega), dynamics, variants, sides, shaft in parts:
+        way, none = variants.direction[0], np.full(time.size, np.nan)
         rows = dynamics.rows(variants, angle[:, None], time[:, None])
         moments = dynamics.moments(variants, rows, omega[:, None])
-        slope = rows.inertia_phi[:, 0]
+        energy, speed, transmitted = 0.5 * rows.inertia[:, 0] * omega**2, none, none
+        own, of_loads, total = moments.motors[:, 0], moments.loads[:, :, 0], moments.total[:, 0]
+        slope, inertia = rows.inertia_phi[:, 0], rows.inertia[:, 0]
+        if sides is not None:
+            rows = sides.crank.dynamics.rows(sides.crank.variants, angle[:, None], time[:, None])
+            of_crank = sides.crank.dynamics.moments(sides.crank.variants, rows, omega[:, None])
+            of_shaft = sides.shaft.dynamics.moments(sides.shaft.variants, sides.shaft.forwards, shaft[0][:, None])
+            own = of_crank.motors[:, 0] + of_shaft.motors[:, 0]
+            of_loads = of_crank.loads[:, :, 0] + of_shaft.loads[:, :, 0]
+            inertia, total = rows.inertia[:, 0], of_crank.total[:, 0] + shaft[1]
+            energy = 0.5 * inertia * omega**2 + 0.5 * sides.shaft.inertia * shaft[0] ** 2
+            speed, transmitted = sides.coupling.ratio * shaft[0], way * shaft[1]
         with np.errstate(all="ignore"):
-            epsilon = (moments.total[:, 0] - 0.5 * omega**2 * slope) / rows.inertia[:, 0]
+            epsilon = (total - 0.5 * omega**2 * slope) / inertia
         add("regime", np.full(time.size, name))
         add("time", time)
         add("angle", angle)
         add("speed", way * omega)
         add("acceleration", way * epsilon)
-        add("motor_moment", way * moments.motors[:, 0])
-        add("energy", 0.5 * rows.inertia[:, 0] * omega**2)
-        for channel, moment in zip(CHANNELS, moments.loads, strict=True):
-            add(channel, way * moment[:, 0])
+        add("motor_moment", way * own)
+        add("energy", energy)
+        add("shaft_speed", speed)
+        add("coupling_moment", transmitted)
+        for channel, moment in zip(CHANNELS, of_loads, strict=True):
+            add(channel, way * moment)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
     loads = {channel: whole.pop(channel) for channel in CHANNELS}
     return History(load_moments=loads, verdict=verdict, **whole)

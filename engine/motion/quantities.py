@@ -42,6 +42,25 @@ RUN = {
     "angle": ("angle turned in {name}", "rad"),
     "final_speed": ("angular speed of the input link at the end of {name}", "rad s-1"),
 }
+# Of a run with a coupling that isn't open; `{coupling}` is its name, `{shaft}` that of its shaft.
+COUPLED = {
+    "{coupling}_heat": ("heat of {coupling} in {name}", "J"),
+    "{coupling}_slip_angle": ("angle by which shaft {shaft} slipped in {name}", "rad"),
+    "{coupling}_moment_peak": ("greatest moment that {coupling} transmits in {name}, of its shaft", "N m"),
+}
+CLUTCHED = {
+    "{coupling}_slip_time": ("for how long {coupling} slipped in {name}", "s"),
+    "{coupling}_lock_up_time": ("when {coupling} came to hold both sides together last, since {name} began", "s"),
+    "{coupling}_lock_up_speed": ("angular speed of the input link when {coupling} came to hold in {name}", "rad s-1"),
+}
+FLUID = {"{coupling}_slip": ("angle slipped by the angle of shaft {shaft} in {name}", "1")}
+# Of a steady regime, in which a clutch holds.
+_MOMENT = "{coupling}_moment_peak"
+HELD = {_MOMENT: COUPLED[_MOMENT]}
+# Of a run with a coupling, be it open.
+AT_TWO_SPEEDS = {"{shaft}_final_speed": ("angular speed of shaft {shaft} at the end of {name}", "rad s-1")}
+# What may have no value: nothing drives a machine that runs down, a clutch needn't come to hold.
+MAY_BE_UNDEFINED = (".efficiency", "_lock_up_time", "_lock_up_speed")
 FIELDS = {
     "speed": ("angular speed of the input link in {name}", "rad s-1"),
     "acceleration": ("angular acceleration of the input link in {name}", "rad s-2"),
@@ -80,6 +99,7 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
     found: list[Quantity] = []
     for name, regime in scene.regimes.items():
         found += _made(name, COMMON | (STEADY if regime.type == "steady" else RUN))
+        found += _of_couplings(scene, name)
         if regime.type == "steady":
             motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
             found += [Quantity(f"{name}.{n}_slip", f"mean slip of motor {n} in {name}", "1") for n in motors]
@@ -89,6 +109,21 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
                     f"is asked, the other answers of {name} are those with it"
                 )
                 found.append(Quantity(f"{name}.flywheel", words, "kg m2"))
+    return found
+
+
+def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
+    """Summaries of a run with a coupling."""
+    found: list[Quantity] = []
+    regime = scene.regimes[name]
+    for coupling, model in scene.couplings.items():
+        table = AT_TWO_SPEEDS if regime.type == "run" else HELD
+        if regime.type == "run" and coupling not in regime.off:
+            table = COUPLED | (CLUTCHED if model.type == "friction_clutch" else FLUID) | table
+        words = {"name": name, "coupling": coupling, "shaft": model.shaft}
+        found += [
+            Quantity(f"{name}.{k.format(**words)}", text.format(**words), unit) for k, (text, unit) in table.items()
+        ]
     return found
 
 

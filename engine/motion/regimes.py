@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.quantities import cycle_statistics, motion_fields, motion_summaries
+from engine.motion.quantities import MAY_BE_UNDEFINED, cycle_statistics, motion_fields, motion_summaries
 from engine.motion.regimes_in_order import RegimeAnswers, Schedule
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.scene.scene import Numbers
@@ -68,8 +68,7 @@ class Regimes:
         found = self.schedule.answers(numbers, count)
         missing = np.zeros(count, bool)
         for name, value in found.values.items():
-            # Nothing drives a machine that runs down: it has no efficiency.
-            if not name.endswith(".efficiency"):
+            if not name.endswith(MAY_BE_UNDEFINED):
                 missing |= ~np.isfinite(value)
         verdict = np.where(missing & (found.verdict == Verdict.OK), Verdict.NOT_FINITE, found.verdict)
         return found._replace(verdict=verdict.astype(np.uint8))

@@ -16,6 +16,9 @@ from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
+from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
+from engine.motion.coupled.coupled_run import CoupledEnds
+from engine.motion.coupled.two_sides import TwoSides
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
@@ -58,12 +61,16 @@ def share_of_change(name: str) -> float:
 
 
 class Standing(NamedTuple):
-    """Where every variant stands between two regimes: crank angle [rad], speed [rad/s], time [s], verdict."""
+    """Where every variant stands between two regimes: crank angle [rad], speed [rad/s], time [s], verdict.
+
+    `coupled` says where a shaft behind a coupling stands; None where it turns along.
+    """
 
     angle: np.ndarray
     omega: np.ndarray
     clock: np.ndarray
     verdict: np.ndarray
+    coupled: CoupledStanding | None = None
 
 
 class RegimeAnswers(NamedTuple):
@@ -132,6 +139,7 @@ class Schedule:
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
         self.dynamics = {off: Dynamics(self.reduction, off, works) for off in sets}
+        self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
@@ -160,7 +168,7 @@ class Schedule:
         count : int
         """
         # Runs keep tables over the steps of a cycle.
-        runs = any(name not in self.steady or self.cycles[name] for name in self.needed)
+        runs = any((name not in self.steady and not self.sides) or self.cycles[name] for name in self.needed)
         together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if runs else TOGETHER
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
         # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
@@ -203,7 +211,11 @@ class Schedule:
             dynamics, variants = self.dynamics[off], driven[off]
             hindered = self.hindered(name, dynamics, variants)
             standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
-            if isinstance(self.regimes[name], RunRegime):
+            if isinstance(self.regimes[name], RunRegime) and self.sides:
+                going, standing = self.run_at_two_speeds(name, variants, standing, half)
+                made, energy = going.turned / dynamics.cycle * steps, going.energy
+                found, scale = self._at_two_speeds(name, dynamics, going), {}
+            elif isinstance(self.regimes[name], RunRegime):
                 outcome, standing = self.run(name, dynamics, variants, standing, half)
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
@@ -227,12 +239,80 @@ class Schedule:
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
         """Verdict on what keeps a regime from being computed at all: a brake that locks, an inertia of zero."""
         verdict = np.where(dynamics.locked(variants), Verdict.LOCKS, Verdict.OK)
+        if self.sides and isinstance(self.regimes[name], RunRegime):
+            bare = self.sides[frozenset(self.regimes[name].off)].without_inertia(variants)
+            return np.where(bare, Verdict.NO_INERTIA, verdict).astype(np.uint8)
         # With the flywheel that is asked for there is an inertia everywhere.
         if f"{name}.flywheel" not in self.asked:
             verdict = np.where(self.reduction.without_inertia(variants), Verdict.NO_INERTIA, verdict)
         return verdict.astype(np.uint8)
 
     # Runs
+
+    def _number(self, name: str, key: str, variants: Variants, otherwise: float) -> np.ndarray:
+        """A number of a run, of every variant; another one where it isn't given."""
+        given = getattr(self.regimes[name], key) is not None
+        value = variants.numbers[f"regimes.{name}.{key}"] if given else otherwise
+        return np.broadcast_to(value, (variants.count,)).astype(float)
+
+    def run_at_two_speeds(
+        self, name: str, variants: Variants, standing: Standing, loose: bool = False, record: bool = False
+    ) -> tuple[CoupledOutcome, Standing]:
+        """Run a regime of a machine with a coupling from where it stands.
+
+        Parameters
+        ----------
+        name : str
+        variants : Variants
+            With the inertia of everything.
+        standing : Standing
+        loose : bool
+            Whether steps may miss more, for comparison.
+        record : bool
+            Whether to keep the history (of a single variant).
+        """
+        regime, zero = self.regimes[name], np.zeros(variants.count)
+        two, cycle = self.sides[frozenset(regime.off)], self.reduction.cycle
+
+        def number(key: str, otherwise: float) -> np.ndarray:
+            return self._number(name, key, variants, otherwise)
+
+        angle = number("from_angle", 0.0) if regime.from_angle is not None else standing.angle
+        ready = np.flatnonzero(standing.verdict == Verdict.OK)
+        sides = two.of(variants.some(ready), angle[ready])
+        omega, shaft, engaged = standing.omega, standing.omega, zero
+        if standing.coupled is not None:
+            shaft, engaged = standing.coupled
+        if regime.from_speed is not None:
+            omega, engaged = number("from_speed", 0.0), zero
+            shaft = omega
+        omega, shaft, engaged, clock = (row[ready] for row in (omega, shaft, engaged, standing.clock))
+        if regime.from_shaft_speed is not None:
+            shaft = number("from_shaft_speed", 0.0)[ready] / sides.coupling.ratio
+        turned, most = (number(key, np.inf)[ready] * cycle for key in ("cycles", "at_most"))
+        time, speed = (number(key, np.inf)[ready] for key in ("time", "speed"))
+        ends = CoupledEnds(turned, time, speed, regime.rest is True, regime.lock_up is True, most)
+        gone = run_coupled(sides, (omega, shaft), clock, engaged, ends, loose, record).over_all(ready, variants.count)
+        verdict = np.where(standing.verdict == Verdict.OK, gone.verdict, standing.verdict).astype(np.uint8)
+        since = np.full(variants.count, np.nan)
+        since[ready] = engaged
+        after = CoupledStanding(gone.shaft_omega, zero if two.open else since + gone.time)
+        angle = angle + variants.direction * gone.turned
+        return gone, Standing(angle, gone.omega, standing.clock + gone.time, verdict, after)
+
+    def _at_two_speeds(self, name: str, dynamics: Dynamics, gone: CoupledOutcome) -> dict[str, np.ndarray]:
+        two = self.sides[frozenset(self.regimes[name].off)]
+        found = {"time": gone.time, "angle": gone.turned, "final_speed": gone.omega}
+        found |= _work_values(dynamics, gone.works, gone.squares, gone.time, gone.change, gone.energy)
+        heat, works = gone.values["coupling_heat"], gone.works
+        with np.errstate(all="ignore"):
+            over = gone.energy + np.abs(works).sum(axis=0)
+            found["work_residual"] = (works.sum(axis=0) - heat - gone.change) / over
+        places = {"coupling": two.name, "shaft": two.coupling.shaft}
+        for key, value in gone.values.items():
+            side, _, rest = key.partition("_")
+            found[f"{places[side]}_{rest}" if side in places else key] = value
+        return found
 
     def run(
         self,
@@ -244,11 +324,10 @@ class Schedule:
         record: bool = False,
     ) -> tuple[RunOutcome, Standing]:
         """Run a regime from where the machines stand."""
-        regime, n, count = self.regimes[name], variants.numbers, variants.count
+        regime, count = self.regimes[name], variants.count
 
         def number(key: str, otherwise: float) -> np.ndarray:
-            given = getattr(regime, key) is not None
-            return np.broadcast_to(n[f"regimes.{name}.{key}"] if given else otherwise, (count,)).astype(float)
+            return self._number(name, key, variants, otherwise)
 
         omega = number("from_speed", 0.0) if regime.from_speed is not None else standing.omega
         angle = number("from_angle", 0.0) if regime.from_angle is not None else standing.angle
@@ -298,7 +377,8 @@ class Schedule:
             variants = variants._replace(flywheel=wheel, kept=None)
         # A force may jump where its moment only bends, for want of motion: at a dead centre.
         sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
-        grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if asked else None
+        looked = bool(asked or self.sides)
+        grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if looked else None
         nodes = None if grid is None else variants.direction * grid.places[NODES]
         if nodes is None and variants.kept is not None:
             # Found together, both are kept for the second time.
@@ -315,13 +395,19 @@ class Schedule:
         change = steady.ended - steady.energy
         found |= _work_values(dynamics, steady.works, steady.squares, period, change, steady.energy)
         found |= self._slips(name, variants, dynamics.cycle / period)
+        if self.sides:
+            two = self.sides[frozenset(self.regimes[name].off)]
+            peak, most = held_moment(two, dynamics, variants, grid.places[NODES], steady.record[0])
+            found[f"{two.name}_moment_peak"] = peak
+            verdict = np.where(peak > most, Verdict.SLIPS, verdict)
         cycle = CycleAnswers({}, {}, {}, {})
         if asked:
             off = frozenset(self.regimes[name].off)
             cycle = answers_of(cycle_of(dynamics, variants, grid, steady, self.loads, off), asked, dynamics.cycle)
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
         begin = np.sqrt(2.0 * steady.energy / dynamics.rows(variants, zero[None]).inertia[0])
-        return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8))
+        held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.sides else None
+        return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
 
     def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
         scene, n, slips = self.scene, variants.numbers, {}

@@ -6,6 +6,7 @@ from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits
+from engine.scene.names import joint_owners
 from engine.scene.parts import FRAME, CrankInput
 
 _WORDS = ("", "first derivative by the input of the ", "second derivative by the input of the ")
@@ -49,12 +50,18 @@ def declare(mechanics: Mechanics) -> Declared:
     for name in scene.groups:
         words = f"sine of the transmission angle of group {name}"
         yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]), "sin γ")
+    for name, h in k.certificates.items():
+        words = f"quality of transmission of {name}: the determinant of its loops, as a share of the greatest"
+        yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
+        words = f"h of Newton and Kantorovich in {name}: no more than 1/2 proves its assembly mode"
+        yield Field(f"{name}.certificate", words, "1", _known(h))
 
 
 def _moving_points(mechanics: Mechanics) -> list[str]:
     scene = mechanics.scene
     names = [name for name, point in scene.points.items() if point.link != FRAME]
     names += [group.inner for group in scene.groups.values() if hasattr(group, "inner")]
+    names += [joint for joint, link in joint_owners(scene).items() if link in scene.links and joint not in names]
     return [*names, scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point]
 
 

@@ -35,18 +35,19 @@ def declare(mechanics: Mechanics) -> Declared:
         yield Summary(
             f"{group}.{MAGNIFICATION}", f"group {group}: {words}", "1", lambda group=group: 1.0 / least_sine(m, group)
         )
-    if groups:
+    if groups and not m.scene.links:
         yield Summary(
             MAGNIFICATION,
             f"of the worst group: {words}",
             "1",
             lambda: maximum(*(1.0 / least_sine(m, g) for g in groups)),
         )
+    if groups or m.scene.links:
         yield Summary(
             RESIDUAL,
             "lengths, guides and directions that positions miss by, as a share of the links' lengths, at worst",
             "1",
-            lambda: maximum(*(unresolved_peak(m.kinematics.closures[g]) for g in groups)),
+            lambda: maximum(*(unresolved_peak(c) for c in m.kinematics.closures.values())),
         )
 
 

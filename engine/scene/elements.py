@@ -12,6 +12,7 @@ from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.engines.locomotive_element import LocomotiveElement
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.elastic.compliances.elastic_parts import ComplianceElement
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.trains.train_element import TorsionalTrain
@@ -214,6 +215,7 @@ MachineElement = Annotated[
     | ComplianceElement
     | TorsionalTrain
     | TwoMassDrive
+    | MachineDrive
     | CamElement
     | GearTrain
     | FrictionDrive

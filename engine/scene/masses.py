@@ -256,6 +256,9 @@ def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None
             found[part.joint] = origin
             if isinstance(part, Hinged):
                 found[group.inner] = (f"groups.{name}.{side}.length", None)
+    if link in scene.links:
+        ends = zip(scene.links[link].joints, (origin, (f"links.{link}.length", None)), strict=False)
+        found |= dict(ends)
     found |= {p: (f"points.{p}.x", f"points.{p}.y") for p, part in scene.points.items() if part.link == link}
     return found
 

@@ -4,6 +4,7 @@ import difflib
 import math
 from collections.abc import Iterable
 
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
 from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
@@ -69,13 +70,19 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
             define(links, getattr(group, side).link, f"groups.{name}.{side}.link")
         if hasattr(group, "inner"):
             define(points, group.inner, f"groups.{name}.inner")
+    for name in scene.links:
+        define(links, name, f"links.{name}")
     for name in scene.shafts:
         define(links, name, f"shafts.{name}")
     for name in scene.points:
         define(points, name, f"points.{name}")
+    for name, link in scene.links.items():
+        for joint in link.joints:
+            if joint not in points:
+                define(points, joint, f"links.{name}.joints")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
-    for table in ("forces", "moments", "springs", "cylinders", "elements"):
+    for table in ("forces", "moments", "springs", "cylinders", "couplings", "elements"):
         for name in getattr(scene, table):
             define({}, name, f"{table}.{name}")
     if problems:
@@ -98,6 +105,10 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
                 refs.append((f"{path}.guide", "guide", part.guide))
             else:
                 refs.append((f"{path}.joint", "point", part.joint))
+    for name, link in scene.links.items():
+        if link.guide is not None:
+            refs.append((f"links.{name}.guide", "guide", link.guide))
+    refs += [(f"near.{name}", "point", name) for name in scene.near]
     for table in ("points", "guides", "bodies"):
         for name, part in getattr(scene, table).items():
             refs.append((f"{table}.{name}.link", "link", part.link))
@@ -105,6 +116,7 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
         if shaft.pivot is not None:
             refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    refs += [(f"couplings.{name}.shaft", "link", coupling.shaft) for name, coupling in scene.couplings.items()]
     for name, force in scene.forces.items():
         refs.append((f"forces.{name}.on", "point", force.on))
         refs.append((f"forces.{name}.turns_with", "link", force.turns_with))
@@ -125,12 +137,14 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
     for name, element in scene.elements.items():
         if governs_machine(element):
             refs += [(f"elements.{name}.engine.throttled", "action", action) for action in element.engine.throttled]
+        if isinstance(element, MachineDrive):
+            refs += [(f"elements.{name}.off", "action", action) for action in element.off]
     return refs
 
 
 def acting(scene: Scene) -> set[str]:
     """Names of everything that acts on the machine and that a regime may switch off."""
-    return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders}
+    return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders, *scene.couplings}
 
 
 def sliders(scene: Scene) -> tuple[str, ...]:
@@ -140,15 +154,27 @@ def sliders(scene: Scene) -> tuple[str, ...]:
         found += [part.link for part in (group.first, group.second) if isinstance(part, (Sliding, Yoke))]
         if group.type in ("RPR", "RPP"):
             found.append(group.first.link)
+    found += [name for name, link in scene.links.items() if link.guide is not None]
     return tuple(found)
+
+
+def joint_owners(scene: Scene) -> dict[str, str]:
+    """Of each joint that free links name the link that carries it: the one whose point it is, or the first of them."""
+    owners = {input_point(scene): scene.input.link}
+    for group in scene.groups.values():
+        if hasattr(group, "inner"):
+            owners[group.inner] = group.second.link if group.type == "RRP" else group.first.link
+    owners |= {name: point.link for name, point in scene.points.items()}
+    for name, link in scene.links.items():
+        for joint in link.joints:
+            owners.setdefault(joint, name)
+    return {joint: owners[joint] for link in scene.links.values() for joint in link.joints}
 
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    checks = (
-        *(_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments),
-        *(_no_stroke, _no_cycle, _open_tables, _wrong_regimes),
-    )
+    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
+    checks += (_open_tables, _wrong_regimes, _wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
 
@@ -217,6 +243,9 @@ def _still_links(scene: Scene) -> set[str]:
                     found.add(part.link)
             if group.type == "RPP" and group.second.link in still:
                 found.add(group.first.link)
+        for name, link in scene.links.items():
+            if link.guide is not None and scene.guides[link.guide].link in still:
+                found.add(name)
         grown, still = found != still, found
     return still
 
@@ -284,19 +313,106 @@ def _open_tables(scene: Scene) -> list[Problem]:
     return problems
 
 
+def _timed(scene: Scene) -> set[str]:
+    """Forces and moments that are tabled over time."""
+    actions = {**scene.forces, **scene.moments}
+    return {name for name, action in actions.items() if getattr(action, "over_time", None) is not None}
+
+
 def _wrong_regimes(scene: Scene) -> list[Problem]:
     drive, problems = scene.input, []
     if scene.regimes and not (isinstance(drive, CrankInput) and drive.start is None):
         return [("regimes", "true motion needs a crank that turns fully; leave regimes, or input.start and input.stop")]
-    timed = {
-        n for t in (scene.forces, scene.moments) for n, a in t.items() if getattr(a, "over_time", None) is not None
-    }
+    timed = _timed(scene)
     for name, regime in scene.regimes.items():
         at = f"regimes.{name}"
         left = sorted(timed - set(regime.off))
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
-        if name in scene.forces or name in scene.moments or name in {*scene.groups, *scene.points, *scene.elements}:
+        taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
+        if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
+    return problems
+
+
+def _wrong_drives(scene: Scene) -> list[Problem]:
+    """Machines that aren't driven through the elastic shaft that an element says."""
+    problems = []
+    for name, element in scene.elements.items():
+        if not isinstance(element, MachineDrive):
+            continue
+        at, off = f"elements.{name}", set(element.off)
+        motors = {n for n, moment in scene.moments.items() if isinstance(moment, (DCMotor, InductionMotor))}
+        if not motors:
+            problems.append((at, "no motor drives it: add one to [moments], of type 'dc_motor' or 'induction_motor'"))
+        elif not motors - off:
+            problems.append((f"{at}.off", "every motor is off; leave one on"))
+        geared = _geared_to_input(scene)
+        if element.driver is not None and element.driver not in geared:
+            message = f"{element.driver!r} is no shaft geared to the crank; " + did_you_mean(element.driver, geared)
+            problems.append((f"{at}.driver", message))
+        elif element.driver is not None and scene.shafts[element.driver].inertia == 0.0:
+            problems.append((f"{at}.driver", f"shafts.{element.driver}.inertia = 0: the motors' end needs inertia"))
+        left = sorted(_timed(scene) - off)
+        if left:
+            problems.append((f"{at}.off", f"{left[0]!r} depends on time: no motion repeats itself; switch it off here"))
+    return problems
+
+
+# Moments that depend on nothing but the speed of the shaft that they are on.
+_BY_SPEED_ALONE = (
+    *("constant", "against_motion", "linear_drag", "quadratic_drag", "power_drag", "dc_motor", "induction_motor"),
+    *("block_brake", "disc_brake", "band_brake"),
+)
+
+
+def _wrong_couplings(scene: Scene) -> list[Problem]:
+    problems, geared = [], _geared_to_input(scene)
+    for i, (name, coupling) in enumerate(scene.couplings.items()):
+        path, shaft = f"couplings.{name}.shaft", coupling.shaft
+        if i > 0:
+            problems.append((f"couplings.{name}", "a machine goes at two speeds at most: leave one coupling"))
+        elif shaft not in geared:
+            allowed = ", ".join(sorted(geared)) or "none: add one to [shafts]"
+            problems.append((path, f"a coupling joins the crank to a shaft geared to it; such are: {allowed}"))
+        elif scene.shafts[shaft].pivot is not None:
+            problems.append((path, f"shaft {shaft!r} has a pivot and carries points; behind a coupling it can't"))
+        problems += [
+            (f"shafts.{other}.geared_to", f"{shaft!r} turns at a speed of its own, by coupling {name!r}; name another")
+            for other, own in scene.shafts.items()
+            if own.geared_to == shaft
+        ]
+        on_shaft = {n: moment for n, moment in scene.moments.items() if moment.on == shaft}
+        problems += [
+            (
+                f"moments.{n}.type",
+                f"shaft {shaft!r} turns at a speed of its own, by coupling {name!r}, and a moment on it may depend on "
+                f"that speed alone; allowed: {', '.join(_BY_SPEED_ALONE)}",
+            )
+            for n, moment in on_shaft.items()
+            if moment.type not in _BY_SPEED_ALONE
+        ]
+        sides = {n in on_shaft for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))}
+        if len(sides) == 2:
+            problems.append((f"couplings.{name}", "motors are on both of its sides; put them on one"))
+    return problems
+
+
+def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
+    """What of the regimes needs a coupling, or a clutch that is engaged."""
+    problems: list[Problem] = []
+    clutches = {name for name, coupling in scene.couplings.items() if coupling.type == "friction_clutch"}
+    for name, regime in scene.regimes.items():
+        if regime.type == "steady":
+            engaged = clutches - set(regime.off)
+            if scene.couplings and not engaged:
+                message = "only a clutch that holds, and isn't off, has one steady motion; use a run of some cycles"
+                problems.append((f"regimes.{name}.type", message))
+            continue
+        if regime.lock_up and not clutches - set(regime.off):
+            problems.append((f"regimes.{name}.lock_up", "no friction clutch is engaged here; give another end"))
+        if regime.from_shaft_speed is not None and not scene.couplings:
+            message = "no shaft has a speed of its own: the scene has no coupling; use from_speed"
+            problems.append((f"regimes.{name}.from_shaft_speed", message))
     return problems

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
-from engine.scene.names import Problem, did_you_mean
+from engine.scene.names import Problem, did_you_mean, joint_owners
 from engine.scene.pair_friction import PairFriction
 from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.scene import Scene
@@ -13,7 +13,7 @@ OF_GUIDES = ("form", "vee_angle", "length")
 
 
 class Pair(NamedTuple):
-    """A pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `input`, or a shaft in its pivot.
+    """A pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`, or a shaft's pivot.
 
     Attributes
     ----------
@@ -41,11 +41,13 @@ def holder_of(scene: Scene, point: str) -> str:
     for group in scene.groups.values():
         if getattr(group, "inner", None) == point:
             return group.second.link if group.type == "RRP" else group.first.link
-    return scene.input.link
+    return joint_owners(scene).get(point, scene.input.link)
 
 
 def bearer_of(scene: Scene, slider: str) -> str:
     """Link that carries the guide or slot of a slider."""
+    if slider in scene.links:
+        return scene.guides[scene.links[slider].guide].link
     for group in scene.groups.values():
         for part in (group.first, group.second):
             if part.link == slider:
@@ -63,6 +65,16 @@ def pairs(scene: Scene) -> list[Pair]:
     found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
     for name in scene.groups:
         found += pairs_of_group(scene, name)
+    return found + free_pairs(scene)
+
+
+def free_pairs(scene: Scene) -> list[Pair]:
+    """The pairs of free links, `LINK.JOINT` and `LINK.GUIDE`, each with the link that names it first."""
+    owners, found = joint_owners(scene), []
+    for name, link in scene.links.items():
+        found += [_joint(scene, f"{name}.{j}", name, j) for j in link.joints if owners[j] != name]
+        if link.guide is not None:
+            found.append(_on_guide(scene, f"{name}.{link.guide}", name, link.guide))
     return found
 
 
@@ -105,6 +117,10 @@ def friction_problems(scene: Scene) -> list[Problem]:
         if friction.pair in first:
             message = f"{friction.pair!r} has its friction already in friction.{first[friction.pair]}; keep one"
             problems.append((f"{path}.pair", message))
+        if known[friction.pair].link in scene.links:
+            message = f"{friction.pair!r} is a pair of a free link: friction is computed in pairs of dyads alone"
+            problems.append((f"{path}.pair", message))
+            continue
         first.setdefault(friction.pair, name)
         problems += _wrong_keys(path, friction, known[friction.pair])
     return problems

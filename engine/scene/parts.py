@@ -9,7 +9,8 @@ its own axes: origin and x axis of
 - a link of RRR and the rod of RRP: its outer joint, towards the inner joint;
 - a slider: its joint (the outer joint of a block of RPR or RPP), along the guide or slot it slides on;
 - the rocker of RPR: its pivot, along the slot;
-- the sliding link of RPP: the crossing of slot and guide, along the guide.
+- the sliding link of RPP: the crossing of slot and guide, along the guide;
+- a free link: its first joint, towards the second; on a guide along that; see `FreeLink`.
 
 Numbers are SI when given as numbers and take units when given as text ("80 mm").
 """
@@ -246,6 +247,45 @@ class RPP(Part):
 
 
 Group = Annotated[RRR | RRP | RPR | PRP | RPP, Field(discriminator="type")]
+
+
+class FreeLink(Part):
+    """A link whose group the program finds by itself: the joints it is hinged at, or the guide it slides on.
+
+    A point of another link is a joint by being named here. With two joints, `length` apart, the link's origin is the
+    first of them and its x axis goes to the second; with one that is the origin. On a `guide` its x axis lies along
+    the guide and its origin at `offset` to the guide's left. A link that others are hinged at, by points of its own,
+    needs none: its axes are then free.
+    """
+
+    joints: tuple[Name, ...] = ()
+    length: Annotated[Length, Field(gt=0)] | None = None
+    guide: Name | None = None
+    offset: Length = 0.0
+
+    @model_validator(mode="after")
+    def _is_a_bar_or_slides(self) -> "FreeLink":
+        allowed = 2 if self.guide is None else 1
+        if len(self.joints) > allowed:
+            on_guide = "" if self.guide is None else " on a guide"
+            raise ValueError(
+                f"joints names {len(self.joints)} points; a link{on_guide} takes up to {allowed}: make the others "
+                'points of this link, [points] NAME = { link = "…", x = …, y = … }, and name them at the other links'
+            )
+        if len(set(self.joints)) < len(self.joints):
+            raise ValueError(f"joints names {self.joints[0]!r} twice; name two points")
+        if (len(self.joints) == 2) != (self.length is not None):
+            raise ValueError("length is the distance of two joints: give both, or neither")
+        if self.guide is None and self.offset != 0.0:
+            raise ValueError("offset is the distance from a guide; give guide, or leave offset out")
+        return self
+
+
+class Near(Part):
+    """About where a point of a free link lies at the first position: it tells assembly modes apart."""
+
+    x: Length
+    y: Length
 
 
 class Rod(Part):

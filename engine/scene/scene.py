@@ -8,7 +8,9 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
+from engine.motion.coupled.coupling_models import Coupling
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
 from engine.scene.elements import MachineElement
@@ -21,10 +23,12 @@ from engine.scene.parts import (
     CrankInput,
     DimensionMark,
     Flywheel,
+    FreeLink,
     Group,
     Guide,
     Mode,
     Name,
+    Near,
     Part,
     PlainText,
     Point,
@@ -49,9 +53,10 @@ _ALONE = {"title", "source", "elements"}
 class Scene(Part):
     """One machine: geometry, input, structural groups, bodies, and what acts on it.
 
-    Groups may stand in any order. `gravity` acts along −y. Without `inertia_in_reactions`, for slow machines, reactions
-    are those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
-    from. A scene of machine elements alone has no input.
+    Groups may stand in any order; free `links` make up groups of any class, whose assembly mode `near` tells. `gravity`
+    acts along −y. Without `inertia_in_reactions`, for slow machines, reactions are those of the acting forces alone;
+    what else is computed keeps its inertia. `source` says where the numbers come from. A scene of machine elements
+    alone has no input.
     """
 
     title: PlainText = ""
@@ -61,7 +66,10 @@ class Scene(Part):
     guides: dict[Name, Guide] = {}
     input: Annotated[CrankInput | SliderInput, Field(discriminator="type")] | None
     groups: dict[Name, Group] = {}
+    links: dict[Name, FreeLink] = {}
+    near: dict[Name, Near] = {}
     shafts: dict[Name, Shaft] = {}
+    couplings: dict[Name, Coupling] = {}
     bodies: dict[Name, Body] = {}
     forces: dict[Name, ForceAction] = {}
     moments: dict[Name, MomentAction] = {}
@@ -91,6 +99,8 @@ class Scene(Part):
         for name, element in self.elements.items():
             if getattr(element, "machine_at", None) is not None and not turns:
                 raise ValueError(f"elements.{name}.machine_at: only a crank that turns fully excites a train")
+            if isinstance(element, MachineDrive) and not turns:
+                raise ValueError(f"elements.{name}: only a crank that turns fully is driven through an elastic shaft")
         return self
 
     @model_validator(mode="after")
@@ -200,6 +210,22 @@ class Numbers(Mapping[str, float | np.ndarray]):
     def with_values(self, values: Mapping[str, np.ndarray]) -> "Numbers":
         """The same numbers with some of them replaced."""
         return Numbers(self._fixed, {**self._varied, **values})
+
+    def on_the_way(self, share: float | np.ndarray) -> "Numbers":
+        """Numbers at a share of the way from the scene's own to these; choices are made at once.
+
+        Parameters
+        ----------
+        share : float or ndarray (variants,)
+        """
+        return Numbers(
+            self._fixed,
+            {
+                path: values if self._fixed[path].choices else self._fixed[path].value * (1.0 - share) + values * share
+                for path, values in self._varied.items()
+                if path in self._fixed
+            },
+        )
 
     def of_variants(self, chosen: np.ndarray) -> "Numbers":
         """The numbers of some of the variants.

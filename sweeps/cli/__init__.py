@@ -4,24 +4,29 @@ import click
 
 from sweeps.cli.asking import compare_command, help_command, quantities
 from sweeps.cli.exporting import export
+from sweeps.cli.reporting import report
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
-from sweeps.cli.starting import guide_command, list_command, new
+from sweeps.cli.starting import guide_command, list_command, modes, new
+from sweeps.cli.verifying import verify
 
 COMMANDS = (
     list_command,
     help_command,
     guide_command,
     new,
+    modes,
     quantities,
     check,
     run,
     optimise,
+    verify,
     show,
     compare_command,
     plot,
+    report,
     orders,
     animate,
     export,

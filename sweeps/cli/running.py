@@ -11,14 +11,15 @@ from sweeps.cli.shared import (
     make_folder,
     plots_of,
     run_options,
-    stop,
     stop_if_all_failed,
     study_options,
     tell,
+    tell_aside,
     tell_data,
     tell_files,
     use_threads,
 )
+from sweeps.interruption import keeping
 
 
 @click.command()
@@ -53,6 +54,7 @@ def run(
     study: str,
     out: Path | None,
     restart: bool,
+    replace: bool,
     jobs: int | None,
     no_plots: bool,
     quiet: bool,
@@ -63,12 +65,15 @@ def run(
 ) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted.
 
+    What the file there holds of the study already isn't computed again: variants, summaries and fields may be added. If
+    it holds more than the study by now, or other numbers, it is kept beside, as NAME.1.h5.
+
     The exit code is 1 where no variant has a result.
     """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.files.result_data import result_data
     from sweeps.report.remarks import remarks_on
-    from sweeps.report.result_report import answer_text, counts_text, kept_text
+    from sweeps.report.result_report import answer_text, counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
@@ -84,26 +89,24 @@ def run(
     make_folder(out)
     use_threads(jobs)
     bar = ProgressBar(found.design.size, quiet)
-    try:
-        run_study(found, out, restart, bar.update)
-    except KeyboardInterrupt:
-        stop(bar, kept_text(out, bar.total))
-    bar.close()
-    result = SweepResult(out)
-    if as_json:
-        best = result.best()
-        told = [best] if best is not None else range(min(found.design.size, 1))
-        made = [out, *([] if no_plots else plots_of(result))]
-        tell_data(result_data(result, told) | {"files": [str(path) for path in made]})
-        stop_if_all_failed(result.columns["status"])
-        return
-    plural = "" if found.design.size == 1 else "s"
-    tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
-    tell(counts_text(result))
-    tell(answer_text(result))
-    if hidden := between_positions_text(found):
-        tell(hidden)
-    tell_files([out, *([] if no_plots else plots_of(result))], started)
+    with keeping(bar.kept_text):
+        run_study(found, out, restart, bar.update, replace, tell_aside)
+        bar.close()
+        result = SweepResult(out)
+        if as_json:
+            best = result.best()
+            told = [best] if best is not None else range(min(found.design.size, 1))
+            made = [out, *([] if no_plots else plots_of(result))]
+            tell_data(result_data(result, told) | {"files": [str(path) for path in made]})
+            stop_if_all_failed(result.columns["status"])
+            return
+        plural = "" if found.design.size == 1 else "s"
+        tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
+        tell(counts_text(result))
+        tell(answer_text(result))
+        if hidden := between_positions_text(found):
+            tell(hidden)
+        tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])
 
 
@@ -111,10 +114,12 @@ def run(
 @click.argument("study")
 @run_options("results/NAME_optimised.h5")
 @errors_as_messages
-def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_plots: bool, quiet: bool) -> None:
+def optimise(
+    study: str, out: Path | None, restart: bool, replace: bool, jobs: int | None, no_plots: bool, quiet: bool
+) -> None:
     """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
     from sweeps.optimising.optimum import optimum_text
-    from sweeps.optimising.runner import generations_kept, optimise_study
+    from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
@@ -128,14 +133,12 @@ def optimise(study: str, out: Path | None, restart: bool, jobs: int | None, no_p
     make_folder(out)
     use_threads(jobs)
     bar = ProgressBar(task_of(found).generations, quiet, "generations")
-    try:
-        optimise_study(found, out, restart, bar.update)
-    except KeyboardInterrupt:
-        stop(bar, f"{generations_kept(out)} of {bar.total} generations are done and kept")
-    bar.close()
-    result = SweepResult(out)
-    tell(f"{found.title or found.name}: {result.description.variants} candidates")
-    tell(counts_text(result))
-    tell(optimum_text(result))
-    tell_files([out, *([] if no_plots else plots_of(result))], started)
+    with keeping(bar.kept_text):
+        optimise_study(found, out, restart, bar.update, replace, tell_aside)
+        bar.close()
+        result = SweepResult(out)
+        tell(f"{found.title or found.name}: {result.description.variants} candidates")
+        tell(counts_text(result))
+        tell(optimum_text(result))
+        tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])

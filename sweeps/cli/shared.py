@@ -12,7 +12,6 @@ import click
 
 from sweeps.cli.waiting import clear_the_line, waiting_told
 
-INTERRUPTED = 130
 WRONG_INPUT = 2
 ALL_FAILED = 1
 DIFFERENT = 1
@@ -68,7 +67,8 @@ def run_options(out: str) -> Callable:
     """Options of what makes a result file."""
     options = (
         click.option("--out", type=click.Path(path_type=Path), help=f"Result file; {out} unless given."),
-        click.option("--restart", is_flag=True, help="Throw away an earlier result instead of going on with it."),
+        click.option("--restart", is_flag=True, help="Compute everything, and throw away an earlier result."),
+        click.option("--replace", is_flag=True, help="Keep no former result of an edited study beside the new one."),
         click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
         click.option("--no-plots", is_flag=True, help="Make no pictures."),
         click.option("--quiet", is_flag=True, help="No progress on standard error."),
@@ -116,11 +116,9 @@ def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
         context.exit()
 
 
-def stop(bar: object, kept: str) -> None:
-    """Say what an interrupted run leaves behind, and stop."""
-    bar.close()
-    tell(f"\nInterrupted: {kept}; the same command goes on from there.", err=True)
-    sys.exit(INTERRUPTED)
+def tell_aside(sentence: str) -> None:
+    """Say something on standard error that isn't what was asked for."""
+    tell(sentence, err=True)
 
 
 def tell_files(made: list[Path], started: float) -> None:
@@ -179,11 +177,13 @@ def write_text(path: Path, text: str) -> None:
         There is one, or it can't be written.
     """
     from sweeps.text.input_files import InputError
+    from sweeps.text.whole_files import whole_file
 
     if path.exists():
         raise InputError(str(path), [(None, "", "exists already; name another file with --out")])
     make_folder(path)
     try:
-        path.write_text(text, encoding="utf8")
+        with whole_file(path) as draft:
+            draft.write_text(text, encoding="utf8")
     except OSError as error:
         raise InputError(str(path), [(None, "", f"can't be written: {error.strerror}")]) from None

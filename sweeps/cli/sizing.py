@@ -23,7 +23,7 @@ def flywheel(
     TABLE is a CSV with the columns `phi [deg]` and `moment [N m]`. With --area-energy it has one column, `area [mm2]`:
     the areas between the diagram and its mean line in order, positive above the line.
     """
-    from sweeps.report.flywheel_table import flywheel_text
+    from sweeps.report.sizing.flywheel_table import flywheel_text
 
     tell(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
 
@@ -70,13 +70,13 @@ def balance_command(
         message = "give a scene, study or result to balance, or --trial-runs with a table of readings: one of them"
         raise InputError("balance", [(None, "", message)])
     if trial_runs is not None:
-        from sweeps.report.trial_runs import trial_runs_text
+        from sweeps.report.sizing.trial_runs import trial_runs_text
 
         tell(trial_runs_text(trial_runs, noise, holes))
         return
     from sweeps.cli.named_machine import machine_of
-    from sweeps.report.balance_shaft_table import balance_shaft_text, engines_of
-    from sweeps.report.counterweight_table import counterweight_text, counterweights_of
+    from sweeps.report.sizing.balance_shaft_table import balance_shaft_text, engines_of
+    from sweeps.report.sizing.counterweight_table import counterweight_text, counterweights_of
     from sweeps.text.scene_text import with_values, write_scene
 
     scene, values, _ = machine_of(file, variant)

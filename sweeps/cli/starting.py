@@ -1,4 +1,4 @@
-"""Commands to start with: list, new, guide."""
+"""Commands to start with: list, new, modes, guide."""
 
 from pathlib import Path
 
@@ -33,6 +33,31 @@ def new(template: str, out: Path | None) -> None:
     out = out or Path(f"{template}.toml")
     write_text(out, text)
     tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+
+
+@click.command()
+@click.argument("scene")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); SCENE_modes.png unless given."
+)
+@click.option("--no-plots", is_flag=True, help="Only tell them.")
+@errors_as_messages
+def modes(scene: str, out: Path | None, no_plots: bool) -> None:
+    """List the real assembly modes of free links at the first position, with a picture of each.
+
+    Which of them is meant a scene tells by about where one of their points lies: near.B = { x = "80 mm", y = "20 mm" }.
+    """
+    from engine import assembly_modes
+    from sweeps.cli.named_machine import machine_of
+    from sweeps.pictures.drawing.mode_pictures import mode_pictures
+    from sweeps.report.mode_table import mode_table
+
+    machine, _, name = machine_of(scene, None)
+    found = assembly_modes(machine)
+    click.echo(mode_table(machine, found))
+    if found and not no_plots:
+        made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
+        click.echo("\n".join(f"Wrote {path}" for path in made))
 
 
 @click.command("guide")

@@ -26,9 +26,7 @@ class Waiting:
     def watch(self) -> None:
         """Look every now and then until `end`; for a thread of its own."""
         while not self._ended.wait(LOOK):
-            # Not loaded here: what takes no machine code starts quickly.
-            code = sys.modules.get("engine.compiling.kept_code")
-            self.look(code is not None and code.COMPILING.locked(), time.monotonic())
+            self.look(_is_compiling(), time.monotonic())
 
     def look(self, compiling: bool, now: float) -> None:
         """Say what is to be said at an instant, or take it back.
@@ -64,6 +62,15 @@ class Waiting:
         """Say nothing any more."""
         self._ended.set()
         self.clear()
+
+
+def _is_compiling() -> bool:
+    # Not loaded here: what takes no machine code starts quickly.
+    if "engine.compiling.kept_code" not in sys.modules:
+        return False
+    from engine import is_compiling
+
+    return is_compiling()
 
 
 _now: list[Waiting] = []

@@ -83,7 +83,7 @@ def optimum_text(result: SweepResult) -> str:
     """The answer of a search: the best candidate with what holds it there, or chosen candidates of the front."""
     search, there = result.record["search"], front(result)
     head = [result.question] if result.question else []
-    found = f"{search['method']}, seed {search['seed']}: {result.description.attributes['outcome']}"
+    found = f"{search['method']}, seed {search['seed']}: {result.description.attributes.get('outcome', '')}"
     if not there.size:
         return "\n".join([*head, "No candidate meets all conditions.", found])
     if is_front(result):

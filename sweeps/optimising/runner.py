@@ -18,10 +18,21 @@ from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.searching import STEPS, descend, way_of
 from sweeps.optimising.spread import spread_columns, spreads
 from sweeps.optimising.trials import Batch, Trials, joined
-from sweeps.run.runner import LARGEST_BLOCK, layout_of
-from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, part_path, read_columns
+from sweeps.run.blocks import LARGEST_BLOCK
+from sweeps.run.runner import WORDS, layout_of, tell_all
+from sweeps.store import (
+    Column,
+    DamagedError,
+    FileLayout,
+    MappedResult,
+    Store,
+    StoreError,
+    describe_result,
+    part_path,
+    read_columns,
+    reword,
+)
 from sweeps.store.creating import remove_unlocked
-from sweeps.store.errors import RESTART
 from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
 from sweeps.study.study import Study
 from sweeps.study.study_text import Best
@@ -31,7 +42,14 @@ from sweeps.text.engineer_units import quantity_text
 OnGeneration = Callable[[int, int, str], None]
 
 
-def optimise_study(study: Study, path: Path | str, restart: bool = False, progress: OnGeneration | None = None) -> Path:
+def optimise_study(
+    study: Study,
+    path: Path | str,
+    restart: bool = False,
+    progress: OnGeneration | None = None,
+    replace_former: bool = False,
+    tell: Callable[[str], None] | None = None,
+) -> Path:
     """Search a study for its best variants, or go on with it, into a result file.
 
     The file holds every candidate as a variant, with two columns more than a sweep's: `generation` (the candidates
@@ -46,7 +64,12 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     restart : bool
         Throw away an earlier result under that name.
     progress : callable, optional
-        Called after every generation with those done, those of them done before this run, and words on the best.
+        Called before the first generation and after every one with those done, those of them done before this run, and
+        words on the best.
+    replace_former : bool
+        Let the file take the place of a former one of another search; otherwise that is kept, under a numbered name.
+    tell : callable, optional
+        Called with sentences on what was found and what became of it.
 
     Returns
     -------
@@ -58,22 +81,21 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
     InputError
         The study asks for nothing that can be searched for.
     StoreError
-        The file can't be made or written, or holds another search.
+        The file can't be made or written, or what is there is no result of a sweep.
     """
-    path, task = Path(path), task_of(study)
-    trials = Trials(task)
-    if path.exists() and not restart:
-        # Opening compares it with this search.
-        with Store.open(path, _final_layout(task, trials, describe_result(path).variants)):
-            return path
-    if not restart:
-        _spare(part_path(path), task)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    if task.method == LOCAL:
-        _finish(task, trials, path, _downhill(task, trials, task.start, task.generations), "going downhill")
+    path, task, tell = Path(path), task_of(study), tell or (lambda sentence: None)
+    trials, work = Trials(task), _work_path(path)
+    if path.exists() and not restart and _is_finished(path, task, trials, tell):
+        remove_unlocked(part_path(work))
         return path
-    search, work = way_of(task), _work_path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    keep = not restart and not replace_former
+    if task.method == LOCAL:
+        _finish(task, trials, path, _downhill(task, trials, task.start, task.generations), "going downhill", keep, tell)
+        return path
+    search = way_of(task)
     with Store.open(work, _layout(task, trials, task.population * task.generations, task.population), restart) as store:
+        tell_all(store, tell)
         search(_History(task, trials, store, progress).evaluate)
     found = read_columns(part_path(work))
     found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
@@ -83,15 +105,26 @@ def optimise_study(study: Study, path: Path | str, restart: bool = False, progre
         start = task.variables.coordinates({name: found[name][best] for name in task.variables.names})
         found = joined([found, _downhill(task, trials, start, STEPS, last)])
         words += ", then going downhill"
-    _finish(task, trials, path, found, words)
+    _finish(task, trials, path, found, words, keep, tell)
     remove_unlocked(part_path(work))
     return path
 
 
-def _spare(part: Path, task: SearchTask) -> None:
-    """Refuse to write over what an interrupted sweep, or another search, keeps under the same name."""
-    if part.exists() and describe_result(part).attributes.get("study_hash") != task.digest:
-        raise StoreError(f"{part} is there already, of another study. {RESTART}")
+def _is_finished(path: Path, task: SearchTask, trials: Trials, tell: Callable[[str], None]) -> bool:
+    """Whether a file is this search's result, undamaged; its words are brought up to date."""
+    try:
+        described, mapped = describe_result(path), MappedResult(path)
+    except DamagedError as error:
+        tell(f"{error} The search is run again.")
+        return False
+    if described.attributes.get("study_hash") != task.digest:
+        return False
+    if mapped.edited or mapped.damaged():
+        tell(f"{path} is damaged: the search is run again.")
+        return False
+    layout = _final_layout(task, trials, described.variants)
+    reword(path, {name: layout.attributes[name] for name in WORDS})
+    return True
 
 
 def _downhill(
@@ -102,14 +135,6 @@ def _downhill(
     if not passed:
         passed = [trials.columns(task.variables.values(start[None]), 1, drop=True)]
     return _numbered(joined(passed), generation)
-
-
-def generations_kept(path: Path) -> int:
-    """How many generations an interrupted search into a file leaves behind."""
-    try:
-        return describe_result(part_path(_work_path(path))).blocks_done
-    except StoreError:
-        return 0
 
 
 def _work_path(path: Path) -> Path:
@@ -133,6 +158,8 @@ class _History:
         self.pending = set(store.pending)
         self.before = store.layout.blocks - len(self.pending)
         self.done, self.best = 0, None
+        if progress:
+            progress(self.before, self.before, "")
 
     def evaluate(self, coordinates: np.ndarray) -> Batch:
         """Columns and costs of the next generation."""
@@ -198,15 +225,24 @@ def _places(batch: Batch) -> np.ndarray:
     return places
 
 
-def _finish(task: SearchTask, trials: Trials, path: Path, found: dict[str, np.ndarray], way: str) -> None:
+def _finish(
+    task: SearchTask,
+    trials: Trials,
+    path: Path,
+    found: dict[str, np.ndarray],
+    way: str,
+    keep: bool,
+    tell: Callable[[str], None],
+) -> None:
     """Write the result: all candidates, their places on the front, and what tolerances do to those on it."""
     places = _places(trials.judged(found))
     found = found | {"front": places} | spreads(task, found, np.flatnonzero(places))
     count = places.size
-    with Store.open(path, _final_layout(task, trials, count), restart=True) as store:
+    with Store.open(path, _final_layout(task, trials, count), restart=not keep) as store:
         for i in range(store.layout.blocks):
             store.write(i, {name: values[store.slice(i)] for name, values in found.items()})
-        store.finish(f"{count} candidates, {way}")
+        store.finish(f"{count} candidates, {way}", keep_former=keep)
+        tell_all(store, tell)
 
 
 # The file

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import Verdict
-from sweeps.run.runner import largest_block
+from sweeps.run.blocks import largest_block
 from sweeps.study.search_task import Objective, SearchTask
 from sweeps.text.conditions import errors_in, value_with_error
 

@@ -8,6 +8,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from sweeps.pictures.picture_error import PictureError
+from sweeps.text.whole_files import whole_file
 
 MM_PER_INCH = 25.4
 # Colours that stay apart for the colour-blind (Okabe and Ito).
@@ -87,7 +88,7 @@ def save(figure: Figure, path: Path | str) -> None:
             # A title is the user's own; a $ in it begins no formula.
             if text.get_text() == figure.get_suptitle():
                 text.set_parse_math(False)
-        with house_style():
-            figure.savefig(path, metadata=undated)
+        with house_style(), whole_file(path) as draft:
+            figure.savefig(draft, metadata=undated)
     except OSError as error:
         raise PictureError(f"{path} can't be written: {error.strerror}") from None

@@ -17,14 +17,16 @@ from engine import (
     assembly_ranges,
     group_links,
     made_ready,
+    order_groups,
     regime_text,
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.remarks import remarks_on
 from sweeps.report.result_report import drop_lines
+from sweeps.run.blocks import LARGEST_BLOCK, block_size
 from sweeps.run.cost import probe
-from sweeps.run.runner import LARGEST_BLOCK, layout_of
+from sweeps.run.runner import layout_of
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import Study
 from sweeps.text.engineer_units import quantity_text
@@ -34,16 +36,23 @@ from sweeps.text.tables import table
 MOST_COUNTED = 16 * LARGEST_BLOCK
 # A field whose greatest magnitude exceeds that at its kept positions by this share hides something between them.
 MISSED = 0.02
+# Classes of structural groups as textbooks write them.
+ROMAN = ("", "I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
 
 
 def structure_text(scene: Scene) -> str:
     """The mechanism in the mechanic's words: input, groups in order, mobility."""
     if scene.input is None:
         return "none; machine elements alone"
-    links = 1 + sum(2 for _ in scene.groups)
-    pairs = 1 + 3 * len(scene.groups)
+    free = order_groups(scene).free_groups.values()
+    links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free)
+    pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free)
     lines = [f"input {scene.input.link} ({scene.input.type})"]
     lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
+    lines += [
+        f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {', '.join(g.links[:-1])} and {g.links[-1]}"
+        for g in free
+    ]
     lines.append(f"W = 3n − 2p₁ = 3·{links} − 2·{pairs} = {3 * links - 2 * pairs}")
     return "\n".join(lines)
 
@@ -183,12 +192,13 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     if machine.schedule is not None:
         seconds += "; the first time up to a minute more, to compile"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
-    memory = layout.block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
+    block = block_size(study, machine, cost.seconds)
+    memory = block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
     free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
-        ("Evaluation", f"{way}; {study.precision}; saved after every {layout.block} variants"),
+        ("Evaluation", f"{way}; {study.precision}; saved after every {block} variants"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
         ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),

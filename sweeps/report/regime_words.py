@@ -11,6 +11,7 @@ from sweeps.text.engineer_units import quantity_text
 # Verdicts that only a motion gets.
 MOTION_VERDICTS = (
     *(Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED, Verdict.LOCKS, Verdict.NO_INERTIA),
+    Verdict.SLIPS,
 )
 # Positions in a cycle of a history that is made to see where a motion fails.
 STEPS = 240
@@ -38,12 +39,17 @@ def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
     begin = f"where {before[-1]} ended" if before else "rest"
     if regime.from_speed is not None:
         begin = "rest" if regime.from_speed == 0 else quantity_text(regime.from_speed, "rad s-1")
+    if regime.from_shaft_speed is not None:
+        shaft = next(iter(scene.couplings.values())).shaft
+        begin += f", {shaft} from {quantity_text(regime.from_shaft_speed, 'rad s-1')}"
     return begin + ("" if regime.from_angle is None else f" at φ = {quantity_text(regime.from_angle, 'rad')}")
 
 
 def _end(regime: RunRegime) -> str:
     if regime.cycles is not None:
         return f"for {regime.cycles:g} cycle{'' if regime.cycles == 1 else 's'}"
+    if regime.lock_up:
+        return "until the clutch holds"
     if regime.time is not None:
         return f"for {quantity_text(regime.time, 's')}"
     return "to rest" if regime.rest else f"until {quantity_text(regime.speed, 'rad s-1')}"

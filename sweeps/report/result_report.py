@@ -1,7 +1,6 @@
 """What the results of a sweep say, in words and tables."""
 
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -14,19 +13,9 @@ from engine import (
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import SweepResult
-from sweeps.store import StoreError, part_path
 from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
-
-
-def kept_text(path: Path, variants: int) -> str:
-    """How many variants an interrupted run into a file leaves behind."""
-    try:
-        done = SweepResult(part_path(path)).done
-    except StoreError:
-        done = 0
-    return f"{done} of {variants} variants are done and kept"
 
 
 def variants_done_text(result: SweepResult) -> str:

@@ -1,6 +1,5 @@
 """A result file as a whole: its parameters, summaries, verdicts, and the choosing among its variants."""
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,7 +17,8 @@ from engine import (
     scene_numbers,
     unknown_name_message,
 )
-from sweeps.store import Description, StoreError, describe_result, read_columns
+from sweeps.report.recorded_study import recorded_scene, recorded_study
+from sweeps.store import Description, describe_result, read_columns
 from sweeps.study.study import misses
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
@@ -60,17 +60,14 @@ class SweepResult:
 
     @cached_property
     def record(self) -> dict[str, Any]:
-        """The study as data, see `study_record`; for a search also its task, see `search_record`.
+        """The study as data, see `recorded_study`.
 
         Raises
         ------
-        StoreError
-            The file holds none.
+        DamagedError
+            The file holds none that fits it.
         """
-        text = self.description.attributes.get("study_json")
-        if text is None:
-            raise StoreError(f"{self.path} holds no study (attribute study_json): run its sweep again.")
-        return json.loads(text)
+        return recorded_study(self.description)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -118,7 +115,7 @@ class SweepResult:
     @cached_property
     def scene(self) -> Scene:
         """The scene as the study gives it, tables and all."""
-        return Scene.model_validate(self.record["scene"])
+        return recorded_scene(self.record, self.description)
 
     def show_own_units(self) -> None:
         """Show numbers in the units of other systems that the scene was written in, as for `show_units`."""

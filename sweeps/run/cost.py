@@ -7,14 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Machine, Outcome, threads
-from sweeps.run.runner import block_size, evaluate_block
+from engine import ElementsAlone, Machine, Outcome, threads
+from sweeps.run.blocks import evaluate_variants, largest_block
 from sweeps.study.study import Study
 
-# Seconds after which no more variants are tried to see what motion costs.
-LONG_ENOUGH = 3.0
-# Variants that are tried to see what an accuracy takes.
-TRIED = 2048
+# Seconds after which no more variants are tried to see what they cost.
+LONG_ENOUGH = 0.3
+# Variants that are tried at most; and to see what an accuracy takes.
+MOST_TRIED, TRIED = 4096, 2048
+# Variants that aren't worth a trial.
+FEW = 8
+# Places of a study that tried variants are from.
+PLACES = 16
 
 
 class Cost(NamedTuple):
@@ -35,60 +39,56 @@ class Cost(NamedTuple):
     tried: Outcome | None = None
 
 
-def probe(study: Study, machine: Machine) -> Cost:
+def probe(study: Study, machine: Machine | ElementsAlone) -> Cost:
     """Cost of a study, measured on some of its variants."""
     if machine.schedule is not None:
-        return _probe_motion(study, machine)
+        size, most = min(16 * threads(), study.design.size), min(largest_block(study, machine), study.design.size)
+        seconds = seconds_of_variant(study, machine)
+        values, drop = _spread(study, size)
+        memory = _peak_memory(machine, {path: values[path] for path in study.paths}, drop)
+        return Cost(seconds, memory * most / size)
+    tried = None
     if study.accuracy is not None:
-        return _probe_accuracy(study, machine)
-    size = min(block_size(study, machine), 4096)
-    buffer = machine.new_buffer(size)
-    evaluate_block(study, machine, slice(0, size), buffer)
-    start = time.perf_counter()
-    evaluate_block(study, machine, slice(0, size), buffer)
-    seconds = time.perf_counter() - start
-    return Cost(seconds / size, 0.0)
+        values, drop = _spread(study, min(TRIED, study.design.size))
+        tried = machine.evaluate({path: values[path] for path in study.paths}, drop if study.paths else None)
+    return Cost(seconds_of_variant(study, machine), 0.0, tried)
 
 
-def _probe_accuracy(study: Study, machine: Machine) -> Cost:
-    """Cost of variants from all over the study, as many positions as each takes."""
-    chosen = _spread(study, min(TRIED, study.design.size))
-    tried = machine.evaluate(*chosen)
-    start = time.perf_counter()
-    machine.evaluate(*chosen)
-    return Cost((time.perf_counter() - start) / tried.status.size, 0.0, tried)
+def seconds_of_variant(study: Study, machine: Machine | ElementsAlone) -> float:
+    """What a variant takes, by ever more variants from all over the study.
 
-
-def _probe_motion(study: Study, machine: Machine) -> Cost:
-    """Cost by ever more variants from all over the study: each takes its own time, and many together less than one."""
-    most = min(block_size(study, machine), study.design.size)
-    size, spent = min(16 * threads(), most), 0.0
-    machine.evaluate(*_spread(study, size))
-    memory = _peak_memory(machine, *_spread(study, size)) * most / size
+    Each takes its own time, and many together less than one.
+    """
+    most = min(largest_block(study, machine), study.design.size, MOST_TRIED)
+    # What isn't compiled yet is.
+    evaluate_variants(study, machine, *_spread(study, 1))
+    count = min(4 * threads(), most)
     while True:
-        chosen = _spread(study, size)
+        chosen = _spread(study, count)
         start = time.perf_counter()
-        machine.evaluate(*chosen)
+        evaluate_variants(study, machine, *chosen)
         seconds = time.perf_counter() - start
-        spent += seconds
-        if size == most or spent > LONG_ENOUGH:
-            return Cost(seconds / size, memory)
-        size = min(8 * size, most)
+        if count == most or seconds > LONG_ENOUGH:
+            return seconds / count
+        count = min(8 * count, most)
 
 
-def _peak_memory(machine: Machine, values: Mapping[str, np.ndarray], drop: np.ndarray | None) -> int:
+def _peak_memory(machine: Machine, values: Mapping[str, np.ndarray], drop: np.ndarray) -> int:
     """Bytes that an evaluation takes at most, all along."""
     # Counting slows an evaluation down, so it isn't one that is timed.
     tracemalloc.start()
-    machine.evaluate(values, drop)
+    machine.evaluate(values, drop if values else None)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     return most
 
 
-def _spread(study: Study, count: int) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
-    """Numbers of so many variants evenly spread over a study, and which of them are dropped."""
-    if not study.paths:
-        return {}, None
-    parts = [study.values(int(i), int(i) + 1) for i in np.linspace(0, study.design.size - 1, count)]
-    return {p: np.concatenate([v[p] for v, _ in parts]) for p in study.paths}, np.concatenate([d for _, d in parts])
+def _spread(study: Study, count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Numbers of so many variants, from places evenly spread over a study, and which of them are dropped."""
+    ends = np.linspace(0, count, min(PLACES, count) + 1).astype(int)
+    widths = np.diff(ends)
+    starts = np.linspace(0, study.design.size - widths.max(), widths.size).astype(np.int64)
+    parts = [study.values(int(start), int(start + width)) for start, width in zip(starts, widths, strict=True)]
+    return {p: np.concatenate([v[p] for v, _ in parts]) for p in study.parameters}, np.concatenate(
+        [d for _, d in parts]
+    )

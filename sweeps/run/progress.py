@@ -23,11 +23,12 @@ class ProgressBar:
 
     def __init__(self, total: int, quiet: bool, unit: str = "variants") -> None:
         self.total, self.quiet, self.unit = total, quiet, unit
-        self.bar = None
+        self.bar, self.done = None, 0
         self.started = self.said = time.monotonic()
 
     def update(self, done: int, before: int, words: str = "") -> None:
         """Tell how many are done, `before` of them in earlier runs, and words on what has been found."""
+        self.done = done
         if self.quiet:
             return
         if not sys.stderr.isatty():
@@ -43,12 +44,16 @@ class ProgressBar:
 
     def _line(self, done: int, before: int, words: str) -> None:
         now = time.monotonic()
-        if now - self.said >= LINE_EVERY:
+        if now - self.said >= LINE_EVERY and done > before:
             self.said = now
             rate = (done - before) / (now - self.started)
             left = (self.total - done) / rate
             found = f"; {words}" if words else ""
             click.echo(f"{done} of {self.total} {self.unit}, {rate:.3g} a second, {left:.0f} s left{found}", err=True)
+
+    def kept_text(self) -> str:
+        """How many are done and kept."""
+        return f"{self.done} of {self.total} {self.unit} are done and kept"
 
     def close(self) -> None:
         """End the bar."""

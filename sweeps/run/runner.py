@@ -11,42 +11,27 @@ import llvmlite
 import numba
 import numpy as np
 
-from engine import SENTENCES, InputUnits, Machine, Outcome, Quantity, Verdict, threads
-from sweeps.store import Column, FileLayout, Store
+from engine import SENTENCES, ElementsAlone, InputUnits, Machine, Quantity, Verdict, threads
+from sweeps.run.blocks import block_size, largest_block
+from sweeps.run.carrying import Blocks, Earlier
+from sweeps.run.cost import FEW, seconds_of_variant
+from sweeps.store import (
+    Column,
+    FileLayout,
+    MappedResult,
+    Store,
+    StoreError,
+    describe_result,
+    part_path,
+    reword,
+)
 from sweeps.study.study import Study
-from sweeps.study.study_record import study_record
+from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.engineer_units import units_shown
 from sweeps.text.scene_text import write_scene
 
-# A block is long enough that its overhead (a few milliseconds) doesn't count, short enough that a killed sweep
-# loses little, and its fields fit in memory beside everything else.
-WORK_PER_BLOCK = 5e7
-BYTES_PER_BLOCK = 96e6
-LARGEST_BLOCK = 65_536
-# Motion takes a thousand times as long as a cycle at uniform speed.
-LARGEST_BLOCK_IN_MOTION = 4096
-# Operations of a variant for each of its numbers, as many panels as it usually takes.
-WORK_OF_A_NUMBER = 500
-
-
-def block_size(study: Study, machine: Machine) -> int:
-    """Variants per block: about the same work whatever a variant costs, within a bound on memory.
-
-    It depends on the study alone, so that an interrupted sweep can go on with other settings of the machine.
-    """
-    return min(largest_block(study, machine), max(study.design.size, 1))
-
-
-def largest_block(study: Study, machine: Machine) -> int:
-    """As `block_size`, however many variants there are."""
-    work = WORK_OF_A_NUMBER * machine.numbers_kept * (1 + study.sensitivity.evaluations)
-    work += machine.nodes.size * machine.numbers_kept * len(study.fields)
-    row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
-    asked = len(study.summaries) + len(study.sensitivity.quantities)
-    numbers = 8 * (2 * asked + 4 * len(study.parameters) + machine.numbers_kept + 8)
-    most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
-    fitting = min(WORK_PER_BLOCK * 10 / work, BYTES_PER_BLOCK / (row + numbers), most)
-    return int(max(2 ** int(np.log2(max(fitting, 1))), 16))
+# Attributes that say what is asked and concluded, not how numbers were made.
+WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 
 def layout_of(study: Study, machine: Machine) -> FileLayout:
@@ -69,7 +54,7 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
     crank = units.q == "rad"
     return FileLayout(
         variants=study.design.size,
-        block=block_size(study, machine),
+        block=min(largest_block(study, machine), study.design.size),
         columns=tuple(columns),
         attributes=_attributes(study, machine),
         coordinates=study.parameters,
@@ -110,9 +95,18 @@ def _position_name(study: Study) -> str:
 
 
 def run_study(
-    study: Study, path: Path | str, restart: bool = False, progress: Callable[[int, int], None] | None = None
+    study: Study,
+    path: Path | str,
+    restart: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+    replace_former: bool = False,
+    tell: Callable[[str], None] | None = None,
 ) -> Path:
     """Run a study, or what is left of it, into a result file.
+
+    What an earlier file under that name holds of the study isn't computed again: of an interrupted run, of a study to
+    which variants, summaries or fields have been added since, or whose question, [best] or words have changed. What it
+    holds beyond the study is kept, under a numbered name.
 
     Parameters
     ----------
@@ -120,9 +114,13 @@ def run_study(
     path : Path or str
         The file to make; while the sweep runs it is called NAME.part.h5.
     restart : bool
-        Throw away an earlier result under that name.
+        Throw away an earlier result under that name, and compute everything.
     progress : callable, optional
-        Called with (variants done, of those done before this run) after every block.
+        Called with (variants done, of those done before this run) before the first block and after every one.
+    replace_former : bool
+        Let the file take the place of a former one of another study.
+    tell : callable, optional
+        Called with sentences on what was found and what became of it.
 
     Returns
     -------
@@ -132,47 +130,72 @@ def run_study(
     Raises
     ------
     StoreError
-        The file can't be made or written, or holds another study.
+        The file can't be made or written, or what is there is no result of a sweep.
     """
-    path = Path(path)
+    path, tell = Path(path), tell or (lambda sentence: None)
     path.parent.mkdir(parents=True, exist_ok=True)
     machine = study.machine()
     layout = layout_of(study, machine)
-    with Store.open(path, layout, restart) as store:
+    if not restart and _stands(path, layout, tell):
+        return path
+    with Store.open(path, layout, restart, lambda: measured_block_size(study, machine)) as store:
+        tell_all(store, tell)
         if store.finished:
             return path
+        earlier = [Earlier(source, study, store.layout) for source in store.sources]
         pending = store.pending
         sizes = {i: store.slice(i).stop - store.slice(i).start for i in pending}
-        before = study.design.size - sum(sizes.values())
-        done, buffer = before, machine.new_buffer(layout.block)
+        done = before = study.design.size - sum(sizes.values())
+        if progress:
+            progress(done, before)
+        blocks = Blocks(study, store.layout, earlier)
         for i in pending:
-            store.write(i, evaluate_block(study, machine, store.slice(i), buffer))
+            store.write(i, blocks.columns(i))
             done += sizes[i]
             if progress:
                 progress(done, before)
-        store.finish()
+        former = {source: found for source, found in zip(store.sources, earlier, strict=True) if source.exists()}
+        contained = [source for source, found in former.items() if found.is_within(study)]
+        dropped = restart or replace_former or path in contained
+        store.finish(keep_former=not dropped)
+        for source in contained if not replace_former else former:
+            if source != path:
+                source.unlink(missing_ok=True)
+        tell_all(store, tell)
     return path
 
 
-def evaluate_block(study: Study, machine: Machine, variants: slice, buffer: np.ndarray) -> dict[str, np.ndarray]:
-    """All columns of a block of variants."""
-    values, drop = study.values(variants.start, variants.stop)
-    if study.paths:
-        outcome = machine.evaluate({p: values[p] for p in study.paths}, drop, buffer)
-    else:
-        outcome = _repeated(machine.evaluate({}), variants.stop - variants.start, drop)
-    results = {"status": outcome.status, "status_group": outcome.status_group, "status_at": outcome.status_at}
-    errors = {f"{name}_error": error for name, error in outcome.errors.items()}
-    sensitivity = study.sensitivity.of_variants(values, outcome.status)
-    return values | results | outcome.summaries | errors | sensitivity | outcome.fields
+def measured_block_size(study: Study, machine: Machine | ElementsAlone) -> int:
+    """Variants per block, as for `block_size`; a few aren't worth a trial."""
+    if study.design.size <= FEW:
+        return study.design.size
+    return block_size(study, machine, seconds_of_variant(study, machine))
 
 
-def _repeated(outcome: Outcome, count: int, drop: np.ndarray) -> Outcome:
-    """The outcome of the scene as it is, for variants in which nothing of the scene differs."""
+def tell_all(store: Store, tell: Callable[[str], None]) -> None:
+    """Tell what a store has noted since the last time."""
+    while store.notes:
+        tell(store.notes.pop(0))
 
-    def again(array: np.ndarray) -> np.ndarray:
-        return np.repeat(array, count, axis=0)
 
-    status = np.where(drop, np.uint8(Verdict.DROPPED), again(outcome.status))
-    tables = ({k: again(v) for k, v in table.items()} for table in outcome[3:])
-    return Outcome(status.astype(np.uint8), again(outcome.status_group), again(outcome.status_at), *tables)
+def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool:
+    """Whether a finished file of another version of the program answers the study; texts are brought up to date."""
+    for found in (path, part_path(path)):
+        try:
+            record = json.loads(describe_result(found).attributes["study_json"])
+            ours = json.loads(layout.attributes["study_json"])
+            mapped = MappedResult(found)
+            same = numbers_record(record) == numbers_record(ours)
+        except (StoreError, KeyError, ValueError, TypeError):
+            continue
+        words = {name: layout.attributes[name] for name in WORDS}
+        if same and not mapped.edited and record.get("engine") == ours["engine"]:
+            reword(found, words)
+        elif same and not mapped.edited:
+            version = describe_result(found).attributes.get("versions", "").split(",")[0] or "an earlier version"
+            if found == path and mapped.done.all() and not mapped.damaged():
+                reword(found, words | {"study_json": json.dumps(ours | {"engine": record.get("engine")})})
+                tell(f"{path} was made by {version}, other than this one; its numbers stand. --restart computes anew.")
+                return True
+            tell(f"{found} was made by {version}, other than this one: all of it is computed anew.")
+    return False

@@ -1,21 +1,24 @@
 """HDF5 files of sweep results: written block by block, safe against kills, read by any HDF5 tool."""
 
 from .creating import part_path
-from .errors import StoreError
+from .errors import DamagedError, StoreError
 from .layout import NOT_COMPUTED, Column, FileLayout
-from .reading import Description, describe_result, iterate, read, read_columns
-from .writing import Store
+from .reading import Description, MappedResult, damage_text, describe_result, read, read_columns
+from .writing import Store, reword
 
 __all__ = [
     "NOT_COMPUTED",
     "Column",
+    "DamagedError",
     "Description",
     "FileLayout",
+    "MappedResult",
     "Store",
     "StoreError",
+    "damage_text",
     "describe_result",
-    "iterate",
     "part_path",
     "read",
     "read_columns",
+    "reword",
 ]

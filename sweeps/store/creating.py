@@ -4,13 +4,16 @@ A file that never grows has nothing to lose: killing its writer or filling the d
 being written, but not HDF5's own tables or the rows written earlier.
 """
 
+import itertools
 import json
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from .checksums import texts_checksums
 from .errors import StoreError, explained, is_busy
 from .layout import NOT_COMPUTED, Column, FileLayout
 
@@ -21,6 +24,12 @@ _FINAL_TEXTS = {"finished": 32, "outcome": 2000}
 def part_path(path: Path) -> Path:
     """Return the name under which a file is worked on: `out.part.h5` for `out.h5`."""
     return path.with_name(f"{path.stem}.part{path.suffix}")
+
+
+def numbered_name(path: Path) -> Path:
+    """Return the first name `out.1.h5`, `out.2.h5`, … for `out.h5` under which there is nothing yet."""
+    names = (path.with_name(f"{path.stem}.{i}{path.suffix}") for i in itertools.count(1))
+    return next(name for name in names if not name.exists() and not part_path(name).exists())
 
 
 def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
@@ -44,7 +53,7 @@ def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
         )
 
 
-def create_part(part: Path, layout: FileLayout, replaces: str) -> None:
+def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> None:
     """Make the part file, which appears under its name only once it is complete.
 
     Parameters
@@ -53,8 +62,8 @@ def create_part(part: Path, layout: FileLayout, replaces: str) -> None:
         Its name.
     layout : FileLayout
         Its shape and attributes.
-    replaces : str
-        Study hash of the finished file it is going to replace, or "".
+    sources : sequence of str
+        Names of earlier files beside it that may hold some of its numbers.
 
     Raises
     ------
@@ -69,13 +78,23 @@ def create_part(part: Path, layout: FileLayout, replaces: str) -> None:
             with h5py.File(raw, "x") as file:
                 if part.exists():
                     raise StoreError(f"another sweep is writing {part}. Give another --out.")
-                _fill(file, layout, replaces)
+                _fill(file, layout, sources)
         except FileExistsError:
             raise StoreError(f"another sweep is creating {part}. Give another --out.") from None
         except BaseException:
             raw.unlink(missing_ok=True)
             raise
         raw.replace(part)
+
+
+def note_texts(file: h5py.File) -> None:
+    """Note the checksums of a file's text attributes and layout."""
+    file["progress"].attrs["text_checksums"] = json.dumps(texts_checksums(texts_of(file)))
+
+
+def texts_of(file: h5py.File) -> dict[str, object]:
+    """Text attributes of a file by name, its layout among them."""
+    return {**file.attrs, "progress/layout": file["progress"].attrs["layout"]}
 
 
 def remove_unlocked(path: Path) -> None:
@@ -88,14 +107,19 @@ def remove_unlocked(path: Path) -> None:
     """
     if not path.exists():
         return
+    check_unlocked(path)
+    with explained(path, "delete"):
+        path.unlink()
+
+
+def check_unlocked(path: Path) -> None:
+    """Raise a `StoreError` if another process is working on a file."""
     try:
         h5py.File(path, "r+").close()
     except (OSError, RuntimeError) as error:
-        # Any other error means a damaged file, which is as good to delete as a sound one.
+        # Any other error means a damaged file, which nobody is working on.
         if is_busy(error):
             raise StoreError(f"another sweep is writing {path}: wait, or give another --out.") from error
-    with explained(path, "delete"):
-        path.unlink()
 
 
 def write_final_text(file: h5py.File, name: str, text: str) -> None:
@@ -110,7 +134,7 @@ def write_final_text(file: h5py.File, name: str, text: str) -> None:
     attribute.write(np.array(whole.encode(), h5py.string_dtype("utf-8", size)))
 
 
-def _fill(file: h5py.File, layout: FileLayout, replaces: str) -> None:
+def _fill(file: h5py.File, layout: FileLayout, sources: Sequence[str]) -> None:
     scales = {"variant": _variant_scale(file, layout)}
     if layout.fields:
         scales["position"] = _position_scale(file, layout)
@@ -131,8 +155,12 @@ def _fill(file: h5py.File, layout: FileLayout, replaces: str) -> None:
     # In a group of its own, as the root's datasets must all lie along the scales for xarray.
     progress = file.create_group("progress")
     progress.attrs["layout"] = json.dumps(layout.record())
-    progress.attrs["replaces"] = replaces
+    progress.attrs["sources"] = json.dumps(list(sources))
+    note_texts(file)
     _dataset(progress, "block_done", (layout.blocks,), np.dtype(np.uint8), 0)
+    _dataset(progress, "block_checksum", (layout.blocks,), np.dtype(np.uint32), 0)
+    if layout.fields:
+        _dataset(progress, "fields_checksum", (layout.blocks,), np.dtype(np.uint32), 0)
 
 
 def _dataset(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: float) -> h5py.Dataset:

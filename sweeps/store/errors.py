@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-RESTART = "Give another --out, or --restart to start over."
-
 _FULL = "The disk or the quota is full, or a file-size limit is reached. Make room or give another --out."
 _DENIED = "The system does not allow it. Look at the permissions, or give another --out."
 _NO_LOCKS = "This file system has no locks: set HDF5_USE_FILE_LOCKING=FALSE and run one sweep per file."
@@ -35,8 +33,14 @@ class StoreError(Exception):
     """A result file cannot be made, continued, written or read; the text says why and what to do."""
 
 
+class DamagedError(StoreError):
+    """A result file is cut off, or something in it is not as it was written."""
+
+
 @contextmanager
-def explained(path: Path, action: str, remedy: str = "The system refuses.") -> Iterator[None]:
+def explained(
+    path: Path, action: str, remedy: str = "The system refuses.", otherwise: type[StoreError] = StoreError
+) -> Iterator[None]:
     """Turn what h5py and the operating system raise inside the block into a `StoreError`.
 
     Parameters
@@ -47,6 +51,8 @@ def explained(path: Path, action: str, remedy: str = "The system refuses.") -> I
         What fails when something is raised, as in "cannot `write` out.h5".
     remedy : str
         What to do about it where the system's error number tells nothing.
+    otherwise : type
+        What is raised there.
 
     Raises
     ------
@@ -55,8 +61,10 @@ def explained(path: Path, action: str, remedy: str = "The system refuses.") -> I
     """
     try:
         yield
-    except (OSError, RuntimeError, ValueError, KeyError) as error:
-        raise StoreError(f"cannot {action} {path}: {_REMEDIES.get(_number(error), remedy)} ({error})") from error
+    except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError) as error:
+        number = _number(error)
+        kind = StoreError if number in _REMEDIES else otherwise
+        raise kind(f"cannot {action} {path}: {_REMEDIES.get(number, remedy)} ({error})") from error
 
 
 def is_busy(error: Exception) -> bool:

@@ -56,8 +56,7 @@ class FileLayout:
     columns : tuple of Column
         The datasets.
     attributes : dict
-        Text attributes of the root. `study_hash` is required: it names the study. `study` and
-        `scene`, the texts, are shown as a difference when a file turns out to be of another study.
+        Text attributes of the root. `study_hash` is required: it names the study.
     coordinates : tuple of str
         Names of the parameter columns, which readers such as xarray make coordinates.
     status_codes : dict
@@ -161,7 +160,7 @@ class FileLayout:
         data = sum(math.prod(self.shape(c)) * np.dtype(c.dtype).itemsize for c in self.columns)
         axes = self.variants * self.variant_dtype.itemsize + (8 * len(self.position) if self.fields else 0)
         text = sum(len(f"{key}{value}".encode()) for key, value in self.attributes.items())
-        return data + axes + self.blocks + text + (len(self.columns) + 16) * _PAGE
+        return data + axes + 9 * self.blocks + text + (len(self.columns) + 18) * _PAGE
 
     def record(self) -> dict[str, Any]:
         """Return what a file must agree in to be continued, in types that JSON has."""
@@ -193,33 +192,3 @@ class FileLayout:
             "count": len(values),
             "values (sha256)": hashlib.sha256(values.tobytes()).hexdigest(),
         }
-
-
-def differences(theirs: dict[str, Any], ours: dict[str, Any]) -> list[str]:
-    """Name what two layout records differ in.
-
-    Parameters
-    ----------
-    theirs, ours : dict
-        Records of the file and of the study at hand, from `FileLayout.record`.
-
-    Returns
-    -------
-    list of str
-        One sentence part for each difference, empty when the records agree.
-    """
-    found = []
-    for key, value in ours.items():
-        other = theirs.get(key)
-        if other == value:
-            continue
-        if isinstance(value, dict) and isinstance(other, dict):
-            inner = [k for k in {**other, **value} if other.get(k) != value.get(k)]
-            found += [f"{key} {k}: {_shown(other, k)} in the file, {_shown(value, k)} now" for k in inner]
-        else:
-            found.append(f"{key}: {other!r} in the file, {value!r} now")
-    return found
-
-
-def _shown(record: dict[str, Any], key: str) -> str:
-    return repr(record[key]) if key in record else "absent"

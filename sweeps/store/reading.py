@@ -1,6 +1,7 @@
 """Reading result files, finished or not."""
 
 import difflib
+import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -12,12 +13,20 @@ import numpy as np
 
 from sweeps.text.input_files import HDF5_SIGNATURE
 
-from .creating import part_path
-from .errors import StoreError, explained
+from .checksums import checksum, texts_checksums
+from .creating import part_path, texts_of
+from .errors import DamagedError, StoreError, explained
 from .layout import Column
 
 if TYPE_CHECKING:
     import xarray
+
+
+_DECISIVE = ("progress/layout", "study_json")
+# So many places are named where a file is damaged.
+_SHOWN = 3
+_AGAIN = "Run its study again: what is damaged is computed again, and nothing else."
+_DAMAGED = "It is damaged, or made by another program."
 
 
 class Description(NamedTuple):
@@ -63,31 +72,133 @@ def describe_result(path: Path) -> Description:
     StoreError
         There is no such file or it is no result of a sweep.
     """
-    with opened(path) as file:
+    with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
         record = layout_record(file)
         position = record["position"]
         done = file["progress/block_done"][:]
         # Texts of fixed length come as bytes, unlike the others.
         attributes = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
-    return Description(
-        path=Path(path),
-        title=attributes.get("title", ""),
-        attributes=attributes,
-        columns=tuple(
-            Column(name, c["long_name"], c["units"], tuple(c["dims"]), np.dtype(c["dtype"]).type)
-            for name, c in record["columns"].items()
-        ),
-        variants=record["variants"],
-        positions=position["count"] if position else 0,
-        position_name=position["name"] if position else "",
-        position_units=position["units"] if position else "",
-        blocks=len(done),
-        blocks_done=int(np.count_nonzero(done)),
-    )
+        attributes = {k: _shown_text(v) if isinstance(v, str) else v for k, v in attributes.items()}
+        return Description(
+            path=Path(path),
+            title=attributes.get("title", ""),
+            attributes=attributes,
+            columns=tuple(
+                Column(name, c["long_name"], c["units"], tuple(c["dims"]), np.dtype(c["dtype"]).type)
+                for name, c in record["columns"].items()
+            ),
+            variants=int(record["variants"]),
+            positions=int(position["count"]) if position else 0,
+            position_name=position["name"] if position else "",
+            position_units=position["units"] if position else "",
+            blocks=len(done),
+            blocks_done=int(np.count_nonzero(done)),
+        )
+
+
+class MappedResult:
+    """Columns of a result file mapped into memory, and which of its blocks are as they were written.
+
+    Parameters
+    ----------
+    path : Path
+
+    Attributes
+    ----------
+    columns : dict of str to ndarray
+        All columns, and the axes.
+    variants, block : int
+        Number of variants, and of those in each block.
+    done : ndarray (blocks,) of bool
+        Blocks written, as of the moment of opening.
+    flat, fields : list of str
+        Names of the columns over variants alone, axes not among them, and of those over positions too.
+    has_checksums : bool
+        Files of earlier versions have none: their blocks count as sound.
+    edited : list of str
+        Names of the text attributes and axes that aren't as they were written.
+
+    Raises
+    ------
+    StoreError
+        There is no such file or it is no result of a sweep.
+    """
+
+    def __init__(self, path: Path) -> None:
+        with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
+            record, progress = layout_record(file), file["progress"]
+            self.variants, self.block = int(record["variants"]), int(record["block"])
+            # What is flagged before its rows are read was there before.
+            self.done = progress["block_done"][:].astype(bool)
+            self.has_checksums = "block_checksum" in progress
+            self._sums = {
+                kind: progress[name][:]
+                for kind, name in (("flat", "block_checksum"), ("fields", "fields_checksum"))
+                if name in progress
+            }
+            noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
+            self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
+            axes = ["variant", record["position"]["name"]] if record["position"] else ["variant"]
+            self.columns = {name: _mapped(path, file[name]) for name in (*axes, *record["columns"])}
+            self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
+            self.fields = [name for name in record["columns"] if name not in self.flat]
+            if not np.array_equal(self.columns["variant"], np.arange(self.variants)):
+                self.edited.append("variant")
+            if position := record["position"]:
+                values = np.ascontiguousarray(self.columns[position["name"]], "<f8").tobytes()
+                if hashlib.sha256(values).hexdigest() != position["values (sha256)"]:
+                    self.edited.append(position["name"])
+        self._known: dict[tuple[str, int], bool] = {}
+
+    def is_sound(self, block: int, kinds: Sequence[str] = ("flat", "fields")) -> bool:
+        """Whether a block that is done agrees with its checksums.
+
+        Parameters
+        ----------
+        block : int
+        kinds : sequence of {"flat", "fields"}
+            Columns over variants alone, or fields.
+        """
+        return all(self._agrees(kind, block) for kind in kinds if kind in self._sums)
+
+    def damaged(self, kinds: Sequence[str] = ("flat", "fields")) -> list[int]:
+        """Numbers of the blocks that are done and don't agree with their checksums, as for `is_sound`."""
+        return [int(i) for i in np.flatnonzero(self.done) if not self.is_sound(int(i), kinds)]
+
+    @property
+    def edited_decisively(self) -> list[str]:
+        """Of what isn't as it was written that on which it depends what numbers are taken for."""
+        return [name for name in self.edited if name in _DECISIVE or name in self.columns]
+
+    def rows(self, block: int) -> slice:
+        """Variants of a block."""
+        return slice(block * self.block, min((block + 1) * self.block, self.variants))
+
+    def _agrees(self, kind: str, block: int) -> bool:
+        if (kind, block) not in self._known:
+            rows = self.rows(block)
+            found = checksum(block, (self.columns[name][rows] for name in getattr(self, kind)))
+            self._known[kind, block] = found == int(self._sums[kind][block])
+        return self._known[kind, block]
+
+
+def _mapped(path: Path, dataset: h5py.Dataset) -> np.ndarray:
+    offset = dataset.id.get_offset()
+    if offset is None:
+        # Packed by another program.
+        return dataset[:]
+    return np.memmap(path, dataset.dtype, "r", offset, dataset.shape)
+
+
+def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
+    """Name the variants of some blocks, "0 … 4095, 8192 … 12287"; of many the first."""
+    shown = [result.rows(i) for i in blocks[:_SHOWN]]
+    words = ", ".join(f"{r.start} … {r.stop - 1}" if r.stop - r.start > 1 else f"{r.start}" for r in shown)
+    return words + (f" and in {len(blocks) - _SHOWN} places more" if len(blocks) > _SHOWN else "")
 
 
 def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:
-    """Read columns as arrays.
+    """Read columns as arrays, once what is read agrees with its checksums.
 
     Parameters
     ----------
@@ -100,43 +211,26 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np
     Raises
     ------
     StoreError
-        The file cannot be read or has no such column.
+        The file cannot be read, is damaged, or has no such column.
     """
-    with opened(path) as file:
-        record = layout_record(file)
-        if names is None:
-            names = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
-        axes = ["variant", record["position"]["name"]] if record["position"] else ["variant"]
-        return {name: _dataset(file, name, [*axes, *record["columns"]])[:] for name in names}
-
-
-def iterate(path: Path, names: Sequence[str], block: int) -> Iterator[dict[str, np.ndarray]]:
-    """Read columns piece by piece, so that memory is bounded by the piece.
-
-    Parameters
-    ----------
-    path : Path
-        A result file.
-    names : sequence of str
-        Columns to read; `variant` gives the numbers of the variants.
-    block : int
-        Variants in each piece (the last may have fewer).
-
-    Yields
-    ------
-    dict
-        Array by name, variants along the first axis.
-
-    Raises
-    ------
-    StoreError
-        The file cannot be read or has no such column.
-    """
-    with opened(path) as file:
-        record = layout_record(file)
-        datasets = {name: _dataset(file, name, ["variant", *record["columns"]]) for name in names}
-        for start in range(0, record["variants"], block):
-            yield {name: dataset[start : start + block] for name, dataset in datasets.items()}
+    mapped = MappedResult(path)
+    if names is None:
+        names = mapped.flat
+    known = list(mapped.columns)
+    for name in names:
+        if name not in mapped.columns:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"Did you mean {close[0]!r}?" if close else f"It has {', '.join(known)}."
+            raise StoreError(f"{path} has no column {name!r}. {hint}")
+    # A writer hands status over last: what is ok here has its numbers there.
+    first = sorted(names, key=lambda name: name != "status")
+    arrays = {name: np.array(mapped.columns[name]) for name in first}
+    kinds = ("flat", "fields") if any(mapped.columns[name].ndim > 1 for name in names) else ("flat",)
+    if edited := mapped.edited_decisively:
+        raise DamagedError(f"{path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
+    if damaged := mapped.damaged(kinds):
+        raise DamagedError(f"{path} is damaged: numbers of variants {damage_text(mapped, damaged)} changed. {_AGAIN}")
+    return {name: arrays[name] for name in names}
 
 
 def read(path: Path) -> "xarray.Dataset":
@@ -172,6 +266,11 @@ def opened(path: Path) -> Iterator[h5py.File]:
         yield file
 
 
+def _shown_text(text: str) -> str:
+    """A text that can be shown: damaged ones may hold what isn't Unicode."""
+    return text.encode(errors="replace").decode()
+
+
 def layout_record(file: h5py.File) -> dict[str, Any]:
     """Return the layout record of an open result file (`FileLayout.record`).
 
@@ -182,7 +281,11 @@ def layout_record(file: h5py.File) -> dict[str, Any]:
     """
     if "progress" not in file or "layout" not in file["progress"].attrs:
         raise StoreError(f"{file.filename} is no result of a sweep: it has no record of its layout.")
-    return json.loads(file["progress"].attrs["layout"])
+    with explained(Path(file.filename), "read", _DAMAGED, DamagedError):
+        record = json.loads(_shown_text(file["progress"].attrs["layout"]))
+    if not isinstance(record, dict) or not {"variants", "block", "position", "columns"} <= record.keys():
+        raise DamagedError(f"cannot read {file.filename}: {_DAMAGED}")
+    return record
 
 
 def _open_unlocked(path: Path) -> h5py.File:
@@ -195,7 +298,7 @@ def _open_unlocked(path: Path) -> h5py.File:
         return h5py.File(path, "r")
     except OSError as error:
         if not error.errno:
-            raise StoreError(f"cannot read {path}: it is damaged or cut off. Run its sweep again.") from error
+            raise DamagedError(f"cannot read {path}: it is damaged or cut off. Run its study again.") from error
         raise
 
 
@@ -215,11 +318,3 @@ def _existing(path: Path) -> Path:
         mend = " Scenes and studies are looked at with `sweeps check`." if path.suffix == ".toml" else ""
         raise StoreError(f"cannot read {path}: {found}, so no result of a sweep.{mend}")
     return path
-
-
-def _dataset(file: h5py.File, name: str, known: list[str]) -> h5py.Dataset:
-    if name in known:
-        return file[name]
-    close = difflib.get_close_matches(name, known, n=1)
-    hint = f"Did you mean {close[0]!r}?" if close else f"It has {', '.join(known)}."
-    raise StoreError(f"{file.filename} has no column {name!r}. {hint}")

@@ -1,8 +1,10 @@
 """The store of a sweep that is under way: blocks are written in place and flagged once they are safe."""
 
-import difflib
+import json
 import os
-from collections.abc import Mapping
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -11,14 +13,22 @@ from typing import Self
 import h5py
 import numpy as np
 
-from .creating import check_space, create_part, part_path, remove_unlocked, write_final_text
-from .errors import RESTART, StoreError, explained
-from .layout import Column, FileLayout, differences
-from .reading import layout_record, opened
+from sweeps.text.whole_files import whole_file
 
-_UNREADABLE = "unreadable"
-_TEXTS = ("study", "scene")
-_SHOWN_LINES = 12
+from .checksums import checksum
+from .creating import (
+    check_space,
+    check_unlocked,
+    create_part,
+    note_texts,
+    numbered_name,
+    part_path,
+    remove_unlocked,
+    write_final_text,
+)
+from .errors import DamagedError, StoreError, explained
+from .layout import NOT_COMPUTED, Column, FileLayout
+from .reading import MappedResult, damage_text, layout_record, opened
 
 # HDF5's lock keeps out other processes, but not a second store in this one.
 _held: set[Path] = set()
@@ -28,8 +38,11 @@ class Store:
     """Results of a sweep, written block by block into `NAME.part.h5`, renamed to `NAME.h5` at the end.
 
     A killed sweep loses the blocks under way and nothing else: a block is flagged as done only after
-    its rows have been handed to the operating system. A power cut is another matter: as nothing forces
-    the rows to the disk before the end, start over after one. Use as a context manager.
+    its rows have been handed to the operating system. What a power cut makes of them shows in their
+    checksums: blocks that don't agree with theirs are pending again. Use as a context manager.
+
+    Rows are handed over with the column `status` last: whoever reads the file meanwhile, status first,
+    finds the numbers of every variant that is ok.
 
     Attributes
     ----------
@@ -38,28 +51,40 @@ class Store:
     layout : FileLayout
         The shape of the file.
     finished : bool
-        The final file exists and is of this study: there is nothing to do.
+        The final file exists, is of this study and undamaged: there is nothing to do.
+    sources : tuple of Path
+        Earlier files that may hold some of the study's numbers: of another study, or damaged.
+    notes : list of str
+        Sentences on what was found and what became of it.
     """
 
     def __init__(self, path: Path, layout: FileLayout) -> None:
         self.path, self.part, self.layout = path, part_path(path), layout
         self.finished = False
+        self.sources: tuple[Path, ...] = ()
+        self.notes: list[str] = []
         self._file: h5py.File | None = None
         self._held_as: Path | None = None
         self._done = np.zeros(layout.blocks, bool)
 
     @classmethod
-    def open(cls, path: Path, layout: FileLayout, restart: bool = False) -> Self:
+    def open(
+        cls, path: Path, layout: FileLayout, restart: bool = False, block: Callable[[], int] | None = None
+    ) -> Self:
         """Create the part file, or continue the one that an earlier run of the study left.
+
+        A part file of another study is set aside under a numbered name.
 
         Parameters
         ----------
         path : Path
             Final name of the file.
         layout : FileLayout
-            Its shape and attributes; a file found must agree in shape and study hash.
+            Its shape and attributes; of a file that is continued the size of blocks is kept.
         restart : bool
-            Throw away the part file found, and let the new one replace a finished file.
+            Throw away the part file found, and take nothing from a finished file.
+        block : callable, optional
+            Variants per block in place of the layout's, found only when a file is made.
 
         Returns
         -------
@@ -69,7 +94,7 @@ class Store:
         Raises
         ------
         StoreError
-            A file of another study is there, another sweep is writing, the disk has too little
+            What is there is no result of a sweep, another sweep is writing, the disk has too little
             room, or the system refuses.
         """
         if Path(path).is_dir():
@@ -80,14 +105,15 @@ class Store:
             if restart:
                 check_space(store.part, layout, freed=_file_size(store.part))
                 remove_unlocked(store.part)
-            if store.part.exists():
-                store._continue()
-            elif not restart and store.path.exists():
-                store._accept_finished()
-            else:
-                check_space(store.part, layout)
-                create_part(store.part, layout, _identity(store.path))
-                store._continue()
+            if store.part.exists() and store._continue():
+                return store
+            if not restart and store.path.exists() and store._accept_finished():
+                return store
+            if block is not None:
+                store.layout = replace(layout, block=min(block(), layout.variants))
+            check_space(store.part, store.layout)
+            create_part(store.part, store.layout, [source.name for source in store.sources])
+            store._continue()
         except BaseException:
             store.close()
             raise
@@ -136,14 +162,22 @@ class Store:
         file = self._opened()
         with explained(self.part, "write"):
             for name, values in arrays.items():
-                file[name][rows] = values
-            # The flag must not reach the file before the rows that it vouches for.
+                if name != "status":
+                    file[name][rows] = values
+            # A verdict must not reach the file before the numbers that it is about, nor the flag before both.
             file.flush()
+            if "status" in arrays:
+                file["status"][rows] = arrays["status"]
+                file.flush()
+            flat = [arrays[c.name] for c in self.layout.columns if c not in self.layout.fields]
+            file["progress/block_checksum"][i] = checksum(i, flat)
+            if self.layout.fields:
+                file["progress/fields_checksum"][i] = checksum(i, (arrays[c.name] for c in self.layout.fields))
             file["progress/block_done"][i] = 1
             file.flush()
         self._done[i] = True
 
-    def finish(self, outcome: str = "") -> None:
+    def finish(self, outcome: str = "", keep_former: bool = False) -> None:
         """Give the file its final name, after noting the time (UTC) in its attribute `finished`.
 
         Parameters
@@ -151,6 +185,8 @@ class Store:
         outcome : str
             Text for the root attribute `outcome`: what is known at the end only, such as counts and
             duration. Cut off at 2000 bytes.
+        keep_former : bool
+            Keep a finished file found under the final name, under a numbered one.
 
         Raises
         ------
@@ -170,6 +206,10 @@ class Store:
         with explained(self.part, "finish"):
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
+            if keep_former and self.path.exists():
+                kept = numbered_name(self.path)
+                self.path.rename(kept)
+                self.notes.append(f"The former {self.path} is kept as {kept}.")
             self.part.replace(self.path)
         self.finished = True
         self.close()
@@ -202,29 +242,69 @@ class Store:
         _held.add(part)
         self._held_as = part
 
-    def _continue(self) -> None:
-        with explained(self.part, "continue", f"It is damaged. {RESTART}"):
+    def _continue(self) -> bool:
+        """Go on with the part file, if it is of this study; set it aside if it isn't."""
+        check_unlocked(self.part)
+        try:
+            with opened(self.part) as file:
+                found = _same_study(file, self.layout)
+                names = json.loads(file["progress"].attrs.get("sources", "[]"))
+            mapped = MappedResult(self.part)
+        except DamagedError:
+            self._set_aside("is damaged beyond going on")
+            return False
+        self.sources = tuple(self.path.with_name(name) for name in names)
+        if not found or mapped.edited:
+            if mapped.done.any():
+                self._set_aside("is of an earlier form of the study, or of another one")
+            else:
+                remove_unlocked(self.part)
+            return False
+        self.layout = replace(self.layout, block=mapped.block)
+        with explained(self.part, "continue"):
             self._file = _open_unbuffered(self.part)
-            found = _mismatch(self._file, self.layout)
-            replaces = self._file["progress"].attrs["replaces"]
-            self._done = self._file["progress/block_done"][:].astype(bool)
-        if not found and replaces == _identity(self.path):
-            return
-        self._close_file()
-        if self.path.exists():
-            self._accept_finished()
-        else:
-            raise StoreError(f"{self.part} is of another study: {found}\n{RESTART}")
+            self._done = mapped.done
+            if damaged := mapped.damaged():
+                self._note_damage(self.part, mapped, damaged)
+                self._forget(damaged)
+        return True
 
-    def _accept_finished(self) -> None:
-        with opened(self.path) as file:
-            found = _mismatch(file, self.layout, ("block",))
-            whole = file["progress/block_done"][:].all()
-        if found:
-            raise StoreError(f"{self.path} is there already, of another study: {found}\n{RESTART}")
-        if not whole:
-            raise StoreError(f"{self.path} has blocks not done. Rename it to {self.part} to go on. {RESTART}")
-        self.finished = True
+    def _forget(self, blocks: list[int]) -> None:
+        """Make blocks pending again, which nobody is to take for done meanwhile."""
+        file = self._opened()
+        for i in blocks:
+            file["progress/block_done"][i] = 0
+            if "status" in file:
+                file["status"][self.slice(i)] = NOT_COMPUTED
+        file.flush()
+        self._done[blocks] = False
+
+    def _set_aside(self, why: str) -> None:
+        aside = part_path(numbered_name(self.path))
+        with explained(self.part, "rename"):
+            self.part.rename(aside)
+        self.sources = (aside, *self.sources)
+        self.notes.append(f"The interrupted {self.part} {why}: it is set aside as {aside}.")
+
+    def _note_damage(self, path: Path, mapped: MappedResult, blocks: list[int]) -> None:
+        self.notes.append(f"{path} was damaged: variants {damage_text(mapped, blocks)} are computed again.")
+
+    def _accept_finished(self) -> bool:
+        """Whether the file under the final name is this study's, whole and undamaged."""
+        try:
+            with opened(self.path) as file:
+                found = _same_study(file, self.layout)
+            mapped = MappedResult(self.path)
+        except DamagedError:
+            self.notes.append(f"{self.path} is damaged beyond reading: all of it is computed again.")
+            return False
+        damaged = mapped.damaged()
+        if damaged:
+            self._note_damage(self.path, mapped, damaged)
+        self.finished = found and not damaged and not mapped.edited and bool(mapped.done.all())
+        if not self.finished:
+            self.sources = tuple(dict.fromkeys((*self.sources, self.path)))
+        return self.finished
 
     def _opened(self) -> h5py.File:
         if self._file is None:
@@ -266,41 +346,41 @@ def _open_unbuffered(part: Path) -> h5py.File:
     return h5py.File(h5py.h5f.open(os.fsencode(part), h5py.h5f.ACC_RDWR, access))
 
 
-def _mismatch(file: h5py.File, layout: FileLayout, ignored: tuple[str, ...] = ()) -> str:
-    """Say what a file and the study at hand differ in; "" when they agree."""
+def _same_study(file: h5py.File, layout: FileLayout) -> bool:
+    """Whether a file is of the study at hand, however its variants fall into blocks."""
     theirs, ours = layout_record(file), layout.record()
-    for key in ignored:
-        ours.pop(key)
-    found = differences(theirs, ours)
-    study_hash = file.attrs.get("study_hash", "absent")
-    if study_hash != layout.study_hash:
-        found.insert(0, f"study hash {study_hash} in the file, {layout.study_hash} now")
-    if not found:
-        return ""
-    return "; ".join(found) + "." + _text_changes(file, layout)
-
-
-def _text_changes(file: h5py.File, layout: FileLayout) -> str:
-    lines = []
-    for name in _TEXTS:
-        old, new = file.attrs.get(name, ""), layout.attributes.get(name, "")
-        changes = list(difflib.unified_diff(old.splitlines(), new.splitlines(), n=0, lineterm=""))
-        lines += [line for line in changes[2:] if not line.startswith("@@")]
-    if len(lines) > _SHOWN_LINES:
-        lines = [*lines[:_SHOWN_LINES], f"... and {len(lines) - _SHOWN_LINES} more lines"]
-    return "".join(f"\n  {line}" for line in lines)
-
-
-def _identity(path: Path) -> str:
-    """Return the study hash of a finished file; "" if there is none."""
-    if not path.exists():
-        return ""
-    try:
-        with opened(path) as file:
-            return str(file.attrs.get("study_hash", _UNREADABLE))
-    except StoreError:
-        return _UNREADABLE
+    same = theirs | {"block": 0} == ours | {"block": 0}
+    return same and file.attrs.get("study_hash") == layout.study_hash
 
 
 def _file_size(path: Path) -> int:
     return path.stat().st_size if path.exists() else 0
+
+
+def reword(path: Path, attributes: Mapping[str, str]) -> None:
+    """Give a file other texts, where they differ: a copy is changed and takes its place.
+
+    Parameters
+    ----------
+    path : Path
+        A result file, finished or not.
+    attributes : mapping of str to str
+        Text attributes of its root by name.
+
+    Raises
+    ------
+    StoreError
+        Another sweep is writing the file, or the system refuses.
+    """
+    with opened(path) as file:
+        changed = {name: text for name, text in attributes.items() if file.attrs.get(name) != text}
+    if not changed:
+        return
+    check_unlocked(path)
+    with explained(path, "change"), whole_file(path) as draft:
+        shutil.copyfile(path, draft)
+        with h5py.File(draft, "r+") as file:
+            file.attrs.update(changed)
+            note_texts(file)
+        with draft.open("rb+") as plain:
+            os.fsync(plain.fileno())

@@ -1,6 +1,6 @@
 """What is asked of a machine where a study names nothing, and what is worth asking of its regimes."""
 
-from engine import ACCURACY_SUMMARIES, Machine, Mechanics, RunRegime, Scene, made_ready
+from engine import ACCURACY_SUMMARIES, Machine, Mechanics, Regime, RunRegime, Scene, made_ready
 
 
 def default_summaries(scene: Scene) -> tuple[str, ...]:
@@ -32,8 +32,20 @@ def telling_summaries(scene: Scene) -> tuple[str, ...]:
             keys.append("multiplier")
             if scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation:
                 keys.append("flywheel")
-        found += [f"{name}.{key}" for key in keys]
+        found += [f"{name}.{key}" for key in (*keys, *_coupling_keys(scene, regime))]
     return tuple(found)
+
+
+def _coupling_keys(scene: Scene, regime: Regime) -> list[str]:
+    """What is worth asking of a coupling that isn't open."""
+    found: list[str] = []
+    for name, coupling in scene.couplings.items():
+        if not isinstance(regime, RunRegime):
+            found.append(f"{name}_moment_peak")
+        elif name not in regime.off:
+            clutch = ("slip_time", "lock_up_time", "lock_up_speed") if coupling.type == "friction_clutch" else ("slip",)
+            found += [f"{name}_{key}" for key in ("heat", "moment_peak", *clutch)]
+    return found
 
 
 _SPEEDS = ("speed_min", "speed_max")

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 # What results depend on; the rest says what is concluded from them.
 _DECISIVE = ("vary", "derive", "require", "outputs", "positions", "precision", "accuracy", "tolerances")
+_OF_A_VARIANT = ("derive", "positions", "accuracy")
 _WORDS = ("title", "source")
 
 
@@ -29,7 +31,7 @@ def study_record(study: "Study") -> dict[str, Any]:
     dict
         `scene` (as `Scene.model_validate` takes it), `parameters` (their SI units by name), `vary` (a table for each
         axis: kind, names, size and what it is made of), `derive` and `require` (expressions as written), `outputs`,
-        `positions`, `precision`, `accuracy`, `best`, `optimise`, `tolerances`.
+        `positions`, `precision`, `accuracy`, `best`, `optimise`, `tolerances`; `engine`, a digest of its sources.
     """
     return {
         "scene": study.scene.model_dump(mode="json"),
@@ -48,7 +50,23 @@ def study_record(study: "Study") -> dict[str, Any]:
         "best": study.best.model_dump() if study.best else None,
         "optimise": study.optimise.model_dump() if study.optimise else None,
         "tolerances": {path: tolerance.model_dump() for path, tolerance in study.tolerances.items()},
+        "engine": sources_digest(),
     }
+
+
+def numbers_record(record: Mapping[str, Any]) -> dict[str, Any]:
+    """The part of a study's record that its numbers depend on, whatever engine computes them."""
+    return {key: record[key] for key in _DECISIVE} | {"scene": _without_words(record["scene"])}
+
+
+def machine_record(record: Mapping[str, Any]) -> dict[str, Any]:
+    """The part of a study's record that the numbers of one variant depend on, whatever else varies or is asked."""
+    kept = {key: record[key] for key in (*_OF_A_VARIANT, "engine")}
+    return kept | {"scene": _without_words(record["scene"]), "parameters": sorted(record["parameters"])}
+
+
+def _without_words(scene: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in scene.items() if key not in _WORDS}
 
 
 def study_digest(study: "Study") -> str:
@@ -59,9 +77,7 @@ def study_digest(study: "Study") -> str:
     study : Study
     """
     record = study_record(study)
-    content = {key: record[key] for key in _DECISIVE}
-    content["scene"] = {key: value for key, value in record["scene"].items() if key not in _WORDS}
-    content["engine"] = sources_digest()
+    content = numbers_record(record) | {"engine": record["engine"]}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import Machine
-from sweeps.report.trial_runs import correction_of, read_runs
+from sweeps.report.sizing.trial_runs import correction_of, read_runs
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import TEMPLATES
 

@@ -13,7 +13,7 @@ from engine import Machine, Scene, Verdict
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run import cost
-from sweeps.run.runner import block_size
+from sweeps.run.blocks import largest_block
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import read_study
 from sweeps.text.scene_text import read_scene
@@ -127,8 +127,8 @@ def test_variants_saved_together__are_fewer_where_motion_is_asked(folder):
     Path("study.toml").write_text(STUDY.replace("[outputs]", many))
     Path("still.toml").write_text(Path("study.toml").read_text().split("summaries")[0] + 'summaries = ["excess_work"]')
     moving, still = (read_study(name) for name in ("study.toml", "still.toml"))
-    assert block_size(moving, moving.machine()) == 4096
-    assert block_size(still, still.machine()) > 30_000
+    assert largest_block(moving, moving.machine()) == 4096
+    assert largest_block(still, still.machine()) > 30_000
 
 
 def test_probe__looks_at_variants_from_all_over_the_study(folder):

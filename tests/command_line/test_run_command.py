@@ -6,12 +6,13 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
-import click.testing
 import pytest
 from commands import STUDY, refused, said
 from press_texts import PRESS
 
+from sweeps.interruption import farewell
 from sweeps.report.sweep_result import SweepResult
+from sweeps.run.progress import ProgressBar
 
 
 def test_run__tells_counts_blame_answer_and_files(press_folder):
@@ -43,13 +44,23 @@ def test_run_twice__leaves_the_finished_file(press_result):
     assert Path(press_result).stat().st_mtime_ns == before
 
 
-def test_run_of_a_changed_study__needs_restart(press_result):
+def test_run_of_a_changed_study__keeps_the_former_result(press_result):
     Path("study.toml").write_text(STUDY.replace('"50 kg"', '"55 kg"'))
-    message = refused("run", "study.toml", "--no-plots", "--out", press_result)
-    for word in ("r.h5", "another study", '"50 kg"', '"55 kg"', "--restart"):
-        assert word in message
-    assert said("run", "study.toml", "--no-plots", "--out", press_result, "--restart").exit_code == 0
+    answer = said("run", "study.toml", "--no-plots", "--out", press_result)
+    assert answer.exit_code == 0
+    former = Path(press_result).with_suffix(".1.h5")
+    assert answer.stderr == f"The former {press_result} is kept as {former}.\n"
     assert SweepResult(Path(press_result)).columns["bodies.ram.mass"][0] == 55
+    assert SweepResult(former).columns["bodies.ram.mass"][0] == 50
+
+
+def test_run_with_another_question__answers_that_one(press_result):
+    Path("study.toml").write_text(STUDY.replace("minimise", "maximise"))
+    before = SweepResult(Path(press_result)).best()
+    answer = said("run", "study.toml", "--no-plots", "--out", press_result)
+    assert "Answer: the greatest excess_work" in answer.stdout
+    assert "Answer: the greatest excess_work" in said("show", press_result).stdout
+    assert SweepResult(Path(press_result)).best() != before
 
 
 def test_run_with_jobs__gives_the_same_numbers(press_result):
@@ -122,35 +133,31 @@ def test_out_of_another_program__is_refused_and_kept(press_folder):
     assert Path("r.h5").read_text() == "my notes"
 
 
-def test_interrupt__has_its_own_exit_code(press_folder, monkeypatch):
-    def stopped(*arguments: object) -> None:
-        raise KeyboardInterrupt
+def interrupted(after: int) -> str:
+    """What a run stopped after so many variants, in blocks of three, says on the way out."""
+    words = []
+    update = ProgressBar.update
 
-    monkeypatch.setattr("sweeps.run.runner.run_study", stopped)
-    answer = said("run", "study.toml", "--no-plots")
-    assert answer.exit_code == 130
-    assert "Interrupted: 0 of 8 variants are done and kept; the same command goes on from there." in answer.stderr
-    assert answer.stdout == ""
-
-
-def interrupted(after: int) -> click.testing.Result:
-    """A run stopped by the keyboard after so many variants, in blocks of three."""
-
-    def stop(self: object, done: int, before: int) -> None:
+    def stop(self: ProgressBar, done: int, before: int) -> None:
+        update(self, done, before)
         if done >= after:
+            words.append(farewell())
             raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweeps.run.runner.block_size", lambda study, machine: 3)
+        patch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
         patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
-        return said("run", "study.toml", "--no-plots", "--out", "r.h5")
+        patch.setattr("sys.argv", ["sweeps", "run", "study.toml", "--restart", "--no-plots", "--out", "my r.h5"])
+        assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 1
+    return words[0]
 
 
 def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(press_folder, monkeypatch):
-    assert "Interrupted: 3 of 8 variants are done and kept; the same command goes on" in interrupted(3).stderr
+    again = "go on with: sweeps run study.toml --no-plots --out 'my r.h5'"
+    assert interrupted(3) == f"Interrupted: 3 of 8 variants are done and kept; {again}"
     assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
-    assert "Interrupted: 6 of 8 variants" in interrupted(6).stderr
-    monkeypatch.setattr("sweeps.run.runner.block_size", lambda study, machine: 3)
+    assert "Interrupted: 6 of 8 variants" in interrupted(6)
+    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
 
@@ -211,7 +218,7 @@ def test_progress_into_a_pipe__is_plain_lines_now_and_then(press_folder, monkeyp
     ticks = itertools.count(0.0, 40.0)
     clock = SimpleNamespace(monotonic=lambda: next(ticks), perf_counter=time.perf_counter)
     monkeypatch.setattr("sweeps.run.progress.time", clock)
-    monkeypatch.setattr("sweeps.run.runner.block_size", lambda study, machine: 4)
+    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 4)
     answer = said("run", "study.toml", "--no-plots")
     lines = answer.stderr.splitlines()
     assert len(lines) == 2

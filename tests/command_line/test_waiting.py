@@ -54,11 +54,11 @@ def test_pause_between_two_waits__begins_anew(terminal):
 
 
 def test_compiling__is_seen_in_the_engine(terminal, monkeypatch):
-    from engine.compiling.kept_code import COMPILING
+    from engine.compiling.kept_code import compiling
 
     monkeypatch.setattr("sweeps.cli.waiting.PATIENCE", 0.0)
     monkeypatch.setattr("sweeps.cli.waiting.LOOK", 0.01)
-    with COMPILING, waiting_told():
+    with compiling(), waiting_told():
         for _ in range(500):
             if terminal.getvalue():
                 break

@@ -1,6 +1,7 @@
 """Printed modules: packed instructions, the cache on disk and what spoils it, several threads, sources reached."""
 
 import ast
+import hashlib
 import os
 import platform
 import re
@@ -19,6 +20,7 @@ from engine.compiling import kept_code, printed, sources
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
+from engine.compiling.sources import digest_of_text
 from engine.compiling.tiles import LANES, PANEL_POSITIONS
 from engine.graph.functions import field_function, functions_of
 from engine.graph.nodes import Graph
@@ -111,24 +113,32 @@ def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(f
 
 def test_cache__has_the_text_and_what_was_compiled(fresh_cache):
     assert_right()
-    (path,) = fresh_cache.glob("*/printed.py")
-    assert path.read_text() == coupler()[2]
-    assert list(path.parent.rglob("*.nbc"))
-    assert list(path.parent.rglob("*.nbi"))
+    text = coupler()[2]
+    folder = fresh_cache / digest_of_text(text)[:32]
+    assert list(folder.glob("*.nbc"))
+    assert list(folder.glob("*.nbi"))
+    assert load_printed(text).__name__.endswith(folder.name)
+    for made in (fresh_cache, folder):
+        assert made.stat().st_mode & 0o777 == 0o700
 
 
-@pytest.mark.parametrize("kind", ["nbc", "nbi", "py"])
-@pytest.mark.parametrize("left", ["none", "half", "rubbish"])
+@pytest.mark.parametrize("kind", ["nbc", "nbi"])
+@pytest.mark.parametrize("left", ["none", "half", "rubbish", "one bit"])
 def test_broken_cache__is_recovered(kind, left, fresh_cache):
     assert_right()
     spoilt = list(fresh_cache.rglob(f"*.{kind}"))
     assert spoilt
     for path in spoilt:
         content = path.read_bytes()
-        path.write_bytes({"none": b"", "half": content[: len(content) // 2], "rubbish": b"\x07rubbish" * 9}[left])
+        changed = bytearray(content)
+        changed[len(content) // 2] ^= 1
+        half = content[: len(content) // 2]
+        path.write_bytes({"none": b"", "half": half, "rubbish": b"\x07rubbish" * 9, "one bit": bytes(changed)}[left])
     for _ in range(2):
         printed._load.cache_clear()
         assert_right()
+    for path in spoilt:
+        assert hashlib.sha256(path.read_bytes()[32:]).digest() == path.read_bytes()[:32]
 
 
 def counted(begin, end, found):
@@ -150,22 +160,63 @@ def test_broken_driver__is_recovered(kind, fresh_cache):
             path.write_bytes(b"\x07rubbish" * 9)
 
 
-def test_cache_that_cannot_be_made__is_replaced_by_a_temporary_one(tmp_path, monkeypatch):
+@pytest.mark.parametrize("variable", ["XDG_CACHE_HOME", "HOME"])
+def test_cache_that_cannot_be_made__is_done_without(variable, tmp_path, monkeypatch, caplog):
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     (tmp_path / "file").write_text("")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    monkeypatch.setenv(variable, str(tmp_path / "file"))
     printed._load.cache_clear()
-    folder = kept_code.cache_folder()
-    assert tmp_path not in folder.parents
-    assert os.access(folder, os.W_OK)
+    kept_code._say_once.cache_clear()
+    assert kept_code.cache_folder() is None
     assert_right()
     printed._load.cache_clear()
+    (record,) = caplog.records
+    assert "Machine code is compiled in every run: no cache" in record.getMessage()
+    assert list(tmp_path.iterdir()) == [tmp_path / "file"]
 
 
-def test_home_that_cannot_be_written__is_replaced_by_a_temporary_folder(tmp_path, monkeypatch):
-    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
-    (tmp_path / "home").write_text("")
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    assert tmp_path not in kept_code.cache_folder().parents
+def test_cache_that_others_may_write_to__is_not_believed(fresh_cache, caplog):
+    assert_right()
+    before = sorted(fresh_cache.rglob("*"))
+    fresh_cache.chmod(0o770)
+    kept_code._say_once.cache_clear()
+    printed._load.cache_clear()
+    assert kept_code.cache_folder() is None
+    assert_right("Another coupler.")
+    assert sorted(fresh_cache.rglob("*")) == before
+    assert len(caplog.records) == 1
+
+
+def test_full_disk_under_the_cache__is_said_once_and_nothing_left(fresh_cache, monkeypatch, caplog):
+    def full(self: object, path: str) -> None:
+        raise OSError(28, "No space left on device")
+
+    kept_code._say_once.cache_clear()
+    monkeypatch.setattr(kept_code._VerifiedFiles, "_open_for_write", full)
+    assert_right()
+    assert [path for path in fresh_cache.rglob("*") if path.is_file()] == []
+    (record,) = caplog.records
+    assert "can't be written (No space left on device)" in record.getMessage()
+
+
+def test_warm_cache_that_cannot_be_written__is_read_and_left_as_it_is(fresh_cache, monkeypatch, caplog):
+    assert_right()
+    before = {path: path.stat() for path in sorted(fresh_cache.rglob("*")) if path.is_file()}
+    kept_code._say_once.cache_clear()
+    kept_code.folder_of.cache_clear()
+    printed._load.cache_clear()
+
+    def refused(*arguments: object, **options: object) -> None:
+        raise OSError(30, "Read-only file system")
+
+    # An administrator may write anywhere.
+    for name in ("mkdir", "makedirs", "utime", "unlink", "replace"):
+        monkeypatch.setattr(os, name, refused)
+    monkeypatch.setattr(kept_code._VerifiedFiles, "_open_for_write", refused)
+    assert_right()
+    assert caplog.records == []
+    assert {path: path.stat() for path in sorted(fresh_cache.rglob("*")) if path.is_file()}.keys() == before.keys()
+    kept_code.folder_of.cache_clear()
 
 
 # Other processes. A law called by what is printed, in a file of its own, is what a compiler's cache overlooks.
@@ -228,8 +279,7 @@ def test_changed_law__is_compiled_anew_and_what_cannot_be_reached_is_not(tmp_pat
 def test_broken_machine_code_of_laws__is_recovered(kind, tmp_path):
     """Laws outlive what they were compiled for; what is printed anew meets them broken."""
     before = child(ROOT, tmp_path)
-    for path in (tmp_path / "machine-sweeps").glob("*/printed.py"):
-        shutil.rmtree(path.parent)
+    shutil.rmtree(tmp_path / "machine-sweeps" / digest_of_text(coupler()[2])[:32])
     spoilt = list(tmp_path.rglob(f"*.{kind}"))
     assert spoilt
     for path in spoilt:

@@ -46,7 +46,7 @@ def test_files_and_tables__are_made_of_branched_and_single_trains(train, tmp_pat
 
 
 def test_holzers_table__adds_up_to_nothing():
-    text = train_table(element(EXCITED))
+    text = train_table(element(EXCITED), {})
     assert text.count("Mode") == 2
     for line in text.splitlines():
         if "remainder" in line:
@@ -57,5 +57,5 @@ def test_holzers_table__adds_up_to_nothing():
 def test_table_of_equal_branches__says_that_modes_are_open():
     masses = {"hub": {"inertia": 5.0}, "a": {"inertia": 1.0}, "b": {"inertia": 1.0}, "c": {"inertia": 1.0}}
     shafts = {f"to_{x}": {"between": ["hub", x], "stiffness": 1e4} for x in "abc"}
-    text = train_table(element({"type": "torsional_train", "masses": masses, "shafts": shafts}))
+    text = train_table(element({"type": "torsional_train", "masses": masses, "shafts": shafts}), {})
     assert text.count("not determined") == 2

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from train_samples import matrices
 
 from engine import Machine, Scene, Verdict
-from sweeps.pictures.elements.train_sheet import train_sheet
+from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 from sweeps.pictures.style import new_figure
 
 TRAIN = {
@@ -82,6 +82,29 @@ def test_rigid_shaft__carries_what_the_motor_needs_to_turn_with_the_machine():
     # Peaks of orders don't add, but the greatest of them is there.
     greatest = max(found[name][0] for name in names[1:])
     assert 0.8 * greatest < found[names[0]][0] / (0.2 / 0.25) < orders
+
+
+def test_mass_without_inertia__has_the_mean_of_the_machine_and_its_flywheel():
+    masses = TRAIN["masses"] | {"crank_end": {}}
+    machine = {"flywheel": {"inertia": 0.3, "speed_fluctuation": 0.1}}
+    filled = scene(TRAIN | {"masses": masses}, **machine)
+    mean = Machine(filled, ["reduced_inertia.mean"]).evaluate({}).summaries["reduced_inertia.mean"][0]
+    given = scene(TRAIN | {"masses": masses | {"crank_end": {"inertia": mean + 0.3}}}, **machine)
+    names = ["train.frequency_1", "train.shaft.alternating_moment"]
+    outcome, expected = (Machine(made, names).evaluate({}) for made in (filled, given))
+    for name in names:
+        assert outcome.summaries[name][0] == pytest.approx(expected.summaries[name][0], rel=1e-12), name
+        assert outcome.errors[name][0] < 1e-9 * outcome.summaries[name][0]
+    two = math.sqrt(800.0 * (1 / 0.2 + 1 / (mean + 0.3)))
+    assert outcome.summaries[names[0]][0] == pytest.approx(two, rel=1e-12)
+    text = train_table(filled.elements["train"], numbers_of_machine(filled, "train"))
+    assert f"{mean + 0.3:.5g}" in text
+
+
+def test_mass_without_inertia__must_be_the_machines():
+    masses = {"motor": {}, "crank_end": {"inertia": 0.1}}
+    with pytest.raises(ValidationError, match=r"masses\.motor\.inertia is missing; only the mass that is machine_at"):
+        scene(TRAIN | {"masses": masses})
 
 
 def test_sheet__is_drawn_with_the_machines_orders():

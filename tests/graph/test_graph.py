@@ -229,7 +229,7 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
     functions, numbers = prepared(g, asked)
     scope: dict = {}
     # The text alone, uncompiled: what is printed must mean the same to Python.
-    exec(compile(functions.text.replace("@njit(TILE_SIGNATURE, **TILE_OPTIONS)", ""), "printed", "exec"), scope)
+    exec(compile(functions.text.replace("@filling(TILE_SIGNATURE)", ""), "printed", "exec"), scope)
     q = np.linspace(0, 3, PANEL_POSITIONS * LANES).reshape(PANEL_POSITIONS, LANES)
     tile = np.empty((len(asked), PANEL_POSITIONS, LANES))
     scope["curves"](numbers, functions.memory, q, np.cos(q), np.sin(q), tile)

@@ -209,7 +209,7 @@ def test_float32__is_computed_in_float64():
 
 
 def test_a_loop_over_each__is_compiled_to_packed_instructions():
-    @njit(**{**TILE_OPTIONS, "cache": False})
+    @njit(**TILE_OPTIONS)
     def loops(x, y, out):
         for i in range(x.size):
             out[0, i] = exponential(x[i])

@@ -317,7 +317,7 @@ def test_travel_rounded_below_the_dead_centre__is_the_dead_centre(branch):
 
 
 def test_a_loop_over_positions_of_all_branches__is_compiled_to_packed_instructions():
-    @njit(**{**TILE_OPTIONS, "cache": False})
+    @njit(**TILE_OPTIONS)
     def loop(branch, travel, out):
         for i in range(travel.size):
             out[i] = branch_pressure(branch[i], travel[i], STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25)

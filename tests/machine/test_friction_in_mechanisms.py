@@ -21,7 +21,7 @@ from engine.laws.friction.guides import overhung_drive, vee_friction
 from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
 from engine.laws.friction.journals import friction_circle
 from engine.scene.pairs import pairs
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
 ROUNDINGS = 100

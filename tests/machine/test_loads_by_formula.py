@@ -7,7 +7,7 @@ import pytest
 
 from engine import Machine, Scene, Verdict
 from engine.scene.scene import SceneError, scene_numbers
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 CRANK, ROD = 0.05, 0.2
 LOW, HIGH = ROD - CRANK, ROD + CRANK

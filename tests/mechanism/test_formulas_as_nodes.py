@@ -13,7 +13,7 @@ from engine import Scene, SceneError
 from engine.graph.nodes import Graph, Node, Stage
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 CRANK, ROD, OFFSET, ANGLE = 0.05, 0.17, 0.012, 0.3
 NUMBERS = {"k": 0.7, "n": 1.7, "m": -0.4}

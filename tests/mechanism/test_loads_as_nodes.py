@@ -14,7 +14,7 @@ from engine.graph.nodes import Graph, Node
 from engine.mechanism.assembly import MovingPoint, Turning
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Load, Loads
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 SPEEDS = (5.0, -3.0)
 

@@ -20,7 +20,7 @@ from engine.graph.nodes import Graph, Node
 from engine.mechanism.actions.tables import uniform_time
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 some = settings(deadline=None, max_examples=40)
 

@@ -12,7 +12,7 @@ from engine import Scene
 from engine.graph.nodes import Graph
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 BORE, CLEARANCE, PORT, NC, NE = 0.08, 0.12, 0.8, 1.32, 1.25
 AREA = math.pi / 4 * BORE**2

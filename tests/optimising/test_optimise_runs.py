@@ -8,10 +8,11 @@ import pytest
 from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine
-from sweeps.optimising.runner import generations_kept, optimise_study
+from sweeps.optimising import searching
+from sweeps.optimising.runner import optimise_study
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
-from sweeps.store import StoreError
+from sweeps.store import StoreError, describe_result
 from sweeps.study.search_task import task_of
 from sweeps.study.study import read_study
 
@@ -39,46 +40,87 @@ def test_interrupted_search__ends_as_an_uninterrupted_one(asked, tmp_path):
 
         def progress(done: int, before: int, words: str, stop: int = stop) -> None:
             told.append((done, before))
-            if done == stop:
+            if done == stop > before:
                 raise KeyboardInterrupt
 
         with pytest.raises(KeyboardInterrupt):
             optimise_study(study, path, progress=progress)
-        assert generations_kept(path) == stop
+        assert describe_result(tmp_path / "parts.candidates.part.h5").blocks_done == stop
         assert not path.exists()
     optimise_study(study, path)
-    assert told == [(1, 0), (2, 0), (3, 0), (4, 3), (5, 3), (6, 3), (7, 3)]
+    assert told == [(0, 0), (1, 0), (2, 0), (3, 0), (3, 3), (4, 3), (5, 3), (6, 3), (7, 3)]
     assert contents(path) == contents(whole)
     assert sorted(p.name for p in tmp_path.glob("parts*")) == ["parts.h5"]
 
 
-def test_candidates_of_another_way__are_refused(tmp_path):
+def test_search_interrupted_in_its_last_phase__doesn_t_repeat_its_generations(tmp_path, monkeypatch):
+    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
+    whole = contents(optimise_study(study, tmp_path / "whole.h5"))
+
+    def stop(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("sweeps.optimising.runner._downhill", stop)
+        with pytest.raises(KeyboardInterrupt):
+            optimise_study(study, path)
+    calls = []
+    optimise_study(study, path, progress=lambda done, before, words: calls.append((done, before)))
+    assert len(calls) == 1
+    assert calls[0][0] == calls[0][1] > 1
+    assert contents(path) == whole
+    assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.h5"]
+
+
+def test_spoilt_candidates__are_computed_again(tmp_path):
     study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
 
     def stop(done: int, before: int, words: str) -> None:
-        raise KeyboardInterrupt
+        if done:
+            raise KeyboardInterrupt
 
+    whole = contents(optimise_study(study, tmp_path / "whole.h5"))
     with pytest.raises(KeyboardInterrupt):
         optimise_study(study, path, progress=stop)
     with h5py.File(tmp_path / "r.candidates.part.h5", "r+") as file:
         file[CRANK][3] += 1e-6
-    with pytest.raises(StoreError, match=r"generation 0 would differ now.*--restart"):
-        optimise_study(study, path)
+    told = []
+    optimise_study(study, path, tell=told.append)
+    assert "was damaged" in told[0]
+    assert contents(path) == whole
+
+
+def test_candidates_of_another_way__are_refused(tmp_path, monkeypatch):
+    study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
+
+    def stop(done: int, before: int, words: str) -> None:
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        optimise_study(study, path, progress=stop)
+    first = searching.first_generation
+    with monkeypatch.context() as patch:
+        patch.setattr(searching, "first_generation", lambda task: first(task) * 0.999)
+        with pytest.raises(StoreError, match=r"generation 0 would differ now.*--restart"):
+            optimise_study(study, path)
     optimise_study(study, path, restart=True)
     assert best_of(SweepResult(path))["status"] == 0
 
 
-def test_finished_search__is_left_alone_and_a_changed_one_refused(tmp_path):
+def test_finished_search__is_left_alone_and_kept_when_another_is_made(tmp_path):
     study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
     optimise_study(study, path)
-    before = path.stat().st_mtime_ns
+    before = path.read_bytes()
     optimise_study(study, path)
-    assert path.stat().st_mtime_ns == before
-    changed = study_of(tmp_path, ONE.replace("= 12", "= 13"))
-    with pytest.raises(StoreError, match="of another study"):
-        optimise_study(changed, path)
-    optimise_study(changed, path, restart=True)
-    assert path.stat().st_mtime_ns != before
+    assert path.read_bytes() == before
+    changed, told = study_of(tmp_path, ONE.replace("= 12", "= 13")), []
+    optimise_study(changed, path, tell=told.append)
+    assert (tmp_path / "r.1.h5").read_bytes() == before
+    assert told == [f"The former {path} is kept as {tmp_path / 'r.1.h5'}."]
+    optimise_study(study, path, replace_former=True)
+    assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.1.h5", "r.h5"]
+    assert contents(path) == contents(tmp_path / "r.1.h5")
 
 
 def test_every_word_of_a_search__makes_another_one(tmp_path):
@@ -93,14 +135,14 @@ def test_interrupted_sweep_of_the_same_name__is_spared(tmp_path):
     study = study_of(tmp_path, ONE)
 
     def stop(done: int, before: int) -> None:
-        raise KeyboardInterrupt
+        if done:
+            raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         run_study(study, tmp_path / "r.h5", progress=stop)
     before = contents(tmp_path / "r.part.h5")
-    with pytest.raises(StoreError, match=r"r.part.h5 is there already, of another study. Give another --out, or"):
-        optimise_study(study, tmp_path / "r.h5")
-    assert contents(tmp_path / "r.part.h5") == before
+    optimise_study(study, tmp_path / "r.h5")
+    assert contents(tmp_path / "r.1.part.h5") == before
 
 
 # Tolerances

@@ -12,7 +12,7 @@ from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.mechanism.reactions import Reactions
 from engine.scene.pairs import pairs
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 
 class ReactionValues:

@@ -4,7 +4,7 @@ import numpy as np
 
 from engine import Scene
 from engine.scene.pairs import pairs
-from engine.scene.structure import order
+from engine.scene.structure.ordering import order
 
 
 def loaded(scene: dict, seed: int) -> dict:

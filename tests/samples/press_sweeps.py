@@ -101,6 +101,11 @@ def contents(path: Path) -> dict[str, tuple[str, bytes]]:
     return found
 
 
+def numbers_in(path: Path) -> dict[str, tuple[str, bytes]]:
+    """As `contents`, without how the variants fall into blocks."""
+    return {name: value for name, value in contents(path).items() if not name.startswith("progress")}
+
+
 # The same studies in several files: two variants of two numbers, and many of one.
 GOOD = text_of(["40 mm", "50 mm"], ["50 kg", "100 kg"], FIELDS)
 

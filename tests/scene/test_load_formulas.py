@@ -155,8 +155,8 @@ def test_regimes__take_powers_of_the_speed_alone(tmp_path):
     stribeck = "-1 N * sign(v) * (1 + exp(-abs(v) / (1 m/s)))"
     read(tmp_path, force=stribeck)
     message = refused(tmp_path, force=stribeck, regimes=REGIMES.format("steady"))
-    assert "depends on the speed otherwise than by fixed powers of it, which regimes can't take" in message
-    assert "switch 'cut' off in work" in message
+    assert "depends on the speed otherwise than by fixed powers of it, which true motion can't take" in message
+    assert "switch 'cut' off in regimes.work" in message
     read(tmp_path, force=stribeck, regimes=REGIMES.format("steady").replace("[]", '["cut"]'))
 
 

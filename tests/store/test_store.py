@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from store_samples import complete, files, layout, results, start_child
 
-from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, read_columns
+from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, read_columns, reword
 from sweeps.store.errors import explained
 
 
@@ -29,45 +29,57 @@ def other_study() -> FileLayout:
     return layout(attributes={"study_hash": "9z9z", "study": "steps = 4\nload = 12 kN"})
 
 
-def test_changed_hash__part_refused_with_what_changed(path: Path, part: Path) -> None:
-    Store.open(path, layout()).close()
+def test_part_of_another_study__set_aside_as_a_source(path: Path, part: Path) -> None:
+    with Store.open(path, layout()) as store:
+        store.write(0, results(store, 0))
     before = part.read_bytes()
-    with pytest.raises(StoreError) as caught:
-        Store.open(path, other_study())
-    message = str(caught.value)
-    for words in (
-        "out.part.h5",
-        "1a2b in the file, 9z9z now",
-        "-steps = 3\n  +steps = 4",
-        "--out",
-        "--restart",
-    ):
-        assert words in message
-    assert "load" not in message
-    assert part.read_bytes() == before
+    with Store.open(path, other_study()) as store:
+        assert store.pending == [0, 1, 2, 3, 4, 5]
+        assert store.sources == (path.with_name("out.1.part.h5"),)
+        (note,) = store.notes
+        store.write(1, results(store, 1))
+    assert "set aside as" in note
+    assert "hash" not in note
+    assert path.with_name("out.1.part.h5").read_bytes() == before
+    with Store.open(path, other_study()) as store:
+        assert store.pending == [0, 2, 3, 4, 5]
+        assert store.sources == (path.with_name("out.1.part.h5"),)
+        assert store.notes == []
+
+
+def test_part_of_another_study_without_a_block__thrown_away(path: Path) -> None:
+    Store.open(path, layout()).close()
+    with Store.open(path, other_study()) as store:
+        assert (store.sources, store.notes) == ((), [])
+    assert files(path.parent) == ["out.part.h5"]
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    "changes",
     [
-        ({"variants": 23}, "variants: 22 in the file, 23 now"),
-        ({"block": 5}, "block: 4 in the file, 5 now"),
-        ({"positions": 6}, "position count: 5 in the file, 6 now"),
-        ({"position": np.arange(5.0)}, "position values (sha256)"),
-        ({"position_units": "deg"}, "position units: 'rad' in the file, 'deg' now"),
-        ({"coordinates": ("length",)}, "coordinates: ['length', 'speed'] in the file, ['length'] now"),
-        (
-            {"status_codes": {0: "ok", 1: "jams"}},
-            "status codes 1: 'cannot be assembled' in the file, 'jams' now",
-        ),
-        ({"columns": layout().columns[:-1]}, "columns torque: "),
+        {"variants": 23},
+        {"positions": 6},
+        {"position": np.arange(5.0)},
+        {"position_units": "deg"},
+        {"coordinates": ("length",)},
+        {"status_codes": {0: "ok", 1: "jams"}},
+        {"columns": layout().columns[:-1]},
     ],
 )
-def test_changed_layout__part_refused_naming_it(path: Path, changes: dict, words: str) -> None:
-    Store.open(path, layout()).close()
-    with pytest.raises(StoreError) as caught:
-        Store.open(path, layout(**changes))
-    assert words in str(caught.value)
+def test_changed_layout__part_set_aside(path: Path, changes: dict) -> None:
+    with Store.open(path, layout()) as store:
+        store.write(0, results(store, 0))
+    with Store.open(path, layout(**changes)) as store:
+        assert store.layout.blocks == len(store.pending)
+    assert files(path.parent) == ["out.1.part.h5", "out.part.h5"]
+
+
+def test_other_block_size__that_of_the_file_is_kept(path: Path) -> None:
+    with Store.open(path, layout(), block=lambda: 5) as store:
+        store.write(0, results(store, 0))
+    with Store.open(path, layout(block=7), block=lambda: pytest.fail("asked again")) as store:
+        assert store.layout.block == 5
+        assert store.pending == [1, 2, 3, 4]
 
 
 def test_finished_file_of_the_study__nothing_to_do(path: Path) -> None:
@@ -81,13 +93,47 @@ def test_finished_file_of_the_study__nothing_to_do(path: Path) -> None:
     assert files(path.parent) == ["out.h5"]
 
 
-def test_finished_file_of_another_study__kept(path: Path) -> None:
+def test_finished_file_of_another_study__kept_under_a_number_in_the_end(path: Path) -> None:
     complete(path, layout())
     before = path.read_bytes()
-    with pytest.raises(StoreError, match=r"out\.h5 is there already(.|\n)*--restart"):
-        Store.open(path, other_study())
-    assert path.read_bytes() == before
+    with Store.open(path, other_study()) as store:
+        assert store.sources == (path,)
+        for i in store.pending:
+            store.write(i, results(store, i))
+        assert path.read_bytes() == before
+        store.finish(keep_former=True)
+        (note,) = store.notes
+    assert note.endswith("out.1.h5.")
+    assert path.with_name("out.1.h5").read_bytes() == before
+    assert files(path.parent) == ["out.1.h5", "out.h5"]
+
+
+def test_former_file__may_be_replaced(path: Path) -> None:
+    complete(path, layout())
+    complete(path, other_study())
+    assert describe_result(path).attributes["study_hash"] == "9z9z"
     assert files(path.parent) == ["out.h5"]
+
+
+@pytest.mark.parametrize("finished", [True, False])
+def test_other_words__change_nothing_else(path: Path, part: Path, finished: bool) -> None:
+    if finished:
+        arrays = complete(path, layout())
+    else:
+        with Store.open(path, layout()) as store:
+            store.write(0, results(store, 0))
+        arrays = read_columns(part)
+    file = path if finished else part
+    reword(file, {"title": "Länge", "study": "x" * 100_000})
+    assert describe_result(file).attributes["title"] == "Länge"
+    found = read_columns(file, list(arrays))
+    assert all(found[name].tobytes() == values.tobytes() for name, values in arrays.items())
+    before = file.stat().st_mtime_ns
+    reword(file, {"title": "Länge"})
+    assert file.stat().st_mtime_ns == before
+    with Store.open(path, layout()) as store:
+        assert store.pending == ([] if finished else [1, 2, 3, 4, 5])
+    assert len(files(path.parent)) == 1
 
 
 def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> None:
@@ -109,14 +155,6 @@ def test_restart__throws_away_part_file(path: Path) -> None:
         assert len(store.pending) == 6
 
 
-def test_finished_file_put_in_the_way__not_overwritten(path: Path, tmp_path: Path) -> None:
-    Store.open(path, layout()).close()
-    complete(tmp_path / "b.h5", other_study())
-    (tmp_path / "b.h5").rename(path)
-    with pytest.raises(StoreError, match="is there already, of another study"):
-        Store.open(path, layout())
-
-
 @pytest.mark.parametrize("content", [b"", b"some text"])
 def test_foreign_file_under_the_name__kept(path: Path, content: bytes) -> None:
     path.write_bytes(content)
@@ -131,13 +169,28 @@ def test_foreign_hdf5_file_under_the_name__kept(path: Path) -> None:
         Store.open(path, layout())
 
 
-def test_damaged_part_file__restart_suggested_and_works(path: Path, part: Path) -> None:
+def test_part_file_cut_off__set_aside_and_made_anew(path: Path, part: Path) -> None:
     Store.open(path, layout()).close()
     with part.open("rb+") as file:
         file.truncate(1000)
-    with pytest.raises(StoreError, match=r"cannot continue .*out\.part\.h5: It is damaged.*--restart"):
-        Store.open(path, layout())
-    complete(path, layout(), restart=True)
+    with Store.open(path, layout()) as store:
+        (note,) = store.notes
+        assert len(store.pending) == 6
+    assert "damaged" in note
+    complete(path, layout())
+    assert files(path.parent) == ["out.1.part.h5", "out.h5"]
+
+
+def test_finished_file_cut_off__all_is_pending(path: Path) -> None:
+    complete(path, layout())
+    with path.open("rb+") as file:
+        file.truncate(path.stat().st_size - 1000)
+    with pytest.raises(StoreError, match=r"damaged or cut off\. Run its study again"):
+        describe_result(path)
+    with Store.open(path, layout()) as store:
+        (note,) = store.notes
+        assert len(store.pending) == 6
+    assert "damaged beyond reading" in note
 
 
 def test_second_writer_in_another_process__refused(path: Path, part: Path) -> None:
@@ -211,10 +264,12 @@ def test_system_error__store_error_with_path_and_mend(error: Exception, words: s
 
 
 def test_part_file_renamed_by_hand__not_taken_for_finished(path: Path, part: Path) -> None:
-    Store.open(path, layout()).close()
+    with Store.open(path, layout()) as store:
+        store.write(2, results(store, 2))
     part.rename(path)
-    with pytest.raises(StoreError, match=r"blocks not done\. Rename it to .*out\.part\.h5"):
-        Store.open(path, layout())
+    with Store.open(path, layout()) as store:
+        assert not store.finished
+        assert store.sources == (path,)
 
 
 def test_folder_as_file__store_error(tmp_path: Path) -> None:

@@ -8,7 +8,17 @@ import numpy as np
 import pytest
 from store_samples import NAMES, complete, layout, results, same_bits
 
-from sweeps.store import NOT_COMPUTED, Column, Store, StoreError, describe_result, iterate, read, read_columns
+from sweeps.store import (
+    NOT_COMPUTED,
+    Column,
+    DamagedError,
+    MappedResult,
+    Store,
+    StoreError,
+    describe_result,
+    read,
+    read_columns,
+)
 
 
 @pytest.fixture
@@ -123,13 +133,92 @@ def test_unknown_column__suggestion(path: Path) -> None:
     complete(path, layout())
     with pytest.raises(StoreError, match=r"no column 'peak_torqe'\. Did you mean 'peak_torque'"):
         read_columns(path, ["peak_torqe"])
-    with pytest.raises(StoreError, match="no column 'phi'"):
-        list(iterate(path, ["phi"], 4))
 
 
-@pytest.mark.parametrize("block", [1, 5, 22, 100])
-def test_iterate__pieces_make_up_the_columns(path: Path, block: int) -> None:
-    whole = {**complete(path, layout()), "variant": np.arange(22, dtype=np.int32)}
-    pieces = list(iterate(path, list(whole), block))
-    assert max(len(piece["length"]) for piece in pieces) == min(block, 22)
-    assert same_bits({name: np.concatenate([p[name] for p in pieces]) for name in whole}, whole)
+# Damage
+
+
+def spoilt(path: Path, name: str, element: int) -> None:
+    """Change a bit in an element of a dataset, as a failing disk does."""
+    with h5py.File(path, "r") as file:
+        dataset = file[name]
+        at = dataset.id.get_offset() + element * dataset.dtype.itemsize
+    with path.open("rb+") as file:
+        file.seek(at)
+        byte = file.read(1)[0]
+        file.seek(at)
+        file.write(bytes([byte ^ 16]))
+
+
+@pytest.mark.parametrize(
+    ("name", "element", "block"),
+    [("length", 0, 0), ("peak_torque", 9, 2), ("status", 21, 5), ("torque", 5 * 13, 3), ("order", 4, 1)],
+)
+def test_changed_bit__found_named_and_pending_again(path: Path, name: str, element: int, block: int) -> None:
+    complete(path, layout())
+    spoilt(path, name, element)
+    mapped = MappedResult(path)
+    assert mapped.damaged() == [block]
+    last = min(4 * block + 3, 21)
+    words = rf"out\.h5 is damaged: numbers of variants {4 * block} … {last} changed"
+    with pytest.raises(DamagedError, match=words):
+        read_columns(path, ["torque"])
+    if name == "torque":
+        assert set(read_columns(path)) == set(NAMES[:-1])
+    else:
+        with pytest.raises(DamagedError, match=words):
+            read_columns(path)
+    with Store.open(path, layout()) as store:
+        assert not store.finished
+        (note,) = store.notes
+    assert f"variants {4 * block} … {last} are computed again" in note
+
+
+def test_changed_bit_in_a_part_file__block_pending_and_not_computed_for_readers(path: Path, part: Path) -> None:
+    with Store.open(path, layout()) as store:
+        for i in (1, 3):
+            store.write(i, results(store, i))
+    spoilt(part, "speed", 5)
+    with Store.open(path, layout()) as store:
+        assert store.pending == [0, 1, 2, 4, 5]
+        assert len(store.notes) == 1
+        status = read_columns(part, ["status"])["status"]
+        assert (status[4:8] == NOT_COMPUTED).all()
+        assert (status[12:16] != NOT_COMPUTED).all()
+        for i in store.pending:
+            store.write(i, results(store, i))
+        store.finish()
+    assert MappedResult(path).damaged() == []
+
+
+def test_edited_texts__named_and_decisive_ones_refused(path: Path) -> None:
+    complete(path, layout(attributes={**layout().attributes, "study_json": "{}"}))
+    with h5py.File(path, "r+") as file:
+        file.attrs["comment"] = "looks good"
+        file.attrs["title"] = "Mine"
+    assert MappedResult(path).edited == ["title"]
+    read_columns(path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["study_json"] = "{ }"
+    with pytest.raises(DamagedError, match="its study_json"):
+        read_columns(path)
+
+
+def test_numbers_are_there_before_their_status(path: Path, part: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever reads along, status first, finds the numbers of every variant that has one: seen at every flush."""
+    real, seen = h5py.File.flush, []
+
+    def flush(file: h5py.File) -> None:
+        real(file)
+        columns = MappedResult(part).columns
+        known = columns["status"] != NOT_COMPUTED
+        assert np.isfinite(columns["length"][known]).all()
+        assert np.isfinite(columns["torque"][known]).all()
+        seen.append(int(known.sum()))
+
+    with Store.open(path, layout()) as store:
+        monkeypatch.setattr(h5py.File, "flush", flush)
+        for i in store.pending:
+            store.write(i, results(store, i))
+    assert sorted(seen) == seen
+    assert {0, 4, 22} <= set(seen)

@@ -7,15 +7,16 @@ import sys
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from commands import ROOT
-from press_sweeps import DISTINCT, GOOD, contents, run, study_of, text_of
+from press_sweeps import DISTINCT, GOOD, SCENE, contents, numbers_in, run, study_of, text_of
 
 from sweeps.report.sweep_result import SweepResult
-from sweeps.run import runner
+from sweeps.run import blocks, carrying, runner
 from sweeps.run.runner import run_study
-from sweeps.store import StoreError, describe_result
+from sweeps.store import describe_result, read_columns
 from sweeps.study.study import read_study
 
 # Going on
@@ -32,8 +33,8 @@ class Stop(Exception):
 
 
 def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
-    whole = contents(run(tmp_path, DISTINCT, "whole"))
-    monkeypatch.setattr(runner, "block_size", lambda study, machine: 40)
+    whole = numbers_in(run(tmp_path, DISTINCT, "whole"))
+    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
 
     def stop(done: int, before: int) -> None:
         if done == 80:
@@ -43,12 +44,9 @@ def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
         run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
     assert not (tmp_path / "study.h5").exists()
     assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
-    assert counted(DISTINCT, tmp_path) == [(120, 80), (160, 80), (200, 80)]
+    assert counted(DISTINCT, tmp_path) == [(80, 80), (120, 80), (160, 80), (200, 80)]
     assert not (tmp_path / "study.part.h5").exists()
-    again = contents(tmp_path / "study.h5")
-    assert {k: v for k, v in again.items() if "block_done" not in k} == {
-        k: v for k, v in whole.items() if "block_done" not in k
-    }
+    assert numbers_in(tmp_path / "study.h5") == whole
 
 
 def test_finished_run__is_left_alone(tmp_path):
@@ -62,21 +60,156 @@ def test_finished_run__is_left_alone(tmp_path):
 def test_restart__computes_everything_again(tmp_path):
     path = run(tmp_path, GOOD)
     before = contents(path)
-    assert counted(GOOD, tmp_path, restart=True) == [(4, 0)]
+    assert counted(GOOD, tmp_path, restart=True) == [(0, 0), (4, 0)]
     assert contents(path) == before
 
 
-def test_changed_study__is_refused_and_the_difference_shown(tmp_path):
+def test_edited_words__are_taken_over_without_computing(tmp_path):
+    path = run(tmp_path, GOOD)
+    before = contents(path)
+    edited = GOOD.replace("How short", "How long").replace("minimise", "maximise").replace("'80 mm'", "'70 mm'")
+    assert counted(edited, tmp_path) == []
+    result = SweepResult(path)
+    assert (result.question, result.goal.maximise, result.goal.where) == (
+        "How long?",
+        "excess_work",
+        "ram.stroke > '70 mm'",
+    )
+    assert result.description.attributes["study"] == edited
+    assert contents(path) == before
+    assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
+
+
+def evaluated(monkeypatch, study_text: str, folder: Path, **options: object) -> tuple[int, list[str]]:
+    """How many variants a run evaluates, and what it tells."""
+    count, told = 0, []
+    real = carrying.evaluate_variants
+
+    def counting(study, machine, values, drop, *rest):
+        nonlocal count
+        count += int((~drop).sum())
+        return real(study, machine, values, drop, *rest)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(carrying, "evaluate_variants", counting)
+        patch.setattr(blocks, "evaluate_variants", counting)
+        run_study(study_of(folder, study_text), folder / "study.h5", tell=told.append, **options)
+    return count, told
+
+
+def same_numbers(path: Path, text: str, folder: Path) -> None:
+    """A file holds what a run from nothing gives, to its error figures."""
+    (folder / "anew").mkdir()
+    whole, found = SweepResult(run(folder / "anew", text)), SweepResult(path)
+    assert found.columns.keys() == whole.columns.keys()
+    for name, values in whole.columns.items():
+        error = np.nan_to_num(whole.columns.get(f"{name}_error", 0.0))
+        if not name.endswith("_error"):
+            assert np.isclose(found.columns[name], values, rtol=0, atol=2 * error, equal_nan=True).all(), name
+    for name in whole.fields:
+        some, all_of_it = read_columns(path, [name])[name], read_columns(whole.path, [name])[name]
+        np.testing.assert_allclose(some, all_of_it, rtol=1e-12, atol=1e-12 * np.nanmax(np.abs(all_of_it)))
+
+
+ADDED = {
+    "variants": (GOOD.replace("'40 mm', '50 mm'", "'40 mm', '45 mm', '50 mm', '900 mm'"), 4),
+    "a summary": (GOOD.replace('"excess_work"]', '"excess_work", "ram.slide.max"]'), 4),
+    "a field": (GOOD.replace('fields = ["ram.slide"', 'fields = ["ram.slide", "reduced_inertia"'), 4),
+}
+
+
+@pytest.mark.parametrize("what", ADDED)
+def test_added_variants_and_outputs__alone_are_computed(what, monkeypatch, tmp_path):
+    path = run(tmp_path, GOOD)
+    before = SweepResult(path).columns
+    text, new = ADDED[what]
+    count, told = evaluated(monkeypatch, text, tmp_path)
+    assert (count, told) == (new, [])
+    assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
+    after = SweepResult(path).columns
+    kept = np.isin(after["input.length"], before["input.length"])
+    assert all(np.isin(values, after[name][kept]).all() for name, values in before.items() if name != "status_at")
+    same_numbers(path, text, tmp_path)
+
+
+def test_variants_left_out__keep_the_former_file(monkeypatch, tmp_path):
     path = run(tmp_path, GOOD)
     before = path.read_bytes()
-    changed = GOOD.replace("'50 mm'", "'55 mm'")
-    with pytest.raises(StoreError, match="of another study") as caught:
-        counted(changed, tmp_path)
-    for word in ("study hash", "-\"input.length\" = {values = ['40 mm', '50 mm']}", "'55 mm'", "--restart", "--out"):
-        assert word in str(caught.value)
-    assert path.read_bytes() == before
-    assert counted(changed, tmp_path, restart=True) == [(4, 0)]
-    assert SweepResult(path).columns["input.length"].tolist() == [0.04, 0.04, 0.055, 0.055]
+    text = GOOD.replace("'40 mm', '50 mm'", "'50 mm'")
+    assert evaluated(monkeypatch, text, tmp_path) == (0, [f"The former {path} is kept as {tmp_path / 'study.1.h5'}."])
+    assert (tmp_path / "study.1.h5").read_bytes() == before
+    assert SweepResult(path).columns["input.length"].tolist() == [0.05, 0.05]
+    same_numbers(path, text, tmp_path)
+
+
+def test_other_conditions__compute_only_what_they_let_in(monkeypatch, tmp_path):
+    light = "require = [\"bodies.ram.mass < '90 kg'\"]\npositions = 48\n"
+    path = run(tmp_path, GOOD.replace("positions = 48\n", light))
+    assert evaluated(monkeypatch, GOOD, tmp_path)[0] == 2
+    same_numbers(path, GOOD, tmp_path)
+
+
+@pytest.mark.parametrize("replaced", [False, True])
+def test_edited_scene__runs_again_and_the_former_file_is_kept_or_replaced(replaced, monkeypatch, tmp_path):
+    path = run(tmp_path, GOOD)
+    before = path.read_bytes()
+    edited = SCENE.replace('mass = "4 kg"', 'mass = "5 kg"')
+    monkeypatch.setattr("press_sweeps.SCENE", edited)
+    count, told = evaluated(monkeypatch, GOOD, tmp_path, replace_former=replaced)
+    assert count == 4
+    assert "hash" not in " ".join(told)
+    if replaced:
+        assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
+    else:
+        assert (tmp_path / "study.1.h5").read_bytes() == before
+        assert len(told) == 1
+
+
+def test_interrupted_run_then_edited__takes_over_what_is_done(monkeypatch, tmp_path):
+    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
+
+    def stop(done: int, before: int) -> None:
+        if done == 80:
+            raise Stop
+
+    with pytest.raises(Stop):
+        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
+    longer = DISTINCT.replace("['1 kg']", "['1 kg', '2 kg']")
+    count, told = evaluated(monkeypatch, longer, tmp_path)
+    assert count == 400 - 80
+    assert len(told) == 1
+    assert "set aside as" in told[0]
+    assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
+    same_numbers(tmp_path / "study.h5", longer, tmp_path)
+
+
+def test_damaged_block__alone_is_computed_again(monkeypatch, tmp_path):
+    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
+    path = run(tmp_path, DISTINCT)
+    whole = contents(path)
+    with h5py.File(path, "r") as file:
+        at = file["ram.slide"].id.get_offset() + 8 * 48 * 90
+    content = bytearray(path.read_bytes())
+    content[at] ^= 1
+    path.write_bytes(content)
+    count, told = evaluated(monkeypatch, DISTINCT, tmp_path)
+    assert count == 40
+    assert "variants 80 … 119 are computed again" in told[0]
+    assert contents(path) == whole
+    assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
+
+
+def test_file_of_another_version__stands_while_nothing_is_to_be_computed(monkeypatch, tmp_path):
+    path = run(tmp_path, GOOD)
+    monkeypatch.setattr("sweeps.study.study_record.sources_digest", lambda: "another")
+    count, told = evaluated(monkeypatch, GOOD.replace("How", "But how"), tmp_path)
+    assert count == 0
+    assert "was made by machine-sweeps" in told[0]
+    assert "its numbers stand" in told[0]
+    assert SweepResult(path).question == "But how short?"
+    count, told = evaluated(monkeypatch, ADDED["variants"][0], tmp_path)
+    assert count == 8
+    assert (tmp_path / "study.1.h5").exists()
 
 
 # Real processes
@@ -121,7 +254,7 @@ def wait_for_blocks(process: subprocess.Popen, folder: Path, count: int) -> None
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory) -> dict:
     folder = tmp_path_factory.mktemp("uninterrupted")
-    return contents(run(folder, LONG, "long"))
+    return numbers_in(run(folder, LONG, "long"))
 
 
 def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
@@ -144,25 +277,27 @@ def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
     output, errors = process.communicate()
     assert process.returncode == 0, errors
     assert "400000 variants" in output
-    assert contents(tmp_path / "long.h5") == uninterrupted
+    assert numbers_in(tmp_path / "long.h5") == uninterrupted
     assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
 
 
-def test_interrupt_from_the_keyboard__keeps_the_blocks_and_says_how_to_go_on(uninterrupted, tmp_path):
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_interrupt__keeps_the_blocks_and_says_how_to_go_on(number, code, uninterrupted, tmp_path):
     study_of(tmp_path, LONG, "long")
     process = start(tmp_path)
     wait_for_blocks(process, tmp_path, 2)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, errors = process.communicate()
-    assert process.returncode == 130
-    assert "Interrupted" in errors
-    assert "the same command goes on" in errors
-    assert "Traceback" not in errors
+    assert process.returncode == code
+    assert errors.startswith("Interrupted: ")
+    again = "go on with: sweeps run long.toml --out long.h5 --no-plots --quiet\n"
+    assert errors.endswith(f" of 400000 variants are done and kept; {again}")
+    assert errors.count("\n") == 1
     assert blocks_done(tmp_path) >= 2
     calls: list[tuple[int, int]] = []
     run_study(read_study(tmp_path / "long.toml"), tmp_path / "long.h5", progress=lambda *call: calls.append(call))
     assert calls[0][1] > 0
-    assert contents(tmp_path / "long.h5") == uninterrupted
+    assert numbers_in(tmp_path / "long.h5") == uninterrupted
 
 
 MEASURED = """

@@ -7,13 +7,15 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, contents, run, study_of, text_of
+from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, numbers_in, run, study_of, text_of
 
 from engine import Verdict
 from engine.compiling.threads import set_threads
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run import runner
+from sweeps.run.blocks import BYTES_PER_BLOCK, LARGEST_BLOCK, block_size
 from sweeps.run.runner import run_study
+from sweeps.store import describe_result
 from sweeps.study.study import read_study
 
 # What the file holds
@@ -237,7 +239,7 @@ def test_results__do_not_depend_on_threads(tmp_path):
     try:
         for threads in (1, 2, 7):
             set_threads(threads)
-            found.append(contents(run(tmp_path, DISTINCT + f"# {threads}\n", f"t{threads}")))
+            found.append(numbers_in(run(tmp_path, DISTINCT + f"# {threads}\n", f"t{threads}")))
     finally:
         set_threads(0)
     assert found[0] == found[1] == found[2]
@@ -245,24 +247,21 @@ def test_results__do_not_depend_on_threads(tmp_path):
 
 @pytest.mark.parametrize("largest", [16, 37, 128])
 def test_results__do_not_depend_on_blocks(largest, monkeypatch, tmp_path):
-    whole = contents(run(tmp_path, DISTINCT, "whole"))
-    monkeypatch.setattr(runner, "block_size", lambda study, machine: largest)
-    parts = contents(run(tmp_path, DISTINCT, "parts"))
-    assert len(parts.pop("progress/block_done")[1]) == -(-200 // largest)
-    assert whole.pop("progress/block_done")[1] == b"\1"
-    assert parts == whole
+    whole = run(tmp_path, DISTINCT, "whole")
+    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: largest)
+    parts = run(tmp_path, DISTINCT, "parts")
+    assert describe_result(parts).blocks == -(-200 // largest)
+    assert describe_result(whole).blocks < 4
+    assert numbers_in(parts) == numbers_in(whole)
 
 
-def test_block__is_bounded_and_does_not_depend_on_this_machine_s_settings(tmp_path):
+@pytest.mark.parametrize("seconds", [1e-9, 1e-5, 0.01, 0.3, 20.0])
+def test_block__is_a_second_of_work_within_memory(seconds, tmp_path):
     study = study_of(tmp_path, DISTINCT.replace("count = 200", "count = 1000000"))
     machine = study.machine()
-    sizes = set()
-    try:
-        for threads in (1, 2, 64):
-            set_threads(threads)
-            sizes.add(runner.block_size(study, machine))
-    finally:
-        set_threads(0)
-    assert len(sizes) == 1
+    size = block_size(study, machine, seconds)
     row = 8 * 48 * 2
-    assert 16 <= sizes.pop() * row <= runner.BYTES_PER_BLOCK
+    assert 1 <= size <= BYTES_PER_BLOCK / row
+    assert size == 1 or size * seconds <= 1.0
+    # Twice as many would take longer, or more memory.
+    assert size * seconds > 0.4 or 4 * size * row > BYTES_PER_BLOCK or size == LARGEST_BLOCK

@@ -16,7 +16,8 @@ from sweeps.pictures.picture_files import sweep_data
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
 from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import block_size, evaluate_block, run_study
+from sweeps.run.blocks import evaluate_block, largest_block
+from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 from sweeps.study import sensitivity
 from sweeps.study.study import Study, read_study
@@ -170,7 +171,7 @@ def test_checked_study__names_what_is_asked_and_counts_it_in_its_blocks(tmp_path
     assert (study.sensitivity.evaluations, plain.sensitivity.evaluations) == (4 * 12, 0)
     parts = (VARY, VARY + DERIVATIVES, VARY + TOLERANCES, VARY + DERIVATIVES + TOLERANCES)
     assert len({study_of(tmp_path, part).digest for part in parts}) == 4
-    assert block_size(study, study.machine()) <= block_size(plain, plain.machine())
+    assert largest_block(study, study.machine()) <= largest_block(plain, plain.machine())
     checked = CliRunner().invoke(main, ["check", str(tmp_path / "study.toml")])
     assert checked.exit_code == 0, checked.output
     assert "ram.stroke_high.by.ratio" in checked.output

@@ -25,6 +25,7 @@ from engine.elastic.drives.backlash_phases import (
     PHASE,
     follow_drives,
 )
+from engine.elastic.drives.elastic_shaft import ElasticShaft
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.one_mass import free_motion
 from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
@@ -76,21 +77,26 @@ def drive_law(drive: TwoMassDrive) -> LawOfArrays:
 def drive_keys(drive: TwoMassDrive) -> Iterator[str]:
     """Keys of all numbers that a drive is given."""
     yield from ("motor_inertia", "load_inertia", "backlash", "motor_moment", "load_moment", "time")
-    optional = ("stiffness", "damping", "damping_ratio", "load_before", "speed")
-    yield from (key for key in optional if getattr(drive, key) is not None)
+    yield from (key for key in ("load_before", "speed") if getattr(drive, key) is not None)
+    yield from shaft_keys(drive)
+
+
+def shaft_keys(drive: ElasticShaft) -> Iterator[str]:
+    """Keys of all numbers that the shaft of a drive is given."""
+    yield from (key for key in ("stiffness", "damping", "damping_ratio") if getattr(drive, key) is not None)
     for name, part in (drive.parts or {}).items():
         yield from part_keys(part, f"parts.{name}")
 
 
-def drive_shaft(drive: TwoMassDrive, n: Numbers) -> DriveShaft:
+def drive_shaft(drive: ElasticShaft, n: Numbers) -> DriveShaft:
     """The shaft of a drive, with all dampers as they are at its natural frequency.
 
     Parameters
     ----------
-    drive : TwoMassDrive
+    drive : ElasticShaft
         How its shaft is given; its numbers are not used.
     n : mapping of str to ndarray (variants,)
-        Its numbers by their keys.
+        Its numbers by their keys, and the inertias at its ends, "motor_inertia" and "load_inertia".
     """
     absorption = np.zeros_like(n["motor_inertia"])
     if drive.parts is None:

@@ -15,11 +15,13 @@ EPS = float(np.finfo(float).eps)
 ENGINE_ORDERS = tuple(k / 2 for k in range(1, 25))
 # Harmonics of the cycle of the scene's machine.
 MACHINE_HARMONICS = 12
-# Numbers of that machine, which come with those of a train: speed and revolutions of a cycle, mean moment, cosine and
-# sine parts of the harmonics of M − ½ ω² dI/dφ, and what any of these may be off by.
+# Numbers of that machine, which come with those of a train: speed and revolutions of a cycle, mean inertia, mean
+# moment, cosine and sine parts of the harmonics of M − ½ ω² dI/dφ, and what any of these may be off by.
 MACHINE_KEYS = (
     "machine.speed",
     "machine.revolutions",
+    "machine.inertia",
+    "machine.inertia_error",
     *(f"machine.{part}_{k}" for k in range(MACHINE_HARMONICS + 1) for part in ("cosine", "sine", "error")),
 )
 

@@ -54,7 +54,9 @@ class ReducedTrain(NamedTuple):
 def train_keys(train: TorsionalTrain) -> Iterator[str]:
     """Keys of all numbers that masses, shafts and gears are given."""
     for name in train.masses:
-        yield from (f"masses.{name}.inertia", f"masses.{name}.damping")
+        if train.masses[name].inertia is not None:
+            yield f"masses.{name}.inertia"
+        yield f"masses.{name}.damping"
     for name, shaft in train.shafts.items():
         yield f"shafts.{name}.ratio"
         for key in ("stiffness", "damping", "energy_absorption"):
@@ -76,7 +78,7 @@ def reduced_train(train: TorsionalTrain, n: Numbers) -> ReducedTrain:
         Its numbers by their keys, such as "masses.flywheel.inertia".
     """
     layout = train.layout
-    one = np.ones_like(n[f"masses.{layout.masses[0]}.inertia"])
+    one = np.ones_like(n[f"masses.{layout.masses[0]}.damping"])
     ratios = {layout.masses[0]: one}
     for mass, before, joint, forwards in layout.path:
         ratio = n[f"{'gears' if joint in train.gears else 'shafts'}.{joint}.ratio"]
@@ -86,7 +88,8 @@ def reduced_train(train: TorsionalTrain, n: Numbers) -> ReducedTrain:
         (8, nodes, *one.shape)
     )
     for mass, node in zip(layout.masses, layout.node_of, strict=True):
-        inertias[node] += ratios[mass] ** 2 * n[f"masses.{mass}.inertia"]
+        key = f"masses.{mass}.inertia" if train.masses[mass].inertia is not None else "machine.inertia"
+        inertias[node] += ratios[mass] ** 2 * n[key]
         mass_damping[node] += ratios[mass] ** 2 * n[f"masses.{mass}.damping"]
     shaft_ratios, ground_shafts, roundings = {}, {}, np.zeros_like(one)
     grounded, node_of = dict(layout.grounded), dict(zip(layout.masses, layout.node_of, strict=True))
@@ -103,6 +106,8 @@ def reduced_train(train: TorsionalTrain, n: Numbers) -> ReducedTrain:
         else:
             node = layout.shaft_to.index(name)
             stiffnesses[node], dampings[node], absorptions[node] = g**2 * stiffness, g**2 * damping, absorption
+    if train.takes_machine_inertia:
+        roundings = np.maximum(roundings, n["machine.inertia_error"] / n["machine.inertia"] / np.finfo(float).eps)
     # Every joint on the way multiplies by its ratio, rounded as given and once more.
     roundings = roundings + 4.0 * (len(layout.path) if any_ratio(train) else 0) + 8.0 + 2.0 * len(train.gears)
     return ReducedTrain(

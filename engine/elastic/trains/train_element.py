@@ -17,7 +17,7 @@ MOST_MASSES = 1000
 class TrainMass(Part):
     """A rigid disc, wheel, rotor or throw; `damping` against the frame."""
 
-    inertia: Annotated[Inertia, Field(gt=0)]
+    inertia: Annotated[Inertia, Field(gt=0)] | None = None
     damping: Annotated[TorsionalDamping, Field(ge=0)] = 0.0
 
 
@@ -76,7 +76,8 @@ class TorsionalTrain(Part):
     `excitations` at a `speed`, whose multiples are their orders. An `engine` excites the masses `cylinders_at`, one for
     each cylinder in the order of their numbers, with gas and inertia at its own speed, which is then the train's.
     `machine_at` is the mass on which the scene's own machine acts with the harmonics of M − ½ ω² dI/dφ at its crank's
-    uniform speed, which is then the train's; that mass has the mean of the machine's reduced moment of inertia.
+    uniform speed, which is then the train's; without an inertia of its own that mass has the mean of the machine's
+    reduced moment of inertia over the crank angle, and its flywheel.
     At the mass `load` something takes what mean moments leave over; without it that accelerates the whole train.
     """
 
@@ -108,6 +109,20 @@ class TorsionalTrain(Part):
             raise ValueError("shafts is missing: masses without a shaft between them don't vibrate")
         self._check_excitations()
         return self
+
+    @model_validator(mode="after")
+    def _masses_have_inertia(self) -> "TorsionalTrain":
+        for name, mass in self.masses.items():
+            if mass.inertia is None and name != self.machine_at:
+                raise ValueError(
+                    f"masses.{name}.inertia is missing; only the mass that is machine_at takes the machine's own"
+                )
+        return self
+
+    @property
+    def takes_machine_inertia(self) -> bool:
+        """Whether a mass has the inertia of the scene's machine."""
+        return any(mass.inertia is None for mass in self.masses.values())
 
     def _check_excitations(self) -> None:
         for key, mass in (("load", self.load), ("machine_at", self.machine_at)):

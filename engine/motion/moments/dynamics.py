@@ -173,7 +173,8 @@ class Reduction:
         around = step * inertia.argmin(axis=0)
         bottom = regula_falsi(lambda q: self.curves(variants, q[None], None, sums)[1, 0], around - step, around + step)
         least = np.fmin(self.curves(variants, bottom[None], None, sums)[0, 0], inertia.min(axis=0))
-        return least <= NO_INERTIA * inertia.max(axis=0)
+        # An inertia that is taken away counts as a negative flywheel.
+        return least + variants.flywheel <= NO_INERTIA * inertia.max(axis=0)
 
     def curves(self, variants: "Variants", places: np.ndarray, clock: np.ndarray | None, sums: Sums) -> np.ndarray:
         """Sums of the rows at given crank angles and times, (sums, places, variants)."""

@@ -50,7 +50,7 @@ from engine.motion.steppers.one_step import (
     make_polynomial,
     make_stages,
 )
-from engine.motion.steppers.places import INVERSE, Form, Source
+from engine.motion.steppers.places import INVERSE, Form, Source, fill_place
 from engine.motion.steppers.settling import (
     FASTEST,
     MOTOR,
@@ -80,6 +80,8 @@ GIVEN_ROWS = (START, WAY, WHEEL, TOLERANCE, E, WHOLE, REST, UNTIL, ABOVE_ALL, BE
 # angle.
 TIMES_PER_RADIAN = 4.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
+# Few variants take as many lanes as a multiple of what a processor computes at once.
+VECTOR = 8
 # Steps of a cycle after which an explicit method is given up, and a step that is taken whatever it misses [rad].
 MOST_EXPLICIT, SHORTEST = 400.0, 1e-9
 
@@ -98,6 +100,7 @@ class GoingRoom(NamedTuple):
     state: np.ndarray
     steps: np.ndarray
     places: np.ndarray
+    packed: np.ndarray
     stages: np.ndarray
     works: np.ndarray
     parts: np.ndarray
@@ -117,6 +120,7 @@ def new_going_room(form: Form, parameters: int, edges: int, curves: int, method:
         rows(ALL_STATE),
         rows(STEP_ROWS),
         rows(form.width * method.shares.size),
+        rows(form.width),
         rows(STAGE_ROWS, aside=ASIDE),
         # Totals, greatest errors and sums of errors of each channel; and totals before the step.
         rows(4 * form.channels),
@@ -125,9 +129,47 @@ def new_going_room(form: Form, parameters: int, edges: int, curves: int, method:
 
 
 @routine
-def choose_next(edges: Memory, sides: Memory, count: int, state: Memory, steps: Memory) -> None:
-    """Length of each lane's next step: that to try, or an equal part of the way to the next edge or the goal."""
+def repeat_few(own: int, count: int, numbers: Memory, state: Memory) -> None:
+    """Repeat the first lanes of a block in the others: so many numbers, and what the places of a step need."""
+    for lane in range(own, LANES):
+        for row in range(count):
+            numbers[row, lane] = numbers[row, lane % own]
+        state[WAY, lane], state[WHEEL, lane] = state[WAY, lane % own], state[WHEEL, lane % own]
+
+
+@routine
+def fill_few(
+    own: int,
+    method: Method,
+    fill: Callable,
+    source: Source,
+    numbers: np.ndarray,
+    position: np.ndarray,
+    tile: np.ndarray,
+    width: int,
+    state: Memory,
+    steps: Memory,
+    places: Memory,
+    packed: Memory,
+) -> None:
+    """Fill all places of a step of few variants at once, each place in a lane of its own."""
+    at, last = in_lanes(position), method.shares.shape[0] - 1
     for lane in range(LANES):
+        s, v = min(lane // own, last), lane % own
+        turned = steps[FROM, v] + method.shares[s] * steps[LENGTH, v]
+        turned = smaller(larger(turned, steps[LOW, v]), steps[HIGH, v])
+        at[0, lane] = state[START, v] + state[WAY, v] * turned
+    fill_place(fill, source, numbers, position, tile, state[WAY], state[WHEEL], width, packed, 0)
+    for s in range(last + 1):
+        for row in range(width):
+            for v in range(own):
+                places[width * s + row, v] = packed[row, s * own + v]
+
+
+@routine
+def choose_next(wide: int, edges: Memory, sides: Memory, state: Memory, steps: Memory) -> None:
+    """Length of each lane's next step: that to try, or an equal part of the way to the next edge or the goal."""
+    for lane in range(wide):
         k, turned = int(state[NEXT, lane]), state[TURNED, lane]
         goal = state[REST, lane] if state[CYCLES, lane] >= state[WHOLE, lane] else math.inf
         end = smaller(edges[k, lane], goal)
@@ -142,14 +184,12 @@ def choose_next(edges: Memory, sides: Memory, count: int, state: Memory, steps: 
 
 
 @routine
-def decide(
-    implicit: bool, edges: Memory, count: int, places: Memory, row: int, steps: Memory, state: Memory, stages: Memory
-) -> None:
+def decide(wide: int, implicit: bool, places: Memory, row: int, steps: Memory, state: Memory, stages: Memory) -> None:
     """Take the step where it misses little enough and passes no end: what follows for each lane.
 
     LENGTH becomes zero where it isn't taken. `row` is where the end of the step stands among the places.
     """
-    for lane in range(LANES):
+    for lane in range(wide):
         if state[MOVING, lane] == 0.0:
             continue
         length, missed = steps[LENGTH, lane], state[OTHER, lane]
@@ -189,10 +229,10 @@ def decide(
 
 
 @routine
-def move_on(edges: Memory, count: int, state: Memory, steps: Memory) -> float:
+def move_on(wide: int, edges: Memory, count: int, state: Memory, steps: Memory) -> float:
     """Move lanes on over the step they take; how many still move."""
     moving = 0.0
-    for lane in range(LANES):
+    for lane in range(wide):
         length, k = steps[LENGTH, lane], int(state[NEXT, lane])
         if length > 0.0:
             at_goal = state[CYCLES, lane] >= state[WHOLE, lane] and state[REST, lane] <= edges[k, lane]
@@ -246,10 +286,11 @@ def go_on_to_end(
     state, steps, places = in_lanes(room.state), in_lanes(room.steps), in_lanes(room.places)
     stages, works, parts = in_lanes(room.stages), in_lanes(room.works), in_lanes(room.parts)
     numbers, position, tile, width, count = room.numbers, room.position, room.tile, form.width, every_edge.shape[0]
-    row = width * (method.stages - 1)
+    packed, row, count_of_places = in_lanes(room.packed), width * (method.stages - 1), method.shares.shape[0]
     for b in range(begin, end):
         first = b * LANES
         own = min(LANES, found.shape[1] - first)
+        wide = min(LANES, VECTOR * ((own + VECTOR - 1) // VECTOR))
         gather(parameters, first, in_lanes(numbers))
         gather(drives, first, drive)
         gather(every_exponent, first, exponents)
@@ -262,6 +303,7 @@ def go_on_to_end(
         for i in range(len(GIVEN_ROWS)):
             for lane in range(LANES):
                 state[GIVEN_ROWS[i], lane] = given[i, lane]
+        repeat_few(own, parameters.shape[0], in_lanes(numbers), state)
         for channel in range(4 * form.channels):
             for lane in range(LANES):
                 works[channel, lane] = 0.0
@@ -273,59 +315,62 @@ def go_on_to_end(
             ended = state[WHOLE, lane] <= 0.0 and state[REST, lane] <= 0.0
             state[MOVING, lane], state[WHY, lane] = 0.0 if ended or lane >= own else 1.0, float(ANGLE)
         moving = 0.0
-        for lane in range(LANES):
+        for lane in range(wide):
             moving += state[MOVING, lane]
         while moving > 0.0:
-            choose_next(edges, sides, count, state, steps)
+            choose_next(wide, edges, sides, state, steps)
             step = steps[LENGTH]
-            fill_step(
-                0,
-                method.shares.shape[0],
-                method,
-                fill,
-                source,
-                numbers,
-                position,
-                tile,
-                width,
-                state,
-                steps,
-                0,
-                places,
-                0,
-            )
-            for lane in range(LANES):
+            if own * count_of_places <= LANES:
+                fill_few(own, method, fill, source, numbers, position, tile, width, state, steps, places, packed)
+            else:
+                fill_step(
+                    0,
+                    count_of_places,
+                    method,
+                    fill,
+                    source,
+                    numbers,
+                    position,
+                    tile,
+                    width,
+                    state,
+                    steps,
+                    0,
+                    places,
+                    0,
+                )
+            for lane in range(wide):
                 state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
             make_stages(
-                ROW_OF[0], method.stages, LANES, method, form, drive, exponents, places, 0, state[E], step, stages
+                ROW_OF[0], method.stages, wide, method, form, drive, exponents, places, 0, state[E], step, stages
             )
-            judge_step(LANES, method, cycle, state, steps, 0, stages)
-            add_weighted(LANES, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
-            add_weighted(LANES, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
-            decide(method.implicit, edges, count, places, row, steps, state, stages)
+            judge_step(wide, method, cycle, state, steps, 0, stages)
+            add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
+            add_weighted(wide, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
+            decide(wide, method.implicit, places, row, steps, state, stages)
             for s in range(method.stages):
-                for lane in range(LANES):
+                for lane in range(wide):
                     motors = stages[FROM_MOTORS + s, lane]
                     stages[SQUARE + s, lane] = motors * motors * stages[SLOWNESS + s, lane]
                     # A step that isn't taken may have led nowhere.
                     taken = step[lane] > 0.0
                     stages[SQUARE + s, lane] = stages[SQUARE + s, lane] if taken else 0.0
                     stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
-            add_weighted(LANES, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
-            add_weighted(LANES, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
+            add_weighted(wide, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
+            add_weighted(wide, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
             if form.channels > 1:
                 for channel in range(form.channels):
-                    for lane in range(LANES):
+                    for lane in range(wide):
                         works[3 * form.channels + channel, lane] = works[channel, lane]
-                add_cycle_works(LANES, 1.0, method, form, channel_of, exponents, places, 0, step, state, stages, works)
+                add_cycle_works(wide, 1.0, method, form, channel_of, exponents, places, 0, step, state, stages, works)
                 for channel in range(form.channels):
-                    for lane in range(LANES):
+                    for lane in range(wide):
                         before = works[3 * form.channels + channel, lane]
                         works[channel, lane] = works[channel, lane] if step[lane] > 0.0 else before
             make_stages(
                 method.stages,
                 method.dense_stages,
-                LANES,
+                wide,
                 method,
                 form,
                 drive,
@@ -336,19 +381,19 @@ def go_on_to_end(
                 step,
                 stages,
             )
-            make_polynomial(LANES, method, step, stages, ROW_OF[MOMENT], parts, ROW_OF[0])
+            make_polynomial(wide, method, step, stages, ROW_OF[MOMENT], parts, ROW_OF[0])
             if asked.shape[0] > 0:
                 for s in range(method.stages, method.dense_stages):
-                    for lane in range(LANES):
+                    for lane in range(wide):
                         stages[SLOWNESS + s, lane] = 1.0 / stages[SPEED + s, lane]
-                make_polynomial(LANES, method, step, stages, ROW_OF[SLOWNESS], parts, ROW_OF[DENSE_PARTS])
+                make_polynomial(wide, method, step, stages, ROW_OF[SLOWNESS], parts, ROW_OF[DENSE_PARTS])
                 record_within(method.implicit, first, own, asked, record, 0, False, steps, state, stages, parts)
-            look_for_extremes(LANES, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
-            for lane in range(LANES):
+            look_for_extremes(wide, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
+            for lane in range(wide):
                 taken = step[lane] > 0.0
                 state[E, lane] = state[E_AFTER, lane] if taken else state[E, lane]
                 state[TIME, lane] = state[T_AFTER, lane] if taken else state[TIME, lane]
-            moving = move_on(edges, count, state, steps)
+            moving = move_on(wide, edges, count, state, steps)
         for lane in range(own):
             v = first + lane
             found[0, v], found[1, v], found[2, v] = state[WHY, lane], state[CYCLES, lane], state[TURNED, lane]

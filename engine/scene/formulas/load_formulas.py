@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.scene.actions import FormulaForce, FormulaMoment
 from engine.scene.dimensions import described
 from engine.scene.formulas.expressions import (
@@ -223,19 +224,21 @@ def _check_constants(expression: TextExpression, tree: Tree) -> None:
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """What only regimes can't take: a steady one no time, all of them no speed but by its powers."""
-    at_work = {n: regime for n, regime in scene.regimes.items() if name not in regime.off}
-    for regime, what in at_work.items():
-        if what.type == "steady" and formula.depends_on_time:
+    """What true motion can't take: a steady one no time, none of them a speed but by its powers."""
+    at_work = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
+    drives = {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
+    at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
+    for path, what in at_work.items():
+        if what.type != "run" and formula.depends_on_time:
             message = f"{name!r} depends on time: no motion repeats itself; switch it off here, or use a run"
-            yield f"regimes.{regime}.off", message
+            yield f"{path}.off", message
     if not at_work:
         return
     try:
         powers_of_speed(formula.expression.tree, formula.velocities)
     except NoPowerError as error:
         what = (
-            f"depends on the speed otherwise than by fixed powers of it, which regimes can't take; switch {name!r} "
+            f"depends on the speed otherwise than by fixed powers of it, which true motion can't take; switch {name!r} "
             f"off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"
         )
         yield formula.key, str(_refused(formula.expression, error.operation, what))

@@ -10,6 +10,7 @@ import numpy as np
 from engine import Scene
 from sweeps.pictures.drawing import LAYERS, Primitive, primitives
 from sweeps.pictures.picture_error import PictureError
+from sweeps.text.whole_files import whole_file
 
 if TYPE_CHECKING:
     from ezdxf.layouts import Modelspace
@@ -46,7 +47,7 @@ def write_dxf(
     Raises
     ------
     PictureError
-        The package ezdxf isn't installed, or the mechanism can't be drawn so.
+        The package ezdxf isn't installed, the mechanism can't be drawn so, or the file can't be written.
     """
     try:
         import ezdxf
@@ -63,7 +64,11 @@ def write_dxf(
     for i, p in enumerate(drawn):
         covers = [outline for q in drawn[i + 1 :] if (outline := _cover(q)) is not None]
         _add(space, p, covers)
-    document.saveas(path)
+    try:
+        with whole_file(path) as draft:
+            document.saveas(draft)
+    except OSError as error:
+        raise PictureError(f"{path} can't be written: {error.strerror}") from None
 
 
 def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:

@@ -22,7 +22,7 @@ def moving_parts(m: DrawnMotion, k: int) -> list[Primitive]:
     for slider in m.sliders:
         if scene.guides[slider.guide].link != FRAME:
             under += _moving_guide(m, slider, k)
-    boxes = [box(m.points[s.joint][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
+    boxes = [box(m.axes(s.link)[0][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
     spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
     springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
     return [*under, *boxes, *plates, *over, *springs, *joints(m, k)]

@@ -20,6 +20,7 @@ from engine import (
     Verdict,
     has_cycle,
     input_point,
+    joint_owners,
     order_groups,
     scene_numbers,
 )
@@ -29,10 +30,10 @@ POSITIONS = 720
 
 
 class Slider(NamedTuple):
-    """A link that slides on a guide with its joint at an offset to the guide's left."""
+    """A link that slides on a guide with its joint, if it has one, at an offset to the guide's left."""
 
     link: str
-    joint: str
+    joint: str | None
     guide: str
     offset: float
 
@@ -67,8 +68,11 @@ class DrawnMotion:
         drive = scene.input
         moving = [n for n, p in scene.points.items() if p.link != FRAME]
         moving += [g.inner for g in scene.groups.values() if hasattr(g, "inner")]
+        moving += [joint for joint, link in joint_owners(scene).items() if link in scene.links and joint not in moving]
         moving.append(input_point(scene))
         fields = [f"{n}.{axis}" for n in moving for axis in "xy"] + [f"{n}.slide" for n in structure.sliders]
+        free = [name for name, link in scene.links.items() if link.guide is None]
+        fields += [f"{n}.angle" for n in free]
         machine = Machine(scene, fields=fields, varied=values, positions=POSITIONS)
         outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
         self.numbers = SceneNumbers(scene_numbers(scene), values)
@@ -85,6 +89,7 @@ class DrawnMotion:
         rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
         self.points |= {n: rows[f"{n}.x"] + 1j * rows[f"{n}.y"] for n in moving}
         self.slides = {n: rows[f"{n}.slide"] for n in structure.sliders}
+        self._turned = {n: np.exp(1j * rows[f"{n}.angle"]) for n in free}
         if not np.isfinite(sum(self.points.values())).any():
             verdict = SENTENCES[Verdict(int(outcome.status[0]))]
             raise PictureError(f"this mechanism can't be drawn at any position: {verdict}")
@@ -132,6 +137,8 @@ class DrawnMotion:
         if link in self.scene.shafts:
             ratio, phase = self.numbers[f"shafts.{link}.ratio"], self.numbers[f"shafts.{link}.phase"]
             return self.points[self.scene.shafts[link].pivot], np.exp(1j * (ratio * self.q + phase))
+        if link in self.scene.links:
+            return self._free_axes(link)
         name, part = self._part(link)
         group = self.scene.groups[name]
         if isinstance(part, Hinged):
@@ -147,6 +154,18 @@ class DrawnMotion:
         arm = self.points[group.first.joint] - self.points[part.joint]
         slide = self.slides[group.first.link]
         return self.points[part.joint], _unit(arm / (slide + 1j * self.numbers[f"groups.{name}.second.offset"]))
+
+    def _free_axes(self, link: str) -> tuple[np.ndarray, np.ndarray]:
+        """Axes of a free link: from one of its points, or from the guide that it slides on."""
+        part = self.scene.links[link]
+        if part.guide is not None:
+            place, along = self.guide(part.guide)
+            return place + (self.slides[link] + 1j * self.numbers[f"links.{link}.offset"]) * along, along
+        along, at = self._turned[link], 0j
+        point = part.joints[0] if part.joints else next(n for n, p in self.scene.points.items() if p.link == link)
+        if not part.joints:
+            at = self.numbers[f"points.{point}.x"] + 1j * self.numbers[f"points.{point}.y"]
+        return self.points[point] - at * along, along
 
     def _guide(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """A point and the direction of a guide at every node."""
@@ -164,6 +183,9 @@ class DrawnMotion:
                 if isinstance(part, Sliding):
                     offset = self.numbers[f"groups.{name}.{side}.offset"]
                     yield Slider(part.link, group.inner, part.guide, offset)
+        for name, link in self.scene.links.items():
+            if link.guide is not None:
+                yield Slider(name, next(iter(link.joints), None), link.guide, self.numbers[f"links.{name}.offset"])
 
     def _radius(self) -> float:
         """Radius of a hinge: a share of the whole, smaller where links are short."""
@@ -192,6 +214,8 @@ class DrawnMotion:
             found = [drive.pivot, drive.pin] if isinstance(drive, CrankInput) else [drive.point]
         elif link in self.scene.shafts:
             found = [self.scene.shafts[link].pivot]
+        elif link in self.scene.links:
+            found = list(self.scene.links[link].joints)
         elif link != FRAME:
             name, part = self._part(link)
             inner = isinstance(part, (Hinged, Sliding))
@@ -208,7 +232,7 @@ class DrawnMotion:
         for group in self.scene.groups.values():
             found |= {p.joint for p in (group.first, group.second) if hasattr(p, "joint")}
             found |= {group.inner} if hasattr(group, "inner") else set()
-        return found
+        return found.union(*(link.joints for link in self.scene.links.values()))
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

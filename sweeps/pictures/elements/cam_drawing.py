@@ -8,6 +8,7 @@ from engine import CamCurves, CamElement, Scene, cam_curves
 from sweeps.pictures.picture_error import PictureError
 from sweeps.report.files.cam_tables import cam_csv
 from sweeps.text.input_files import InputError
+from sweeps.text.whole_files import whole_file
 
 MM = 1e3
 # Between as many points, chords miss an outline by less than a millionth of its radius.
@@ -88,10 +89,11 @@ def cam_drawing(cam: CamElement, out: Path, points: int) -> None:
         raise PictureError("the follower of the cam doesn't reach the base circle; enlarge base_radius")
     lines = _outlines(cam, curves)
     try:
-        if out.suffix == ".dxf":
-            _dxf(out, lines)
-        else:
-            out.write_text(_svg(lines), encoding="utf8")
+        with whole_file(out) as draft:
+            if out.suffix == ".dxf":
+                _dxf(draft, lines)
+            else:
+                draft.write_text(_svg(lines), encoding="utf8")
     except OSError as error:
         raise PictureError(f"{out} can't be written: {error.strerror}") from None
 

@@ -1,4 +1,4 @@
-"""Oscillators and drives with backlash to be looked at: vibration over speed and over time, a start over time."""
+"""Oscillators and elastic drives to be looked at: vibration over speed and time, a start, a machine over its cycle."""
 
 import math
 from pathlib import Path
@@ -9,12 +9,15 @@ from matplotlib.figure import Figure
 
 from engine import (
     OscillatorElement,
+    Scene,
     TwoMassDrive,
+    drive_cycle,
     drive_history,
     oscillator_columns,
     oscillator_numbers,
     run_through_motion,
 )
+from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, house_style, new_figure, save
 from sweeps.text.engineer_units import engineer_unit
 
@@ -169,6 +172,51 @@ def drive_sheet(drive: TwoMassDrive, target: Path | str | Figure, title: str = "
         bottom.plot(history.time, degrees, color=BLUE)
         bottom.set(ylabel="motor ahead of load, °", xlabel="time, s", xlim=(0, drive.time))
         bottom.legend(loc="best")
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
+    """Moment of the elastic shaft, speeds of its ends and its twist over the machine's cycle, a rigid shaft beside.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        The drive among its elements.
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, it can't be written, or there is no steady motion to be drawn.
+    """
+    cycle = drive_cycle(scene, name)
+    if cycle is None:
+        raise PictureError(f"elements.{name}: the machine has no steady motion on this shaft; sweeps run says why")
+    degrees = np.degrees(cycle.angle)
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+        top, middle, bottom = figure.subplots(3, 1, sharex=True)
+        factor, unit = engineer_unit("N m", cycle.moment)
+        top.plot(degrees, factor * cycle.rigid_moment, color=GREY, linewidth=0.8, label="rigid")
+        top.plot(degrees, factor * cycle.moment, color=BLUE, label="elastic")
+        peak = np.abs(cycle.moment).argmax()
+        top.plot(degrees[peak], factor * cycle.moment[peak], "o", color=VERMILION, markersize=4)
+        top.set_ylabel(f"shaft, {unit}")
+        middle.plot(degrees, RPM * cycle.rigid_speed, color=GREY, linewidth=0.8, label="rigid")
+        middle.plot(degrees, RPM * cycle.motor_speed, color=BLUE, label="motors' end")
+        middle.plot(degrees, RPM * cycle.machine_speed, color=ORANGE, label="crank")
+        middle.set_ylabel("speed at the crank, rpm")
+        bottom.plot(degrees, np.degrees(cycle.twist), color=BLUE)
+        bottom.set(ylabel="crank behind, °", xlabel="crank angle, °", xlim=(0, degrees[-1]))
+        for ax in (top, middle):
+            ax.legend(loc="best")
         if title:
             figure.suptitle(title, fontweight="bold")
     if not isinstance(target, Figure):

@@ -7,6 +7,7 @@ from engine import (
     EngineElement,
     GearTrain,
     Governor,
+    MachineDrive,
     OscillatorElement,
     RotorElement,
     Scene,
@@ -15,11 +16,11 @@ from engine import (
     governed_scene,
 )
 from sweeps.pictures.elements.cam_sheet import cam_sheet
-from sweeps.pictures.elements.elastic_sheets import drive_sheet, oscillator_sheet
+from sweeps.pictures.elements.elastic_sheets import drive_sheet, machine_drive_sheet, oscillator_sheet
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
-from sweeps.pictures.elements.train_sheet import train_sheet, train_table
+from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
 
 
@@ -31,7 +32,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_governor`,
-        `_vibration`, `_transient`, `_cam` or `_velocities` added.
+        `_vibration`, `_transient`, `_cycle`, `_cam` or `_velocities` added.
 
     Returns
     -------
@@ -41,7 +42,8 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, or it can't be written; a cam's follower doesn't reach its base circle.
+        The file's ending isn't a picture's, or it can't be written; a cam's follower doesn't reach its base circle,
+        or a machine has no steady motion on its elastic shaft.
     """
     made = []
     scene, cycles = governed_scene(scene)
@@ -66,6 +68,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case TwoMassDrive():
                 made.append(path.with_name(f"{path.stem}_{name}_transient{path.suffix}"))
                 drive_sheet(element, made[-1], title)
+            case MachineDrive():
+                made.append(path.with_name(f"{path.stem}_{name}_cycle{path.suffix}"))
+                machine_drive_sheet(scene, name, made[-1], title)
             case CamElement():
                 made.append(path.with_name(f"{path.stem}_{name}_cam{path.suffix}"))
                 cam_sheet(element, made[-1], title)
@@ -83,7 +88,8 @@ def element_tables(scene: Scene) -> str:
             case EngineElement():
                 told.append(f"{name}: orders of the crank\n{engine_table(element)}")
             case TorsionalTrain():
-                told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{train_table(element)}")
+                rows = train_table(element, numbers_of_machine(scene, name))
+                told.append(f"{name}: Holzer's table, reduced to {element.layout.masses[0]}\n{rows}")
             case GearTrain():
                 told.append(f"{name}: {gear_table(element)}")
     return "\n".join(told)

@@ -152,10 +152,21 @@ def _train_drawing(
 def _numbers(scene: Scene, name: str) -> Numbers:
     """Numbers of a train as one variant, with those of the machine that excites it."""
     train = scene.elements[name]
-    numbers = train_numbers(train)
-    if train.machine_at is not None:
-        numbers |= Machine(scene, [f"{name}.frequency_1"]).numbers_for_trains()
-    return numbers
+    return train_numbers(train) | numbers_of_machine(scene, name)
+
+
+def numbers_of_machine(scene: Scene, name: str) -> Numbers:
+    """What the machine of a scene gives a train that it excites, as one variant; nothing to others.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        The train among its elements.
+    """
+    if scene.elements[name].machine_at is None:
+        return {}
+    return Machine(scene, [f"{name}.frequency_1"]).numbers_for_trains()
 
 
 def _strengths(excitation: TrainExcitation, modes: np.ndarray) -> np.ndarray:
@@ -221,14 +232,16 @@ def _moments(ax: Axes, scene: Scene, name: str, speed: float) -> None:
     ax.legend(loc="upper left")
 
 
-def train_table(train: TorsionalTrain) -> str:
+def train_table(train: TorsionalTrain, machine: Numbers) -> str:
     """Holzer's table of every mode, as columns of plain text.
 
     Parameters
     ----------
     train : TorsionalTrain
+    machine : dict of str to ndarray (1,)
+        What a machine that excites it gives it, from `numbers_of_machine`.
     """
-    reduced = reduced_train(train, train_numbers(train))
+    reduced = reduced_train(train, train_numbers(train) | machine)
     natural = natural_vibration(reduced, train.reported_modes)
     texts = []
     for k, frequency in enumerate(natural.frequencies[:, 0]):

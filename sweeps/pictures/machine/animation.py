@@ -13,6 +13,7 @@ from engine import Scene, has_cycle
 from sweeps.pictures.drawing import FILLS, DrawnMotion, bounds, figures, names_of_points, paint, prepare_axes
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
+from sweeps.text.whole_files import whole_file
 
 DOTS_PER_INCH = 100
 LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4
@@ -45,7 +46,8 @@ def save_animation(
     Raises
     ------
     PictureError
-        The mechanism can't be drawn at some position, a point doesn't exist, or a setting is out of range.
+        The mechanism can't be drawn at some position, a point doesn't exist, a setting is out of range, or the file
+        can't be written.
     """
     if Path(path).suffix.lower() != ".gif":
         raise PictureError(f"{path}: an animation is a .gif file")
@@ -61,7 +63,12 @@ def save_animation(
     pictures = _pictures(motion, [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)])
     indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
     # The format counts in hundredths of a second.
-    indexed[0].save(path, save_all=True, append_images=indexed[1:], duration=10 * round(100 / fps), loop=0)
+    pace = 10 * round(100 / fps)
+    try:
+        with whole_file(path) as draft:
+            indexed[0].save(draft, save_all=True, append_images=indexed[1:], duration=pace, loop=0)
+    except OSError as error:
+        raise PictureError(f"{path} can't be written: {error.strerror}") from None
 
 
 def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:

@@ -50,6 +50,7 @@ class _Course(NamedTuple):
     energy: np.ndarray
     moments: dict[str, np.ndarray]
     works: dict[str, np.ndarray]
+    coupled: dict[str, np.ndarray]
 
     @property
     def acting(self) -> dict[str, np.ndarray]:
@@ -87,7 +88,9 @@ def courses(seen: History) -> list[_Course]:
         done = {key: row[-1] for key, row in works.items()}
         time = seen.time[chosen] - seen.time[chosen][0]
         rows = (row[chosen] for row in (seen.angle, seen.speed, seen.acceleration, seen.energy))
-        found.append(_Course(str(name), time, *rows, own, works))
+        coupled = {"shaft_speed": seen.shaft_speed[chosen], "coupling": seen.coupling_moment[chosen]}
+        coupled = {key: row for key, row in coupled.items() if np.isfinite(row).any()}
+        found.append(_Course(str(name), time, *rows, own, works, coupled))
     return found
 
 
@@ -126,8 +129,8 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     widths = np.maximum(times / times.sum(), LEAST_SHARE / len(parts))
     axes = figure.subplots(4, len(parts), sharex="col", sharey="row", squeeze=False, width_ratios=widths)
     rows = (
-        ("ω", "rad s-1", [{"speed": part.speed} for part in parts]),
-        ("M", "N m", [part.acting for part in parts]),
+        ("ω", "rad s-1", [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
+        ("M", "N m", [part.acting | _only(part.coupled, "coupling") for part in parts]),
         ("P", "W", [part.powers for part in parts]),
         ("E, W", "J", [{"energy": part.energy} | part.works for part in parts]),
     )
@@ -150,9 +153,14 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
 
 def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     own = {"speed": (BLUE, None), "energy": ("black", "kinetic energy E"), "acceleration": (GREEN, None)}
+    own |= {"shaft_speed": (GREEN, "shaft behind the coupling"), "coupling": (GREEN, "coupling, on the crank")}
     for key, row in rows.items():
         colour, label = own.get(key) or (_COLOURS[key], _WORDS[key])
         ax.plot(*_thinned(x, row), color=colour, label=label, linewidth=1.0)
+
+
+def _only(rows: dict[str, np.ndarray], key: str) -> dict[str, np.ndarray]:
+    return {key: rows[key]} if key in rows else {}
 
 
 def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

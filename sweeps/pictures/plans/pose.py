@@ -54,6 +54,11 @@ class MachineCycle:
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
         if scene.input is None:
             raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+        if scene.links:
+            raise PictureError(
+                f"plans are drawn of dyads alone, and {', '.join(scene.links)} are free links: leave out what asks for "
+                "plans; their reactions are fields, such as 'LINK.JOINT.reaction_x'"
+            )
         self.scene, self._values = scene, dict(values or {})
         self.motion = DrawnMotion(scene, values)
         self.numbers = self.motion.numbers

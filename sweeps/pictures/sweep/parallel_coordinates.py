@@ -6,9 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
+from engine import any_quantity, parse_expression
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.text.conditions import Condition
 
 MOST_LINES = 3000
 MOST_COLUMNS = 10
@@ -18,7 +20,9 @@ LONGEST_LABEL = 80
 
 
 def chosen_columns(data: SweepData, colour: str) -> list[str]:
-    """Columns that can be read side by side: what was varied, then the summaries, the one that colours first.
+    """Columns that can be read side by side: what was varied, then summaries.
+
+    Of the summaries first the one that colours, then those of the condition, then the others.
 
     Parameters
     ----------
@@ -31,9 +35,11 @@ def chosen_columns(data: SweepData, colour: str) -> list[str]:
     list of str
         At most 10, at least one of them a summary if there is any; without those that are the same in all variants.
     """
-    summaries = sorted(data.summaries, key=lambda name: name != colour)
+    asked = Condition(parse_expression(data.condition, any_quantity)).names if data.condition else ()
+    summaries = sorted(data.summaries, key=lambda name: (name != colour, name not in asked))
     varied, summaries = ([n for n in names if _differs(data, n)] for names in (data.varied, summaries))
-    return [*varied[: MOST_COLUMNS - bool(summaries)], *summaries][:MOST_COLUMNS]
+    kept = 1 + sum(name in asked for name in summaries[1:]) if summaries else 0
+    return [*varied[: max(MOST_COLUMNS - kept, 1)], *summaries][:MOST_COLUMNS]
 
 
 def _differs(data: SweepData, name: str) -> bool:

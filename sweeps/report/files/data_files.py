@@ -11,6 +11,7 @@ import numpy as np
 
 from sweeps.text.input_files import InputError
 from sweeps.text.variant_tables import parquet_library
+from sweeps.text.whole_files import whole_file
 
 # MATLAB's names are this long at most.
 _LONGEST_NAME = 63
@@ -51,7 +52,8 @@ def write_table(out: Path, table: DataTable) -> None:
         message = f"ending {out.suffix!r} isn't a table's; allowed are {', '.join(TABLE_ENDINGS)}"
         raise InputError(str(out), [(None, "", message)])
     try:
-        _WRITERS[out.suffix](out, table)
+        with whole_file(out) as draft:
+            _WRITERS[out.suffix](draft, table)
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 

@@ -13,6 +13,7 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
+from sweeps.text.whole_files import whole_file
 
 
 def result_table(path: Path, where: str | None = None) -> DataTable:
@@ -108,6 +109,9 @@ def history_table(scene: Scene, values: Mapping[str, float], steps: int = 360) -
         **of_loads,
         "energy": (seen.energy, "J"),
     }
+    if scene.couplings:
+        columns["shaft_speed"] = (seen.shaft_speed, "rad s-1")
+        columns["coupling_moment"] = (seen.coupling_moment, "N m")
     numbers, units = ({name: pair[i] for name, pair in columns.items()} for i in (0, 1))
     ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
     return DataTable({"regime": seen.regime} | numbers, units, scene.title), ended
@@ -136,7 +140,8 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, 
         message = "is there already, and a person may have written it; name another file, or give --overwrite"
         raise InputError(str(out), [(None, "", message)])
     try:
-        out.write_text(edited_scene(scene, values, text, out.parent), encoding="utf8")
+        with whole_file(out) as draft:
+            draft.write_text(edited_scene(scene, values, text, out.parent), encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 

@@ -165,7 +165,7 @@ def test_friction_circle__is_the_radius_times_the_sine_of_the_friction_angle(rad
 
 
 def test_a_loop_over_speeds__is_compiled_to_packed_instructions():
-    @njit(**{**TILE_OPTIONS, "cache": False})
+    @njit(**TILE_OPTIONS)
     def loop(x, out):
         for i in range(x.size):
             out[i] = stribeck(0.5, 0.2, x[i], 0.3, 0.5)

@@ -170,7 +170,7 @@ def test_unknown_reaction__unknown_forces_and_margin():
 # Side by side
 
 
-@njit(**{**TILE_OPTIONS, "cache": False})
+@njit(**TILE_OPTIONS)
 def _in_lanes(rows: np.ndarray, found: np.ndarray) -> None:
     r, f = rows.ravel(), found.ravel()
     for i in range(LANES):

@@ -8,14 +8,24 @@ from typing import NamedTuple
 
 from engine.scene.formulas.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
-from engine.scene.names import acting, definitions, did_you_mean, input_point, misplaced, references, sliders
+from engine.scene.names import (
+    acting,
+    definitions,
+    did_you_mean,
+    input_point,
+    joint_owners,
+    misplaced,
+    references,
+    sliders,
+)
 from engine.scene.pairs import friction_problems
 from engine.scene.parts import FRAME, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
+from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
 
 
 class Element(NamedTuple):
-    """A step of the ordering: `kind` is "input", "shaft", "group", "point" or "guide"."""
+    """A step of the ordering: `kind` is "input", "shaft", "group", "free group", "point" or "guide"."""
 
     kind: str
     name: str
@@ -32,11 +42,14 @@ class Structure(NamedTuple):
         All moving links, shafts without a pivot left out.
     sliders : tuple of str
         Links that slide on a guide or in a slot: those with a slide coordinate.
+    free_groups : dict of str to FreeGroup
+        Groups of free links, by their names.
     """
 
     elements: tuple[Element, ...]
     links: tuple[str, ...]
     sliders: tuple[str, ...]
+    free_groups: dict[str, FreeGroup]
 
 
 def group_links(scene: Scene, name: str) -> tuple[str, str]:
@@ -51,12 +64,23 @@ def _outer(group: object) -> list[tuple[str, str]]:
     return [("guide", p.guide) if isinstance(p, (Sliding, Yoke)) else ("point", p.joint) for p in parts]
 
 
-def _ordered(scene: Scene) -> tuple[list[Element], dict[str, str | None], dict[str, str]]:
-    """Elements in order as far as the ordering goes; the link of each known point and guide."""
+class _Ordering(NamedTuple):
+    """Elements in order as far as the ordering goes; the link of each known point and guide; what is known."""
+
+    elements: list[Element]
+    points: dict[str, str]
+    guides: dict[str, str]
+    links: set[str]
+    free_groups: dict[str, FreeGroup]
+
+
+def _ordered(scene: Scene) -> _Ordering:
     elements = [Element("input", scene.input.link)]
     known_links = {FRAME, scene.input.link}
     points = {input_point(scene): scene.input.link}
     guides: dict[str, str] = {}
+    free_groups: dict[str, FreeGroup] = {}
+    owners = joint_owners(scene)
     grown = True
     while grown:
         grown = False
@@ -84,7 +108,14 @@ def _ordered(scene: Scene) -> tuple[list[Element], dict[str, str | None], dict[s
                 if hasattr(group, "inner"):
                     points[group.inner] = group.first.link
                 grown = True
-    return elements, points, guides
+        found = None if grown else next_free_group(scene, known_links)
+        if found is not None:
+            free_groups[found.name] = found
+            elements.append(Element("free group", found.name))
+            known_links.update(found.links)
+            points |= {j: link for j, link in owners.items() if link in found.links and j not in scene.points}
+            grown = True
+    return _Ordering(elements, points, guides, known_links, free_groups)
 
 
 def _check_movable(scene: Scene, points: dict[str, str], guides: dict[str, str]) -> list[tuple[str, str]]:
@@ -101,6 +132,25 @@ def _check_movable(scene: Scene, points: dict[str, str], guides: dict[str, str])
                     f"(W = 3·{n} − 2·3 = 0); hang one of them on a moving link",
                 )
             )
+    return problems
+
+
+def _free_problems(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
+    """Groups of free links that can't move, names they would take, and places told of points that they don't have."""
+    problems, moving = [], {link for group in ordering.free_groups.values() for link in group.links}
+    for name, group in ordering.free_groups.items():
+        outer = {link for pair in group.pairs for link in (pair.link, pair.other)} - set(group.links)
+        at, n, p = f"links.{group.links[0]}", len(group.links), len(group.pairs)
+        if outer == {FRAME}:
+            words = f"{', '.join(group.links)} hang on the frame alone, so they can't move (W = 3·{n} − 2·{p} = 0)"
+            problems.append((at, f"over-constrained: {words}; hang one of them on a moving link"))
+        if name in {*scene.groups, *scene.links, *scene.points, *scene.regimes}:
+            problems.append((at, f"the name {name!r} is that of the group found here; call what has it otherwise"))
+    on_links = {point for point, link in ordering.points.items() if link in moving}
+    for point in scene.near:
+        if point not in on_links:
+            message = "is no point of a free link, whose place would tell modes apart; " + did_you_mean(point, on_links)
+            problems.append((f"near.{point}", message))
     return problems
 
 
@@ -127,7 +177,7 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
             (
                 f"groups.{waiting[0]}",
                 f"can't be ordered: {listed}. These {len(waiting)} groups ({n} links, {p} pairs) hang on each other: "
-                "a structural group of class III or higher, which is not solved here, or a chain that "
+                "a structural group of class III or higher, which is given by free links, [links], or a chain that "
                 "nothing connects to the input. Hang one of them on points that are known before it",
             )
         )
@@ -140,8 +190,9 @@ def order(scene: Scene) -> Structure:
     Raises
     ------
     SceneError
-        No input, unknown or repeated names, links moved by two groups (over-constrained), groups that hang on each
-        other (higher class) or on the frame alone, and actions on what can't carry them.
+        No input, unknown or repeated names, links moved by two groups (over-constrained), dyads that hang on each
+        other or on the frame alone, free links that can't move or move too freely, and actions on what can't carry
+        them.
     """
     if scene.input is None:
         raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has machine elements alone")])
@@ -158,17 +209,20 @@ def order(scene: Scene) -> Structure:
     ]
     if problems:
         raise SceneError(problems)
-    elements, known_points, known_guides = _ordered(scene)
-    problems = _why_unordered(scene, elements, known_points, known_guides)
+    ordering = _ordered(scene)
+    problems = _why_unordered(scene, ordering.elements, ordering.points, ordering.guides)
+    problems += why_not_grouped(scene, ordering.links)
     if not problems:
-        problems = _check_movable(scene, known_points, known_guides) + misplaced(scene)
+        problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
+        problems += _free_problems(scene, ordering)
     if not problems:
         problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:
         raise SceneError(problems)
-    return Structure(tuple(elements), _moving_links(scene), sliders(scene))
+    return Structure(tuple(ordering.elements), _moving_links(scene), sliders(scene), ordering.free_groups)
 
 
 def _moving_links(scene: Scene) -> tuple[str, ...]:
     pivoted = [name for name, shaft in scene.shafts.items() if shaft.pivot is not None]
-    return (scene.input.link, *pivoted, *(link for name in scene.groups for link in group_links(scene, name)))
+    in_groups = (link for name in scene.groups for link in group_links(scene, name))
+    return (scene.input.link, *pivoted, *in_groups, *scene.links)

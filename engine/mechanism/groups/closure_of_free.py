@@ -1,0 +1,382 @@
+"""The loops of a group of free links as nodes: where its links are for given unknowns, and what its loops miss.
+
+Unknowns are the directions of links that hang on a revolute pair, and the slides of those that hang on a prismatic one.
+Equations say that links which were cut out keep their length, or their distance from a guide, and that joints which
+were cut meet. All of them are found with their first and second derivative: so the same functions give residuals, the
+Jacobian (everything else at rest, one unknown moving), and the right-hand sides of velocities and accelerations.
+
+Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on groups of class III and IV; J. Wittenburg,
+Dynamics of Multibody Systems, chapter on the closure conditions of cut joints.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from engine.graph.nodes import Node
+from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
+from engine.mechanism.vectors import Vector
+from engine.scene.pairs import Pair
+from engine.scene.structure.free_groups import Cutting, FreeGroup, cutting_of
+
+
+class Direction(NamedTuple):
+    """A direction with its first and second rate: one kind of unknown."""
+
+    u: Vector
+    w: Node
+    e: Node
+
+
+Unknown = Direction | Slide
+
+
+class Miss(NamedTuple):
+    """What an equation misses, with its first and second derivative."""
+
+    r: Node
+    v: Node
+    a: Node
+
+
+class Reach(NamedTuple):
+    """Bounds of how a place depends on the unknowns: of each first derivative, and of the sum of all second ones."""
+
+    first: tuple[Node, ...]
+    second: Node
+
+
+class CutLink(NamedTuple):
+    """A link that was cut out of its loops, between the joint of one link and a joint or guide of another.
+
+    Attributes
+    ----------
+    name : str
+    one, other : Pair
+        A revolute pair; the other pair.
+    """
+
+    name: str
+    one: Pair
+    other: Pair
+
+
+class ClosureOfFree:
+    """The loops of a group of free links.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        What is known before the group.
+    group : FreeGroup
+
+    Attributes
+    ----------
+    cutting : Cutting
+    slides : tuple of bool
+        Which unknowns are slides.
+    size : Node
+        Greatest length in the group [m], by which slides are measured.
+    """
+
+    def __init__(self, assembly: Assembly, group: FreeGroup) -> None:
+        self.assembly, self.graph, self.group = assembly, assembly.graph, group
+        self.cutting: Cutting = cutting_of(group)
+        self.slides = tuple(pair.kind == "prismatic" for _, pair in self.cutting.placed)
+        self.cut_links = tuple(self._cut(name) for name in self.cutting.cut_links)
+        self._index = {name: i for i, (name, _) in enumerate(self.cutting.placed)}
+        self.size = self._size()
+
+    def _cut(self, name: str) -> CutLink:
+        one, other = sorted(self.group.pairs_of(name), key=lambda pair: pair.kind != "revolute")
+        return CutLink(name, one, other)
+
+    def _size(self) -> Node:
+        scene, paths = self.assembly.scene, []
+        for link in self.group.links:
+            paths += [f"links.{link}.length"] if scene.links[link].length is not None else []
+            paths += [f"points.{p}.{axis}" for p, part in scene.points.items() if part.link == link for axis in "xy"]
+        if not paths:
+            return self.graph.one
+
+        def greatest(numbers: dict) -> float:
+            found = abs(numbers[paths[0]])
+            for path in paths[1:]:
+                other = abs(numbers[path])
+                found = found + 0.5 * (other - found + abs(other - found))
+            return found
+
+        return self.graph.derived(f"size of {self.group.name}", greatest)
+
+    # Places on links
+
+    def local(self, link: str, joint: str) -> Vector:
+        """A joint in the axes of a free link."""
+        joints = self.assembly.scene.links[link].joints
+        if joint in joints:
+            along = (
+                self.assembly.number(f"links.{link}.length") if joint == joints[-1] != joints[0] else self.graph.zero
+            )
+            return Vector(along, self.graph.zero)
+        return Vector(*(self.assembly.number(f"points.{joint}.{axis}") for axis in "xy"))
+
+    def offset(self, link: str) -> Node:
+        """Distance of a slider's origin to the left of its guide."""
+        return self.assembly.number(f"links.{link}.offset")
+
+    def guide_on(self, guide: str, carrier: Turning) -> GuideLine:
+        """A guide of a link."""
+        r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
+        u = self.assembly.direction(f"guides.{guide}.angle")
+        return GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
+
+    def slider_guide(self, pair: Pair) -> str:
+        """Name of the guide of a prismatic pair."""
+        return self.assembly.scene.links[pair.link].guide
+
+    def _known(self, name: str, still: bool) -> Turning:
+        link = self.assembly.links[name]
+        if not still:
+            return link
+        return Turning(self.assembly.at_rest(link.origin.r), link.u, self.graph.zero, self.graph.zero)
+
+    # Placing links
+
+    def placed(self, unknowns: Sequence[Unknown], still: bool = False) -> dict[str, Turning]:
+        """Links with their motion, known ones that carry pairs of the group among them; those cut out are missing.
+
+        Parameters
+        ----------
+        unknowns : sequence of Direction or Slide
+        still : bool
+            Whether known links count as at rest.
+        """
+        around = {name for pair in self.group.pairs for name in (pair.link, pair.other)} - set(self.group.links)
+        links = {name: self._known(name, still) for name in sorted(around)}
+        for (name, pair), unknown in zip(self.cutting.placed, unknowns, strict=True):
+            if isinstance(unknown, Direction):
+                links[name] = self._hinged(links, name, pair, unknown, still)
+            elif name == pair.link:
+                links[name] = self._sliding(links, pair, unknown)
+            else:
+                links[name] = self._carrying(links, pair, unknown)
+        return links
+
+    def joint_on(self, links: dict[str, Turning], link: str, joint: str, still: bool = False) -> MovingPoint:
+        """A joint as a point of one of the links that meet there."""
+        if link in self._index:
+            return _at(links[link], self.local(link, joint))
+        if joint in self.assembly.points:
+            point = self.assembly.points[joint]
+            return self.assembly.at_rest(point.r) if still else point
+        return _at(links[link], self.local(link, joint))
+
+    def _hinged(self, links: dict[str, Turning], name: str, pair: Pair, unknown: Direction, still: bool) -> Turning:
+        other = pair.other if name == pair.link else pair.link
+        joint = joint_of(pair)
+        hinge = Turning(self.joint_on(links, other, joint, still), unknown.u, unknown.w, unknown.e)
+        return hinge._replace(origin=_at(hinge, -self.local(name, joint)))
+
+    def _sliding(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
+        """A slider on a guide of a link that was placed before it."""
+        line = self.guide_on(self.slider_guide(pair), links[pair.other])
+        r = line.r + unknown.d * line.u + self.offset(pair.link) * line.u.normal
+        under, sliding = line.under(r), unknown.v * line.u
+        origin = MovingPoint(r, under.v + sliding, under.a + line.coriolis(sliding) + unknown.a * line.u)
+        return Turning(origin, line.u, line.carrier.w, line.carrier.e)
+
+    def _carrying(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
+        """A link with the guide on which a link slides that was placed before it."""
+        slider, name = links[pair.link], self.slider_guide(pair)
+        angle = self.assembly.direction(f"guides.{name}.angle")
+        u = Vector(angle.x, -angle.y).in_axes(slider.u)
+        r = Vector(*(self.assembly.number(f"guides.{name}.{axis}") for axis in "xy"))
+        way, sliding = slider.u, unknown.v * slider.u
+        carrier = Turning(slider.origin, u, slider.w, slider.e)
+        # The carrier's point under the slider moves with it but for what slides.
+        back = (carrier.w + carrier.w) * sliding.normal
+        under = MovingPoint(slider.origin.r, slider.origin.v - sliding, slider.origin.a - back - unknown.a * way)
+        arm = -(r.in_axes(u) + unknown.d * way + self.offset(pair.link) * way.normal)
+        return carrier._replace(origin=_at_arm(carrier._replace(origin=under), arm))
+
+    # Equations
+
+    def misses(self, links: dict[str, Turning], still: bool = False) -> list[Miss]:
+        """What the loops miss: of cut links first, then of cut pairs."""
+        found = [self._of_link(links, cut, still) for cut in self.cut_links]
+        for pair in self.cutting.cut_pairs:
+            found += self._of_pair(links, pair, still)
+        return found
+
+    def ends(self, links: dict[str, Turning], cut: CutLink, still: bool = False) -> tuple[MovingPoint, MovingPoint]:
+        """Joints at the ends of a cut link with two of them."""
+        found = [self.joint_on(links, _far(cut.name, pair), joint_of(pair), still) for pair in (cut.one, cut.other)]
+        return found[0], found[1]
+
+    def measures(self) -> list[Node]:
+        """Of each equation what makes a length of what it misses: that of a cut link misses a square."""
+        found = [self.bar(cut).length if cut.other.kind == "revolute" else self.graph.one for cut in self.cut_links]
+        return found + [self.graph.one] * (2 * len(self.cutting.cut_pairs))
+
+    def bar(self, cut: CutLink) -> Vector:
+        """From the first to the second joint of a cut link, in its own axes."""
+        return self.local(cut.name, joint_of(cut.other)) - self.local(cut.name, joint_of(cut.one))
+
+    def line(self, links: dict[str, Turning], cut: CutLink) -> tuple[GuideLine, Node]:
+        """The line that the joint of a cut link keeps to, on the link beyond its guide; how far to its left."""
+        joint, guide = self.local(cut.name, joint_of(cut.one)), self.slider_guide(cut.other)
+        if cut.other.link == cut.name:
+            return self.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
+        slider = links[cut.other.link]
+        r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
+        angle = self.assembly.direction(f"guides.{guide}.angle")
+        return GuideLine(slider, slider.origin.r, slider.u), angle.cross(joint - r) - self.offset(cut.other.link)
+
+    def _of_link(self, links: dict[str, Turning], cut: CutLink, still: bool) -> Miss:
+        if cut.other.kind == "prismatic":
+            point = self.joint_on(links, _far(cut.name, cut.one), joint_of(cut.one), still)
+            return _beside(*self.line(links, cut), point)
+        one, other = self.ends(links, cut, still)
+        bar = self.bar(cut)
+        r, v, a = (two - first for first, two in zip(one, other, strict=True))
+        return Miss((r.dot(r) - bar.dot(bar)) * 0.5, r.dot(v), r.dot(a) + v.dot(v))
+
+    def _of_pair(self, links: dict[str, Turning], pair: Pair, still: bool) -> list[Miss]:
+        if pair.kind == "revolute":
+            one = self.joint_on(links, pair.link, joint_of(pair), still)
+            other = self.joint_on(links, pair.other, joint_of(pair), still)
+            r, v, a = (first - two for first, two in zip(one, other, strict=True))
+            return [Miss(r.x, v.x, a.x), Miss(r.y, v.y, a.y)]
+        line, slider = self.guide_on(self.slider_guide(pair), links[pair.other]), links[pair.link]
+        sine, cosine = line.u.cross(slider.u), line.u.dot(slider.u)
+        w, e = slider.w - line.carrier.w, slider.e - line.carrier.e
+        turning = Miss(sine * self.size, cosine * w * self.size, (cosine * e - sine * w * w) * self.size)
+        return [turning, _beside(line, self.offset(pair.link), slider.origin)]
+
+    # Bounds for the proof
+
+    def bounds(self, unknowns: Sequence[Unknown], misses: Sequence[Miss]) -> tuple[list[list[Node]], list[Node]]:
+        """Of each equation bounds of its first derivatives, and of the sum of all its second ones."""
+        graph, count = self.graph, len(unknowns)
+        nothing = Reach((graph.zero,) * count, graph.zero)
+        turns: dict[str, int | None] = {}
+        origins: dict[str, tuple[Reach, Vector]] = {}
+        for i, ((name, pair), unknown) in enumerate(zip(self.cutting.placed, unknowns, strict=True)):
+            other = pair.other if name == pair.link else pair.link
+            if isinstance(unknown, Direction):
+                turns[name] = i
+                base = self._reach_of_joint(origins, turns, nothing, other, joint_of(pair))
+                origins[name] = base, self.local(name, joint_of(pair))
+                continue
+            turns[name] = turns.get(other)
+            guide = self.slider_guide(pair)
+            r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
+            arm = abs(unknown.d) + abs(self.offset(pair.link)) + r.length
+            base, place = origins.get(other, (nothing, self._zero))
+            reach = _turned_by(base, turns[name], arm + place.length)
+            first = tuple(f + self.size if k == i else f for k, f in enumerate(reach.first))
+            twice = self.size + self.size if turns[name] is not None else graph.zero
+            origins[name] = Reach(first, reach.second + twice), self._zero
+        found = []
+        for cut, miss in zip(self.cut_links, misses, strict=False):
+            one = self._reach_of_joint(origins, turns, nothing, _far(cut.name, cut.one), joint_of(cut.one))
+            if cut.other.kind == "revolute":
+                two = self._reach_of_joint(origins, turns, nothing, _far(cut.name, cut.other), joint_of(cut.other))
+                first = [a + b for a, b in zip(one.first, two.first, strict=True)]
+                total, length = _total(first), self.bar(cut).length
+                # At most: what the equation misses is half the difference of the squares of distance and length.
+                distance = length + abs(miss.r) * (graph.one / length)
+                first = [reach * length for reach in first]
+                found.append((first, total * total + (one.second + two.second) * distance))
+                continue
+            carrier = _far(cut.name, cut.other)
+            base, place = origins.get(carrier, (nothing, self._zero))
+            found.append(self._reach_beside(one, base, turns.get(carrier), place.length + self._guide_arm(cut.other)))
+        for pair in self.cutting.cut_pairs:
+            if pair.kind == "revolute":
+                one, two = (
+                    self._reach_of_joint(origins, turns, nothing, name, joint_of(pair))
+                    for name in (pair.link, pair.other)
+                )
+                first = [a + b for a, b in zip(one.first, two.first, strict=True)]
+                found += [(first, one.second + two.second)] * 2
+                continue
+            own, of_line = turns.get(pair.link), turns.get(pair.other)
+            first = [self.size if k in (own, of_line) else graph.zero for k in range(count)]
+            found.append((first, 4.0 * self.size))
+            one = origins.get(pair.link, (nothing, self._zero))[0]
+            base, place = origins.get(pair.other, (nothing, self._zero))
+            found.append(self._reach_beside(one, base, of_line, place.length + self._guide_arm(pair)))
+        return [first for first, _ in found], [second for _, second in found]
+
+    @property
+    def _zero(self) -> Vector:
+        return self.assembly.nowhere
+
+    def _guide_arm(self, pair: Pair) -> Node:
+        """How far from its carrier's origin a slider may be: the guide's point and the size of the group."""
+        guide = self.slider_guide(pair)
+        r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
+        return r.length + 2.0 * self.size
+
+    def _reach_of_joint(
+        self,
+        origins: dict[str, tuple[Reach, Vector]],
+        turns: dict[str, int | None],
+        nothing: Reach,
+        link: str,
+        joint: str,
+    ) -> Reach:
+        if link not in origins:
+            return nothing
+        base, place = origins[link]
+        return _turned_by(base, turns[link], (self.local(link, joint) - place).length)
+
+    def _reach_beside(self, point: Reach, base: Reach, turns: int | None, arm: Node) -> tuple[list[Node], Node]:
+        """Bounds of the distance of a point from a line that turns with an unknown."""
+        first = [a + b for a, b in zip(point.first, base.first, strict=True)]
+        second = point.second + base.second
+        if turns is None:
+            return first, second
+        second = second + 2.0 * _total(first) + arm
+        return [f + arm if k == turns else f for k, f in enumerate(first)], second
+
+
+def joint_of(pair: Pair) -> str:
+    """Name of the joint of a revolute pair."""
+    return pair.name.removeprefix(f"{pair.link}.")
+
+
+def _far(link: str, pair: Pair) -> str:
+    """The link beyond a pair of some link."""
+    return pair.other if pair.link == link else pair.link
+
+
+def _at(link: Turning, place: Vector) -> MovingPoint:
+    """A point of a link by its place in the link's axes."""
+    return _at_arm(link, place.in_axes(link.u))
+
+
+def _at_arm(link: Turning, arm: Vector) -> MovingPoint:
+    nothing = link.w.graph.zero
+    return link.origin if arm == (nothing, nothing) else link.at(arm)
+
+
+def _beside(line: GuideLine, offset: Node, point: MovingPoint) -> Miss:
+    """What a point misses of its distance to the left of a line."""
+    under, n = line.under(point.r), line.u.normal
+    relative = point.v - under.v
+    return Miss(n.dot(point.r - line.r) - offset, n.dot(relative), n.dot(point.a - under.a - line.coriolis(relative)))
+
+
+def _turned_by(base: Reach, turns: int | None, arm: Node) -> Reach:
+    """Bounds of a point at an arm from a place, on a link that turns with an unknown."""
+    if turns is None:
+        return base
+    return Reach(tuple(f + arm if k == turns else f for k, f in enumerate(base.first)), base.second + arm)
+
+
+def _total(nodes: Sequence[Node]) -> Node:
+    total = nodes[0]
+    for node in nodes[1:]:
+        total = total + node
+    return total

@@ -1,0 +1,301 @@
+"""Groups of free links, of any class, put together from nodes: seeds, corrections with their proof, and rates."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from engine.graph.nodes import Node
+from engine.laws.kinematics.closure import greater
+from engine.laws.kinematics.seeds import (
+    cubic_between,
+    direction_between,
+    place_in_table,
+    proved,
+    turned,
+    two_directions,
+    two_slides,
+)
+from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
+from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown
+from engine.mechanism.groups.minors import Inverse, inverse
+from engine.mechanism.groups.seed_tables import SEEDS, SeedTables
+from engine.mechanism.vectors import Vector, named
+from engine.scene.names import joint_owners
+from engine.scene.structure.free_groups import FreeGroup
+
+# Newton's corrections of a seed: the cubic between two seeds is closer than 1e-3, and each squares what is left.
+_CORRECTIONS = 2
+
+Place = Vector | Node
+
+
+class Linearised(NamedTuple):
+    """A group's loops beside some values of its unknowns.
+
+    Attributes
+    ----------
+    misses : list of Miss
+        What they miss, and the rates of that if no unknown moved.
+    units : list of dict of str to Turning
+        Motion of all links, for each unknown, if that alone moved: by 1 rad, or by the group's size.
+    inverse : Inverse
+        Of the Jacobian.
+    """
+
+    misses: list[Miss]
+    units: list[dict[str, Turning]]
+    inverse: Inverse
+
+
+class FreeMotion(NamedTuple):
+    """A solved group, for the forces in it.
+
+    Attributes
+    ----------
+    closure : ClosureOfFree
+    links : dict of str to Turning
+        Those that were placed, and those they hang on.
+    linearised : Linearised
+    """
+
+    closure: ClosureOfFree
+    links: dict[str, Turning]
+    linearised: Linearised
+
+
+def add_free_group(assembly: Assembly, group: FreeGroup, span: tuple[Node, Node], turns: bool) -> FreeMotion:
+    """Add a group of free links to a mechanism.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    group : FreeGroup
+    span : tuple of Node
+        First and last position of the input.
+    turns : bool
+        Whether the input turns fully, so that the last position is the first again.
+    """
+    closure = ClosureOfFree(assembly, group)
+    tables = assembly.seed_tables[group.name] = _tables_of(closure, span, turns)
+    places = _seeded(closure, tables, span, turns)
+    for step in range(_CORRECTIONS):
+        beside = linearised(closure, places)
+        deltas = beside.inverse.times([-miss.r for miss in beside.misses])
+        if step == 0:
+            h = named(certificate(closure, places, beside, deltas), f"{group.name}_certificate")
+            assembly.certificates[group.name] = h
+            deltas = [assembly.graph.apply(proved, h, delta) for delta in deltas]
+            assembly.solutions[group.name] = tuple(deltas)
+        places = corrected(closure, places, deltas)
+    beside = linearised(closure, places)
+    motions = with_rates(closure, places, beside)
+    links = closure.placed(motions)
+    _register(closure, links, motions)
+    graph, measures = assembly.graph, closure.measures()
+    misses = [abs(m.r) / (size * closure.size) for m, size in zip(beside.misses, measures, strict=True)]
+    worst = misses[0]
+    for miss in misses[1:]:
+        worst = graph.apply(greater, worst, miss)
+    assembly.transmits(group.name, transmission(closure, places, beside), worst)
+    return FreeMotion(closure, links, beside)
+
+
+def _tables_of(closure: ClosureOfFree, span: tuple[Node, Node], turns: bool) -> SeedTables:
+    """Tables of seeds, with what they are made by: one correction and the rates, at given values of the unknowns."""
+    graph, name = closure.graph, closure.group.name
+    given = [
+        (graph.given(f"{name} {i} slide"),)
+        if slides
+        else (graph.given(f"{name} {i} cosine"), graph.given(f"{name} {i} sine"))
+        for i, slides in enumerate(closure.slides)
+    ]
+    places = [node[0] if slides else Vector(*node) for node, slides in zip(given, closure.slides, strict=True)]
+    beside = linearised(closure, places)
+    deltas = beside.inverse.times([-miss.r for miss in beside.misses])
+    motions = with_rates(closure, places, beside)
+    scales = [closure.size if slides else graph.one for slides in closure.slides]
+    curves = [delta * scale for delta, scale in zip(deltas, scales, strict=True)]
+    curves += [m.v if isinstance(m, Slide) else m.w for m in motions]
+    curves += [m.a if isinstance(m, Slide) else m.e for m in motions]
+    curves += [certificate(closure, places, beside, deltas), transmission(closure, places, beside), closure.size]
+    links = closure.placed([_at_rest(closure, place) for place in places])
+    points = _points(closure, links)
+    return SeedTables(closure.assembly.scene, closure.group, given, curves, points, span, turns)
+
+
+def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vector]:
+    """Places of all points of the group."""
+    scene, own = closure.assembly.scene, set(closure.group.links)
+    whole = links | {cut.name: _cut_link(closure, links, cut) for cut in closure.cut_links}
+    found = {joint: (link, closure.local(link, joint)) for joint, link in joint_owners(scene).items() if link in own}
+    found |= {p: (part.link, closure.local(part.link, p)) for p, part in scene.points.items() if part.link in own}
+    return {name: whole[link].at(place.in_axes(whole[link].u)).r for name, (link, place) in found.items()}
+
+
+def _at_rest(closure: ClosureOfFree, place: Place) -> Unknown:
+    zero = closure.graph.zero
+    return Direction(place, zero, zero) if isinstance(place, Vector) else Slide(place, zero, zero)
+
+
+def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node], turns: bool) -> list[Place]:
+    """Unknowns between two seeds of the table."""
+    graph, name = closure.graph, closure.group.name
+    step = graph.derived(f"step of the seeds of {name}", lambda n: (span[1].compute(n) - span[0].compute(n)) / SEEDS)
+    table = graph.number_table(
+        f"seeds of {name}",
+        [graph.derived(f"{name} seed {i}", lambda n, i=i: tables(n).seeds[i]) for i in range(tables.entries)],
+    )
+    interval, share = graph.apply(place_in_table, graph.q, span[0], graph.one / step, float(SEEDS), float(turns))
+    found: list[Place] = []
+    column = 0
+    for slides in closure.slides:
+        given = (table, float(column), float(tables.width), interval)
+        column += 2 if slides else 3
+        if slides:
+            d1, v1, d2, v2 = graph.apply(two_slides, *given)
+            found.append(graph.apply(cubic_between, d1, step * v1, d2, step * v2, share))
+        else:
+            found.append(Vector(*graph.apply(direction_between, *graph.apply(two_directions, *given), share, step)))
+    return found
+
+
+def linearised(closure: ClosureOfFree, places: Sequence[Place]) -> Linearised:
+    """The loops beside some values of the unknowns."""
+    graph = closure.graph
+    rest = [_at_rest(closure, place) for place in places]
+    misses = closure.misses(closure.placed(rest))
+    units, columns = [], []
+    for k, slides in enumerate(closure.slides):
+        rate = closure.size if slides else graph.one
+        moving = [m._replace(**{"v" if slides else "w": rate}) if i == k else m for i, m in enumerate(rest)]
+        links = closure.placed(moving, still=True)
+        units.append(links)
+        columns.append([miss.v for miss in closure.misses(links, still=True)])
+    return Linearised(misses, units, inverse([list(row) for row in zip(*columns, strict=True)]))
+
+
+def corrected(closure: ClosureOfFree, places: Sequence[Place], deltas: Sequence[Node]) -> list[Place]:
+    """Unknowns after a correction."""
+    return [
+        Vector(*closure.graph.apply(turned, *place, delta))
+        if isinstance(place, Vector)
+        else place + closure.size * delta
+        for place, delta in zip(places, deltas, strict=True)
+    ]
+
+
+def with_rates(closure: ClosureOfFree, places: Sequence[Place], beside: Linearised) -> list[Unknown]:
+    """Unknowns with their first and second rate."""
+    zero = closure.graph.zero
+    scales = [closure.size if slides else closure.graph.one for slides in closure.slides]
+
+    def motions(first: Sequence[Node], second: Sequence[Node]) -> list[Unknown]:
+        return [
+            (Direction if isinstance(place, Vector) else Slide)(place, scale * v, scale * a)
+            for place, scale, v, a in zip(places, scales, first, second, strict=True)
+        ]
+
+    still = [zero] * len(places)
+    first = beside.inverse.times([-miss.v for miss in beside.misses])
+    carried = closure.misses(closure.placed(motions(first, still)))
+    return motions(first, beside.inverse.times([-miss.a for miss in carried]))
+
+
+def certificate(closure: ClosureOfFree, places: Sequence[Place], beside: Linearised, deltas: Sequence[Node]) -> Node:
+    """H of the theorem of Newton and Kantorovich: no more than ½ proves a root beside these values."""
+    graph = closure.graph
+    _, second = closure.bounds([_at_rest(closure, place) for place in places], beside.misses)
+    steps = [abs(delta) for delta in deltas]
+    changes = []
+    for row in beside.inverse.rows:
+        terms = [abs(entry) * bound for entry, bound in zip(row, second, strict=True)]
+        total = terms[0]
+        for term in terms[1:]:
+            total = total + term
+        changes.append(total)
+    return _greatest(graph, steps) * _greatest(graph, changes)
+
+
+def _greatest(graph: object, nodes: Sequence[Node]) -> Node:
+    worst = nodes[0]
+    for node in nodes[1:]:
+        worst = graph.apply(greater, worst, node)
+    return worst
+
+
+def transmission(closure: ClosureOfFree, places: Sequence[Place], beside: Linearised) -> Node:
+    """Quality of transmission: the Jacobian's determinant over the greatest that its rows allow.
+
+    Of a dyad RRR this is the sine of the transmission angle.
+    """
+    first, _ = closure.bounds([_at_rest(closure, place) for place in places], beside.misses)
+    greatest = closure.graph.one
+    for row in first:
+        square = row[0] * row[0]
+        for bound in row[1:]:
+            square = square + bound * bound
+        greatest = greatest * closure.graph.function("sqrt", square)
+    return beside.inverse.determinant * (closure.graph.one / greatest)
+
+
+# What is known then
+
+
+def _register(closure: ClosureOfFree, links: dict[str, Turning], motions: Sequence[Unknown]) -> None:
+    """Add the group's links, sliders and joints to the mechanism."""
+    assembly, group = closure.assembly, closure.group
+    for name, _ in closure.cutting.placed:
+        assembly.link(name, links[name])
+    for cut in closure.cut_links:
+        assembly.link(cut.name, _cut_link(closure, links, cut))
+    for joint, owner in joint_owners(assembly.scene).items():
+        if owner in group.links and joint not in assembly.scene.points:
+            link = assembly.links[owner]
+            place = closure.local(owner, joint)
+            at = link.origin if place == assembly.nowhere else link.at(place.in_axes(link.u))
+            assembly.points[joint] = at.called(joint)
+    found = {pair.name: m for (_, pair), m in zip(closure.cutting.placed, motions, strict=True) if isinstance(m, Slide)}
+    for pair in group.pairs:
+        if pair.kind == "prismatic":
+            slide = found.get(pair.name) or _slide(closure, pair.link, pair.other, closure.slider_guide(pair))
+            assembly.slides[pair.link] = slide.called(pair.link)
+
+
+def _slide(closure: ClosureOfFree, slider: str, carrier: str, guide: str) -> Slide:
+    links = closure.assembly.links
+    line, origin = closure.guide_on(guide, links[carrier]), links[slider].origin
+    under = line.under(origin.r)
+    v = line.u.dot(origin.v - under.v)
+    return Slide(line.u.dot(origin.r - line.r), v, line.u.dot(origin.a - under.a - line.coriolis(v * line.u)))
+
+
+def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -> Turning:
+    """Motion of a link that was cut out of its loops."""
+    joint = closure.local(cut.name, cut.one.name.removeprefix(f"{cut.one.link}."))
+    if cut.other.kind == "revolute":
+        one, other = closure.ends(links, cut)
+        r, v, a = (two - first for first, two in zip(one, other, strict=True))
+        bar = closure.bar(cut)
+        per_square = closure.graph.one / bar.dot(bar)
+        share = bar * per_square
+        u = Vector(r.dot(share), share.cross(r))
+        return _from_joint(one, joint, Turning(one, u, r.cross(v) * per_square, r.cross(a) * per_square))
+    point = _joint_beyond(closure, links, cut)
+    line, _ = closure.line(links, cut)
+    u = line.u
+    if cut.other.link != cut.name:
+        angle = closure.assembly.direction(f"guides.{closure.slider_guide(cut.other)}.angle")
+        u = Vector(angle.x, -angle.y).in_axes(line.u)
+    return _from_joint(point, joint, Turning(point, u, line.carrier.w, line.carrier.e))
+
+
+def _joint_beyond(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -> MovingPoint:
+    far = cut.one.other if cut.one.link == cut.name else cut.one.link
+    return closure.joint_on(links, far, cut.one.name.removeprefix(f"{cut.one.link}."))
+
+
+def _from_joint(joint: MovingPoint, place: Vector, link: Turning) -> Turning:
+    """A link of which the motion of one of its joints is known."""
+    nothing = link.w.graph.zero
+    if place == (nothing, nothing):
+        return link
+    return link._replace(origin=link.at((-place).in_axes(link.u)))

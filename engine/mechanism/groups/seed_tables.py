@@ -1,0 +1,336 @@
+"""Tables of seeds of a group of free links, for every variant: from the scene's own assembly mode along the input.
+
+Modes have no natural numbers. The mode of the scene is that of its real ones at the first position that lies nearest to
+what `near` tells. It is carried to a variant by steps in the scene's numbers, and along the input by steps in its
+position; every step is one that the theorem of Newton and Kantorovich proves, or it is halved.
+"""
+
+import threading
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.printed import load_printed
+from engine.compiling.tiles import TileFunction
+from engine.graph.functions import Functions, functions_at
+from engine.graph.nodes import Constant, Graph, Node
+from engine.laws.kinematics.seeds import PROVES
+from engine.mechanism.groups.seed_walk import LEAST_SHARE, correct_at, walk_seeds
+from engine.mechanism.vectors import Vector
+from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
+from engine.scene.structure.free_groups import FreeGroup
+from engine.verdicts import Verdict
+
+# Intervals of a table.
+SEEDS = 64
+# Starts from which modes are looked for, and corrections of each.
+_STARTS, _CORRECTIONS = 4096, 60
+# Corrections no longer than this [rad, or shares of the group's size], so that none leaps across a mode.
+_LONGEST = 0.5
+# Modes are the same whose unknowns differ by no more.
+_SAME = 1e-6
+# Of two modes the nearer one is meant where the other is farther by this share of its distance.
+_NEARER = 0.02
+# Steps from the scene to a variant, as shares of the way: the first, the longest, and the shortest before giving up.
+_FIRST_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.125, 0.25, 1e-5
+
+
+class SeedAnswers(NamedTuple):
+    """Tables of some variants.
+
+    Attributes
+    ----------
+    seeds : ndarray (entries, variants)
+        NaN from where a path ends.
+    verdict : ndarray (variants,) of int
+    at : ndarray (variants,)
+        Position at which a path ends; NaN where none does.
+    """
+
+    seeds: np.ndarray
+    verdict: np.ndarray
+    at: np.ndarray
+
+
+class AssemblyMode(NamedTuple):
+    """A way to put a group together at the first position.
+
+    Attributes
+    ----------
+    unknowns : ndarray (values,)
+        Cosines and sines of angles, slides.
+    points : dict of str to (float, float)
+        Where the group's points lie [m].
+    transmission : float
+        Its quality of transmission.
+    chosen : bool
+        Whether it is the scene's.
+    """
+
+    unknowns: np.ndarray
+    points: dict[str, tuple[float, float]]
+    transmission: float
+    chosen: bool
+
+
+class SeedTables:
+    """Tables of seeds of a group of free links.
+
+    Parameters
+    ----------
+    scene : Scene
+    group : FreeGroup
+    given : sequence of tuple of Node
+        Of each unknown the given numbers that hold its value: cosine and sine, or the slide.
+    curves : sequence of Node
+        At these values: corrections, first and second rates of all unknowns; the certificate, the quality of
+        transmission, the group's size.
+    points : mapping of str to Vector
+        Where the group's points are.
+    span : tuple of Node
+        First and last position of the input.
+    turns : bool
+        Whether the last position is the first again.
+
+    Attributes
+    ----------
+    width, entries : int
+        Numbers of a seed, and of a table.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        group: FreeGroup,
+        given: Sequence[tuple[Node, ...]],
+        curves: Sequence[Node],
+        points: Mapping[str, Vector],
+        span: tuple[Node, Node],
+        turns: bool,
+    ) -> None:
+        self.scene, self.group, self._turns = scene, group, turns
+        self._given, self._curves, self._points, self._span = given, curves, points, span
+        self.width = sum(len(nodes) + 1 for nodes in given)
+        self.entries = (SEEDS + 1) * self.width
+        self._slides = np.array([len(nodes) == 1 for nodes in given])
+        self._of_thread = threading.local()
+
+    @cached_property
+    def _functions(self) -> Functions:
+        graph: Graph = self._curves[0].graph
+        title = f"One correction of the group {self.group.name}."
+        return functions_at(
+            graph, title, *self._span, self._curves, numbers=[n for nodes in self._given for n in nodes]
+        )
+
+    @cached_property
+    def _compiled(self) -> tuple[TileFunction, TileFunction]:
+        module = load_printed(self._functions.text)
+        return TileFunction(module.curves_at), TileFunction(module.levels)
+
+    @cached_property
+    def _given_rows(self) -> np.ndarray:
+        return np.array([self._functions.rows[node] for nodes in self._given for node in nodes], np.int64)
+
+    @property
+    def _own(self) -> Numbers:
+        """The scene's own numbers."""
+        return Numbers(scene_numbers(self.scene), {})
+
+    def _table(self, numbers: Numbers, functions: Functions) -> np.ndarray:
+        """P of all variants, one where nothing that the group depends on differs."""
+        with np.errstate(all="ignore"):
+            values = [n.value if isinstance(n, Constant) else n.compute(numbers) for n in functions.numbers]
+        shape = np.broadcast_shapes((1,), *(np.shape(value) for value in values))
+        table = np.full((len(functions.rows), *shape), np.nan)
+        for node, value in zip(functions.numbers, values, strict=True):
+            table[functions.rows[node]] = value
+        return table
+
+    def _at(self, table: np.ndarray, unknowns: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """The curves at given values of the unknowns, (curves, variants)."""
+        return correct_at(*self._compiled, self._functions, self._given_rows, table, unknowns, q, len(self._curves))
+
+    # Modes of the scene
+
+    @cached_property
+    def modes(self) -> tuple[AssemblyMode, ...]:
+        """All real assembly modes of the scene as it is at the first position.
+
+        They are looked for from some thousand starts; each that is found is proved.
+        """
+        one = self._table(self._own, self._functions)
+        first = one[self._functions.rows[self._span[0]]]
+        table, q = np.repeat(one, _STARTS, axis=1), np.repeat(first, _STARTS)
+        unknowns = self._starts(float(self._at(one, self._starts(1.0)[:, :1], first)[-1, 0]))
+        count = self._slides.size
+        # A start at which the Jacobian is singular by chance leads nowhere.
+        with np.errstate(all="ignore"):
+            for _ in range(_CORRECTIONS):
+                found = self._at(table, unknowns, q)
+                limits = _LONGEST * np.where(self._slides[:, None], found[-1], 1.0)
+                unknowns = self._moved(unknowns, np.clip(found[:count], -limits, limits))
+            found = self._at(table, unknowns, q)
+            proved = (found[3 * count] <= PROVES) & (np.abs(found[:count]) < _SAME).all(axis=0)
+        roots: list[np.ndarray] = []
+        for root in unknowns[:, proved].T:
+            if not any(np.abs(root - other).max() < _SAME * max(1.0, np.abs(root).max()) for other in roots):
+                roots.append(root)
+        roots.sort(key=lambda root: tuple(np.round(root, 6)))
+        return self._described(one, first, roots)
+
+    def _starts(self, size: float) -> np.ndarray:
+        random = np.random.default_rng(1)
+        rows = []
+        for slides in self._slides:
+            if slides:
+                rows.append(random.choice([-1.0, 1.0], _STARTS) * size * 10.0 ** random.uniform(-1.5, 1.0, _STARTS))
+            else:
+                angle = random.uniform(-np.pi, np.pi, _STARTS)
+                rows += [np.cos(angle), np.sin(angle)]
+        return np.array(rows)
+
+    def _moved(self, unknowns: np.ndarray, deltas: np.ndarray) -> np.ndarray:
+        rows, i = [], 0
+        for slides, delta in zip(self._slides, deltas, strict=True):
+            if slides:
+                rows.append(unknowns[i] + delta)
+                i += 1
+            else:
+                c, s = unknowns[i], unknowns[i + 1]
+                rows += [c * np.cos(delta) - s * np.sin(delta), s * np.cos(delta) + c * np.sin(delta)]
+                i += 2
+        return np.array(rows)
+
+    def _described(self, one: np.ndarray, first: np.ndarray, roots: list[np.ndarray]) -> tuple[AssemblyMode, ...]:
+        if not roots:
+            return ()
+        nodes = [node for point in self._points.values() for node in point]
+        title = f"Points of the group {self.group.name}."
+        of_points = functions_at(nodes[0].graph, title, *self._span, nodes, numbers=[n for g in self._given for n in g])
+        module = load_printed(of_points.text)
+        compiled = TileFunction(module.curves_at), TileFunction(module.levels)
+        rows = np.array([of_points.rows[node] for nodes in self._given for node in nodes], np.int64)
+        unknowns, q = np.array(roots).T, np.repeat(first, len(roots))
+        table = np.repeat(self._table(self._own, of_points), len(roots), axis=1)
+        found = correct_at(*compiled, of_points, rows, table, unknowns, q, len(of_points.curves))
+        sines = self._at(np.repeat(one, len(roots), axis=1), unknowns, q)[-2]
+        places = [
+            {
+                name: tuple(float(found[of_points.curves[node], i]) for node in point)
+                for name, point in self._points.items()
+            }
+            for i in range(len(roots))
+        ]
+        chosen = self._nearest(places)
+        return tuple(
+            AssemblyMode(root, at, float(sine), i == chosen)
+            for i, (root, at, sine) in enumerate(zip(roots, places, sines, strict=True))
+        )
+
+    def _nearest(self, places: list[dict[str, tuple[float, float]]]) -> int | None:
+        """Which mode the scene points at; None where it doesn't tell."""
+        told = [name for name in self.scene.near if name in self._points]
+        if not told:
+            return 0 if len(places) == 1 else None
+        wanted = self.scene.near
+        far = [
+            sum((at[name][0] - wanted[name].x) ** 2 + (at[name][1] - wanted[name].y) ** 2 for name in told) ** 0.5
+            for at in places
+        ]
+        order = np.argsort(far)
+        if len(far) > 1 and not far[order[1]] > (1.0 + _NEARER) * far[order[0]]:
+            return None
+        return int(order[0])
+
+    def check(self) -> None:
+        """See that the scene tells its assembly mode.
+
+        Raises
+        ------
+        SceneError
+            It has several, and `near` tells none of them.
+        """
+        if self.modes and not any(mode.chosen for mode in self.modes):
+            point = max(self._points, key=lambda name: _least_distance([m.points[name] for m in self.modes]))
+            listed = "; ".join(f"({x:.4g} m, {y:.4g} m)" for x, y in (mode.points[point] for mode in self.modes))
+            words = f"{', '.join(self.group.links)} have {len(self.modes)} assembly modes at the first position"
+            mend = f'near.{point} = {{ x = "…", y = "…" }}'
+            told = "and what near tells is as far from two of them" if self.scene.near else "and nothing tells which"
+            raise SceneError([("near", f"{words}, {told}: give {mend}; {point} may lie at {listed}")])
+
+    # Tables
+
+    def __call__(self, numbers: Numbers) -> SeedAnswers:
+        """Tables of all variants; those of the last numbers are kept.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        """
+        mine = self._of_thread.__dict__
+        if mine.get("numbers") is not numbers:
+            mine["answers"], mine["numbers"] = self._made(numbers), numbers
+        return mine["answers"]
+
+    def _made(self, numbers: Numbers) -> SeedAnswers:
+        self.check()
+        table = self._table(numbers, self._functions)
+        variants = table.shape[1]
+        chosen = [mode for mode in self.modes if mode.chosen]
+        verdict = np.full(variants, int(Verdict.OK))
+        first = table[self._functions.rows[self._span[0]]]
+        if not chosen:
+            seeds = np.full((self.entries, variants), np.nan)
+            return SeedAnswers(seeds, np.full(variants, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
+        start, sines, reached = self._carried(numbers, table, chosen[0])
+        seeds, at, closes = walk_seeds(
+            *self._compiled, self._functions, self._given_rows, self._slides, table, start, sines, SEEDS, self._turns
+        )
+        verdict[~np.isnan(at)] = Verdict.SINGULAR
+        verdict[~closes] = Verdict.OTHER_MODE
+        at[~closes] = table[self._functions.rows[self._span[1]]][~closes]
+        verdict[~reached] = Verdict.MODE_NOT_REACHED
+        at[~reached] = first[~reached]
+        seeds[:, ~reached] = np.nan
+        return SeedAnswers(seeds, verdict, at)
+
+    def _carried(
+        self, numbers: Numbers, table: np.ndarray, mode: AssemblyMode
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The scene's mode in every variant at its first position, its quality, and whether it was reached."""
+        variants, count = table.shape[1], self._slides.size
+        unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
+        own = self._table(self._own, self._functions)
+        given = np.isin(np.arange(len(table)), self._given_rows)
+        way, step = np.zeros(variants), np.full(variants, _FIRST_STEP)
+        way[((table == own) | np.isnan(own)).all(axis=0, where=~given[:, None])] = 1.0
+        while True:
+            going = (way < 1.0) & (step > _SHORTEST_STEP)
+            if not going.any():
+                return unknowns, sines, way >= 1.0
+            ahead = np.where(going, np.minimum(way + step, 1.0), way)
+            there = self._table(numbers.on_the_way(ahead if variants > 1 else ahead[0]), self._functions)
+            q = there[self._functions.rows[self._span[0]]]
+            with np.errstate(all="ignore"):
+                found = self._at(there, unknowns, q)
+                accepted = going & (found[3 * count] <= PROVES)
+                moved = unknowns
+                for _ in range(4):
+                    moved = self._moved(moved, found[:count])
+                    found = self._at(there, moved, q)
+                accepted &= (np.abs(found[:count]) < _SAME).all(axis=0)
+                accepted &= found[-2] / sines > LEAST_SHARE
+            sines = np.where(accepted, found[-2], sines)
+            unknowns = np.where(accepted, moved, unknowns)
+            way = np.where(accepted, ahead, way)
+            step = np.where(accepted, np.minimum(2.0 * step, _LONGEST_STEP), np.where(going, 0.5 * step, step))
+
+
+def _least_distance(places: Sequence[tuple[float, float]]) -> float:
+    """Distance of the two nearest of some places."""
+    found = np.array(places) @ np.array([1.0, 1j])
+    apart = np.abs(found[:, None] - found[None, :]) + np.where(np.eye(len(found), dtype=bool), np.inf, 0.0)
+    return float(apart.min())

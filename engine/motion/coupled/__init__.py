@@ -1,0 +1,1 @@
+"""Motion at two speeds: a shaft that a coupling holds to the crank, or lets slip."""

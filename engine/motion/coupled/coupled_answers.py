@@ -1,0 +1,159 @@
+"""What runs at two speeds are asked for: where they stand between two regimes, and the numbers of each."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns
+from engine.motion.coupled.coupled_step import CRANK, CRANK_SPEED, HEAT, SHAFT, SHAFT_SPEED, SLIPPED, SQUARES, WORKS
+from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
+from engine.motion.moments.at_speed import greatest_moment
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.verdicts import Verdict
+
+
+class CoupledStanding(NamedTuple):
+    """Where the shaft of a coupling stands between two regimes.
+
+    Attributes
+    ----------
+    speed : ndarray (variants,)
+        Reduced to the crank, in the direction of motion [rad/s].
+    engaged : ndarray (variants,)
+        For how long the coupling has been engaged [s].
+    """
+
+    speed: np.ndarray
+    engaged: np.ndarray
+
+
+class CoupledOutcome(NamedTuple):
+    """How runs at two speeds went; arrays (variants,) unless said.
+
+    Attributes
+    ----------
+    verdict : ndarray of uint8
+    turned, omega, shaft_omega, time : ndarray
+        Of the crank and of the shaft at the end.
+    works : ndarray (sorts, variants)
+        Of the motors, and of each channel [J].
+    squares : ndarray
+        Motors' moment squared over time [N²·m²·s].
+    energy, change : ndarray
+        Greatest kinetic energy, about, and its change [J].
+    values : dict of str to ndarray
+        By their names in a regime, without the coupling's and the shaft's.
+    history : ndarray (5, instants) or None
+        Time, angle of the crank, speeds of crank and shaft, moment of the coupling.
+    """
+
+    verdict: np.ndarray
+    turned: np.ndarray
+    omega: np.ndarray
+    shaft_omega: np.ndarray
+    time: np.ndarray
+    works: np.ndarray
+    squares: np.ndarray
+    energy: np.ndarray
+    change: np.ndarray
+    values: dict[str, np.ndarray]
+    history: np.ndarray | None
+
+    def over_all(self, ready: np.ndarray, count: int) -> "CoupledOutcome":
+        """The outcome of some of so many variants as one of all, NaN for the others."""
+
+        def spread(values: np.ndarray) -> np.ndarray:
+            whole = np.full((*values.shape[:-1], count), np.nan)
+            whole[..., ready] = values
+            return whole
+
+        verdict = np.full(count, Verdict.OK, np.uint8)
+        verdict[ready] = self.verdict
+        rows = (spread(row) for row in self[1:-2])
+        return CoupledOutcome(verdict, *rows, {key: spread(row) for key, row in self.values.items()}, self.history)
+
+
+def run_coupled(
+    sides: CoupledSides,
+    speeds: tuple[np.ndarray, np.ndarray],
+    clock: np.ndarray,
+    engaged: np.ndarray,
+    ends: CoupledEnds,
+    loose: bool = False,
+    record: bool = False,
+) -> CoupledOutcome:
+    """Carry runs to their end; parameters are those of `CoupledRuns`."""
+    runs = CoupledRuns(sides, speeds, clock, engaged, ends, loose, record)
+    started, begun = _energy(sides, runs.state, np.zeros_like(clock), clock)
+    runs.go_to_end()
+    state, ratio = runs.state, sides.coupling.ratio
+    ended, after = _energy(sides, state, runs.time, clock)
+    heat = state[HEAT]
+    with np.errstate(all="ignore"):
+        slip = np.where(state[SHAFT] == 0.0, 0.0, state[SLIPPED] / np.abs(state[SHAFT]))
+    drives = (sides.crank.variants.drive, sides.shaft.variants.drive)
+    # Motors are on one of the two sides alone.
+    peaks = [greatest_moment(d, low, high) for d, low, high in zip(drives, runs.lows, runs.highs, strict=True)]
+    values = {
+        "speed_min": runs.lows[0],
+        "speed_max": runs.highs[0],
+        "motor_moment_peak": np.maximum(*peaks),
+        "coupling_heat": heat,
+        "coupling_slip_angle": ratio * state[SLIPPED],
+        "coupling_slip": slip,
+        "coupling_moment_peak": runs.peak / ratio,
+        "coupling_slip_time": runs.slip_time,
+        "coupling_lock_up_time": runs.lock_time,
+        "coupling_lock_up_speed": runs.lock_speed,
+        "shaft_final_speed": ratio * state[SHAFT_SPEED],
+    }
+    most = np.maximum(np.maximum(started, ended), begun + after + np.abs(heat))
+    history = None if runs.notes is None else np.stack(runs.notes, axis=1)[:, :, 0]
+    return CoupledOutcome(
+        runs.verdict,
+        state[CRANK],
+        state[CRANK_SPEED],
+        state[SHAFT_SPEED],
+        runs.time,
+        state[WORKS:],
+        state[SQUARES],
+        most,
+        ended - started,
+        values,
+        history,
+    )
+
+
+def _energy(
+    sides: CoupledSides, state: np.ndarray, time: np.ndarray, clock: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Kinetic energy of both sides together, and that of the shaft's [J]."""
+    rows, _ = sides.crank.at(state[CRANK], state[CRANK_SPEED], clock + time, np.ones_like(time))
+    shaft = 0.5 * sides.shaft.inertia * state[SHAFT_SPEED] ** 2
+    return 0.5 * rows.inertia[0] * state[CRANK_SPEED] ** 2 + shaft, shaft
+
+
+def held_moment(
+    two: TwoSides, dynamics: Dynamics, variants: Variants, places: np.ndarray, energy: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Greatest moment that a clutch transmits in steady motion while it holds, and the most that it can [N·m].
+
+    Parameters
+    ----------
+    two : TwoSides
+    dynamics : Dynamics
+        Of both sides together.
+    variants : Variants
+    places : ndarray (places, variants)
+        Crank angles over a cycle [rad].
+    energy : ndarray (places, variants)
+        Kinetic energy there [J].
+    """
+    rows, shaft = dynamics.rows(variants, places), two.of(variants, np.zeros(variants.count)).shaft
+    coupling = coupling_numbers(two.scene, variants.numbers, variants.count)
+    omega = np.sqrt(2.0 * energy / rows.inertia)
+    total = dynamics.moments(variants, rows, omega).total
+    change = (total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
+    own = shaft.dynamics.moments(shaft.variants, shaft.forwards, omega).total
+    peak = np.abs(own - shaft.inertia * change).max(axis=0)
+    return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio

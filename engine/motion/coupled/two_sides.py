@@ -1,0 +1,225 @@
+"""The two sides of a coupling: the crank with all that turns with it, and the shaft with what is on it.
+
+Everything is reduced to the crank: speeds and angles of the shaft over its ratio, moments times it. Where the coupling
+holds, both sides then turn alike.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from engine.laws.couplings import fluid_coupling_moment, slip_of
+from engine.laws.tables import make_table
+from engine.motion.coupled.coupling_models import Coupling, FluidCoupling, FrictionClutch
+from engine.motion.moments.at_speed import Moments
+from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
+from engine.motion.steppers.time_form import TimeForm
+from engine.scene.scene import Numbers, Scene
+
+
+def coupling_of(scene: Scene) -> tuple[str, Coupling] | None:
+    """Name and model of a scene's coupling; None where it has none."""
+    return next(iter(scene.couplings.items()), None)
+
+
+class CouplingNumbers(NamedTuple):
+    """Numbers of a coupling, of a number of variants.
+
+    Attributes
+    ----------
+    ratio : ndarray (variants,)
+        Speed of the shaft over the crank's, by magnitude.
+    times : ndarray (rows, variants)
+        From when it is engaged on [s], at which its capacity bends.
+    capacity : ndarray (rows, variants)
+        There, reduced to the crank [N·m]; no rows of a fluid coupling.
+    fluid : ndarray (variants,)
+        Reduced moment of a fluid coupling over λ ω² [kg·m²].
+    coefficient : PPoly or None
+        λ by the slip.
+    """
+
+    ratio: np.ndarray
+    times: np.ndarray
+    capacity: np.ndarray
+    fluid: np.ndarray
+    coefficient: PPoly | None
+
+    def some(self, who: np.ndarray) -> "CouplingNumbers":
+        """Of some of the variants, by index."""
+        return CouplingNumbers(*(rows[..., who] for rows in self[:4]), self.coefficient)
+
+    def capacity_at(self, engaged: np.ndarray) -> np.ndarray:
+        """Greatest moment of a clutch [N·m] that has been engaged for some time [s]."""
+        value = self.capacity[0].copy()
+        pieces = zip(self.times, self.times[1:], self.capacity, self.capacity[1:], strict=False)
+        for begin, end, low, high in pieces:
+            value = np.where(
+                engaged > begin, low + (high - low) * np.fmin((engaged - begin) / (end - begin), 1.0), value
+            )
+        return value
+
+    def fluid_moment(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
+        """Moment of a fluid coupling on the crank [N·m], by the speeds of both sides."""
+        shaft_drives = np.abs(shaft) >= np.abs(crank)
+        fast, slow = np.where(shaft_drives, shaft, crank), np.where(shaft_drives, crank, shaft)
+        moment = self.fluid * fluid_coupling_moment(self.coefficient(slip_of(fast, slow)), 1.0, fast, 1.0)
+        return np.where(shaft_drives, 1.0, -1.0) * np.sign(fast) * moment
+
+
+def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumbers:
+    """Numbers of a scene's coupling.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a coupling.
+    numbers : Numbers
+    count : int
+        How many variants there are.
+    """
+    name, coupling = coupling_of(scene)
+    at, none = f"couplings.{name}", np.zeros((0, count))
+    ratio = _of_all(np.abs(numbers[f"shafts.{coupling.shaft}.ratio"]), count)
+    if isinstance(coupling, FluidCoupling):
+        table = make_table(coupling.slip, coupling.coefficient, coupling.interpolation)
+        unit = fluid_coupling_moment(1.0, numbers[f"{at}.density"], ratio, numbers[f"{at}.diameter"])
+        return CouplingNumbers(ratio, none, none, ratio * unit, PPoly(table.coefficients.T, table.breaks))
+    full = ratio * numbers[f"{at}.capacity"]
+    times, shares = _engagement(coupling, at, numbers, count)
+    return CouplingNumbers(ratio, times, shares * full, np.zeros(count), None)
+
+
+def _engagement(clutch: FrictionClutch, at: str, numbers: Numbers, count: int) -> tuple[np.ndarray, np.ndarray]:
+    if clutch.over_time is not None:
+        return tuple(np.repeat(np.array(row)[:, None], count, axis=1) for row in (clutch.over_time, clutch.share))
+    if clutch.engagement is not None:
+        zero, one = np.zeros(count), np.ones(count)
+        return np.array([zero, _of_all(numbers[f"{at}.engagement"], count)]), np.array([zero, one])
+    return np.zeros((1, count)), np.ones((1, count))
+
+
+def _of_all(values: float | np.ndarray, count: int) -> np.ndarray:
+    return np.broadcast_to(values, (count,)).astype(float)
+
+
+class ShaftSide(NamedTuple):
+    """The side of the shaft; nothing on it depends on an angle or on time.
+
+    Attributes
+    ----------
+    dynamics : Dynamics
+        With what acts on the shaft.
+    variants : Variants
+    inertia : ndarray (variants,)
+        Reduced to the crank [kg·m²].
+    forwards, backwards : Rows
+        Loads that resist its motion in the direction of the scene, and against it.
+    """
+
+    dynamics: Dynamics
+    variants: Variants
+    inertia: np.ndarray
+    forwards: Rows
+    backwards: Rows
+
+    def moments(self, omega: np.ndarray, facing: np.ndarray) -> Moments:
+        """Moments at given speeds, (1, variants); `facing` +1 or −1 is the way that resistances resist."""
+        fields = zip(self.forwards, self.backwards, strict=True)
+        rows = Rows(*(np.where(facing < 0.0, back, forth) for forth, back in fields))
+        return self.dynamics.moments(self.variants, rows, omega[None])
+
+    def some(self, who: np.ndarray) -> "ShaftSide":
+        """Of some of the variants, by index."""
+        ways = (Rows(*(part[..., who] for part in rows)) for rows in (self.forwards, self.backwards))
+        return ShaftSide(self.dynamics, self.variants.some(who), self.inertia[who], *ways)
+
+
+class CoupledSides(NamedTuple):
+    """Both sides of a coupling, of a number of variants.
+
+    Attributes
+    ----------
+    crank : TimeForm
+    shaft : ShaftSide
+    coupling : CouplingNumbers
+    open : bool
+        Whether the coupling is open, and transmits nothing.
+    """
+
+    crank: TimeForm
+    shaft: ShaftSide
+    coupling: CouplingNumbers
+    open: bool
+
+    @property
+    def count(self) -> int:
+        """How many variants."""
+        return self.crank.variants.count
+
+    @property
+    def is_fluid(self) -> bool:
+        """Whether it is a fluid coupling that is not open."""
+        return self.coupling.coefficient is not None and not self.open
+
+    def some(self, who: np.ndarray) -> "CoupledSides":
+        """Of some of the variants, by index."""
+        crank = TimeForm(self.crank.dynamics, self.crank.variants.some(who), self.crank.start[who])
+        return CoupledSides(crank, self.shaft.some(who), self.coupling.some(who), self.open)
+
+
+class TwoSides:
+    """What acts on either side of a scene's coupling in one of its regimes.
+
+    Parameters
+    ----------
+    reduction : Reduction
+    off : frozenset of str
+        Actions that don't act, and the coupling where it is open.
+    works : bool
+        Whether the works of useful and harmful loads, … are told apart.
+
+    Attributes
+    ----------
+    crank, shaft : Dynamics
+    """
+
+    def __init__(self, reduction: Reduction, off: frozenset[str], works: bool) -> None:
+        self.scene = reduction.mechanics.scene
+        self.name, self.coupling = coupling_of(self.scene)
+        self.open = self.name in off
+        on_shaft = {name for name, moment in self.scene.moments.items() if moment.on == self.coupling.shaft}
+        elsewhere = {load.action for load in reduction.loads.terms} | set(reduction.loads.motors)
+        self.crank = Dynamics(reduction, off | on_shaft, works)
+        self.shaft = Dynamics(reduction, off | (elsewhere - on_shaft), works)
+
+    def without_shaft(self, numbers: Numbers, count: int) -> Numbers:
+        """Numbers of machines whose crank is rid of the coupled shaft's inertia."""
+        return numbers.with_values({f"shafts.{self.coupling.shaft}.inertia": np.zeros(count)})
+
+    def without_inertia(self, whole: Variants) -> np.ndarray:
+        """Of which variants a side has none, (variants,) of bool."""
+        sides = self.of(whole, np.zeros(whole.count))
+        return self.crank.reduction.without_inertia(sides.crank.variants) | (sides.shaft.inertia <= 0.0)
+
+    def of(self, whole: Variants, start: np.ndarray) -> CoupledSides:
+        """Both sides of a number of variants.
+
+        Parameters
+        ----------
+        whole : Variants
+            With the inertia of everything.
+        start : ndarray (variants,)
+            Crank angle where the angle turned is 0 [rad].
+        """
+        count, n = whole.count, whole.numbers
+        numbers = self.without_shaft(n, count)
+        of_crank = self.crank.reduction.variants(numbers, whole.direction, whole.flywheel)
+        crank = TimeForm(self.crank, self.crank.driven(of_crank), start)
+        coupling = coupling_numbers(self.scene, n, count)
+        inertia = coupling.ratio**2 * _of_all(n[f"shafts.{self.coupling.shaft}.inertia"], count)
+        driven, zero = self.shaft.driven(whole), np.zeros(count)
+        form = TimeForm(self.shaft, driven, zero)
+        ways = (form.at(zero, zero, zero, np.full(count, way))[0] for way in (1.0, -1.0))
+        return CoupledSides(crank, ShaftSide(self.shaft, driven, inertia, *ways), coupling, self.open)

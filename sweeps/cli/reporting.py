@@ -1,0 +1,38 @@
+"""The command report."""
+
+import tempfile
+from pathlib import Path
+
+import click
+
+from sweeps.cli.shared import errors_as_messages, make_folder
+
+
+@click.command()
+@click.argument("file")
+@click.option("--out", type=click.Path(path_type=Path), help="Page to write; FILE with .html unless given.")
+@errors_as_messages
+def report(file: str, out: Path | None) -> None:
+    """Write what a result file, or a scene, says as one page for a browser, with figures to select variants in.
+
+    The page needs no other file and no network. Needs pip install 'machine-sweeps[report]'.
+    """
+    from sweeps.cli.named_machine import is_result
+    from sweeps.page.page import write_page
+    from sweeps.run.runner import run_study
+    from sweeps.study.bundled import find_study
+    from sweeps.study.study import read_study
+    from sweeps.text.input_files import InputError
+
+    out = out or Path(file).with_suffix(".html")
+    make_folder(out)
+    if is_result(file):
+        write_page(Path(file), out)
+    else:
+        study = read_study(find_study(file))
+        if study.design.size > 1:
+            mend = f"run it first, `sweeps run {file}`, then report its result, results/{study.name}.h5"
+            raise InputError(file, [(None, "", f"is a study of {study.design.size} variants: {mend}")])
+        with tempfile.TemporaryDirectory() as folder:
+            write_page(run_study(study, Path(folder, f"{study.name}.h5")), out)
+    click.echo(f"Wrote {out}")

@@ -1,0 +1,68 @@
+"""Ctrl-C and the signal to terminate: the program ends at once with a sentence, whatever it is doing.
+
+Nothing is unwound: blocks of a result file are either flagged as done or computed again, and all other files are
+written beside and renamed. A thread waits for the signals, as compiled code keeps the main thread from hearing them,
+sometimes for seconds.
+"""
+
+import os
+import shlex
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+# Drafts of files, by name: removed on the way out.
+half_written: set[str] = set()
+_state: list[Callable[[], str]] = [lambda: "no file is left half-written"]
+
+
+def listen() -> None:
+    """Take over SIGINT and SIGTERM, unless they are ignored, as they are by commands under nohup."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            # The number is written to the pipe all the same.
+            signal.signal(number, lambda *_: None)
+    threading.Thread(target=_wait, args=(reading,), name="interruption", daemon=True).start()
+
+
+@contextmanager
+def keeping(words: Callable[[], str]) -> Iterator[None]:
+    """While something runs, tell what of it is kept if it is interrupted.
+
+    Parameters
+    ----------
+    words : callable
+        Returns it, as the beginning of a sentence; called from another thread.
+    """
+    _state.append(words)
+    try:
+        yield
+    finally:
+        _state.remove(words)
+
+
+def farewell() -> str:
+    """What is said on the way out: what is kept, and the command that goes on."""
+    # To restart would throw away what is kept.
+    again = shlex.join(["sweeps", *(word for word in sys.argv[1:] if word != "--restart")])
+    return f"Interrupted: {_state[-1]()}; go on with: {again}"
+
+
+def _wait(reading: int) -> None:
+    number = os.read(reading, 1)[0]
+    for draft in list(half_written):
+        try:
+            os.unlink(draft)
+        except OSError:
+            continue
+    # A bar of progress may stand in the line.
+    start = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
+    try:
+        os.write(2, f"{start}{farewell()}\n".encode(errors="replace"))
+    finally:
+        os._exit(128 + number)

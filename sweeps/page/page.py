@@ -1,0 +1,152 @@
+"""The page: what is told, in which order, and the file that it is written to."""
+
+import os
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from engine import SENTENCES, Verdict
+from sweeps.optimising.optimum import is_search, optimum_text
+from sweeps.page.digest import Digest, digest_of
+from sweeps.page.page_pictures import drawn_pictures, linked_data
+from sweeps.page.page_tables import (
+    errors_table,
+    leaders_table,
+    limit_tables,
+    provenance_table,
+    sensitivity_tables,
+    value_tables,
+    value_text,
+    verdicts_table,
+)
+from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import with_values
+
+
+def write_page(path: Path, out: Path) -> None:
+    """Write what a result says as one page of HTML that needs no other file and no network.
+
+    It is written beside and takes the place of an earlier one when it is whole.
+
+    Parameters
+    ----------
+    path : Path
+        Result file; it is read in pieces, so that any number of variants fits in memory.
+    out : Path
+
+    Raises
+    ------
+    InputError
+        Jinja2 or plotly isn't installed, or the page can't be written.
+    StoreError
+        The result can't be read.
+    """
+    try:
+        import jinja2
+        import plotly.offline
+        from markupsafe import Markup
+    except ImportError as error:
+        mend = "pip install 'machine-sweeps[report]'"
+        raise InputError(str(out), [(None, "", f"a report needs {error.name}: {mend}")]) from None
+    digest = digest_of(path)
+    here = files("sweeps.page")
+    css, script = (Markup((here / name).read_text("utf8")) for name in ("page.css", "linked.js"))
+    template = jinja2.Environment(autoescape=True).from_string((here / "page.html").read_text("utf8"))
+    parts = _parts(digest)
+    plotly_source = Markup(plotly.offline.get_plotlyjs()) if parts["linked"] else ""
+    _replace(out, template.render(**parts, css=css, script=script, plotly=plotly_source))
+
+
+def _replace(out: Path, text: str) -> None:
+    beside = out.with_name(f".{out.name}.{os.getpid()}.part")
+    try:
+        beside.write_text(text, encoding="utf8")
+        beside.replace(out)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
+
+
+def _parts(digest: Digest) -> dict[str, Any]:
+    """What the template puts together."""
+    result, pictures = digest.result, drawn_pictures(digest)
+    attributes = result.description.attributes
+    return {
+        "title": result.description.title,
+        "question": result.question,
+        "answer": _answer(digest),
+        "remark": _remark(digest),
+        "warnings": [*_warnings(digest), *pictures.complaints],
+        "values": list(value_tables(digest)),
+        "words": optimum_text(result) if is_search(result) else "",
+        "drawn": "The machine" if digest.is_one else f"The machine of variant {digest.drawn}",
+        "drawings": pictures.machine,
+        "limits": list(limit_tables(digest)),
+        "sensitivity": list(sensitivity_tables(digest)),
+        "sample": _sample_words(digest),
+        "still": pictures.variants,
+        "linked": None if digest.is_one else linked_data(digest),
+        "leaders": None if digest.is_one else leaders_table(digest),
+        "errors": errors_table(digest),
+        "verdicts": verdicts_table(digest),
+        "provenance": provenance_table(digest),
+        "sources": [("Study", attributes.get("study", "")), ("Scene", attributes.get("scene", ""))],
+    }
+
+
+# What is answered
+
+
+def _answer(digest: Digest) -> str:
+    result, aim = digest.result, digest.aim
+    if digest.is_one:
+        verdict = next(iter(digest.counts))
+        if verdict in MOTION_VERDICTS:
+            return failure_text(with_values(result.scene, digest.values(0)), verdict)
+        return "One machine; its numbers are below." if verdict == Verdict.OK else f"No result: {SENTENCES[verdict]}"
+    if aim is None:
+        return "The study has no [best]: nothing decides among the variants."
+    condition = f" where {aim.where}" if aim.where else ""
+    if digest.best is None:
+        return f"No variant was computed that meets the conditions; none has the {aim.word} {aim.name}{condition}."
+    value = value_text(digest, aim.name, digest.best)
+    return f"The {aim.word} {aim.name}{condition} is {value}, with variant {digest.best}."
+
+
+def _remark(digest: Digest) -> str:
+    if digest.is_one:
+        return ""
+    text = f"{digest.result.description.variants} variants, {digest.counts[Verdict.OK]} of them work."
+    return f"{text} {digest.meeting} meet the condition for sure." if digest.aim and digest.aim.where else text
+
+
+def _sample_words(digest: Digest) -> str:
+    works, shown = digest.counts[Verdict.OK], digest.shown.size
+    if shown == works:
+        return f"All {works} variants that work."
+    leaders = digest.leaders.size
+    return f"{shown} of {works} variants that work: the best {leaders} that meet the condition, and a random sample."
+
+
+def _warnings(digest: Digest) -> list[str]:
+    result, found = digest.result, []
+    if waiting := digest.counts[Verdict.NOT_COMPUTED]:
+        found.append(f"{waiting} variants are not computed yet: the same run goes on where it stopped.")
+    if digest.undecided:
+        reach = "their error figures reach across its limit"
+        found.append(f"{digest.undecided} variants may or may not meet the condition: {reach}.")
+    if digest.rivals:
+        found.append(
+            f"{digest.rivals} other variants are as good as the best within the error figures: "
+            "choose among them by other needs."
+        )
+    works = digest.counts[Verdict.OK]
+    failed = result.description.variants - works - digest.counts[Verdict.DROPPED] - digest.counts[Verdict.NOT_COMPUTED]
+    if failed and result.description.variants > 1:
+        found.append(f"{failed} variants fail; see the verdicts.")
+    coarse = [name for name, share in digest.worst_errors.items() if share > (result.accuracy or 0.01)]
+    if coarse:
+        share = "the accuracy asked" if result.accuracy else "1 %"
+        found.append(f"Error figures above {share} of the value occur in: {', '.join(coarse)}.")
+    return found

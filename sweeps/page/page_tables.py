@@ -1,0 +1,229 @@
+"""The tables of a page: the best machine's numbers, what limits it, what it depends on, the best variants."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import spearmanr
+
+from engine import SENTENCES, Verdict
+from sweeps.page.digest import Digest, condition_of
+from sweeps.report.regime_words import by_regime, regime_words
+from sweeps.study.sensitivity import RSS, WORST_CASE
+from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
+
+MOST_ROWS = 20
+# Room to a limit, as a share of the limit, below which a variant counts as on it.
+NEAR = 1e-6
+
+
+class PageTable(NamedTuple):
+    """A table of the page.
+
+    Attributes
+    ----------
+    head : sequence of str
+        Headings, or nothing.
+    rows : sequence of sequence of str
+    numbers : sequence of int
+        Columns that hold numbers, set flush right.
+    """
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numbers: Sequence[int] = ()
+
+
+def value_text(digest: Digest, name: str, variant: int) -> str:
+    """A column's value of a variant, with its error figure."""
+    units = digest.result.units
+    error = digest.value(f"{name}_error", variant) if f"{name}_error" in units else None
+    return quantity_text(digest.value(name, variant), units[name], error)
+
+
+def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
+    """Tables of the best machine, or of the only one."""
+    result, variant = digest.result, digest.drawn
+    if variant is None:
+        return
+    names = result.long_names
+    if result.parameters:
+        rows = [(name, value_text(digest, name, variant)) for name in result.parameters]
+        yield f"Numbers of variant {variant}", PageTable(("number", "value"), rows, (1,))
+    for regime, chosen in by_regime(result.scene, result.summaries).items():
+        rows = [(name, value_text(digest, name, variant), names[name]) for name in chosen]
+        heading = f"{regime}: {regime_words(result.scene, regime)}" if regime else "Results"
+        yield heading, PageTable(("result", "value ± error figure", "meaning"), rows, (1,))
+
+
+# What limits it, and what it depends on
+
+
+def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
+    """Tables of what keeps the best variant from being better, each with its words."""
+    aim = digest.aim
+    if aim is None:
+        return
+    rows = []
+    for price in digest.prices:
+        without, gain = "", ""
+        if price.without is not None:
+            without = f"{value_text(digest, aim.name, price.without)}, variant {price.without}"
+            gain = "costs nothing here" if price.without == digest.best else "binds"
+        rows.append((price.text, _room(price.margin), gain, without))
+    if rows:
+        yield (
+            f"A condition binds where the {aim.word} {aim.name} would be another without it. Room is that left to the "
+            "limit, as a share of the magnitudes compared.",
+            PageTable(("condition", "room", "", f"{aim.word} {aim.name} without it"), rows, (1,)),
+        )
+    if digest.missed:
+        rows = [(text, str(count), str(alone)) for text, (count, alone) in digest.missed.items()]
+        head = ("required", "variants dropped", "by this alone")
+        yield "Variants dropped before they were computed:", PageTable(head, rows, (1, 2))
+    if digest.best is not None:
+        rows = list(_ends(digest, digest.best))
+        if rows:
+            words = "These numbers lie on an end of what was tried; beyond it the answer may be better still:"
+            yield words, PageTable(("number", "value", "", "tried"), rows, (1,))
+
+
+def _room(margin: float) -> str:
+    if np.isnan(margin):
+        return "–"
+    return "on its limit" if abs(margin) < NEAR else f"{margin:.2%}"
+
+
+def _ends(digest: Digest, best: int) -> Iterator[tuple[str, str, str, str]]:
+    units = digest.result.units
+    for name, (low, high) in digest.ranges.items():
+        value = digest.value(name, best)
+        near = 1e-9 * (high - low)
+        if low < high and (value - low <= near or high - value <= near):
+            end = "least" if value - low <= near else "greatest"
+            tried = " … ".join(quantity_text(limit, units[name]) for limit in (low, high))
+            yield name, quantity_text(value, units[name]), end, tried
+
+
+def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
+    """Tables of what the best variant depends on, each with its words."""
+    result, best = digest.result, digest.drawn
+    variant = 0 if digest.is_one else best
+    if variant is None:
+        return
+    asked = [name for name in result.summaries if ".by." in name]
+    if asked:
+        rows = [(*name.split(".by.", 1), value_text(digest, name, variant)) for name in asked]
+        yield f"Derivatives at variant {variant}:", PageTable(("of", "by", "derivative ± error figure"), rows, (2,))
+    banded = [name for name in result.summaries if f"{name}.{RSS}" in result.units]
+    if banded:
+        rows = [
+            (name, *(f"± {value_text(digest, f'{name}.{kind}', variant)}" for kind in (WORST_CASE, RSS)))
+            for name in banded
+        ]
+        head = ("result", "worst case", "root of the sum of squares")
+        yield "What tolerances do to it, to first order:", PageTable(head, rows, (1, 2))
+    if digest.aim is None or digest.best is None:
+        return
+    best = value_text(digest, digest.aim.name, digest.best)
+    rows = [(", ".join(n.names), _step(digest, n.below), best, _step(digest, n.above)) for n in digest.neighbours]
+    if rows:
+        head = ("number", "one step below", "best", "one step above")
+        words = f"{digest.aim.name} one step of the grid away; in brackets where that misses the condition:"
+        yield words, PageTable(head, rows, (1, 2, 3))
+    rows = _ranks(digest)
+    if rows:
+        words = (
+            f"How {digest.aim.name} goes with each number over the variants shown that work (Spearman's rank "
+            "correlation: 1 always up, −1 always down, 0 neither):"
+        )
+        yield words, PageTable(("number", "rank correlation"), rows, (1,))
+
+
+def _step(digest: Digest, variant: int | None) -> str:
+    if variant is None:
+        return "end of what was tried"
+    verdict = Verdict(int(digest.value("status", variant)))
+    if verdict != Verdict.OK:
+        return verdict.name.lower().replace("_", " ")
+    value = quantity_text(digest.value(digest.aim.name, variant), digest.result.units[digest.aim.name])
+    return value if digest.meets[digest.place(variant)] else f"({value})"
+
+
+def _ranks(digest: Digest) -> list[tuple[str, str]]:
+
+    works = digest.shown_places
+    works = works[digest.rows["status"][works] == Verdict.OK]
+    goal = digest.rows[digest.aim.name][works]
+    works = works[np.isfinite(goal)]
+    found = []
+    for name in digest.result.varied:
+        pair = digest.rows[name][works], digest.rows[digest.aim.name][works]
+        if works.size > 10 and all(np.ptp(values) > 0 for values in pair):
+            found.append((name, float(spearmanr(*pair).statistic)))
+    return [(name, f"{rank:+.2f}") for name, rank in sorted(found, key=lambda pair: -abs(pair[1]))]
+
+
+# Tables of all
+
+
+def leaders_table(digest: Digest) -> PageTable:
+    """The best variants, one a row."""
+    result, shown = digest.result, digest.leaders[:MOST_ROWS]
+    condition = condition_of(digest.aim)
+    decisive = [digest.aim.name] if digest.aim else []
+    asked = [name for name in (condition.names if condition else ()) if name in result.summaries]
+    # Paper has room for the first of them only.
+    names = list(dict.fromkeys([*decisive, *result.varied, *asked, *result.parameters, *result.summaries]))
+    places = [digest.place(variant) for variant in shown]
+    scales = {name: engineer_unit(result.units[name], digest.rows[name][places]) for name in names}
+    head = ["variant", *(name if unit in ("", "1") else f"{name}, {unit}" for name, (_, unit) in scales.items())]
+    rows = []
+    for place, variant in zip(places, shown, strict=True):
+        cells = [str(variant)]
+        for name, (factor, _) in scales.items():
+            value = digest.rows[name][place] * factor
+            cells.append(figure_text(value, None, 6) if np.isfinite(value) else "–")
+        rows.append(cells)
+    return PageTable(head, rows, range(len(head)))
+
+
+def errors_table(digest: Digest) -> PageTable:
+    """Error figures of the results, of the variant shown and at worst."""
+    result = digest.result
+    variant = digest.drawn
+    rows = []
+    for name, share in digest.worst_errors.items():
+        here = "–" if variant is None else quantity_text(digest.value(f"{name}_error", variant), result.units[name])
+        rows.append((name, here, f"{share:.1g}" if share else "0"))
+    where = "error figure" if variant is None else f"error figure of variant {variant}"
+    return PageTable(("result", where, "greatest, over the value"), rows, (1, 2))
+
+
+def verdicts_table(digest: Digest) -> PageTable:
+    """How many variants got which verdict."""
+    rows = [
+        (verdict.name.lower().replace("_", " "), str(count), "" if verdict == Verdict.OK else SENTENCES[verdict])
+        for verdict, count in sorted(digest.counts.items())
+    ]
+    return PageTable(("verdict", "variants", ""), rows, (1,))
+
+
+def provenance_table(digest: Digest) -> PageTable:
+    """Where a result comes from."""
+    result = digest.result
+    attributes = result.description.attributes
+    rows = [
+        ("result file", result.path.name),
+        ("study", attributes.get("study_hash", "")),
+        ("computed by", attributes.get("versions", "")),
+        ("on", attributes.get("machine", "")),
+    ]
+    if result.accuracy:
+        rows.append(("accuracy asked", f"{result.accuracy:g}"))
+    if "source" in result.record["scene"] and result.record["scene"]["source"]:
+        rows.append(("scene after", str(result.record["scene"]["source"])))
+    if "search" in result.record:
+        search = result.record["search"]
+        rows.append(("searched by", f"{search['method']}, seed {search['seed']}"))
+    return PageTable((), rows)

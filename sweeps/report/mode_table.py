@@ -1,0 +1,33 @@
+"""The assembly modes of groups of free links in words."""
+
+from engine import AssemblyMode, Scene
+from sweeps.text.engineer_units import quantity_text
+from sweeps.text.tables import table
+
+
+def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...]]) -> str:
+    """All real modes at the first position: where points lie, the quality of transmission, which one the scene means.
+
+    Parameters
+    ----------
+    scene : Scene
+    modes : dict of str to tuple of AssemblyMode
+        Of each group of free links.
+    """
+    if not modes:
+        return "no group of free links, [links], whose assembly mode had to be told: dyads have mode = 1 and mode = -1"
+    parts = []
+    for group, found in modes.items():
+        count = f"{len(found)} real assembly mode{'' if len(found) == 1 else 's'}"
+        parts.append(f"{group}: {count if found else 'no assembly'} at the first position")
+        if not found:
+            continue
+        points = list(found[0].points)
+        rows = [["mode", *(f"{name} (x, y)" for name in points), "transmission", ""]]
+        for number, mode in enumerate(found, 1):
+            places = [", ".join(quantity_text(value, "m") for value in mode.points[name]) for name in points]
+            rows.append([str(number), *places, f"{mode.transmission:.3f}", "the scene's" if mode.chosen else ""])
+        parts.append(table(rows, "  "))
+        if not any(mode.chosen for mode in found):
+            parts.append(f'  the scene tells none of them: near.{points[0]} = {{ x = "…", y = "…" }} does')
+    return "\n".join(parts)

@@ -1,0 +1,1 @@
+"""What `sweeps flywheel` and `sweeps balance` tell."""

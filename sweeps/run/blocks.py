@@ -1,0 +1,88 @@
+"""Blocks of variants: how many fall into one, and all their columns."""
+
+import numpy as np
+
+from engine import ElementsAlone, Machine, Outcome, Verdict
+from sweeps.study.study import Study
+
+# A block is long enough that its overhead (a few milliseconds) doesn't count, short enough that a killed sweep
+# loses little [s]; and its fields fit in memory beside everything else.
+SECONDS_PER_BLOCK = 1.0
+BYTES_PER_BLOCK = 96e6
+LARGEST_BLOCK = 65_536
+# Motion keeps the tables of all steps of a block's variants.
+LARGEST_BLOCK_IN_MOTION = 4096
+
+
+def largest_block(study: Study, machine: Machine | ElementsAlone) -> int:
+    """Variants whose evaluation fits in memory at once, whatever it takes."""
+    row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
+    asked = len(study.summaries) + len(study.sensitivity.quantities)
+    numbers = 8 * (2 * asked + 4 * len(study.parameters) + machine.numbers_kept + 8)
+    most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
+    return int(np.clip(2 ** int(np.log2(BYTES_PER_BLOCK / (row + numbers))), 1, most))
+
+
+def block_size(study: Study, machine: Machine | ElementsAlone, seconds: float) -> int:
+    """Variants per block: a second of work, within a bound on memory.
+
+    Parameters
+    ----------
+    study : Study
+    machine : Machine or ElementsAlone
+        That answers it.
+    seconds : float
+        What a variant takes.
+    """
+    within = int(min(SECONDS_PER_BLOCK / max(seconds, 1e-9), LARGEST_BLOCK))
+    return max(min(within, largest_block(study, machine), study.design.size), 1)
+
+
+def evaluate_block(
+    study: Study, machine: Machine | ElementsAlone, variants: slice, buffer: np.ndarray | None = None
+) -> dict[str, np.ndarray]:
+    """All columns of a block of variants, from the study and their numbers alone."""
+    values, drop = study.values(variants.start, variants.stop)
+    return evaluate_variants(study, machine, values, drop, buffer)
+
+
+def evaluate_variants(
+    study: Study,
+    machine: Machine | ElementsAlone,
+    values: dict[str, np.ndarray],
+    drop: np.ndarray,
+    buffer: np.ndarray | None = None,
+) -> dict[str, np.ndarray]:
+    """All columns of some variants.
+
+    Parameters
+    ----------
+    study : Study
+    machine : Machine or ElementsAlone
+        That answers it.
+    values : dict of str to ndarray (variants,)
+        Their parameters (SI), derived ones among them.
+    drop : ndarray (variants,) of bool
+        Which of them are not to be evaluated.
+    buffer : ndarray, optional
+        Memory for their fields.
+    """
+    if study.paths:
+        outcome = machine.evaluate({p: values[p] for p in study.paths}, drop, buffer)
+    else:
+        outcome = _repeated(machine.evaluate({}), drop)
+    results = {"status": outcome.status, "status_group": outcome.status_group, "status_at": outcome.status_at}
+    errors = {f"{name}_error": error for name, error in outcome.errors.items()}
+    sensitivity = study.sensitivity.of_variants(values, outcome.status)
+    return values | results | outcome.summaries | errors | sensitivity | outcome.fields
+
+
+def _repeated(outcome: Outcome, drop: np.ndarray) -> Outcome:
+    """The outcome of the scene as it is, for variants in which nothing of the scene differs."""
+
+    def again(array: np.ndarray) -> np.ndarray:
+        return np.repeat(array, drop.size, axis=0)
+
+    status = np.where(drop, np.uint8(Verdict.DROPPED), again(outcome.status))
+    tables = ({k: again(v) for k, v in table.items()} for table in outcome[3:])
+    return Outcome(status.astype(np.uint8), again(outcome.status_group), again(outcome.status_at), *tables)

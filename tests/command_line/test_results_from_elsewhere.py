@@ -1,0 +1,141 @@
+"""Result files edited by hand, damaged, or of other programs: sentences, never a traceback."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from commands import refused, said
+
+COMMANDS = [
+    ("show",),
+    ("show", "--where", "ram.stroke > '1 mm'"),
+    ("plot",),
+    ("plot", "--variant", "0"),
+    ("export", "--to", "o.csv"),
+    ("export", "--variant", "0", "--to", "o.toml"),
+]
+
+
+def reworked(path: str, change: Callable[[dict], None]) -> None:
+    """Change the record of the study in a file, with its checksum, as a program of someone else's might."""
+    with h5py.File(path, "r+") as file:
+        record = json.loads(file.attrs["study_json"])
+        change(record)
+        file.attrs["study_json"] = json.dumps(record)
+        del file["progress"].attrs["text_checksums"]
+
+
+def without(key: str) -> Callable[[dict], None]:
+    return lambda record: record.pop(key)
+
+
+def with_value(key: str, value: object) -> Callable[[dict], None]:
+    return lambda record: record.update({key: value})
+
+
+def with_input(record: dict) -> None:
+    record["scene"]["input"] = {"type": "wheel"}
+
+
+CHANGES = {
+    "no best": without("best"),
+    "no scene": without("scene"),
+    "no parameters": without("parameters"),
+    "no axes": without("vary"),
+    "best of nothing": with_value("best", {"minimise": "beauty", "maximise": None, "where": None}),
+    "best of a wrong kind": with_value("best", 7),
+    "an unreadable condition": with_value(
+        "best", {"minimise": "excess_work", "maximise": None, "where": "ram.stroke >"}
+    ),
+    "a parameter too many": with_value("parameters", {"colour": "1"}),
+    "axes of another size": with_value("vary", [{"names": ["input.length"], "size": 3}]),
+    "no text of conditions": with_value("require", [7]),
+    "a search without a task": with_value("search", {}),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_edited_record__is_told_by_every_command(name, press_result):
+    reworked(press_result, CHANGES[name])
+    for command, *options in COMMANDS:
+        message = refused(command, press_result, *options)
+        assert press_result in message
+        assert "attribute study_json" in message
+        assert message.count("\n") == 1
+
+
+def test_edited_scene__is_told_by_what_needs_it(press_result):
+    reworked(press_result, with_input)
+    message = refused("export", press_result, "--variant", "0", "--to", "o.toml")
+    assert "holds a scene that is none" in message
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "7", "null"])
+def test_record_that_is_none__is_told(text, press_result):
+    with h5py.File(press_result, "r+") as file:
+        file.attrs["study_json"] = text
+        del file["progress"].attrs["text_checksums"]
+    assert "attribute study_json" in refused("show", press_result)
+
+
+@pytest.mark.parametrize("name", ["study_json", "question", "title", "outcome", "study", "scene", "versions"])
+def test_missing_attribute__is_told_or_not_needed(name, press_result):
+    with h5py.File(press_result, "r+") as file:
+        del file.attrs[name]
+    for command, *options in COMMANDS:
+        answer = said(command, press_result, *options)
+        assert answer.exit_code in (0, 2), answer.output
+        assert answer.exit_code == (2 if name == "study_json" else 0), answer.output
+    verified = said("verify", press_result)
+    assert verified.exit_code == (0 if name == "outcome" else 1)
+
+
+@pytest.mark.parametrize("name", ["status", "ram.stroke", "ram.stroke_error", "input.length", "progress/block_done"])
+def test_missing_dataset__is_told(name, press_result):
+    with h5py.File(press_result, "r+") as file:
+        del file[name]
+    for command, *options in COMMANDS:
+        assert press_result in refused(command, press_result, *options)
+
+
+def test_missing_layout__is_told(press_result):
+    with h5py.File(press_result, "r+") as file:
+        file["progress"].attrs["layout"] = "{}"
+    assert press_result in refused("show", press_result)
+
+
+def test_verify__tells_sound_damaged_and_unfinished_files_apart(press_result):
+    answer = said("verify", press_result)
+    assert (answer.exit_code, answer.stdout) == (0, f"{press_result}: 8 variants as they were written\n")
+    shutil.copy(press_result, "copy.h5")
+    with h5py.File("copy.h5", "r+") as file:
+        file["ram.stroke"][1] += 1e-3
+    answer = said("verify", "copy.h5")
+    assert answer.exit_code == 1
+    assert "copy.h5: numbers of variants 0 … 7 changed" in answer.stderr
+    assert "copy.h5 is damaged: numbers of variants 0 … 7 changed" in refused("show", "copy.h5")
+    shutil.copy(press_result, "text.h5")
+    with h5py.File("text.h5", "r+") as file:
+        file.attrs["question"] = "What?"
+    answer = said("verify", "text.h5")
+    assert answer.exit_code == 1
+    assert "its question isn't as it was written" in answer.stderr
+    Path("notes.h5").write_text("my notes")
+    assert "no HDF5 file" in refused("verify", "notes.h5")
+
+
+def test_flipped_bytes_anywhere__never_a_traceback(press_result):
+    """Also in HDF5's own tables, which have no checksums: whatever a command makes of them, it ends in words."""
+    whole, rng = Path(press_result).read_bytes(), np.random.default_rng(7)
+    # Tables fill the beginning and lie between the data.
+    for at in (*range(0, 96, 7), *rng.integers(96, len(whole), 60)):
+        content = bytearray(whole)
+        content[at] ^= int(rng.integers(1, 256))
+        Path("spoilt.h5").write_bytes(content)
+        for command in ("show", "verify"):
+            answer = said(command, "spoilt.h5")
+            assert answer.exit_code in (0, 1, 2)

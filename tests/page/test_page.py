@@ -1,0 +1,210 @@
+"""The page of a result: what it tells is what the file holds, and it works in a browser without a network."""
+
+import json
+import re
+import shutil
+import subprocess
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import refused, said
+from press_sweeps import ASKED, BEST, SCENE, run, text_of
+
+from engine import Verdict
+from sweeps.page import digest as digest_module
+from sweeps.page.digest import digest_of
+from sweeps.report.sweep_result import SweepResult
+from sweeps.store import FileLayout, Store
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+QUIET = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+)
+LENGTHS = [f"{length} mm" for length in (20, 30, 40, 45, 50, 55, 60, 250)]
+MASSES = ["50 kg", "100 kg", "150 kg"]
+EVIL = "</script><script>document.title = 'taken'</script>"
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    """A grid of two numbers; the longest cranks can't be assembled."""
+    head = "positions = 48\nrequire = [\"bodies.ram.mass < '140 kg'\"]\n"
+    text = text_of(LENGTHS, MASSES, ASKED + BEST, head)
+    return run(tmp_path_factory.mktemp("page"), text.replace("Which crank?", EVIL.replace("'", "\\u0027")))
+
+
+@pytest.fixture(scope="module")
+def page(result):
+    pytest.importorskip("jinja2")
+    pytest.importorskip("plotly")
+    answer = said("report", str(result))
+    assert answer.exit_code == 0, answer.output
+    return result.with_suffix(".html")
+
+
+# What is found in the file
+
+
+@pytest.mark.parametrize("at_a_time", [1, 70, 10**6])
+def test_digest__is_what_the_whole_file_says(result, at_a_time, monkeypatch):
+    monkeypatch.setattr(digest_module, "NUMBERS_AT_A_TIME", at_a_time)
+    digest, whole = digest_of(result), SweepResult(result)
+    assert digest.best == whole.best()
+    assert digest.rivals == whole.rivals(whole.best())
+    assert digest.meeting == np.count_nonzero(whole.candidates())
+    assert digest.undecided == whole.undecided(whole.goal.where).size
+    assert list(digest.leaders) == list(whole.select(whole.goal.where, "excess_work"))
+    codes, counts = np.unique(whole.columns["status"], return_counts=True)
+    assert digest.counts == {Verdict(int(code)): count for code, count in zip(codes, counts, strict=True)}
+    assert set(digest.shown) == set(np.flatnonzero(whole.columns["status"] == Verdict.OK))
+    assert {text: count for text, (count, _) in digest.missed.items()} == {
+        text: missed.sum() for text, missed in whole.missed().items()
+    }
+    for name, column in whole.columns.items():
+        assert digest.rows[name] == pytest.approx(column[digest.numbers], nan_ok=True, rel=0, abs=0)
+
+
+def test_digest__price_of_a_condition_is_the_best_without_it(result):
+    digest, whole = digest_of(result), SweepResult(result)
+    (price,) = digest.prices
+    assert price.text == whole.goal.where
+    assert price.without == whole.select(None, "excess_work")[0]
+    stroke, limit = whole.columns["ram.stroke"][whole.best()], 0.08
+    assert price.margin == pytest.approx((stroke - limit) / (stroke + limit), rel=1e-9)
+
+
+def test_digest__neighbours_are_a_step_of_the_grid_away(result):
+    digest, whole = digest_of(result), SweepResult(result)
+    length, mass = whole.columns["input.length"], whole.columns["bodies.ram.mass"]
+    by_name = {n.names[0]: n for n in digest.neighbours}
+    here = digest.best
+    for name, column, other in (("input.length", length, mass), ("bodies.ram.mass", mass, length)):
+        places = np.unique(column)
+        k = np.searchsorted(places, column[here])
+        for beside, step in ((by_name[name].below, -1), (by_name[name].above, 1)):
+            if not 0 <= k + step < places.size:
+                assert beside is None
+            else:
+                assert (column[beside], other[beside]) == (places[k + step], other[here])
+
+
+def test_digest__a_million_variants_take_the_memory_of_a_piece(tmp_path, result, monkeypatch):
+    """Thirteen columns of 8 bytes are 104 MB; a piece of 200,000 numbers with what is made of it stays far below."""
+    record = SweepResult(result).description
+    count, rng = 1_000_000, np.random.default_rng(5)
+    columns = tuple(column for column in record.columns if column.dims == ("variant",))
+    attributes = {k: v for k, v in record.attributes.items() if k not in ("Conventions", "finished", "outcome")}
+    attributes["study_json"] = json.dumps(json.loads(attributes["study_json"]) | {"vary": []})
+    path = tmp_path / "many.h5"
+    layout = FileLayout(count, count, columns, attributes)
+    values = {c.name: rng.random(count) if c.dtype == np.float64 else np.zeros(count, c.dtype) for c in columns}
+    values |= {name: np.zeros(count) for name in values if name.endswith("_error")}
+    with Store.open(path, layout) as store:
+        store.write(0, values)
+        store.finish()
+    least = np.where(values["ram.stroke"] > 0.08, values["excess_work"], np.inf)
+    monkeypatch.setattr(digest_module, "NUMBERS_AT_A_TIME", 200_000)
+    tracemalloc.start()
+    try:
+        digest = digest_of(path)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 20e6
+    assert list(digest.leaders) == list(np.argsort(least, kind="stable")[: digest_module.MOST_BEST])
+    assert digest.shown.size <= digest_module.MOST_BEST + digest_module.MOST_SAMPLED
+
+
+# The page
+
+
+def text_without_scripts(page: Path) -> str:
+    return re.sub(r"<script\b.*?</script>", "", page.read_text("utf8"), flags=re.S)
+
+
+def test_page__tells_question_answer_and_provenance(page, result):
+    text, whole = text_without_scripts(page), SweepResult(result)
+    assert "How short?" in text
+    assert f"with variant {whole.best()}" in text
+    assert whole.description.attributes["study_hash"] in text
+    for words in ("What limits it", "Sensitivity", "Error figures", "Verdicts", "cannot assemble"):
+        assert words in text
+
+
+def test_page__needs_nothing_from_elsewhere(page):
+    text = text_without_scripts(page)
+    # Names of XML's vocabularies are no addresses to load from.
+    text = re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
+    assert not re.findall(r"https?://[^\s<]*", re.sub(r"<pre>.*?</pre>", "", text, flags=re.S))
+    assert "default-src 'none'" in text
+
+
+def test_page__names_within_it_stand_once(page):
+    ids = re.findall(r'\bid="([^"]+)"', text_without_scripts(page))
+    assert len(ids) == len(set(ids)) > 10
+
+
+def test_page__scene_is_computed_first(tmp_path, page):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE)
+    assert said("report", str(scene)).exit_code == 0
+    text = text_without_scripts(tmp_path / "scene.html")
+    assert "Press with a rocker" in text
+    assert "flywheel_wittenbauer" in text
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["scene.html", "scene.toml"]
+
+
+def test_page__study_is_to_be_run_first(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "study.toml").write_text(text_of(LENGTHS, MASSES))
+    assert "run it first" in refused("report", str(tmp_path / "study.toml"))
+
+
+def test_page__earlier_one_survives_what_fails(tmp_path, result, page, monkeypatch):
+    out = tmp_path / "page.html"
+    out.write_text("earlier")
+    monkeypatch.setattr(Path, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    assert "No space left" in refused("report", str(result), "--out", str(out))
+    assert out.read_text() == "earlier"
+    assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
+
+
+# In a browser
+
+BRUSHES = """
+<script>
+const column = JSON.parse(document.getElementById("variants").textContent).columns[0].values;
+const across = document.getElementById("across"), scatter = document.getElementById("scatter");
+const note = (name, value) => document.body.setAttribute(`data-${name}`, JSON.stringify(value));
+Plotly.restyle(across, {"dimensions[0].constraintrange": [[29, 46]]}).then(() => {
+  note("told", document.getElementById("selected").textContent);
+  note("dots", scatter.data[0].selectedpoints);
+  note("expected", column.map((v, i) => [v, i]).filter(([v]) => 29 <= v && v <= 46).map(([, i]) => i));
+  scatter.emit("plotly_selected", {points: [{curveNumber: 0, pointIndex: 1}, {curveNumber: 0, pointIndex: 3}]});
+  setTimeout(() => {
+    note("lines", across.data[0].line.color.map((c, i) => [c, i]).filter(([c]) => c !== -0.5).map(([, i]) => i));
+    note("rows", [...document.querySelectorAll("#chosen tr")].length);
+  }, 500);
+});
+</script></body>"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no browser of the Chromium family")
+def test_page__brushing_one_figure_selects_in_the_other(page, tmp_path):
+    brushed = tmp_path / "brushed.html"
+    brushed.write_text(page.read_text("utf8").replace("</body>", BRUSHES), "utf8")
+    profile = f"--user-data-dir={tmp_path / 'profile'}"
+    command = [BROWSER, *QUIET, profile, "--virtual-time-budget=8000", "--dump-dom", brushed.as_uri()]
+    dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
+    noted = dict(re.findall(r'data-(told|dots|expected|lines|rows)="([^"]*)"', dom))
+    if "linked" not in re.search(r'<body class="([^"]*)"', dom)[1]:
+        pytest.skip("this browser has no WebGL")
+    count = noted["expected"].count(",") + 1
+    assert noted["told"].startswith(f"&quot;{count} of ")
+    assert noted["dots"] == noted["expected"]
+    # Variants that miss the condition are grey, selected or not; the best two stand last.
+    assert noted["rows"] == "3"
+    assert re.search(r"<title>(.*?)</title>", dom, re.S)[1].startswith("&lt;/script&gt;")

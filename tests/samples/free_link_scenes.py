@@ -1,0 +1,111 @@
+"""Scenes of free links: groups of every class and with every kind of leg."""
+
+import copy
+
+from engine import Scene
+
+_TRIAD = {
+    "gravity": 9.81,
+    "points": {
+        "O": {"x": 0.0, "y": 0.0},
+        "P": {"x": 0.3, "y": -0.1},
+        "Q": {"x": 0.25, "y": 0.3},
+        "B": {"link": "plate", "x": 0.0, "y": 0.0},
+        "C": {"link": "plate", "x": 0.12, "y": 0.0},
+        "D": {"link": "plate", "x": 0.06, "y": 0.08},
+    },
+    "near": {"C": {"x": 0.3, "y": 0.1}},
+    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.03, "speed": "60 rpm"},
+    "bodies": {
+        "rod_body": {"link": "rod", "mass": 1.0, "x": 0.1, "y": 0.02, "inertia": 0.01},
+        "plate_body": {"link": "plate", "mass": 2.0, "x": 0.05, "y": 0.03, "inertia": 0.02},
+        "upper_body": {"link": "upper", "mass": 1.5, "x": 0.02, "inertia": 0.01},
+        "lower_body": {"link": "lower", "mass": 0.7, "x": 0.08, "y": -0.02, "inertia": 0.01},
+    },
+    "links": {
+        "rod": {"joints": ["A", "B"], "length": 0.2},
+        "lower": {"joints": ["P", "C"], "length": 0.2},
+        "upper": {"joints": ["Q", "D"], "length": 0.2},
+        "plate": {},
+    },
+}
+
+
+def triad_data() -> dict:
+    """A ternary link on three bars."""
+    return copy.deepcopy(_TRIAD)
+
+
+def _slider_leg() -> dict:
+    """One leg a slider on a guide of the frame."""
+    data = triad_data()
+    data["guides"] = {"way": {"x": 0.25, "y": 0.1, "angle": 0.3}}
+    data["links"]["upper"] = {"joints": ["D"], "guide": "way", "offset": 0.01}
+    data["near"]["D"] = {"x": 0.22, "y": 0.1}
+    return data
+
+
+def _slotted_plate() -> dict:
+    """One leg a block, pivoted on the frame, in a slot of the ternary link."""
+    data = triad_data()
+    data["guides"] = {"slot": {"link": "plate", "x": 0.06, "y": 0.08, "angle": 2.2}}
+    data["points"]["Q"] = {"x": 0.2, "y": 0.2}
+    data["links"]["upper"] = {"joints": ["Q"], "guide": "slot"}
+    return data
+
+
+def _sliding_plate() -> dict:
+    """The ternary link slides on a guide of one leg."""
+    data = triad_data()
+    data["guides"] = {"slot": {"link": "upper", "x": 0.02, "y": 0.03, "angle": 0.5}}
+    data["points"]["Q"] = {"x": 0.25, "y": 0.18}
+    data["links"]["upper"] = {"joints": ["Q"]}
+    data["links"]["plate"] = {"guide": "slot", "offset": 0.01}
+    return data
+
+
+def _contour(sides: int) -> dict:
+    """Ternary links in a closed contour with bars between them: the first on the crank, all others on the frame."""
+    data = triad_data()
+    data["input"]["length"] = 0.03
+    data["near"], data["bodies"], data["links"] = {}, {}, {}
+    data["points"] = {"O": {"x": 0.0, "y": 0.0}}
+    places = {4: [(0.0, 0.0), (0.3, 0.05)], 6: [(0.0, 0.0), (0.36, -0.04), (0.2, 0.33)]}[sides]
+    for i, (x, y) in enumerate(places):
+        pivot = "A" if i == 0 else f"P{i}"
+        if i:
+            data["points"][pivot] = {"x": x, "y": y}
+        data["links"][f"ternary{i}"] = {"joints": [pivot]}
+        data["points"][f"L{i}"] = {"link": f"ternary{i}", "x": 0.1, "y": 0.03 + 0.02 * i}
+        data["points"][f"R{i}"] = {"link": f"ternary{i}", "x": 0.02 * i, "y": 0.11}
+        data["bodies"][f"body{i}"] = {"link": f"ternary{i}", "mass": 1.0 + i, "x": 0.05, "y": 0.04, "inertia": 0.01}
+    for i, _ in enumerate(places):
+        ends = [f"L{i}", f"R{(i + 1) % len(places)}"]
+        data["links"][f"bar{i}"] = {"joints": ends, "length": 0.22 + 0.02 * i}
+        data["bodies"][f"bar_body{i}"] = {"link": f"bar{i}", "mass": 0.5, "x": 0.1, "y": 0.01, "inertia": 0.002}
+    return data
+
+
+def four_sided() -> dict:
+    """Class IV: two ternary links and two bars in a closed contour."""
+    return _contour(4)
+
+
+def six_sided() -> dict:
+    """Class VI: three ternary links and three bars in a closed contour."""
+    return _contour(6)
+
+
+KINDS = {
+    "three bars": triad_data,
+    "slider leg": _slider_leg,
+    "slotted plate": _slotted_plate,
+    "sliding plate": _sliding_plate,
+    "four-sided contour": four_sided,
+    "six-sided contour": six_sided,
+}
+
+
+def free_link_scene(kind: str) -> Scene:
+    """One of the scenes."""
+    return Scene.model_validate(KINDS[kind]())
