@@ -26,6 +26,8 @@ __all__ = sorted(_OFFERED)
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        return import_module("importlib.metadata").version("machine-sweeps")
     if name not in _OFFERED:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, own = _OFFERED[name]

@@ -20,6 +20,7 @@ from engine.balancing.engines.engine_layout import (
 from engine.balancing.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 from engine.balancing.engines.harmonics import crank_radius, piston_harmonics
 from engine.balancing.engines.hodograph import Hodograph
+from engine.balancing.engines.locomotive_element import LocomotiveElement
 from engine.balancing.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.balancing.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
 from engine.balancing.rotors.correction import corrected_unbalance
@@ -72,7 +73,7 @@ from engine.machine.assembly_modes import assembly_modes
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
-from engine.machine.elastic_drives import DriveCycle, drive_cycle
+from engine.machine.elastic_drives import DriveCycle, DriveRun, drive_cycle, drive_run
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
@@ -88,6 +89,7 @@ from engine.quantities.reactions import acting_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
 from engine.scene.dimensions import described as described_dimension
+from engine.scene.elements import CarElement
 from engine.scene.formulas.by_formula import FormulaNumber
 from engine.scene.formulas.dimension_check import (
     check_yields,
@@ -124,6 +126,8 @@ from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
 from engine.verdicts import SENTENCES, Verdict
 
+__version__: str
+
 __all__ = [
     "ACCURACY_REACHED",
     "ACCURACY_SUMMARIES",
@@ -147,12 +151,14 @@ __all__ = [
     "Brake",
     "CamCurves",
     "CamElement",
+    "CarElement",
     "CounterweightPlace",
     "CrankInput",
     "DCMotor",
     "Derivatives",
     "DimensionMark",
     "DriveCycle",
+    "DriveRun",
     "ElementsAlone",
     "Engine",
     "EngineElement",
@@ -171,6 +177,7 @@ __all__ = [
     "InductionMotor",
     "InputUnits",
     "LoadChange",
+    "LocomotiveElement",
     "Machine",
     "MachineDrive",
     "MasterRod",
@@ -234,6 +241,7 @@ __all__ = [
     "dimensions_by_unit",
     "drive_cycle",
     "drive_history",
+    "drive_run",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import importlib.metadata
 import re
 import subprocess
 import sys
@@ -124,6 +125,11 @@ def test_names_at_the_door__are_those_of_their_modules():
         assert getattr(engine, name) is not None
     assert engine.Scene is importlib.import_module("engine.scene.scene").Scene
     assert engine.v_engine is importlib.import_module("engine.balancing.engines.engine_layout").v_engine
+
+
+def test_version__is_that_of_the_package():
+    assert engine.__version__ == importlib.metadata.version("machine-sweeps")
+    assert all((ROOT / package / "py.typed").exists() for package in PACKAGES)
 
 
 def test_name_that_the_engine_does_not_offer__is_no_attribute():

@@ -53,6 +53,8 @@ class Statements:
         Whether held nodes are computed at the position itself instead of being read.
     looked_up : sequence of Node
         Nodes that were computed before and are read.
+    taken : iterable of str
+        Names that other statements of the function have.
 
     Attributes
     ----------
@@ -67,10 +69,17 @@ class Statements:
         Of "q", "cos_q" and "sin_q" those that are read, by themselves.
     laws : list of callable
         Laws that are called.
+    taken : set of str
+        Names, those of other statements among them.
     """
 
     def __init__(
-        self, outputs: Sequence[Node], stage: Stage, inline_held: bool = True, looked_up: Sequence[Node] = ()
+        self,
+        outputs: Sequence[Node],
+        stage: Stage,
+        inline_held: bool = True,
+        looked_up: Sequence[Node] = (),
+        taken: Iterable[str] = (),
     ) -> None:
         self._stage, self._inline_held, self._looked_up = stage, inline_held, frozenset(looked_up)
         self.statements: list[str] = []
@@ -78,12 +87,12 @@ class Statements:
         self.tables: dict[Node, str] = {}
         self.positions: list[str] = []
         self.laws: list = []
-        self._taken = set(_TAKEN)
+        self.taken = {*_TAKEN, *taken}
         self._texts: dict[Node, str] = {}
         self._depth: dict[Node, int] = {}
         order = reached(outputs, self._is_leaf)
         # Names of laws are functions of the module.
-        self._taken.update(name_of(node.law) for node in order if isinstance(node, Application))
+        self.taken.update(name_of(node.law) for node in order if isinstance(node, Application))
         self._uses = _count_uses(order, outputs, self._is_leaf)
         for node in order:
             self._write(node)
@@ -128,10 +137,10 @@ class Statements:
         wanted = "".join(c if c.isalnum() else "_" for c in node.label).strip("_")
         wanted = wanted if wanted[:1].isalpha() and len(wanted) <= 40 else "x"
         name, count = wanted, 1
-        while name in self._taken:
+        while name in self.taken:
             count += 1
             name = f"{wanted}{count}"
-        self._taken.add(name)
+        self.taken.add(name)
         return name
 
     def _call(self, node: Application) -> None:
@@ -236,7 +245,8 @@ def in_lanes(
         Functions that the text calls.
     """
     looked_up = _results_looked_up(outputs)
-    before, body = Statements(looked_up, stage, inline_held), Statements(outputs, stage, inline_held, looked_up)
+    before = Statements(looked_up, stage, inline_held)
+    body = Statements(outputs, stage, inline_held, looked_up, before.taken if looked_up else ())
     used = [which for which in ("q", "cos_q", "sin_q") if which in (*body.positions, *before.positions)]
     places = {node: f"looked_up[{i * LANES} + l]" for i, node in enumerate(looked_up)}
     reads = [f"{text} = {places.get(n) or f'p[{rows[n] * LANES} + l]'}" for n, text in body.reads.items()]
@@ -276,7 +286,8 @@ def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[N
     variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as for `in_lanes`.
     """
     looked_up = _results_looked_up(outputs)
-    before, body = Statements(looked_up, Stage.POSITION), Statements(outputs, Stage.POSITION, looked_up=looked_up)
+    before = Statements(looked_up, Stage.POSITION)
+    body = Statements(outputs, Stage.POSITION, looked_up=looked_up, taken=before.taken if looked_up else ())
     used = dict.fromkeys([*before.positions, *body.positions])
     lines = [f"def {name}(p, T, q, cos_q, sin_q, v, rows):", f'    """{doc}"""']
     lines += [f"    {which}_at = {which}" for which in used]

@@ -8,8 +8,10 @@ import numpy as np
 from engine.elastic.drives.elastic_cycle import ELASTIC, ENERGY, INERTIA, LAWS, MOTOR_SPEED, POINTS, STAGES, STATE
 from engine.elastic.drives.machine_drive_columns import (
     RESULTS,
+    RUN_RESULTS,
     VERDICT_KEY,
     DrivenMachine,
+    ElasticCycle,
     drive_results,
     elastic_cycle,
     least_and_greatest,
@@ -22,7 +24,9 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import GAP
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
+from engine.motion.runs.elastic_run import ElasticRun, run_on_shaft
 from engine.motion.settled.steady import steady_motion
+from engine.motion.steppers.time_form import TimeForm
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
@@ -56,6 +60,8 @@ class ElasticDrives:
         self._schedule = Schedule(mechanics, set(), 2)
         reduction = self._schedule.reduction
         self.dynamics = {name: Dynamics(reduction, frozenset(drive.off)) for name, drive in self.drives.items()}
+        runs = {name: drive.run for name, drive in self.drives.items() if drive.run is not None}
+        self.runs = {name: Dynamics(reduction, frozenset(run.off)) for name, run in runs.items()}
         self.nodes = reduction.nodes
 
     def numbers(self, numbers: Numbers, sound: np.ndarray) -> dict[str, np.ndarray]:
@@ -70,7 +76,7 @@ class ElasticDrives:
         found, who = {}, np.flatnonzero(sound)
         variants = self._schedule.variants(numbers.of_variants(who), who.size) if who.size else None
         for name in self.drives:
-            values, errors = np.full((2, len(RESULTS), sound.size), np.nan)
+            values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), sound.size), np.nan)
             verdict = np.full(sound.size, float(Verdict.OK))
             if variants is not None:
                 with np.errstate(all="ignore"):
@@ -84,18 +90,57 @@ class ElasticDrives:
 
     def _of(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Results (results, variants) of a drive, their error figures, and verdicts."""
-        values, errors = np.full((2, len(RESULTS), variants.count), np.nan)
+        values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), variants.count), np.nan)
+        begin = np.full((4, variants.count), np.nan)
         ready, steps, verdict = self._ready(name, variants)
         for count in np.unique(steps):
             same = np.flatnonzero(steps == count)
             together = max(1, TOGETHER // (count * STAGES * (LAWS + 2 * STATE)))
             for some in np.array_split(same, -(-same.size // together)):
                 part, who = ready.some(some), ready.which[some]
-                (fine, state), (coarse, _) = (_settled(part, int(n)) for n in (count, count // 2))
-                values[:, who] = fine
-                errors[:, who] = np.abs(fine - coarse) + ROUNDING * np.abs(fine)
-                verdict[who] = state
+                (fine, cycle), (coarse, _) = (_settled(part, int(n)) for n in (count, count // 2))
+                values[: len(RESULTS), who] = fine
+                errors[: len(RESULTS), who] = np.abs(fine - coarse) + ROUNDING * np.abs(fine)
+                verdict[who] = cycle.verdict
+                begin[:, who] = cycle.begin
+        if name in self.runs:
+            self._add_run(name, ready, begin, values, errors, verdict)
         return values, errors, self._judged(values, errors, verdict)
+
+    def _add_run(
+        self,
+        name: str,
+        ready: "Ready",
+        steady: np.ndarray,
+        values: np.ndarray,
+        errors: np.ndarray,
+        verdict: np.ndarray,
+    ) -> None:
+        """Write the results of a run, and the verdicts on those without a complaint so far."""
+        well = np.flatnonzero(verdict[ready.which] == Verdict.OK)
+        if not well.size:
+            return
+        part = ready.some(well)
+        fine, coarse = (self._run(name, part, steady[:, part.which], coarser) for coarser in (1.0, 2.0))
+        rows, rough = (
+            np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops])
+            for run in (fine, coarse)
+        )
+        values[len(RESULTS) :, part.which] = rows
+        errors[len(RESULTS) :, part.which] = np.abs(rows - rough) + ROUNDING * np.abs(rows)
+        verdict[part.which] = fine.verdict
+
+    def _run(
+        self, name: str, ready: "Ready", steady: np.ndarray, coarser: float = 1.0, record: bool = False
+    ) -> ElasticRun:
+        """Follow a drive's run, from its own begin or out of a steady motion, (4, variants)."""
+        n, at, run = ready.bare.numbers, f"elements.{name}.run", self.drives[name].run
+        angle, duration = (
+            np.broadcast_to(n[f"{at}.{key}"], (ready.which.size,)).astype(float) for key in ("angle", "time")
+        )
+        form = TimeForm(self.runs[name], self.runs[name].driven(ready.bare), angle)
+        begin = steady if run.begin == "steady" else np.zeros_like(steady)
+        return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, coarser, record)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
         """Those of some variants that have a steady motion with a rigid shaft; their steps, and verdicts on all."""
@@ -117,19 +162,19 @@ class ElasticDrives:
         steps = steps_needed(ready.frequency, dynamics.cycle / steady.period[who], dynamics.cycle)
         return ready, steps, verdict.astype(np.uint8)
 
-    def cycle(self, name: str) -> "DriveCycle | None":
-        """The steady motion of the scene as it is on one of the shafts; None where it has none."""
+    def as_is(self, name: str) -> "tuple[Ready, ElasticCycle, DrivenMachine, RigidCycle] | None":
+        """The scene as it is on one of the shafts, in its steady motion; None where it has none."""
         ready, steps, _ = self._ready(name, self._schedule.variants(Numbers(scene_numbers(self.scene), {}), 1))
         if not steps.size:
             return None
         machine, guess, rigid = _machine_over_cycle(ready, int(steps[0]))
         found = elastic_cycle(machine, ready.given, guess)
-        if found.verdict[0] != Verdict.OK:
-            return None
-        ends = np.cumsum(machine.steps[0])
-        angle = np.concatenate([(ends - machine.steps[0])[:, None], ends[:, None]], axis=1)
-        rows = (found.moment, rigid.moment, found.motor_speed, found.machine_speed, rigid.speed, found.twist)
-        return DriveCycle(angle.ravel(), *(row[0][:, [0, -1]].ravel() for row in rows))
+        return None if found.verdict[0] != Verdict.OK else (ready, found, machine, rigid)
+
+    def history(self, name: str) -> np.ndarray | None:
+        """History of the run of the scene as it is, as in `ElasticRun`; None where there is none."""
+        found = self.as_is(name) if name in self.runs else None
+        return None if found is None else self._run(name, found[0], found[1].begin, record=True).history
 
     @staticmethod
     def _judged(values: np.ndarray, errors: np.ndarray, verdict: np.ndarray) -> np.ndarray:
@@ -187,7 +232,58 @@ def drive_cycle(scene: Scene, name: str) -> DriveCycle | None:
         None where there is no steady motion.
     """
     with np.errstate(all="ignore"):
-        return ElasticDrives(Mechanics(scene), (name,)).cycle(name)
+        found = ElasticDrives(Mechanics(scene), (name,)).as_is(name)
+    if found is None:
+        return None
+    _, cycle, machine, rigid = found
+    ends = np.cumsum(machine.steps[0])
+    angle = np.concatenate([(ends - machine.steps[0])[:, None], ends[:, None]], axis=1)
+    rows = (cycle.moment, rigid.moment, cycle.motor_speed, cycle.machine_speed, rigid.speed, cycle.twist)
+    return DriveCycle(angle.ravel(), *(row[0][:, [0, -1]].ravel() for row in rows))
+
+
+class DriveRun(NamedTuple):
+    """A run of a machine on an elastic shaft, (instants,).
+
+    Attributes
+    ----------
+    time : ndarray
+        [s].
+    twist : ndarray
+        By which the crank lags behind [rad].
+    motor_speed : ndarray
+        At the motors' end [rad/s].
+    angle, machine_speed : ndarray
+        That the crank turned [rad], and its speed [rad/s].
+    moment : ndarray
+        Of the shaft [N·m].
+    """
+
+    time: np.ndarray
+    twist: np.ndarray
+    motor_speed: np.ndarray
+    angle: np.ndarray
+    machine_speed: np.ndarray
+    moment: np.ndarray
+
+
+def drive_run(scene: Scene, name: str) -> DriveRun | None:
+    """The run of a scene's machine on the elastic shaft that an element is.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of the element.
+
+    Returns
+    -------
+    DriveRun or None
+        None where there is no run, or no steady motion.
+    """
+    with np.errstate(all="ignore"):
+        found = ElasticDrives(Mechanics(scene), (name,)).history(name)
+    return None if found is None else DriveRun(*found)
 
 
 class Ready(NamedTuple):
@@ -231,15 +327,15 @@ def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
     return dynamics.rows(variants, places).inertia.mean(axis=0)
 
 
-def _settled(ready: Ready, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Results (results, variants) with so many steps, and verdicts."""
+def _settled(ready: Ready, count: int) -> tuple[np.ndarray, ElasticCycle]:
+    """Results (results, variants) with so many steps, and the motion."""
     machine, guess, rigid = _machine_over_cycle(ready, count)
     found = elastic_cycle(machine, ready.given, guess)
     # Within a jump nothing is to be read between the points of a step.
     jumps = machine.steps[..., None] < GAP
     least, greatest = least_and_greatest(np.where(jumps, rigid.moment[..., :1], rigid.moment))
     most = np.fmax(np.abs(least), np.abs(greatest))
-    return drive_results(found, ready.given, ready.frequency, ready.dynamics.cycle, most), found.verdict
+    return drive_results(found, ready.given, ready.frequency, ready.dynamics.cycle, most), found
 
 
 def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.ndarray, RigidCycle]:

@@ -111,6 +111,11 @@ class Machine:
         check_names(self.varied, self._limits, "number of the scene")
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
+        told = [path for path in self.varied if path.startswith("near.")]
+        if told:
+            raise AskError(
+                f"{told[0]} tells the scene's own assembly mode, which all variants keep; vary another number"
+            )
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)

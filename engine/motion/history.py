@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.regimes_in_order import Schedule, Standing
@@ -13,6 +14,9 @@ from engine.motion.steppers.energy_form import NODES
 from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
+
+# What power comes from, and goes to.
+SOURCES = ("motors", *CHANNELS, "coupling")
 
 
 class History(NamedTuple):
@@ -34,9 +38,11 @@ class History(NamedTuple):
         By the sort of work: "driving", "useful", "harmful", "braking", "other" [N·m].
     energy : ndarray
         Kinetic energy [J].
+    powers : dict of str to ndarray
+        Of the "motors", by the sort of work as `load_moments`, and of the "coupling", whose heat it is [W].
     shaft_speed, coupling_moment : ndarray
         Of a shaft behind a coupling, at its own speed [rad/s], and what the coupling transmits to the crank, reduced to
-        it [N·m]; NaN where a machine has no coupling, or where it is in steady motion.
+        it [N·m]; NaN where a machine has no coupling, and the moment where it is in steady motion.
     verdict : Verdict
         Where it isn't OK, the history ends where the motion did.
     """
@@ -49,6 +55,7 @@ class History(NamedTuple):
     motor_moment: np.ndarray
     load_moments: dict[str, np.ndarray]
     energy: np.ndarray
+    powers: dict[str, np.ndarray]
     shaft_speed: np.ndarray
     coupling_moment: np.ndarray
     verdict: Verdict
@@ -80,7 +87,7 @@ def history(scene: Scene, steps: int = 360) -> History:
     for name in schedule.needed:
         dynamics = schedule.dynamics[frozenset(scene.regimes[name].off)]
         variants = dynamics.driven(every)
-        hindered = schedule.hindered(name, dynamics, variants)
+        hindered, sides = schedule.hindered(name, dynamics, variants), None
         if hindered.any():
             parts.append(_Part(name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
             standing = standing._replace(verdict=hindered)
@@ -102,8 +109,11 @@ def history(scene: Scene, steps: int = 360) -> History:
             time, turned, omega = outcome.history
         else:
             start, (time, turned, omega), standing = 0.0, *_one_cycle(dynamics, variants, steps, schedule.tolerance)
+            if schedule.sides:
+                sides = schedule.sides[frozenset(scene.regimes[name].off)].of(variants, zero)
+                standing = standing._replace(coupled=CoupledStanding(standing.omega, np.full(1, np.inf)))
         own = np.array([time + begun, start + variants.direction * turned, omega])
-        parts.append(_Part(name, own, dynamics, variants))
+        parts.append(_Part(name, own, dynamics, variants, sides))
         begun += time[-1]
         if standing.verdict[0] != Verdict.OK:
             break
@@ -144,12 +154,17 @@ def _gathered(parts: list[_Part], verdict: Verdict) -> History:
         energy, speed, transmitted = 0.5 * rows.inertia[:, 0] * omega**2, none, none
         own, of_loads, total = moments.motors[:, 0], moments.loads[:, :, 0], moments.total[:, 0]
         slope, inertia = rows.inertia_phi[:, 0], rows.inertia[:, 0]
-        if sides is not None:
+        with np.errstate(all="ignore"):
+            powers, heat = np.concatenate((own[None], of_loads)) * omega, np.zeros_like(omega)
+        if sides is not None and shaft is None:
+            speed = sides.coupling.ratio * omega
+        elif sides is not None:
             rows = sides.crank.dynamics.rows(sides.crank.variants, angle[:, None], time[:, None])
             of_crank = sides.crank.dynamics.moments(sides.crank.variants, rows, omega[:, None])
             of_shaft = sides.shaft.dynamics.moments(sides.shaft.variants, sides.shaft.forwards, shaft[0][:, None])
-            own = of_crank.motors[:, 0] + of_shaft.motors[:, 0]
-            of_loads = of_crank.loads[:, :, 0] + of_shaft.loads[:, :, 0]
+            both = [np.concatenate((m.motors[None], m.loads))[:, :, 0] for m in (of_crank, of_shaft)]
+            own, of_loads = both[0][0] + both[1][0], both[0][1:] + both[1][1:]
+            powers, heat = both[0] * omega + both[1] * shaft[0], shaft[1] * (omega - shaft[0])
             inertia, total = rows.inertia[:, 0], of_crank.total[:, 0] + shaft[1]
             energy = 0.5 * inertia * omega**2 + 0.5 * sides.shaft.inertia * shaft[0] ** 2
             speed, transmitted = sides.coupling.ratio * shaft[0], way * shaft[1]
@@ -166,6 +181,9 @@ def _gathered(parts: list[_Part], verdict: Verdict) -> History:
         add("coupling_moment", transmitted)
         for channel, moment in zip(CHANNELS, of_loads, strict=True):
             add(channel, way * moment)
+        for source, power in zip(SOURCES, (*powers, heat), strict=True):
+            add(f"{source} power", power)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
     loads = {channel: whole.pop(channel) for channel in CHANNELS}
-    return History(load_moments=loads, verdict=verdict, **whole)
+    powers = {source: whole.pop(f"{source} power") for source in SOURCES}
+    return History(load_moments=loads, powers=powers, verdict=verdict, **whole)

@@ -139,6 +139,8 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
             refs += [(f"elements.{name}.engine.throttled", "action", action) for action in element.engine.throttled]
         if isinstance(element, MachineDrive):
             refs += [(f"elements.{name}.off", "action", action) for action in element.off]
+            if element.run is not None:
+                refs += [(f"elements.{name}.run.off", "action", action) for action in element.run.off]
     return refs
 
 

@@ -51,8 +51,8 @@ class RunRegime(Part):
         if len(given) != 1:
             what = "none is" if not given else f"{' and '.join(given)} are"
             raise ValueError(
-                f"a run ends after cycles, after a time, at a speed, at rest or when a clutch holds: {what} given; "
-                "give exactly one of cycles, time, speed, rest = true, lock_up = true"
+                f"a run ends after cycles, after a time, at a speed or at rest: {what} given; give exactly one of "
+                "cycles, time, speed, rest = true, or with a clutch lock_up = true"
             )
         return self
 

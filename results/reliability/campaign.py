@@ -64,6 +64,8 @@ class Campaign:
         self.folder, self.dice, self.rows, self.faults = folder, random.Random(seed), [], []
         (folder / "scene.toml").write_text(template_text("slider_crank"), encoding="utf8")
         (folder / "study.toml").write_text(HEAD + STUDY, encoding="utf8")
+        small = STUDY.replace("count = 60000", "count = 150")
+        (folder / "small.toml").write_text(HEAD + small, encoding="utf8")
         self.environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
         (folder / "cache").mkdir(exist_ok=True)
         self.command("run", "study.toml", "--no-plots", "--quiet", "--out", "reference.h5")
@@ -100,7 +102,7 @@ class Campaign:
     def started(self, *arguments: str) -> subprocess.Popen:
         """A command as a process that goes on."""
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        return subprocess.Popen(self._line(*arguments), **pipes, **self._options({}))
+        return subprocess.Popen(self._line(*arguments), **pipes, **self._options({"preexec_fn": heeding}))
 
     def _line(self, *arguments: str) -> list[str]:
         return [sys.executable, "-m", "sweeps", *arguments]
@@ -138,6 +140,11 @@ class Campaign:
         for name in names:
             for path in self.folder.glob(f"{name}*"):
                 path.unlink()
+
+
+def heeding() -> None:
+    """Heed Ctrl-C, which what is started in the background ignores."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def wordless(answer: subprocess.CompletedProcess) -> str:
@@ -206,9 +213,7 @@ def signals(campaign: Campaign, count: int) -> None:
             if not campaign.is_whole("s.h5"):
                 wrong.append("finished file differs")
             campaign.cleared("s.", "s_")
-    campaign.cleared("s")
-    (campaign.folder / "study.toml").write_text(HEAD + STUDY, encoding="utf8")
-    (campaign.folder / "scene.toml").write_text(template_text("slider_crank"), encoding="utf8")
+    campaign.cleared("s.", "s_")
     campaign.note("SIGINT, SIGTERM", ways, wrong, f"longest from signal to end {slowest:.2f} s")
 
 
@@ -228,8 +233,6 @@ def spoil(path: Path, dice: random.Random) -> str:
 
 def spoilt(campaign: Campaign, count: int) -> None:
     """Finished and unfinished files with bytes changed or cut off: told, and mended by the same command."""
-    small = STUDY.replace("count = 60000", "count = 150")
-    (campaign.folder / "small.toml").write_text(HEAD + small, encoding="utf8")
     run = ("run", "small.toml", "--no-plots", "--quiet", "--out", "d.h5")
     campaign.command(*run)
     good = (campaign.folder / "d.h5").read_bytes()
@@ -350,37 +353,45 @@ def main() -> None:
     for name, usual in (("kills", 40), ("signals", 40), ("spoilt", 200), ("caches", 6), ("full", 30), ("seed", 1)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     asked = parser.parse_args()
+    line = " ".join(f"--{name} {value}" for name, value in vars(asked).items())
     begun = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="reliability-") as folder:
         campaign = Campaign(Path(folder), asked.seed)
-        kills(campaign, asked.kills)
-        signals(campaign, asked.signals)
-        spoilt(campaign, asked.spoilt)
-        caches(campaign, asked.caches)
-        full_disks(campaign, asked.full)
-    line = " ".join(f"--{name} {value}" for name, value in vars(asked).items())
+        for kind, count in (
+            (kills, asked.kills),
+            (signals, asked.signals),
+            (full_disks, asked.full),
+            (spoilt, asked.spoilt),
+            (caches, asked.caches),
+        ):
+            kind(campaign, count)
+            minutes = (time.monotonic() - begun) / 60
+            text = report(campaign, line, minutes)
+            (Path(__file__).parent / "reliability.md").write_text(text, encoding="utf8")
+
+
+def report(campaign: Campaign, line: str, minutes: float) -> str:
+    """The table so far, and what went wrong."""
     rows = [f"| {fault} | {count} | {told} | {wrong} |" for fault, count, told, wrong in campaign.rows]
-    text = [
-        "# Faults done on purpose",
-        "",
-        f"`python results/reliability/campaign.py {line}`; {(time.monotonic() - begun) / 60:.0f} minutes on "
-        f"{os.cpu_count()} cores, {platform.system()} {platform.machine()}, Python {platform.python_version()}.",
-        "",
-        "A run counts as wrong when something flagged as done differs from an undisturbed run, the same command",
-        "doesn't mend it or refuse in words, numbers that changed are shown, a draft stays, a signal isn't obeyed",
-        f"within {AT_ONCE:g} s, or anything but words is said.",
-        "",
-        "| fault | times | what came of it | wrong |",
-        "|---|---|---|---|",
-        *rows,
-        *(
-            ["", "What went wrong:", "", *(f"- {' '.join(text.split())}" for text in campaign.faults)]
-            if campaign.faults
-            else []
-        ),
-        "",
-    ]
-    (Path(__file__).parent / "reliability.md").write_text("\n".join(text), encoding="utf8")
+    wrong = [f"- {' '.join(text.split())}" for text in campaign.faults]
+    return "\n".join(
+        [
+            "# Faults done on purpose",
+            "",
+            f"`python results/reliability/campaign.py {line}`; {minutes:.0f} minutes on {os.cpu_count()} cores,",
+            f"{platform.system()} {platform.machine()}, Python {platform.python_version()}.",
+            "",
+            "A run counts as wrong when something flagged as done differs from an undisturbed run, the same command",
+            "doesn't mend it or refuse in words, numbers that changed are shown, a draft stays, a signal isn't obeyed",
+            f"within {AT_ONCE:g} s, or anything but words is said.",
+            "",
+            "| fault | times | what came of it | wrong |",
+            "|---|---|---|---|",
+            *rows,
+            *(["", "What went wrong:", "", *wrong] if wrong else []),
+            "",
+        ]
+    )
 
 
 if __name__ == "__main__":

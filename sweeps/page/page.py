@@ -1,6 +1,5 @@
 """The page: what is told, in which order, and the file that it is written to."""
 
-import os
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from sweeps.page.page_tables import (
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
+from sweeps.text.whole_files import whole_file
 
 
 def write_page(path: Path, out: Path) -> None:
@@ -55,16 +55,11 @@ def write_page(path: Path, out: Path) -> None:
     template = jinja2.Environment(autoescape=True).from_string((here / "page.html").read_text("utf8"))
     parts = _parts(digest)
     plotly_source = Markup(plotly.offline.get_plotlyjs()) if parts["linked"] else ""
-    _replace(out, template.render(**parts, css=css, script=script, plotly=plotly_source))
-
-
-def _replace(out: Path, text: str) -> None:
-    beside = out.with_name(f".{out.name}.{os.getpid()}.part")
+    text = template.render(**parts, css=css, script=script, plotly=plotly_source)
     try:
-        beside.write_text(text, encoding="utf8")
-        beside.replace(out)
+        with whole_file(out) as draft:
+            draft.write_text(text, encoding="utf8")
     except OSError as error:
-        beside.unlink(missing_ok=True)
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
 

@@ -51,7 +51,8 @@ _STYLE = {
     "ytick.direction": "in",
     "hatch.linewidth": 0.5,
     "pdf.fonttype": 42,
-    "svg.fonttype": "path",
+    # Text that can be searched, and changed in a drawing program.
+    "svg.fonttype": "none",
     # The same picture gives the same file.
     "svg.hashsalt": "machine-sweeps",
     "savefig.dpi": 200,

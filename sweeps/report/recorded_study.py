@@ -108,7 +108,7 @@ def _mismatch(record: _Record, described: Description) -> str:
     for name in ("status", "status_group", "status_at", *record.parameters, *goals):
         if name not in columns:
             return f"names {name}, of which there is no column"
-    if not record.search and math.prod(axis.size for axis in record.vary) != described.variants:
+    if record.vary and not record.search and math.prod(axis.size for axis in record.vary) != described.variants:
         return f"makes up another number of variants than the {described.variants} there are"
     texts = [*record.require, *(record.search.subject_to if record.search else [])]
     for condition in [*texts, *([record.best.where] if record.best and record.best.where else [])]:

@@ -105,6 +105,7 @@ class MappedResult:
 
     Attributes
     ----------
+    path : Path
     columns : dict of str to ndarray
         All columns, and the axes.
     variants, block : int
@@ -125,6 +126,7 @@ class MappedResult:
     """
 
     def __init__(self, path: Path) -> None:
+        self.path = path
         with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
             record, progress = layout_record(file), file["progress"]
             self.variants, self.block = int(record["variants"]), int(record["block"])
@@ -170,6 +172,20 @@ class MappedResult:
         """Of what isn't as it was written that on which it depends what numbers are taken for."""
         return [name for name in self.edited if name in _DECISIVE or name in self.columns]
 
+    def refuse_damage(self, kinds: Sequence[str]) -> None:
+        """See that what is done agrees with its checksums; kinds as for `is_sound`.
+
+        Raises
+        ------
+        DamagedError
+            It doesn't.
+        """
+        if edited := self.edited_decisively:
+            raise DamagedError(f"{self.path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
+        if damaged := self.damaged(kinds):
+            words = damage_text(self, damaged)
+            raise DamagedError(f"{self.path} is damaged: numbers of variants {words} changed. {_AGAIN}")
+
     def rows(self, block: int) -> slice:
         """Variants of a block."""
         return slice(block * self.block, min((block + 1) * self.block, self.variants))
@@ -213,24 +229,57 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np
     StoreError
         The file cannot be read, is damaged, or has no such column.
     """
-    mapped = MappedResult(path)
+    mapped = _sound(path, names)
     if names is None:
         names = mapped.flat
-    known = list(mapped.columns)
-    for name in names:
-        if name not in mapped.columns:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f"Did you mean {close[0]!r}?" if close else f"It has {', '.join(known)}."
-            raise StoreError(f"{path} has no column {name!r}. {hint}")
     # A writer hands status over last: what is ok here has its numbers there.
     first = sorted(names, key=lambda name: name != "status")
     arrays = {name: np.array(mapped.columns[name]) for name in first}
-    kinds = ("flat", "fields") if any(mapped.columns[name].ndim > 1 for name in names) else ("flat",)
-    if edited := mapped.edited_decisively:
-        raise DamagedError(f"{path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
-    if damaged := mapped.damaged(kinds):
-        raise DamagedError(f"{path} is damaged: numbers of variants {damage_text(mapped, damaged)} changed. {_AGAIN}")
     return {name: arrays[name] for name in names}
+
+
+def iterate(path: Path, names: Sequence[str], block: int) -> Iterator[dict[str, np.ndarray]]:
+    """Read columns piece by piece, so that memory is bounded by the piece, once they agree with their checksums.
+
+    Parameters
+    ----------
+    path : Path
+        A result file.
+    names : sequence of str
+        Columns to read; `variant` gives the numbers of the variants.
+    block : int
+        Variants in each piece (the last may have fewer).
+
+    Yields
+    ------
+    dict
+        Array by name, variants along the first axis.
+
+    Raises
+    ------
+    StoreError
+        The file cannot be read, is damaged, or has no such column.
+    """
+    mapped = _sound(path, names)
+    # A writer hands status over last: what is ok here has its numbers there.
+    first = sorted(names, key=lambda name: name != "status")
+    for start in range(0, mapped.variants, block):
+        arrays = {name: np.array(mapped.columns[name][start : start + block]) for name in first}
+        yield {name: arrays[name] for name in names}
+
+
+def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:
+    """A file whose columns of these names, all over variants alone unless given, agree with their checksums."""
+    mapped = MappedResult(path)
+    known = list(mapped.columns)
+    for name in names or ():
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"Did you mean {close[0]!r}?" if close else f"It has {', '.join(known)}."
+            raise StoreError(f"{path} has no column {name!r}. {hint}")
+    kinds = ("flat", "fields") if any(name in mapped.fields for name in names or ()) else ("flat",)
+    mapped.refuse_damage(kinds)
+    return mapped
 
 
 def read(path: Path) -> "xarray.Dataset":

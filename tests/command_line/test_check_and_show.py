@@ -141,7 +141,7 @@ def test_show__says_so_of_the_study_s_own_condition(press_folder):
 def test_show_of_a_file_that_holds_no_study__says_so(press_result):
     with h5py.File(press_result, "r+") as file:
         del file.attrs["study_json"]
-    assert "holds no study (attribute study_json): run its sweep again" in refused("show", press_result)
+    assert "its attribute study_json is missing" in refused("show", press_result)
 
 
 def test_show_where_nothing_fits__shows_an_empty_table(press_result):

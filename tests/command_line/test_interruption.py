@@ -120,7 +120,7 @@ def test_link_and_device__stay_what_they_are(tmp_path):
 WRITES = [
     ("export", "results/study.h5", "--to", "out.csv"),
     ("export", "press.toml", "--to", "out.csv"),
-    ("export", "press.toml", "--to", "out.toml"),
+    ("export", "press.toml", "--overwrite", "--to", "out.toml"),
     ("export", "press.toml", "--to", "out.svg"),
     ("export", "press.toml", "--to", "out.dxf"),
     ("plot", "press.toml", "--out", "out.pdf"),

@@ -36,6 +36,7 @@ def folder(tmp_path_factory):
         "compressor_motion": scene + chapters["motion"],
         "compressor_whole": scene + chapters["formulas"] + chapters["motion"] + chapters["forces"],
         "study": study,
+        "plate": chapters["links"],
         "cam": chapters["cams"],
         "reducer": chapters["gears"],
     }

@@ -81,7 +81,7 @@ def test_run_without_candidates__says_so_and_succeeds(press_folder):
     assert "No variant was computed that meets the conditions" in answer.stdout
 
 
-def test_run_where_nothing_assembles__says_so_and_exits_with_1(press_folder):
+def test_run_where_nothing_assembles__says_so_and_has_an_exit_code_of_its_own(press_folder):
     Path("study.toml").write_text(STUDY.replace('"40 mm", "60 mm", "250 mm", "50 mm"', '"250 mm"'))
     answer = said("run", "study.toml", "--no-plots")
     assert answer.exit_code == 1

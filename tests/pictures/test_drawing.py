@@ -20,6 +20,8 @@ from matplotlib.figure import Figure
 
 from engine import Scene
 from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, primitives
+from sweeps.pictures.drawing.figures import default_position
+from sweeps.pictures.drawing.frame import stands
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH
 from sweeps.pictures.picture_error import PictureError
 
@@ -53,6 +55,28 @@ def test_joints_of_slider_crank__closed_form():
     assert abs(circle(drawn, "O").points[0]) < EXACT
     assert abs(circle(drawn, "A").points[0] - pin) < EXACT
     assert abs(circle(drawn, "B").points[0] - (pin.real + math.sqrt(0.2**2 - pin.imag**2))) < EXACT
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_stands__never_under_plates(name):
+    drawn = primitives(GALLERY[name], default_position(DrawnMotion(GALLERY[name])))
+    feet = [k for k, p in enumerate(drawn) if p.kind == "polygon" and p.layer == "frame"]
+    plates = [k for k, p in enumerate(drawn) if p.kind == "polygon" and p.fill == "tint"]
+    assert not feet or not plates or min(feet) > max(plates)
+
+
+@pytest.mark.parametrize("mode", [1, -1])
+def test_stand__on_the_side_where_its_link_is_not(mode):
+    """The rocker of a four-bar stays above its pivot or below it, by the mode of its group."""
+    scene = four_bar()
+    scene.groups["g"] = scene.groups["g"].model_copy(update={"mode": mode})
+    motion = DrawnMotion(scene)
+    hinge = motion.points["D"][0]
+    (stand,) = [p for p in stands(motion) if p.kind == "polygon" and abs(p.points[0] - hinge) < EXACT]
+    foot = (stand.points[1] + stand.points[2]) / 2 - hinge
+    height = (motion.points["B"] - hinge).imag
+    assert np.sign(foot.imag) == -mode
+    assert (np.sign(height) == mode).all()
 
 
 def test_slider__rectangle_along_its_guide():
@@ -268,7 +292,9 @@ def test_picture__valid_and_the_same_every_time(ending, tmp_path):
         picture(four_bar(), file, at=[1.0], paths=["P"])
     assert files[0].read_bytes() == files[1].read_bytes()
     if ending == "svg":
-        assert ElementTree.parse(files[0]).getroot().tag.endswith("svg")
+        root = ElementTree.parse(files[0]).getroot()
+        assert root.tag.endswith("svg")
+        assert "φ = 57.296°" in {text.text for text in root.iter("{http://www.w3.org/2000/svg}text")}
     else:
         assert files[0].read_bytes()[:4] == {"pdf": b"%PDF", "png": b"\x89PNG"}[ending]
 

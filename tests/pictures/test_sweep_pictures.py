@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
@@ -80,6 +81,15 @@ def test_map__cells_where_their_parameters_are_and_failed_ones_hatched(x, y):
     star = axes.lines[0].get_xydata()[0]
     assert star == pytest.approx([1000 * data.arrays[x][7], 1000 * data.arrays[y][7]])
     assert [t.get_text() for t in figure.legends[0].get_texts()] == ["best", "can't be assembled"]
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+def test_map__contour_lines_only_where_they_can_be_followed(smooth):
+    data = grid_data((30, 30))
+    mass = data.arrays["mass"] if smooth else np.random.default_rng(1).random(900)
+    axes = Figure().add_subplot()
+    map2d(axes, data._replace(arrays=dict(data.arrays) | {"mass": mass}), "a", "b", "mass")
+    assert any(isinstance(drawn, ContourSet) for drawn in axes.collections) == smooth
 
 
 def test_scatter__front_of_the_two_shown():

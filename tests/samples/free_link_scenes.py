@@ -106,6 +106,15 @@ KINDS = {
 }
 
 
+# About where a point lies in a mode that goes all through a turn.
+_WHOLE = {
+    "slotted plate": {"B": {"x": 0.091, "y": -0.19}},
+    "four-sided contour": {"L0": {"x": 0.1226, "y": -0.0482}},
+    "six-sided contour": {"L0": {"x": 0.1092, "y": 0.068}, "R2": {"x": 0.283, "y": 0.247}},
+}
+
+
 def free_link_scene(kind: str) -> Scene:
-    """One of the scenes."""
-    return Scene.model_validate(KINDS[kind]())
+    """One of the scenes, in a mode that goes all through a turn."""
+    data = KINDS[kind]()
+    return Scene.model_validate(data | {"near": _WHOLE.get(kind, data["near"])})

@@ -16,6 +16,7 @@ from sweeps.store import (
     Store,
     StoreError,
     describe_result,
+    iterate,
     read,
     read_columns,
 )
@@ -222,3 +223,14 @@ def test_numbers_are_there_before_their_status(path: Path, part: Path, monkeypat
             store.write(i, results(store, i))
     assert sorted(seen) == seen
     assert {0, 4, 22} <= set(seen)
+
+
+@pytest.mark.parametrize("block", [1, 5, 22, 100])
+def test_iterate__pieces_make_up_the_columns(path: Path, block: int) -> None:
+    whole = {**complete(path, layout()), "variant": np.arange(22, dtype=np.int32)}
+    pieces = list(iterate(path, list(whole), block))
+    assert max(len(piece["length"]) for piece in pieces) == min(block, 22)
+    assert same_bits({name: np.concatenate([p[name] for p in pieces]) for name in whole}, whole)
+    spoilt(path, "speed", 5)
+    with pytest.raises(DamagedError, match="numbers of variants 4 … 7 changed"):
+        next(iterate(path, ["speed"], block))

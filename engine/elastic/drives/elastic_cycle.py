@@ -42,6 +42,8 @@ COLUMNS = STATE + 1
 MOST_ITERATIONS = 60
 # Changes of the state, as shares of its size, after which an iteration was the last but one.
 _SETTLED = 1e-7
+# What rounding leaves of an elastic moment, over stiffness and energy.
+_ROUNDED = 1e-13
 # In an iteration the energy at a place changes by no more than these factors.
 _LEAST, _MOST = 0.2, 5.0
 # Rows of a straight characteristic, then of each induction motor.
@@ -275,7 +277,9 @@ def close_cycles(
             if last:
                 ended = CLOSES
                 break
-            last = off[ELASTIC] <= _SETTLED * sizes[ELASTIC]
+            # A shaft without a moment has rounding alone: of the twist, and of the work.
+            least = _ROUNDED * (own[STIFFNESS] + sizes[ENERGY])
+            last = off[ELASTIC] <= _SETTLED * sizes[ELASTIC] + least
             last &= off[MOTOR_SPEED] <= _SETTLED * sizes[MOTOR_SPEED]
             last &= off[ENERGY] <= _SETTLED * sizes[ENERGY]
             ended = NOT_FOUND if positive else TURNS_BACK

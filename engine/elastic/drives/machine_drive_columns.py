@@ -48,16 +48,24 @@ RESULTS = (
     ElementResult("least_moment", "least moment of the shaft", "N m"),
     ElementResult("alternating_moment", "half the range of the shaft's moment", "N m"),
     ElementResult("rigid_moment", "greatest magnitude of the moment of a rigid shaft", "N m"),
-    ElementResult("dynamic_factor", "greatest magnitude of the shaft's moment over that of a rigid shaft", "1"),
+    ElementResult("dynamic_factor", "greatest moment of the shaft by that of a rigid one, magnitudes", "1", None, True),
     ElementResult("greatest_twist", "greatest magnitude of the shaft's twist: by it the crank lags behind", "rad"),
     ElementResult("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
     ElementResult("motor_power", "mean power of the motors", "W"),
     ElementResult("damping_power", "mean power that the shaft's damping takes", "W"),
-    ElementResult("power_residual", "what is missing of the balance of power, as a share", "1"),
+    ElementResult("power_residual", "what is missing of the balance of power, as a share", "1", None, True),
     ElementResult("multiplier", "greatest magnitude of a multiplier: disturbances grow by it in a cycle", "1"),
     ElementResult("second_multiplier", "second greatest magnitude of a multiplier", "1"),
     ElementResult("third_multiplier", "least magnitude of a multiplier", "1"),
     ElementResult("growth_rate", "rate at which disturbances grow", "s-1"),
+)
+RUN_RESULTS = (
+    ElementResult("run_greatest_moment", "greatest magnitude of the shaft's moment on the run", "N m", "run"),
+    ElementResult("run_greatest_at", "when it is greatest", "s", "run"),
+    ElementResult("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run"),
+    ElementResult("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run"),
+    ElementResult("run_angle", "angle that the crank turned", "rad", "run"),
+    ElementResult("run_stops", "how often the crank came to a stop on the way", "1", "run", exact=True),
 )
 # Points of a step, its ends with Gauss' points, between which moments and speeds are interpolated, and how finely.
 _KNOTS = np.array([0.0, *POINTS, 1.0])
@@ -66,7 +74,7 @@ _SHARES = np.linspace(0.0, 1.0, 33)
 
 def machine_keys(kind: str) -> tuple[str, ...]:
     """Under which keys a drive is given its results (`kind` "value") or their error figures ("error")."""
-    return tuple(f"machine.{kind}.{result.name}" for result in RESULTS)
+    return tuple(f"machine.{kind}.{result.name}" for result in (*RESULTS, *RUN_RESULTS))
 
 
 VERDICT_KEY = "machine.verdict"
@@ -80,11 +88,12 @@ def machine_drive_law(drive: MachineDrive) -> LawOfArrays:
     drive : MachineDrive
     """
     keys = (*machine_keys("value"), *machine_keys("error"), VERDICT_KEY)
-    return LawOfArrays(_handed_on, lambda element, given: tuple(given(key) for key in keys), RESULTS)
+    results = (*RESULTS, *RUN_RESULTS)
+    return LawOfArrays(_handed_on, lambda element, given: tuple(given(key) for key in keys), results)
 
 
 def _handed_on(table: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    count = len(RESULTS)
+    count = len(RESULTS) + len(RUN_RESULTS)
     sizes = table[count : 2 * count] / (ROUNDING * np.finfo(float).eps)
     return table[:count], sizes, table[2 * count].astype(np.uint8)
 
@@ -136,6 +145,12 @@ class ElasticCycle(NamedTuple):
     multipliers: np.ndarray
     sums: np.ndarray
     verdict: np.ndarray
+
+    @property
+    def begin(self) -> np.ndarray:
+        """Twist, speed at the motors' end, angle turned and speed of the machine at the begin, (4, variants)."""
+        rows = (self.twist, self.motor_speed, np.zeros_like(self.twist), self.machine_speed)
+        return np.array([row[:, 0, 0] for row in rows])
 
 
 def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) -> ElasticCycle:

@@ -5,7 +5,27 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.elastic.drives.elastic_shaft import ElasticShaft
-from engine.scene.parts import Inertia, Name
+from engine.scene.actions import Time
+from engine.scene.parts import Angle, Inertia, Name, Part
+
+
+class MachineRun(Part):
+    """A run over `time`, at rest on an untwisted shaft at a crank angle or out of the steady motion at φ = 0.
+
+    From then on everything acts but what is `off`: with the motors a stop is followed, without what was off in steady
+    motion a sudden load.
+    """
+
+    begin: Literal["at rest", "steady"] = "at rest"
+    angle: Angle = 0.0
+    time: Annotated[Time, Field(gt=0)]
+    off: tuple[Name, ...] = ()
+
+    @model_validator(mode="after")
+    def _steady_at_zero(self) -> "MachineRun":
+        if self.begin == "steady" and self.angle != 0.0:
+            raise ValueError("angle goes with begin = 'at rest': out of steady motion it begins at 0")
+        return self
 
 
 class MachineDrive(ElasticShaft):
@@ -13,13 +33,14 @@ class MachineDrive(ElasticShaft):
 
     At the motors' end turns the `driver`, a shaft of the scene, or a `motor_inertia` that the scene doesn't have;
     everything else of the scene turns with the crank. Stiffness, damping and `motor_inertia` are reduced to the crank.
-    What is named as `off` doesn't act.
+    What is named as `off` doesn't act in steady motion. A `run` is followed over time.
     """
 
     type: Literal["machine_drive"]
     driver: Name | None = None
     motor_inertia: Annotated[Inertia, Field(gt=0)] | None = None
     off: tuple[Name, ...] = ()
+    run: MachineRun | None = None
 
     @model_validator(mode="after")
     def _one_driver(self) -> "MachineDrive":

@@ -4,12 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns
+from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns, greatest_between
 from engine.motion.coupled.coupled_step import CRANK, CRANK_SPEED, HEAT, SHAFT, SHAFT_SPEED, SLIPPED, SQUARES, WORKS
 from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.verdicts import Verdict
+
+# Steps of a grid that differ by no more are equal.
+EVEN = 1e-9
 
 
 class CoupledStanding(NamedTuple):
@@ -155,5 +158,7 @@ def held_moment(
     total = dynamics.moments(variants, rows, omega).total
     change = (total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
     own = shaft.dynamics.moments(shaft.variants, shaft.forwards, omega).total
-    peak = np.abs(own - shaft.inertia * change).max(axis=0)
+    steps = np.diff(places, axis=0)
+    even = np.isclose(steps[1:], steps[:-1], rtol=EVEN, atol=0.0)
+    peak = greatest_between(np.abs(own - shaft.inertia * change), even)
     return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio

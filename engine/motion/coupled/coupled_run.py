@@ -227,7 +227,7 @@ class CoupledRuns:
     def _free(
         self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray
     ) -> tuple[np.ndarray, ...]:
-        """Moments that would set off both sides together, forwards and backwards, the crank and the shaft alone."""
+        """Moments that set off both sides together, forwards and backwards; so of the crank and of the shaft alone."""
         forth = np.ones(time.size)
         found = []
         for way in (forth, -forth):
@@ -459,7 +459,7 @@ class CoupledRuns:
         self.attempts[mine] = 0
         self.state[:, mine], self.time[mine] = step.end[:, taken], (time + step.length)[taken]
         speeds = np.array([step.at(np.full(who.size, x))[[CRANK_SPEED, SHAFT_SPEED]] for x in SPEED_LOOKS])
-        low, high = -_greatest(-speeds), _greatest(speeds)
+        low, high = -greatest_between(-speeds), greatest_between(speeds)
         self.lows[:, mine] = np.fmin(self.lows[:, mine], low[:, taken])
         self.highs[:, mine] = np.fmax(self.highs[:, mine], high[:, taken])
         looks = [step.at(np.full(who.size, x)) for x in LOOKS]
@@ -467,7 +467,7 @@ class CoupledRuns:
         between = [coupling_pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]
         standing = (joined.mode == TOGETHER) & (joined.crank_way == 0.0)
         moments = np.where(standing, 0.0, np.array([step.moments[0], *between, step.moments[1]]))
-        self.peak[mine] = np.fmax(self.peak[mine], _greatest(np.abs(moments))[taken])
+        self.peak[mine] = np.fmax(self.peak[mine], greatest_between(np.abs(moments))[taken])
         slips = np.abs(joined.mode[taken]) == FORWARDS
         self.slip_time[mine] += np.where(slips, step.length[taken], 0.0)
         if self.notes is not None and taken.all():
@@ -481,8 +481,15 @@ class CoupledRuns:
             return who[taken & np.isin(kind, kinds)]
 
         locked, at_jump = met(LOCKS_UP), taken & (kind == AT_JUMP)
-        self.state[SHAFT_SPEED, locked] = self.state[CRANK_SPEED, locked]
-        self.lock_time[locked] = np.nan
+        if locked.size:
+            # Of what rounding leaves between the speeds, the heavier side says more.
+            sides, moving = self.sides.some(locked), self.state[:MOVING, locked]
+            crank = sides.crank.at(moving[CRANK], moving[CRANK_SPEED], self.time[locked], np.ones(locked.size))
+            crank, shaft = crank[0].inertia[0], sides.shaft.inertia
+            both = (crank * moving[CRANK_SPEED] + shaft * moving[SHAFT_SPEED]) / (crank + shaft)
+            # A side that stands, or comes to rest just then, does.
+            both = np.where(self.joined.crank_way[locked] == 0.0, 0.0, both)
+            self.state[CRANK_SPEED, locked] = self.state[SHAFT_SPEED, locked] = both
         rest = met(CRANK_RESTS)
         together = rest[self.joined.mode[rest] == TOGETHER]
         self.state[CRANK_SPEED, rest], self.state[SHAFT_SPEED, together] = 0.0, 0.0
@@ -507,8 +514,8 @@ class CoupledRuns:
     def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
         """Give up runs that never come to their end.
 
-        Those that come no farther forward than when they last came to rest; that go as they did a cycle before; that
-        ever more slowly come to no rest.
+        Those that come no farther forward than when they came to rest the last time, that go as they did a cycle
+        before, that go ever more slowly and don't come to rest.
         """
         rest = rest[~self.done[rest] & self._never_changes(rest) & (self.joined.crank_way[rest] > 0.0)]
         turned = self.state[CRANK, rest]
@@ -536,11 +543,18 @@ def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:
     return sides.coupling.capacity_at(engaged) * (1.0 + GRIP)
 
 
-def _greatest(values: np.ndarray) -> np.ndarray:
-    """Greatest of values at equally spaced places, the first axis, with the tops of parabolas through three of them."""
+def greatest_between(values: np.ndarray, even: bool | np.ndarray = True) -> np.ndarray:
+    """Greatest of values at some places, the first axis, with the tops of parabolas through three of them.
+
+    Parameters
+    ----------
+    values : ndarray (places, variants)
+    even : bool or ndarray (places - 2, variants) of bool
+        Whether a place, the first and the last left out, is as far from the one before as from the one after it.
+    """
     low, middle, high = values[:-2], values[1:-1], values[2:]
     bend = low - 2.0 * middle + high
-    inside = (middle >= low) & (middle >= high) & (bend < 0.0)
+    inside = (middle >= low) & (middle >= high) & (bend < 0.0) & even
     with np.errstate(all="ignore"):
         tops = np.where(inside, middle - (high - low) ** 2 / (8.0 * bend), middle)
     return np.maximum(tops.max(axis=0), np.maximum(values[0], values[-1]))

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elastic.drives.machine_drive_element import MachineDrive
+from engine.elastic.drives.machine_drive_element import MachineDrive, MachineRun
 from engine.scene.actions import FormulaForce, FormulaMoment
 from engine.scene.dimensions import described
 from engine.scene.formulas.expressions import (
@@ -36,6 +36,7 @@ from engine.scene.formulas.switching import MOST_TURNS, compared, operations, tu
 from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.names import Problem, definitions, sliders
 from engine.scene.parts import FRAME, CrankInput
+from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.units import UNIT_NAMES, any_quantity
 
@@ -228,8 +229,10 @@ def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[
     at_work = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
     drives = {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
     at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
+    runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}
+    at_work |= {path: run for path, run in runs.items() if name not in run.off}
     for path, what in at_work.items():
-        if what.type != "run" and formula.depends_on_time:
+        if not isinstance(what, (RunRegime, MachineRun)) and formula.depends_on_time:
             message = f"{name!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             yield f"{path}.off", message
     if not at_work:

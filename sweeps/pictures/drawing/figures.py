@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from engine import Scene, did_you_mean, has_cycle
-from sweeps.pictures.drawing.frame import frame_parts
-from sweeps.pictures.drawing.links import moving_parts
+from sweeps.pictures.drawing.frame import frame_parts, stands
+from sweeps.pictures.drawing.links import plates_and_bars
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.names import input_arrow, names_of_points
 from sweeps.pictures.drawing.symbols import Primitive, line
 from sweeps.pictures.picture_error import PictureError
+
+USUAL_CRANK_ANGLE = math.pi / 3
 
 
 def primitives(
@@ -66,8 +68,9 @@ def figures(motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = ())
     if has_cycle(motion.scene):
         trails = [_once(trail, 0.5 * motion.radius) for trail in trails]
     trails = [line(*trail, layer="paths") for trail in trails]
-    others = [moving_parts(motion, k) for k in rest]
-    whole = [*frame_parts(motion), *trails, *moving_parts(motion, first), *input_arrow(motion, first)]
+    others = [[p for part in plates_and_bars(motion, k) for p in part] for k in rest]
+    plates, bars = plates_and_bars(motion, first)
+    whole = [*frame_parts(motion), *trails, *plates, *stands(motion), *bars, *input_arrow(motion, first)]
     obstacles = [*whole, *(p for other in others for p in other)]
     return [*others, [*whole, *names_of_points(motion, [first], [obstacles])[0]]]
 
@@ -85,4 +88,4 @@ def _once(path: np.ndarray, near: float) -> np.ndarray:
 
 def default_position(motion: DrawnMotion) -> float:
     """Where to draw a mechanism when nobody says: the crank at 60°, or the middle of the input's range."""
-    return math.pi / 3 if has_cycle(motion.scene) else float(motion.q[motion.q.size // 2])
+    return USUAL_CRANK_ANGLE if has_cycle(motion.scene) else float(motion.q[motion.q.size // 2])

@@ -9,9 +9,13 @@ from engine import FRAME
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
 
+# Links within this angle of a stand's middle run across it; it is turned where they do so much less of the cycle.
+NEAR_STAND = math.radians(45)
+CLEARLY = 0.1
+
 
 def frame_parts(m: DrawnMotion) -> list[Primitive]:
-    """Fixed pivots, guides of the frame and gears' pitch circles: what is the same at every position."""
+    """Guides of the frame and gears' pitch circles; what moves may hide them."""
     r, scene, found = m.radius, m.scene, []
     for slider in m.sliders:
         if scene.guides[slider.guide].link == FRAME:
@@ -28,11 +32,29 @@ def frame_parts(m: DrawnMotion) -> list[Primitive]:
             found += _gearing(
                 *(m.points[p][0] for p in (scene.input.pivot, shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
             )
-    anchors = m.hinges | {end for s in scene.springs.values() for end in s.between}
-    for name in sorted(anchors):
-        if name in scene.points and scene.points[name].link == FRAME:
-            found += fixed_pivot(m.points[name][0], r)
     return found
+
+
+def stands(m: DrawnMotion) -> list[Primitive]:
+    """Stands of the fixed pivots, each on the side where its links are least over the cycle; plates don't hide them."""
+    anchors = m.hinges | {end for s in m.scene.springs.values() for end in s.between}
+    fixed = [name for name in sorted(anchors) if name in m.scene.points and m.scene.points[name].link == FRAME]
+    return [p for name in fixed for p in fixed_pivot(m.points[name][0], m.radius, _free_side(m, name))]
+
+
+def _free_side(m: DrawnMotion, pivot: str) -> complex:
+    """Direction from a fixed pivot in which its links lie least often: down unless another is clearly better."""
+    members = [m.members(link) for link in m.links[:-1]]
+    # The pin of a block lies along the rod that it slides on.
+    members += [[g.second.joint, g.first.joint] for g in m.scene.groups.values() if g.type == "RPR"]
+    ends = {name for names in members if pivot in names for name in names} - {pivot}
+    arms = [m.points[name] - m.points[pivot] for name in ends]
+    arms = [arm[np.isfinite(arm)] for arm in arms]
+
+    def share(side: complex) -> float:
+        return sum(float(np.mean((arm / side).real > math.cos(NEAR_STAND) * np.abs(arm))) for arm in arms if arm.size)
+
+    return min((-1j, 1j, -1, 1), key=lambda side: share(side) + (0.0 if side == -1j else CLEARLY))
 
 
 def _rail(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:

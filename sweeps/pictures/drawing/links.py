@@ -6,8 +6,8 @@ from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, line, link_shape, weld, zigzag
 
 
-def moving_parts(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Links, sliders and hinges at a node, without names."""
+def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primitive]]:
+    """Links, sliders and hinges at a node, without names: what has an area, and what is lines and hinges alone."""
     r, scene = m.radius, m.scene
     under, plates, over = [], [], []
     carriers = {scene.guides[s.guide].link for s in m.sliders}
@@ -25,7 +25,7 @@ def moving_parts(m: DrawnMotion, k: int) -> list[Primitive]:
     boxes = [box(m.axes(s.link)[0][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
     spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
     springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
-    return [*under, *boxes, *plates, *over, *springs, *joints(m, k)]
+    return [*under, *boxes, *plates], [*over, *springs, *joints(m, k)]
 
 
 def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:

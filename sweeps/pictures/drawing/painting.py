@@ -10,12 +10,12 @@ from matplotlib.patches import Circle, PathPatch, Polygon
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
-from engine import Scene
-from sweeps.pictures.drawing.figures import default_position, figures
+from engine import Scene, has_cycle
+from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive
 from sweeps.pictures.style import MM_PER_INCH, VERMILION, house_style, new_figure, save
-from sweeps.text.engineer_units import engineer_unit
+from sweeps.text.engineer_units import engineer_unit, quantity_text
 
 # Line widths [pt] of the layers, and how dark they are.
 WIDTHS = {"frame": 1.0, "hatching": 0.5, "pitch": 0.6, "paths": 0.9, "links": 1.5, "joints": 1.1, "names": 0.8}
@@ -125,7 +125,18 @@ def picture(
         fig = new_figure(160, 160)
         ax = fig.add_subplot()
         draw(scene, ax, at, paths, values)
+        ax.set_title(_title(scene, at), loc="left")
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min(145 / width, 200 / height)
-        fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 15) / MM_PER_INCH)
+        fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 20) / MM_PER_INCH)
     save(fig, path)
+
+
+def _title(scene: Scene, at: Sequence[float]) -> str:
+    """What is drawn, and where its input stands."""
+    if not at and not has_cycle(scene):
+        return scene.title
+    place = at[0] if at else USUAL_CRANK_ANGLE
+    unit, symbol = ("rad", "φ") if scene.input is None or has_cycle(scene) else ("m", "q")
+    words = f"{symbol} = {quantity_text(place, unit)}".replace(" °", "°")
+    return f"{scene.title}, {words}" if scene.title else words

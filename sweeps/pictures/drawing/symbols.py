@@ -102,9 +102,9 @@ def weld(corner: complex, u: complex, v: complex, r: float) -> list[Primitive]:
     return [polygon(corner, corner + 1.6 * r * u, corner + s * 1.6 * r * v, fill="solid") for s in (1, -1)]
 
 
-def fixed_pivot(c: complex, r: float) -> list[Primitive]:
-    """Stand of the frame under a hinge at c."""
-    foot, half = c - 1j * PIVOT_HEIGHT * r, PIVOT_WIDTH * r
+def fixed_pivot(c: complex, r: float, down: complex = -1j) -> list[Primitive]:
+    """Stand of the frame at a hinge at c, its foot in the direction of the unit vector `down`."""
+    foot, half = c + PIVOT_HEIGHT * r * down, 1j * PIVOT_WIDTH * r * down
     triangle = polygon(c, foot - half, foot + half, fill="paper", layer="frame")
     return [*hatched(foot - 1.6 * half, foot + 1.6 * half, r), triangle]
 

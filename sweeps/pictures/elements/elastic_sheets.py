@@ -13,6 +13,7 @@ from engine import (
     TwoMassDrive,
     drive_cycle,
     drive_history,
+    drive_run,
     oscillator_columns,
     oscillator_numbers,
     run_through_motion,
@@ -217,6 +218,47 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
         bottom.set(ylabel="crank behind, °", xlabel="crank angle, °", xlim=(0, degrees[-1]))
         for ax in (top, middle):
             ax.legend(loc="best")
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
+    """Moment of the elastic shaft, speeds of its ends and its twist over the time of a run.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        The drive among its elements; it has a run.
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, it can't be written, or the machine has no steady motion.
+    """
+    run = drive_run(scene, name)
+    if run is None:
+        raise PictureError(f"elements.{name}: the machine has no steady motion on this shaft; sweeps run says why")
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+        top, middle, bottom = figure.subplots(3, 1, sharex=True)
+        factor, unit = engineer_unit("N m", run.moment)
+        top.plot(run.time, factor * run.moment, color=BLUE)
+        peak = np.abs(run.moment).argmax()
+        top.plot(run.time[peak], factor * run.moment[peak], "o", color=VERMILION, markersize=4)
+        top.set_ylabel(f"shaft, {unit}")
+        middle.plot(run.time, RPM * run.motor_speed, color=BLUE, label="motors' end")
+        middle.plot(run.time, RPM * run.machine_speed, color=ORANGE, label="crank")
+        middle.set_ylabel("speed at the crank, rpm")
+        middle.legend(loc="best")
+        bottom.plot(run.time, np.degrees(run.twist), color=BLUE)
+        bottom.set(ylabel="crank behind, °", xlabel="time, s", xlim=(0, run.time[-1]))
         if title:
             figure.suptitle(title, fontweight="bold")
     if not isinstance(target, Figure):

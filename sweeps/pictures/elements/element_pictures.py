@@ -4,9 +4,11 @@ from pathlib import Path
 
 from engine import (
     CamElement,
+    CarElement,
     EngineElement,
     GearTrain,
     Governor,
+    LocomotiveElement,
     MachineDrive,
     OscillatorElement,
     RotorElement,
@@ -16,23 +18,29 @@ from engine import (
     governed_scene,
 )
 from sweeps.pictures.elements.cam_sheet import cam_sheet
-from sweeps.pictures.elements.elastic_sheets import drive_sheet, machine_drive_sheet, oscillator_sheet
+from sweeps.pictures.elements.elastic_sheets import (
+    drive_sheet,
+    machine_drive_sheet,
+    machine_run_sheet,
+    oscillator_sheet,
+)
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import unbalance_plan
+from sweeps.pictures.elements.vehicle_sheets import car_sheet, locomotive_sheet
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the rotors, engines, governors, oscillators, torsional trains, elastic drives, cams and gears of a scene.
+    """Draw the elements of a scene that have pictures: rotors, engines, vehicles, governors, springs, cams, gears.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_governor`,
-        `_vibration`, `_transient`, `_cycle`, `_cam` or `_velocities` added.
+        The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_shaking`, `_braking`,
+        `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam` or `_velocities` added.
 
     Returns
     -------
@@ -56,6 +64,12 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case EngineElement():
                 made.append(path.with_name(f"{path.stem}_{name}_orders{path.suffix}"))
                 engine_sheet(element, made[-1], title)
+            case LocomotiveElement():
+                made.append(path.with_name(f"{path.stem}_{name}_shaking{path.suffix}"))
+                locomotive_sheet(element, made[-1], title)
+            case CarElement():
+                made.append(path.with_name(f"{path.stem}_{name}_braking{path.suffix}"))
+                car_sheet(element, made[-1], title)
             case Governor():
                 made.append(path.with_name(f"{path.stem}_{name}_governor{path.suffix}"))
                 governor_sheet(element, made[-1], title, cycles.get(name))
@@ -71,6 +85,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case MachineDrive():
                 made.append(path.with_name(f"{path.stem}_{name}_cycle{path.suffix}"))
                 machine_drive_sheet(scene, name, made[-1], title)
+                if element.run is not None:
+                    made.append(path.with_name(f"{path.stem}_{name}_run{path.suffix}"))
+                    machine_run_sheet(scene, name, made[-1], title)
             case CamElement():
                 made.append(path.with_name(f"{path.stem}_{name}_cam{path.suffix}"))
                 cam_sheet(element, made[-1], title)

@@ -1,5 +1,6 @@
 """A mechanism in motion, as an animated GIF."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from engine import Scene, has_cycle
 from sweeps.pictures.drawing import FILLS, DrawnMotion, bounds, figures, names_of_points, paint, prepare_axes
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
+from sweeps.text.engineer_units import quantity_text
 from sweeps.text.whole_files import whole_file
 
 DOTS_PER_INCH = 100
@@ -60,7 +62,8 @@ def save_animation(
     poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
     # Names that hop from side to side would distract.
     names = names_of_points(motion, [motion.node(at) for at in moments], poses)
-    pictures = _pictures(motion, [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)])
+    whole = [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)]
+    pictures = _pictures(motion, whole, [_instant(motion, at) for at in moments])
     indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
     # The format counts in hundredths of a second.
     pace = 10 * round(100 / fps)
@@ -81,6 +84,14 @@ def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:
     return motion.q[0] + (motion.q[-1] - motion.q[0]) * swing
 
 
+def _instant(motion: DrawnMotion, at: float) -> str:
+    """Where the input stands, and over a cycle when, at its mean speed."""
+    if not has_cycle(motion.scene):
+        return f"q = {quantity_text(at, 'm')}"
+    time = quantity_text(float(at / motion.numbers["input.speed"]), "s")
+    return f"φ = {math.degrees(at):.0f}°, t = {time}"
+
+
 def _palette() -> Image.Image:
     """The colours of a drawing and what lies between each and white, where edges are smoothed."""
     inks = np.array([to_rgb("black"), to_rgb(VERMILION)])
@@ -91,17 +102,18 @@ def _palette() -> Image.Image:
     return holder
 
 
-def _pictures(motion: DrawnMotion, poses: list[list]) -> list[Image.Image]:
-    """Every pose on axes that stay the same."""
+def _pictures(motion: DrawnMotion, poses: list[list], titles: list[str]) -> list[Image.Image]:
+    """Every pose with its title on axes that stay the same."""
     with house_style():
         figure = Figure(dpi=DOTS_PER_INCH, layout="constrained")
         canvas, ax = FigureCanvasAgg(figure), figure.add_subplot()
         factor = prepare_axes(ax, bounds(p for pose in poses for p in pose), motion.radius)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min((LARGEST_WIDTH - 0.7) / width, (LARGEST_HEIGHT - 0.6) / height)
-        figure.set_size_inches(scale * width + 0.7, scale * height + 0.6)
+        figure.set_size_inches(scale * width + 0.7, scale * height + 0.8)
         pictures = []
-        for pose in poses:
+        for pose, title in zip(poses, titles, strict=True):
+            ax.set_title(title, loc="left")
             for patch in list(ax.patches):
                 patch.remove()
             paint(ax, pose, factor)

@@ -234,7 +234,7 @@ def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: Cyc
         return
     (fi, unit_i), (fw, unit_w) = engineer_unit(cycle.units["reduced_inertia"], inertia), engineer_unit("J", work)
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
-    ax.plot(fi * inertia[0], fw * work[0], "o", color=BLUE, markersize=3)
+    _mark_quarters(ax, cycle, fi * inertia, fw * work)
     ax.xaxis.set_major_locator(MaxNLocator(4))
     ax.set(title="Energy loop", xlabel=f"I, {unit_i}", ylabel=f"ΔE, {unit_w}")
     ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))
@@ -252,6 +252,15 @@ def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: Cyc
     ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
     # Within the axes it would cover one of the tangents, whatever their slopes.
     ax.figure.legend(loc="outside lower right", ncols=2)
+
+
+def _mark_quarters(ax: Axes, cycle: CycleCurves, x: np.ndarray, y: np.ndarray) -> None:
+    """Mark the beginning of a cycle and its quarters on a loop, with the position of the input there."""
+    quarters = np.arange(4) * x.size // 4
+    ax.plot(x[quarters], y[quarters], "o", color=BLUE, markersize=3)
+    for k in quarters:
+        text = f"φ {cycle.q[k]:.0f}°" if "°" in cycle.q_label else f"{cycle.q[k]:.3g}"
+        ax.annotate(text, (x[k], y[k]), (3, 3), textcoords="offset points", fontsize=6)
 
 
 def _tangents(

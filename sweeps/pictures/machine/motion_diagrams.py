@@ -49,6 +49,7 @@ class _Course(NamedTuple):
     acceleration: np.ndarray
     energy: np.ndarray
     moments: dict[str, np.ndarray]
+    powers: dict[str, np.ndarray]
     works: dict[str, np.ndarray]
     coupled: dict[str, np.ndarray]
 
@@ -56,11 +57,6 @@ class _Course(NamedTuple):
     def acting(self) -> dict[str, np.ndarray]:
         """Moments of what acts in this regime."""
         return {key: row for key, row in self.moments.items() if np.any(row)}
-
-    @property
-    def powers(self) -> dict[str, np.ndarray]:
-        """Powers of what acts in this regime [W]."""
-        return {key: row * self.speed for key, row in self.acting.items()}
 
 
 def courses(seen: History) -> list[_Course]:
@@ -74,23 +70,27 @@ def courses(seen: History) -> list[_Course]:
     moments = {"motors": seen.motor_moment} | seen.load_moments
     moments = {name: row for name, row in moments.items() if np.any(row[whole])}
     found = []
-    done = dict.fromkeys(moments, 0.0)
+    done = dict.fromkeys([*moments, *(["coupling"] if seen.powers["coupling"].any() else [])], 0.0)
     for name in dict.fromkeys(seen.regime):
         chosen = whole & (seen.regime == name)
         if chosen.sum() < 2:
             continue
-        turned = np.diff(seen.angle[chosen])
         own = {key: row[chosen] for key, row in moments.items()}
+        powers = {key: seen.powers[key][chosen] for key in done}
+        turned, spent = np.diff(seen.angle[chosen]), np.diff(seen.time[chosen])
+        # Where all goes at one speed, work is done over the angle: it is the same at a jump of the speed.
+        rates = powers if seen.powers["coupling"].any() else own
+        steps = spent if seen.powers["coupling"].any() else turned
         works = {
-            key: done[key] + np.concatenate(([0.0], np.cumsum(0.5 * turned * (row[1:] + row[:-1]))))
-            for key, row in own.items()
+            key: done[key] + np.concatenate(([0.0], np.cumsum(0.5 * steps * (row[1:] + row[:-1]))))
+            for key, row in rates.items()
         }
         done = {key: row[-1] for key, row in works.items()}
         time = seen.time[chosen] - seen.time[chosen][0]
         rows = (row[chosen] for row in (seen.angle, seen.speed, seen.acceleration, seen.energy))
         coupled = {"shaft_speed": seen.shaft_speed[chosen], "coupling": seen.coupling_moment[chosen]}
         coupled = {key: row for key, row in coupled.items() if np.isfinite(row).any()}
-        found.append(_Course(str(name), time, *rows, own, works, coupled))
+        found.append(_Course(str(name), time, *rows, own, powers, works, coupled))
     return found
 
 
@@ -153,7 +153,8 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
 
 def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     own = {"speed": (BLUE, None), "energy": ("black", "kinetic energy E"), "acceleration": (GREEN, None)}
-    own |= {"shaft_speed": (GREEN, "shaft behind the coupling"), "coupling": (GREEN, "coupling, on the crank")}
+    own |= {"shaft_speed": (GREEN, "shaft behind the coupling")}
+    own |= {"coupling": (GREEN, "coupling on the crank, its heat")}
     for key, row in rows.items():
         colour, label = own.get(key) or (_COLOURS[key], _WORDS[key])
         ax.plot(*_thinned(x, row), color=colour, label=label, linewidth=1.0)

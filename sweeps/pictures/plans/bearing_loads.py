@@ -134,11 +134,11 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
         ax.plot(np.angle(end), abs(end), "o", color=BLUE, markersize=2.5)
         if np.isfinite(end) and (np.abs(lettered - end) > CROWDED * top).all():
             lettered = np.append(lettered, end)
-            text = f"{np.degrees(load.q[k]):.0f}°" if load.turns else f"{1e3 * load.q[k]:.3g} mm"
+            text = f"φ {np.degrees(load.q[k]):.0f}°" if load.turns else f"{1e3 * load.q[k]:.3g} mm"
             ax.annotate(text, (np.angle(end), abs(end)), (2, 2), textcoords="offset points", fontsize=6)
     peak = factor * load.force[load.peak]
     ax.plot(np.angle(peak), abs(peak), "*", color=VERMILION, markersize=7)
-    _axes(ax, unit)
+    _axes(ax, unit, z)
     whose = "frame axes" if load.axes == FRAME else f"axes of {load.axes}"
     ax.set_title(f"on {load.on}, {whose}\npeak {abs(peak):.4g} {unit}", fontsize=7.5, pad=8)
 
@@ -149,16 +149,19 @@ def load_rose(load: BearingLoad, ax: PolarAxes) -> None:
     ax.bar(np.arange(SECTORS) * width, 100 * share, width=width, color=SKY, edgecolor="white", linewidth=0.3)
     free = least_loaded(load)
     ax.plot([free, free], [0, 100 * share.max()], color=VERMILION, linewidth=1.2, linestyle=(0, (4, 2)))
-    _axes(ax, "%")
+    _axes(ax, "%", np.append(share * np.exp(1j * width * np.arange(SECTORS)), share.max() * np.exp(1j * free)))
     ax.set_title(f"share by direction on {load.on}\nleast about {np.degrees(free):.0f}°", fontsize=7.5, pad=8)
 
 
-def _axes(ax: PolarAxes, unit: str) -> None:
+def _axes(ax: PolarAxes, unit: str, drawn: np.ndarray) -> None:
+    """Directions around, and magnitudes along the one between two of them that what is drawn is farthest from."""
     ax.set_thetagrids(np.arange(0, 360, 30))
     ax.yaxis.set_major_locator(MaxNLocator(4))
     ax.tick_params(labelsize=6, pad=-1, labelcolor=GREY)
     ax.tick_params(axis="y", labelcolor="black")
-    ax.set_rlabel_position(15)
+    between = np.radians(np.arange(15, 360, 30))
+    reach = [np.nanmax((drawn * np.exp(-1j * way)).real, where=np.isfinite(drawn), initial=0.0) for way in between]
+    ax.set_rlabel_position(float(np.degrees(between[np.argmin(reach)])))
     ax.set_ylim(0, None)
     ax.text(1.0, 0.0, unit, transform=ax.transAxes, fontsize=7)
 

@@ -63,7 +63,7 @@ def reaction_pictures(
     path : Path
         As for `plan_pictures`.
     fields : collection of str
-        Names of fields; nothing is drawn where none is of a pair's reaction.
+        Names of fields; nothing is drawn where none is of a pair's reaction, or where the scene has free links.
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
 
@@ -72,7 +72,8 @@ def reaction_pictures(
     list of Path
         The files made.
     """
-    asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
+    known = {pair.name for pair in pairs_of(scene)} if not scene.links else set()
+    asked = {name.rpartition(".reaction")[0] for name in fields} & known
     return _reactions(MachineCycle(scene, values), path, asked) if asked else []
 
 

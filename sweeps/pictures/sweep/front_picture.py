@@ -13,10 +13,13 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.report.sweep_result import SweepResult
+from sweeps.text.engineer_units import quantity_text
 
-WIDTH, HEIGHT, DRAWING = 180, 105, 62
+WIDTH, HEIGHT, DRAWING = 180, 105, 72
 # Candidates far from the front would squeeze it into a corner: so many of its widths are shown beyond it.
 ROUND_ABOUT = 0.6
+# Numbers told of each machine that is drawn.
+MOST_TOLD = 4
 
 
 def front_picture(result: SweepResult, data: SweepData, path: Path | str) -> Figure:
@@ -78,11 +81,21 @@ def _scatter(ax: Axes, result: SweepResult, data: SweepData, chosen: Sequence[Ch
     ax.set_title(words, fontsize=7, loc="right", color=GREY)
 
 
+def _number(result: SweepResult, name: str, choice: Choice) -> str:
+    """A number in which chosen machines differ."""
+    short = ".".join(name.split(".")[-2:])
+    return f"{short} = {quantity_text(float(result.columns[name][choice.variant]), result.units[name])}"
+
+
 def _mechanisms(axes: Sequence[Axes], result: SweepResult, chosen: Sequence[Choice]) -> None:
     """The machines of chosen points, all to the same scale."""
     for letter, ax, choice in zip("ABCDEFGH", axes, chosen, strict=False):
         draw(result.scene, ax, values=result.variant_values(choice.variant))
-        ax.set_title("\n".join(wrapped(f"{letter}: {choice.why}", 30)))
+        lines = [
+            *wrapped(f"{letter}: {choice.why}", 30),
+            *(_number(result, n, choice) for n in result.varied[:MOST_TOLD]),
+        ]
+        ax.set_title("\n".join(lines), fontsize=7)
         ax.tick_params(labelsize=6)
     x, y = ([f(ax) for ax in axes] for f in (Axes.get_xlim, Axes.get_ylim))
     for ax in axes:

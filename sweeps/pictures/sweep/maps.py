@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerPathCollection
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
@@ -48,6 +50,8 @@ REASONS = {
 
 
 VEIL = "#e9ebed"
+# How far values go up and down along a row or a column, in ranges of the whole, where contour lines can still be read.
+MOST_TRAVEL = 4.0
 # A band about a curve can be seen from this share of the curve's range on.
 SEEN = 0.002
 
@@ -208,7 +212,7 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
     if sound.any():
         mesh = ax.pcolormesh(places_x, places_y, grid, cmap=COLOURS, shading="nearest", rasterized=grid.size > 10_000)
         ax.figure.colorbar(mesh, ax=ax, label=label, pad=0.02)
-        if min(grid.shape) > 2 and np.nanmax(grid) > np.nanmin(grid):
+        if _is_smooth(grid):
             lines = ax.contour(places_x, places_y, grid, levels=8, colors="white", linewidths=0.7)
             ax.clabel(lines, fontsize=6.5, fmt="%.4g")
     if best is not None:
@@ -225,6 +229,15 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
         ax.figure.legend(handles=handles, loc="outside lower center", ncols=3)
 
 
+def _is_smooth(grid: np.ndarray) -> bool:
+    """Whether contour lines mean something: values rise and fall a few times across the grid, not from cell to cell."""
+    span = np.nanmax(grid) - np.nanmin(grid)
+    if min(grid.shape) < 3 or not span > 0:
+        return False
+    travelled = [np.nansum(np.abs(np.diff(grid, axis=axis)), axis=axis).mean() for axis in (0, 1)]
+    return max(travelled) < MOST_TRAVEL * span
+
+
 def _missing(data: SweepData) -> str:
     return data.legend_of("doesn't meet:")
 
@@ -233,7 +246,9 @@ def _legend_below(figure: Figure, axes: Sequence[Axes]) -> None:
     """One legend for all panels, where it covers nothing."""
     entries = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
     if entries:
-        figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=3)
+        # Dots of the legend can be seen however small those of the picture are.
+        dots = {PathCollection: HandlerPathCollection(sizes=[14])}
+        figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=3, handler_map=dots)
 
 
 def _veil(ax: Axes, xs: np.ndarray, ys: np.ndarray, out: np.ndarray) -> None:
@@ -286,7 +301,7 @@ def scatter(
     (xs, x_label, _), (ys, y_label, _) = data.shown(x), data.shown(y)
     finite = data.ok & np.isfinite(xs) & np.isfinite(ys)
     sound = finite & ~data.out
-    size = float(np.clip(3000 / max(1, np.count_nonzero(finite)), 0.5, 14))
+    size = float(np.clip(6000 / max(1, np.count_nonzero(finite)), 1.5, 14))
     out = finite & data.out
     if out.any():
         ax.scatter(xs[out], ys[out], c=PALE, s=size, linewidths=0, rasterized=True, label=_missing(data))

@@ -1,0 +1,300 @@
+"""Groups of free links: found by themselves, solved as 50 digits say, in the mode that the scene tells."""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+from commands import said
+from free_link_scenes import KINDS, four_sided, free_link_scene, six_sided, triad_data
+from link_coordinates import LinkCoordinates
+
+from engine import AskError, Machine, Near, Scene, SceneError, Verdict, assembly_modes
+from engine.scene.structure.free_groups import cutting_of
+from engine.scene.structure.ordering import order
+
+# Structure
+
+
+def only_group(data: dict):
+    (group,) = order(Scene.model_validate(data)).free_groups.values()
+    return group
+
+
+@pytest.mark.parametrize(
+    ("data", "expected", "unknowns"),
+    [(triad_data(), (3, 3, 4, 6), 2), (four_sided(), (4, 2, 4, 6), 2), (six_sided(), (6, 3, 6, 9), 3)],
+)
+def test_group__has_the_class_and_order_of_the_textbook(data, expected, unknowns):
+    group = only_group(data)
+    assert (group.group_class, group.order, len(group.links), len(group.pairs)) == expected
+    assert len(cutting_of(group).placed) == unknowns
+
+
+def test_class__depends_on_the_driven_link():
+    # Stephenson III is a triad from this side, two dyads from the upper bar's.
+    data = triad_data()
+    data["input"] = {"type": "crank", "pivot": "Q", "pin": "D", "length": 0.2, "speed": "60 rpm", "link": "upper"}
+    data["links"] = {
+        "crank": {"joints": ["O", "A"], "length": 0.03},
+        "rod": {"joints": ["A", "B"], "length": 0.2},
+        "lower": {"joints": ["P", "C"], "length": 0.2},
+        "plate": {"joints": ["D", "B"], "length": 0.1},
+    }
+    data["points"].pop("D"), data["points"].pop("B")
+    data["points"]["C"] = {"link": "plate", "x": 0.05, "y": 0.08}
+    data["bodies"], data["near"] = {}, {}
+    groups = order(Scene.model_validate(data)).free_groups.values()
+    assert [(g.group_class, set(g.links)) for g in groups] == [(2, {"lower", "plate"}), (2, {"crank", "rod"})]
+
+
+def refused(data: dict) -> str:
+    with pytest.raises(SceneError) as caught:
+        order(Scene.model_validate(data))
+    return str(caught.value)
+
+
+def test_links_with_a_freedom_of_their_own__are_refused_by_name():
+    data = triad_data()
+    del data["links"]["upper"], data["bodies"]["upper_body"]
+    message = refused(data)
+    assert "moves too freely: rod, lower, plate" in message
+    assert "W = 3·3 − 2·4 = 1" in message
+
+
+def test_links_that_cannot_move__are_refused_by_name():
+    data = triad_data()
+    data["links"]["brace"] = {"joints": ["P", "D"], "length": 0.2}
+    message = refused(data)
+    assert "can't move" in message
+    assert "W = 3·1 − 2·2 = -1" in message
+
+
+def test_group_on_the_frame_alone__is_refused():
+    data = triad_data()
+    data["links"]["rod"]["joints"] = ["O", "B"]
+    assert "hang on the frame alone" in refused(data)
+
+
+# Positions, rates
+
+
+def poses(machine: Machine, fields: dict, k: int) -> list[float]:
+    """Coordinates of all free links at a position, from the fields of their points and angles."""
+    scene, found = machine.scene, []
+    for name, link in scene.links.items():
+        point = link.joints[0] if link.joints else next(p for p, part in scene.points.items() if part.link == name)
+        part = scene.points.get(point) if not link.joints else None
+        place = 0j if part is None else part.x + 1j * part.y
+        if point in scene.points and scene.points[point].link == "frame":
+            at = scene.points[point].x + 1j * scene.points[point].y
+        else:
+            at = fields[f"{point}.x"][0][k] + 1j * fields[f"{point}.y"][0][k]
+        angle = fields[f"{name}.angle"][0][k]
+        origin = at - place * np.exp(1j * angle)
+        found += [origin.real, origin.imag, angle]
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_motion_of_every_kind_of_group__is_that_of_50_digits(kind):
+    scene = free_link_scene(kind)
+    (group,) = order(scene).free_groups
+    parts = ("", "_phi", "_phiphi")
+    moving = {*(p for p, part in scene.points.items() if part.link != "frame"), scene.input.pin}
+    fields = [f"{name}.angle{part}" for name in scene.links for part in parts]
+    fields += [f"{name}.{axis}" for name in sorted(moving) for axis in "xy"]
+    summaries = [
+        "input_moment_disagreement",
+        "equilibrium_residual",
+        "loop_closure_residual",
+        f"{group}.certificate.max",
+    ]
+    machine = Machine(scene, summaries, fields, positions=8)
+    outcome = machine.evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    least = 0.05
+    exact = LinkCoordinates(scene)
+    for k in (1, 6):
+        motion = exact.motion(poses(machine, outcome.fields, k), machine.nodes[k])
+        for name in scene.links:
+            for part, row in zip(parts, motion[name], strict=True):
+                found = outcome.fields[f"{name}.angle{part}"][0][k]
+                apart = (found - row[2] + math.pi) % (2 * math.pi) - math.pi if part == "" else found - row[2]
+                # Rounding of a position, some 1e-15, is magnified by 1/quality in each derivative.
+                assert abs(apart) < 1e-14 / least * max(1.0, abs(row[2]) / least)
+    # Reactions agree with virtual power and with the change of kinetic energy.
+    assert outcome.summaries["input_moment_disagreement"][0] < 1e-13
+    assert outcome.summaries["equilibrium_residual"][0] < 1e-13
+    assert outcome.summaries["loop_closure_residual"][0] < 1e-14
+    assert outcome.summaries[f"{group}.certificate.max"][0] < 0.5
+
+
+# Assembly modes
+
+
+def count_by_scanning(data: dict) -> int:
+    """Modes of the triad of three bars: the upper bar's angle is scanned, the plate follows from the lower bar."""
+    points, links = data["points"], data["links"]
+
+    def at(name: str) -> complex:
+        return points[name]["x"] + 1j * points[name]["y"]
+
+    angle = np.linspace(0.0, 2.0 * math.pi, 200001)
+    d = at("Q") + links["upper"]["length"] * np.exp(1j * angle)
+    count, pin = 0, data["input"]["length"] + 0j
+    dc, db = at("C") - at("D"), at("B") - at("D")
+    span = at("P") - d
+    cosine = (abs(span) ** 2 + abs(dc) ** 2 - links["lower"]["length"] ** 2) / (2 * abs(span) * abs(dc))
+    inside = np.abs(cosine) <= 1.0
+    for side in (1, -1):
+        turn = np.angle(span) + side * np.arccos(np.where(inside, cosine, 0.0)) - np.angle(dc)
+        miss = np.where(inside, abs(d + db * np.exp(1j * turn) - pin) - links["rod"]["length"], np.nan)
+        count += int(np.count_nonzero(miss[:-1] * miss[1:] < 0.0))
+    return count
+
+
+def test_modes__are_as_many_as_a_scan_finds():
+    random, counts = np.random.default_rng(7), set()
+    for _ in range(4):
+        data = triad_data()
+        for name in ("rod", "lower", "upper"):
+            data["links"][name]["length"] *= random.uniform(0.7, 1.5)
+        for name in "CD":
+            for axis in "xy":
+                data["points"][name][axis] = random.uniform(-0.3, 0.3)
+        (modes,) = assembly_modes(Scene.model_validate(data)).values()
+        assert len(modes) == count_by_scanning(data)
+        counts.add(len(modes))
+    assert counts == {0, 2, 4, 6}
+
+
+def test_scene_that_tells_no_mode__is_refused_with_the_places():
+    data = triad_data() | {"near": {}}
+    with pytest.raises(SceneError, match=r"2 assembly modes .* near\.B = .* B may lie at"):
+        Machine(Scene.model_validate(data), ["loop_closure_residual"]).evaluate({})
+
+
+def in_mode(scene: Scene, mode) -> Scene:
+    return scene.model_copy(update={"near": {name: Near(x=x, y=y) for name, (x, y) in mode.points.items()}})
+
+
+def test_modes_that_meet__end_at_one_singular_place():
+    scene = Scene.model_validate(four_sided())
+    (modes,) = assembly_modes(scene).values()
+    assert len(modes) == 4
+    places = []
+    for mode in modes[1:3]:
+        outcome = Machine(in_mode(scene, mode), ["loop_closure_residual"]).evaluate({})
+        assert outcome.status[0] == Verdict.SINGULAR
+        places.append(outcome.status_at[0])
+    assert modes[1].transmission * modes[2].transmission < 0.0
+    assert places[0] == pytest.approx(places[1], abs=1e-6)
+
+
+def test_turn_that_ends_on_another_mode__has_its_verdict():
+    data = triad_data() | {"bodies": {}, "near": {"D": {"x": -0.1436, "y": -0.117}}}
+    places = {
+        "P": (0.16118991452736542, -0.15871848211076536),
+        "Q": (-0.019079077318118365, -0.06985801014958354),
+        "B": (0.08142639717253887, 0.058049477547174835),
+        "C": (-0.07656358429201503, 0.06432742463646056),
+        "D": (0.08907119200760616, -0.04545682296800074),
+    }
+    for name, (x, y) in places.items():
+        data["points"][name] |= {"x": x, "y": y}
+    lengths = {"rod": 0.1502634300047681, "lower": 0.25412478894339685, "upper": 0.13317289919438757}
+    for name, length in lengths.items():
+        data["links"][name]["length"] = length
+    data["input"]["length"] = 0.0424065209876992
+    outcome = Machine(Scene.model_validate(data), ["loop_closure_residual"]).evaluate({})
+    assert outcome.status[0] == Verdict.OTHER_MODE
+    assert np.isnan(outcome.summaries["loop_closure_residual"][0])
+
+
+def test_command__lists_the_modes_of_the_template(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert said("new", "triad").exit_code == 0
+    listed = said("modes", "triad.toml", "--no-plots").output
+    assert "group_of_plate: 2 real assembly modes" in listed
+    assert listed.count("the scene's") == 1
+
+
+# Sweeps
+
+
+def test_sweep__follows_the_mode_of_its_scene():
+    scene = free_link_scene("three bars")
+    lengths = np.array([0.2, 0.205, 0.22, 0.19, 0.6])
+    path = "links.lower.length"
+    fields = ["plate.angle", "C.x", "C.y"]
+    swept = Machine(scene, fields=fields, varied=[path], positions=8).evaluate({path: lengths})
+    assert swept.status.tolist() == [0, 0, 0, 0, Verdict.MODE_NOT_REACHED]
+    for i, length in enumerate(lengths[:4]):
+        data = triad_data()
+        data["links"]["lower"]["length"] = float(length)
+        data["near"]["C"] = {"x": float(swept.fields["C.x"][i][0]), "y": float(swept.fields["C.y"][i][0])}
+        alone = Machine(Scene.model_validate(data), fields=fields, positions=8).evaluate({})
+        assert swept.fields["plate.angle"][i] == pytest.approx(alone.fields["plate.angle"][0], abs=1e-13)
+
+
+def test_place_that_tells_the_mode__is_not_varied():
+    with pytest.raises(AskError, match=r"near\.C\.x tells the scene's assembly mode"):
+        Machine(free_link_scene("three bars"), varied=["near.C.x"])
+
+
+def test_free_links_that_are_dyads__agree_with_the_dyads():
+    data = {
+        "gravity": 9.81,
+        "points": {"O": {"x": 0, "y": 0}, "D": {"x": 0.22, "y": 0}, "E": {"link": "coupler", "x": 0.1, "y": 0.05}},
+        "guides": {"way": {"x": 0.0, "y": 0.25, "angle": 0.2}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.06, "speed": "120 rpm"},
+        "bodies": {
+            "coupler_body": {"link": "coupler", "mass": 0.6, "x": 0.1, "inertia": 0.002},
+            "rocker_body": {"link": "rocker", "mass": 0.6, "x": 0.1, "inertia": 0.002},
+            "ram_body": {"link": "ram", "mass": 1.2},
+        },
+    }
+    dyads, free = copy.deepcopy(data), copy.deepcopy(data)
+    dyads["groups"] = {
+        "swing": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "coupler", "joint": "A", "length": 0.2},
+            "second": {"link": "rocker", "joint": "D", "length": 0.14},
+        },
+        "press": {
+            "type": "RRP",
+            "inner": "F",
+            "first": {"link": "rod", "joint": "E", "length": 0.25},
+            "second": {"link": "ram", "guide": "way"},
+        },
+    }
+    free["links"] = {
+        "coupler": {"joints": ["A", "B"], "length": 0.2},
+        "rocker": {"joints": ["D", "B"], "length": 0.14},
+        "rod": {"joints": ["E", "F"], "length": 0.25},
+        "ram": {"joints": ["F"], "guide": "way"},
+    }
+    same = {
+        "rocker.angle": "rocker.angle",
+        "rocker.angle_phiphi": "rocker.angle_phiphi",
+        "ram.slide": "ram.slide",
+        "ram.slide_phiphi": "ram.slide_phiphi",
+        "swing.first.reaction_x": "coupler.A.reaction_x",
+        "swing.second.reaction_y": "rocker.D.reaction_y",
+        "press.first.reaction_y": "rod.E.reaction_y",
+        "press.second.reaction": "ram.way.reaction",
+        "input_moment_by_equilibrium": "input_moment_by_equilibrium",
+        "reduced_inertia": "reduced_inertia",
+        "reduced_moment": "reduced_moment",
+    }
+    one = Machine(Scene.model_validate(dyads), fields=same, positions=16).evaluate({})
+    b = Machine(Scene.model_validate(dyads), fields=["B.x", "B.y", "F.x", "F.y"], positions=8).evaluate({}).fields
+    free["near"] = {p: {"x": float(b[f"{p}.x"][0][0]), "y": float(b[f"{p}.y"][0][0])} for p in "BF"}
+    scene = Scene.model_validate(free)
+    assert [group.group_class for group in order(scene).free_groups.values()] == [2, 2]
+    other = Machine(scene, fields=same.values(), positions=16).evaluate({})
+    for name, own in same.items():
+        expected = one.fields[name][0]
+        assert other.fields[own][0] == pytest.approx(expected, abs=1e-12 * np.abs(expected).max()), name

@@ -1,0 +1,382 @@
+"""Motion at two speeds, with a clutch or a fluid coupling between the crank and a shaft."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from motion_scenes import (
+    CRANK_INERTIA,
+    ECCENTRIC_MASS,
+    ECCENTRICITY,
+    MOMENTS,
+    RADIUS,
+    RAM_MASS,
+    RATIO,
+    ROD,
+    ask,
+    rotor,
+    run,
+    slider_crank,
+    steady,
+)
+from scipy.integrate import solve_ivp
+
+from engine import Scene, Verdict, history
+
+CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 4.0}
+SHAFT_INERTIA = 0.004
+NAMES = "time angle final_speed energy_change work_residual clutch_heat clutch_slip_angle clutch_moment_peak"
+NAMES += " clutch_slip_time clutch_lock_up_time clutch_lock_up_speed motor_shaft_final_speed"
+
+
+def of(regime: str, names: str) -> str:
+    return " ".join(f"{regime}.{name}" for name in names.split())
+
+
+def coupled(scene: dict, inertia: float = SHAFT_INERTIA, open_in: str = "", **clutch: object) -> dict:
+    """A sample machine with its motors and a shaft of its own inertia behind a clutch, open in some of its regimes."""
+    scene["shafts"]["motor_shaft"]["inertia"] = inertia
+    scene["couplings"] = {"clutch": CLUTCH | clutch}
+    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
+    for name in open_in.split():
+        scene["regimes"][name]["off"].append("clutch")
+    return scene
+
+
+# Constant moments and inertias: closed forms
+
+
+def slipping(*rows: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Time until the speeds agree, angle of the crank until then, and the least speed of both sides."""
+    own, ratio, capacity, crank, shaft, inertia, load = rows
+    slip, reduced = shaft / ratio - crank, ratio**2 * own
+    pull = np.sign(slip) * ratio * capacity
+    change = (load + pull) / inertia
+    time = slip / (change + pull / reduced)
+    end = crank + change * time
+    return time, crank * time + 0.5 * change * time**2, np.minimum(np.minimum(crank, shaft), end)
+
+
+def test_two_rotating_masses__come_to_one_speed_with_the_heat_of_the_closed_form():
+    """u' = (M₂ − C)/J − (M₁ + C)/I is constant, and so is the moment on either side."""
+    rng, n = np.random.default_rng(7), 4000
+    own, ratio, capacity = 10 ** rng.uniform(-6, 3, n), 10 ** rng.uniform(-1, 2, n), 10 ** rng.uniform(-2, 4, n)
+    crank, shaft = 10 ** rng.uniform(-1, 3, n), 10 ** rng.uniform(0, 4, n)
+    inertia, load = 10 ** rng.uniform(-6, 3, n), rng.uniform(-0.5, 0.5, n) * capacity * ratio
+    time, turned, slowest = slipping(own, ratio, capacity, crank, shaft, inertia, load)
+    # Neither side comes to rest on the way, which is short.
+    sound = np.flatnonzero((slowest > 0.0) & (time > 0.0) & (turned < 30.0))[:100]
+    assert sound.size == 100
+    every = (own, ratio, capacity, crank, shaft, inertia, load, time, turned)
+    own, ratio, capacity, crank, shaft, inertia, load, time, turned = (row[sound] for row in every)
+    scene = coupled(rotor({"go": run("load", from_speed=1.0, from_shaft_speed=1.0, lock_up=True)}))
+    varied = {
+        "bodies.eccentric.inertia": inertia,
+        "shafts.motor_shaft.inertia": own,
+        "shafts.motor_shaft.ratio": ratio,
+        "couplings.clutch.capacity": capacity,
+        "regimes.go.from_speed": crank,
+        "regimes.go.from_shaft_speed": shaft,
+        "moments.load.moment": load,
+    }
+    found = ask(scene, of("go", NAMES), varied=varied)
+    assert set(found.status) == {Verdict.OK}
+    slip, most = shaft / ratio - crank, ratio * capacity
+    change = (load + np.sign(slip) * most) / inertia
+    heat = 0.5 * most * np.abs(slip) * time
+    expected = {
+        "time": time,
+        "clutch_slip_time": time,
+        "clutch_heat": heat,
+        "clutch_slip_angle": 0.5 * ratio * np.abs(slip) * time,
+        "clutch_moment_peak": capacity,
+        "clutch_lock_up_speed": crank + change * time,
+        "energy_change": load * turned - heat,
+    }
+    # What is a difference rounds as its terms do. Slip is one of speeds, which may lie near each other.
+    energy = 0.5 * inertia * crank**2 + 0.5 * own * shaft**2 + np.abs(load * turned)
+    sizes = {"energy_change": energy, "clutch_lock_up_speed": crank + np.abs(change * time)}
+    worth = 1.0 + np.abs(crank / slip)
+    for key, value in expected.items():
+        size = sizes.get(key, np.abs(value))
+        off = np.abs(found.values[f"go.{key}"] - value) / (size * worth)
+        assert off.max() < 1e-9, key
+        # Figures hold, but for the rounding of the closed form itself.
+        allowed = found.errors[f"go.{key}"] + 1e-13 * size * worth
+        assert (np.abs(found.values[f"go.{key}"] - value) <= allowed).all(), key
+    assert np.abs(found.values["go.work_residual"]).max() < 1e-10
+
+
+def test_clutch_alone__makes_the_heat_of_an_inelastic_impact():
+    """Without outer moments ½ I₁I₂/(I₁+I₂) Δω², however the clutch is engaged."""
+    go = run("", from_speed=3.0, from_shaft_speed=60.0, lock_up=True)
+    own = RATIO**2 * SHAFT_INERTIA
+    slip, both = 60.0 / RATIO - 3.0, 0.4 * own / (0.4 + own)
+    for engaging in ({}, {"engagement": 0.2}, {"over_time": [0.0, 0.1, 0.3], "share": [0.2, 0.1, 1.0]}):
+        found = ask(coupled(rotor({"go": go}), **engaging), of("go", NAMES))
+        assert found["go.clutch_heat"] == pytest.approx(0.5 * both * slip**2, rel=1e-10)
+        speed = (0.4 * 3.0 + own * 60.0 / RATIO) / (0.4 + own)
+        assert found["go.clutch_lock_up_speed"] == pytest.approx(speed, rel=1e-10)
+        assert found["go.motor_shaft_final_speed"] == pytest.approx(RATIO * speed, rel=1e-10)
+    # Of a capacity that grows evenly the moment's integral is ½ C t²/T: the impulse both sides need.
+    even = ask(coupled(rotor({"go": go}), engagement=0.2), of("go", NAMES))
+    assert even["go.time"] == pytest.approx(math.sqrt(2 * 0.2 * both * slip / (4.0 * RATIO)), rel=1e-10)
+
+
+# Against an independent simulation
+
+
+def reference(capacity: float, engagement: float, until: float, shaft_speed: float) -> dict:
+    """The slider-crank from rest by SciPy, phase by phase: time, both speeds, heat, slip time, and phases."""
+    own, motor = RATIO**2 * SHAFT_INERTIA, MOMENTS["dc"]
+    oil, fan = MOMENTS["oil"]["coefficient"], MOMENTS["fan"]["coefficient"]
+
+    def inertia(phi: float) -> tuple[float, float]:
+        c, s = math.cos(phi), math.sin(phi)
+        x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
+        rate = -RADIUS * s - RADIUS**2 * s * c / x
+        curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
+        fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
+        return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
+
+    def limit(t: float) -> float:
+        return RATIO * capacity * min(t / engagement, 1.0)
+
+    def sides(y: np.ndarray) -> tuple[float, float, float]:
+        whole, slope = inertia(y[0])
+        crank = -oil * y[1] - fan * y[1] ** 2 - 0.5 * y[1] ** 2 * slope
+        drive = RATIO * motor["stall_moment"] * (1 - RATIO * y[2] / motor["no_load_speed"])
+        return whole, crank, drive
+
+    def transmitted(y: np.ndarray) -> float:
+        whole, crank, drive = sides(y)
+        return drive - own * (crank + drive) / (whole + own)
+
+    def slipping(way: int) -> Callable[[float, np.ndarray], list[float]]:
+        def rates(t: float, y: np.ndarray) -> list[float]:
+            whole, crank, drive = sides(y)
+            pull = way * limit(t)
+            return [y[1], (crank + pull) / whole, (drive - pull) / own, pull * (y[2] - y[1]), 1.0]
+
+        return rates
+
+    def together(_: float, y: np.ndarray) -> list[float]:
+        whole, crank, drive = sides(y)
+        change = (crank + drive) / (whole + own)
+        return [y[1], change, change, 0.0, 0.0]
+
+    t, y, mode, phases = 0.0, np.array([0.0, 0.0, shaft_speed / RATIO, 0.0, 0.0]), 1, [1]
+    while t < until:
+        if mode:
+            end = lambda t, y: y[2] - y[1]  # noqa: E731
+            end.direction = -mode
+        else:
+            end = lambda t, y: abs(transmitted(y)) - limit(t)  # noqa: E731
+            end.direction = 1
+        end.terminal = True
+        stops = engagement if t < engagement else until
+        how = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13, "max_step": 0.01, "events": end}
+        gone = solve_ivp(slipping(mode) if mode else together, (t, stops), y, **how)
+        t, y = float(gone.t[-1]), gone.y[:, -1].copy()
+        if gone.status == 1:
+            if mode:
+                y[2] = y[1]
+            need = transmitted(y)
+            mode = 0 if mode and abs(need) <= limit(t) else int(math.copysign(1, need))
+            phases.append(mode)
+    return {"final_speed": y[1], "motor_shaft_final_speed": RATIO * y[2], "angle": y[0], "clutch_heat": y[3]} | {
+        "clutch_slip_time": y[4],
+        "phases": phases,
+    }
+
+
+def test_start_of_a_slider_crank__goes_as_an_independent_simulation_does():
+    """Of the lower capacities the clutch slips again and again as the ram is sped up and slowed down."""
+    capacities = np.array([0.15, 0.2, 0.3, 3.0])
+    scene = coupled(slider_crank({"go": run("dc oil fan", from_speed=0.0, from_shaft_speed=90.0, time=1.2)}))
+    scene["couplings"]["clutch"]["engagement"] = 0.3
+    varied = {"couplings.clutch.capacity": capacities}
+    names = "angle final_speed motor_shaft_final_speed clutch_heat clutch_slip_time work_residual clutch_moment_peak"
+    found = ask(scene, of("go", names), varied=varied)
+    assert found.status == [Verdict.OK] * 4
+    phases = []
+    for i, capacity in enumerate(capacities):
+        known = reference(capacity, 0.3, 1.2, 90.0)
+        phases.append(len(known.pop("phases")))
+        for key, value in known.items():
+            assert found.values[f"go.{key}"][i] == pytest.approx(value, rel=2e-8), (key, capacity)
+            # SciPy's own error, with a relative tolerance of 1e-12 a step over some hundred steps, and its events.
+            allowed = found.errors[f"go.{key}"][i] + 1e-8 * abs(value)
+            assert abs(found.values[f"go.{key}"][i] - value) <= allowed
+    assert max(phases) > 4
+    assert np.abs(found.values["go.work_residual"]).max() < 1e-9
+    assert (found.values["go.clutch_moment_peak"] <= capacities * (1 + 1e-9)).all()
+
+
+def test_jumps_of_moments__leave_the_works_in_balance():
+    scene = coupled(slider_crank({"go": run("dc by_angle rub oil gravity cut", from_speed=0.0, cycles=3.0)}))
+    scene["couplings"]["clutch"]["engagement"] = 0.3
+    found = ask(scene, of("go", "work_residual clutch_heat time useful_work"))
+    assert abs(found["go.work_residual"]) < 1e-9
+    assert found["go.clutch_heat"] > 0.0
+
+
+# What becomes of it
+
+
+def test_capacity_below_the_load__never_brings_the_sides_together():
+    scene = coupled(slider_crank({"go": run("dc rub", from_shaft_speed=90.0, lock_up=True)}))
+    found = ask(scene, "go.time", varied={"couplings.clutch.capacity": [0.99 * 0.4 / RATIO, 2.0 * 0.4 / RATIO]})
+    assert found.status == [Verdict.SLIPS, Verdict.OK]
+
+
+def test_steady_motion__slips_where_the_clutch_holds_less_than_it_takes():
+    scene = coupled(slider_crank({"work": steady("dc oil")}))
+    most = ask(scene, "work.clutch_moment_peak work.mean_speed")
+    peak, figure = most["work.clutch_moment_peak"], most.figure("work.clutch_moment_peak")
+    found = ask(scene, "work.mean_speed", varied={"couplings.clutch.capacity": [peak - 2 * figure, peak + 2 * figure]})
+    assert found.status == [Verdict.SLIPS, Verdict.OK]
+    # In a run it slips from just there, once it goes as in steady motion.
+    runs = coupled(slider_crank({"work": steady("dc oil"), "on": run("dc oil", cycles=2.0)}))
+    names = "on.clutch_heat on.clutch_moment_peak"
+    found = ask(runs, names, varied={"couplings.clutch.capacity": [4.0, 1.01 * peak]})
+    assert found.status == [Verdict.OK] * 2
+    assert found.values["on.clutch_heat"] == pytest.approx(0.0, abs=1e-12)
+    off = np.abs(found.values["on.clutch_moment_peak"] - peak)
+    assert (off <= figure + found.errors["on.clutch_moment_peak"]).all()
+
+
+def test_regimes_of_a_press__spin_up_couple_and_brake():
+    """The motor alone, then with the machine, then the machine braked with the clutch open."""
+    regimes = {
+        "spin": run("dc", time=1.0),
+        "start": run("dc rub", lock_up=True),
+        "stop": run("brake", rest=True),
+    }
+    scene = coupled(rotor(regimes), open_in="spin stop")
+    names = "spin.motor_shaft_final_speed spin.final_speed start.time start.final_speed start.motor_shaft_final_speed"
+    found = ask(scene, f"{names} stop.time stop.brake_heat stop.motor_shaft_final_speed")
+    decay = MOMENTS["dc"]["stall_moment"] / (MOMENTS["dc"]["no_load_speed"] * SHAFT_INERTIA)
+    assert found["spin.motor_shaft_final_speed"] == pytest.approx(100.0 * -math.expm1(-decay), rel=1e-9)
+    assert found["spin.final_speed"] == 0.0
+    speed = found["start.final_speed"]
+    assert found["start.motor_shaft_final_speed"] == pytest.approx(RATIO * speed, rel=1e-12)
+    assert found["stop.time"] == pytest.approx(0.4 * speed / 0.8, rel=1e-9)
+    assert found["stop.brake_heat"] == pytest.approx(0.2 * speed**2, rel=1e-9)
+    assert found["stop.motor_shaft_final_speed"] == pytest.approx(RATIO * speed, rel=1e-12)
+    seen = history(Scene.model_validate(scene))
+    assert seen.verdict == Verdict.OK
+    ends = {name: np.flatnonzero(seen.regime == name)[-1] for name in regimes}
+    assert seen.shaft_speed[ends["spin"]] == pytest.approx(found["spin.motor_shaft_final_speed"], rel=1e-9)
+    assert seen.speed[ends["start"]] == pytest.approx(speed, rel=1e-9)
+    slips = (seen.regime == "start") & (seen.shaft_speed > RATIO * seen.speed * (1 + 1e-9))
+    assert seen.coupling_moment[slips] == pytest.approx(RATIO * 4.0, rel=1e-9)
+
+
+def test_sides_without_inertia__are_told():
+    scene = coupled(rotor({"go": run("dc", time=0.1)}))
+    assert ask(scene, "go.time", varied={"shafts.motor_shaft.inertia": [0.0]}).status == [Verdict.NO_INERTIA]
+
+
+def test_clutch_open_and_nothing_driving__leaves_the_machine_standing():
+    scene = coupled(rotor({"go": run("dc", speed=5.0)}), open_in="go")
+    assert ask(scene, "go.time").status == [Verdict.STALLS]
+
+
+# A fluid coupling
+
+FLUID = {
+    "type": "fluid_coupling",
+    "shaft": "motor_shaft",
+    "diameter": 0.2,
+    "density": 860.0,
+    "slip": [0.0, 1.0],
+    "coefficient": [0.0, 1e-3],
+    "interpolation": "linear",
+}
+
+
+def test_fluid_coupling__transmits_what_its_characteristic_says():
+    """With λ = c s the moment is c ρ D⁵ ω₂ (ω₂ − ω₁), and 1/ω₂ of two free masses obeys a quadratic of its own."""
+    scene = coupled(rotor({"go": run("", from_speed=0.0, from_shaft_speed=90.0, time=2.0)}))
+    scene["couplings"] = {"fluid": FLUID}
+    found = ask(
+        scene, of("go", "final_speed motor_shaft_final_speed fluid_heat fluid_slip energy_change work_residual")
+    )
+    own, factor = RATIO**2 * SHAFT_INERTIA, 1e-3 * 860.0 * 0.2**5 * RATIO**3
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        pull = factor * y[1] * (y[1] - y[0])
+        return [pull / 0.4, -pull / own, pull * (y[1] - y[0]), y[1] - y[0], y[1]]
+
+    end = solve_ivp(rates, (0, 2.0), [0.0, 90.0 / RATIO, 0, 0, 0], method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    assert found["go.final_speed"] == pytest.approx(end[0], rel=1e-9)
+    assert found["go.motor_shaft_final_speed"] == pytest.approx(RATIO * end[1], rel=1e-9)
+    assert found["go.fluid_heat"] == pytest.approx(end[2], rel=1e-9)
+    assert found["go.fluid_slip"] == pytest.approx(end[3] / end[4], rel=1e-9)
+    assert found["go.energy_change"] == pytest.approx(-end[2], rel=1e-9)
+    assert abs(found["go.work_residual"]) < 1e-10
+
+
+def test_fluid_coupling_driven_backwards__takes_its_pump_for_turbine():
+    """A crank that is faster drives the shaft with its own speed squared."""
+    scene = coupled(rotor({"go": run("", from_speed=9.0, from_shaft_speed=0.0, time=0.5)}))
+    scene["couplings"] = {"fluid": FLUID}
+    found = ask(scene, of("go", "final_speed motor_shaft_final_speed"))
+    own, factor = RATIO**2 * SHAFT_INERTIA, 1e-3 * 860.0 * 0.2**5 * RATIO**3
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        pull = factor * y[0] * (y[0] - y[1])
+        return [-pull / 0.4, pull / own]
+
+    end = solve_ivp(rates, (0, 0.5), [9.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    assert found["go.final_speed"] == pytest.approx(end[0], rel=1e-9)
+    assert found["go.motor_shaft_final_speed"] == pytest.approx(RATIO * end[1], rel=1e-9)
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"couplings": {"clutch": CLUTCH | {"shaft": "crank"}}}, "a coupling joins the crank to a shaft geared to it"),
+        ({"couplings": {"a": CLUTCH, "b": CLUTCH}}, "leave one coupling"),
+        ({"couplings": {"fluid": FLUID}}, "no friction clutch is engaged here"),
+        ({"couplings": {}}, "no friction clutch is engaged here"),
+        ({"shafts": {"motor_shaft": {"geared_to": "crank", "ratio": 2.0, "pivot": "O"}}}, "has a pivot"),
+        (
+            {"moments": {"m": {"type": "formula", "on": "motor_shaft", "moment": "1 N m * sin(phi)"}}},
+            "may depend on that speed alone",
+        ),
+        (
+            {
+                "moments": {
+                    name: {"type": "dc_motor", "on": on, "no_load_speed": 9.0, "stall_moment": 1.0}
+                    for name, on in (("m", "motor_shaft"), ("n", "crank"))
+                }
+            },
+            "motors are on both of its sides",
+        ),
+    ],
+)
+def test_what_has_no_meaning__is_refused(change, message):
+    scene = coupled(rotor({}))
+    scene["forces"], scene["moments"] = {}, {}
+    scene["regimes"] = {"go": {"type": "run", "lock_up": True}}
+    with pytest.raises(ValueError, match=message):
+        ask(scene | change, "go.time")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"over_time": [0.0, 1.0]}, "over_time and share belong together"),
+        ({"over_time": [0.0, 1.0], "share": [0.0, 1.0], "engagement": 1.0}, "give one of the two"),
+        ({"over_time": [1.0, 0.5], "share": [0.0, 1.0]}, "must rise from 0 s"),
+    ],
+)
+def test_engagement_given_wrongly__is_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        Scene.model_validate(coupled(rotor({}), **change))
