@@ -35,6 +35,7 @@ from engine.balancing.rotors.influence import (
 from engine.balancing.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
 from engine.balancing.rotors.rotor_element import RotorElement
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
+from engine.compiling.kept_code import is_compiling
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
@@ -113,7 +114,7 @@ from engine.scene.names import did_you_mean, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, Sliding, Yoke
+from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, PlainText, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime
@@ -122,7 +123,7 @@ from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
-from engine.scene.units import UnitError, any_quantity, base_powers, in_text, recognised
+from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
 from engine.verdicts import SENTENCES, Verdict
 
 __version__: str
@@ -189,6 +190,7 @@ __all__ = [
     "Pair",
     "PatternError",
     "PlainNumber",
+    "PlainText",
     "Quantity",
     "ReducedTrain",
     "Regime",
@@ -226,6 +228,7 @@ __all__ = [
     "cam_curves",
     "centre_along",
     "check_yields",
+    "column_in_text",
     "common_units",
     "corrected_unbalance",
     "crank_radius",
@@ -265,6 +268,7 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "input_point",
+    "is_compiling",
     "is_excited",
     "joined_by_and",
     "joint_owners",
@@ -308,6 +312,7 @@ __all__ = [
     "turning_moment_from_areas",
     "turning_moment_from_table",
     "unbalance_in_two_planes",
+    "unit_in",
     "unit_of_dimension",
     "unit_over",
     "unknown_name_message",

@@ -131,6 +131,10 @@ def balance(
     scale = np.array([1.0, 1.0, moment_weight])[: rows.shape[1]]
     limits = [Unknown(2, (most or {}).get(link, math.inf)) for link in links]
     limits += [Unknown(1, place.most) for place in places]
+    with np.errstate(over="ignore"):
+        bounded = np.isfinite(effects).all() and np.isfinite(np.square(rows)).all()
+    if not bounded:
+        raise BalanceError("the shaking force is infinite: masses, lengths or speeds are beyond all bounds")
     solve = least_peak if criterion == "peak" else least_rms
     try:
         found = solve(np.moveaxis(effects, 0, 2) * scale[:, None], rows * scale, limits)

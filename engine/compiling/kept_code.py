@@ -50,6 +50,11 @@ def compiling() -> Iterator[None]:
                 gc.enable()
 
 
+def is_compiling() -> bool:
+    """Whether some thread compiles just now, or loads what was compiled."""
+    return _ONE_COMPILES.locked()
+
+
 def cache_folder() -> Path | None:
     """Folder for machine code in the user's cache, made if it isn't there; None where there is none to be trusted."""
     home = os.environ.get("XDG_CACHE_HOME")

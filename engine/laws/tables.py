@@ -267,16 +267,16 @@ def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str])
     if beyond.size:
         row = beyond[0]
         raise TableError(
-            f"row {row + 1}: {names[0]} = {x[row]} is more than one period ({period}) after the first row"
-            f" ({x[0]}); remove the rows from there on, or correct the period"
+            f"row {row + 1}: {names[0]} = {x[row]:.9g} is more than one period ({period:.9g}) after the first row"
+            f" ({x[0]:.9g}); remove the rows from there on, or correct the period"
         )
     if x[-1] < end:
         return np.append(x, end), np.append(y, y[0])
     if abs(y[-1] - y[0]) > CLOSING_TOLERANCE * np.abs(y).max():
         raise TableError(
-            f"row {x.size}: {names[1]} = {y[-1]} one period after the first row, whose {names[1]} = {y[0]}; make them"
-            f' equal (for a step there: interpolation "linear", and one more row with the same {names[0]} and the'
-            f" first {names[1]})"
+            f"row {x.size}: {names[1]} = {y[-1]:g} one period after the first row, whose {names[1]} = {y[0]:g}; make"
+            f' them equal: repeat row 1 there (for a step: interpolation "linear", row {x.size} as it is, and row 1'
+            f" after it once more, with the {names[0]} of row {x.size})"
         )
     return x, np.append(y[:-1], y[0])
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from engine.scene.actions import Role
 from engine.scene.parts import Angle, Length, Name, Number, Part, Pressure
@@ -32,6 +32,12 @@ class Compressor(Cylinder):
     n_compression: Annotated[Number, Field(gt=0)] = 1.3
     n_expansion: Annotated[Number, Field(gt=0)] = 1.3
     role: Role = "useful"
+
+    @model_validator(mode="after")
+    def _compresses(self) -> "Compressor":
+        if not self.suction < self.discharge:
+            raise ValueError("suction must be below discharge: a compressor raises the pressure")
+        return self
 
 
 class Pump(Cylinder):

@@ -1,10 +1,12 @@
 """The names in a scene: what each one is, what refers to it, and what may carry what."""
 
 import difflib
+import math
 from collections.abc import Iterable
 
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
+from engine.laws.tables import TableError, make_table
 from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
 from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
@@ -173,8 +175,8 @@ def joint_owners(scene: Scene) -> dict[str, str]:
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle, _wrong_regimes)
-    checks += (_wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
+    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
+    checks += (_open_tables, _wrong_regimes, _wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
 
@@ -293,6 +295,23 @@ def _no_cycle(scene: Scene) -> list[Problem]:
         path = f"cylinders.{name}.type"
         if cylinder.type == "four_stroke" and not (turns and drive.revolutions == 2):
             problems.append((path, "a four-stroke engine's cycle is two turns of a crank: set input.revolutions = 2"))
+    return problems
+
+
+def _open_tables(scene: Scene) -> list[Problem]:
+    """Tables over the angle that don't close over the cycle of a crank that turns fully."""
+    drive, problems = scene.input, []
+    if not (isinstance(drive, CrankInput) and drive.start is None):
+        return []
+    for table, ordinate in (("forces", "force"), ("moments", "moment")):
+        for name, action in getattr(scene, table).items():
+            if isinstance(action, Tabled) and action.over_angle is not None:
+                try:
+                    angles, period = [math.degrees(angle) for angle in action.over_angle], 360.0 * drive.revolutions
+                    names = ("over_angle [deg]", ordinate)
+                    make_table(angles, action.ordinates, action.interpolation, period, names=names)
+                except TableError as error:
+                    problems.append((f"{table}.{name}.{ordinate}", str(error)))
     return problems
 
 

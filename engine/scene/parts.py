@@ -19,6 +19,7 @@ import math
 from typing import Annotated, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -29,11 +30,22 @@ from pydantic import (
     model_validator,
 )
 
-from engine.scene.units import in_text, to_si
+from engine.scene.units import in_text, to_si, unit_in
 
 FRAME = "frame"
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
+
+
+def _printable(text: str) -> str:
+    """A text that may be shown anywhere: without control characters, which terminals and files take as commands."""
+    for character in text:
+        if not character.isprintable() and character not in "\n\t":
+            raise ValueError(f"contains the control character {character!r}; write plain text")
+    return text
+
+
+PlainText = Annotated[str, AfterValidator(_printable)]
 
 
 class DimensionMark(str):
@@ -45,6 +57,8 @@ def quantity(dimension: str) -> type:
 
     def read(value: object, info: ValidationInfo) -> float:
         from_text = bool(info.context and info.context.get("text"))
+        if from_text and isinstance(value, str):
+            info.context.setdefault("units", []).append((dimension, unit_in(value)))
         return in_text(value, dimension) if from_text else to_si(value, dimension)
 
     return Annotated[float, BeforeValidator(read), DimensionMark(dimension)]
@@ -450,6 +464,13 @@ class Shaft(Part):
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
     pivot: Name | None = None
     phase: Angle = 0.0
+
+    @field_validator("ratio")
+    @classmethod
+    def _is_geared(cls, ratio: float) -> float:
+        if ratio == 0.0:
+            raise ValueError("a shaft with the ratio 0 never turns: give the ratio of its speed to that of its link")
+        return ratio
 
 
 class WheelForm(Part):

@@ -30,6 +30,7 @@ from engine.scene.parts import (
     Name,
     Near,
     Part,
+    PlainText,
     Point,
     Shaft,
     SliderInput,
@@ -58,8 +59,8 @@ class Scene(Part):
     alone has no input.
     """
 
-    title: str = ""
-    source: str = ""
+    title: PlainText = ""
+    source: PlainText = ""
     gravity: Acceleration = 0.0
     points: dict[Name, Point] = {}
     guides: dict[Name, Guide] = {}
@@ -203,7 +204,8 @@ class Numbers(Mapping[str, float | np.ndarray]):
     def __getitem__(self, path: str) -> float | np.ndarray:
         if path in self._varied:
             return self._varied[path]
-        return self._fixed[path].value
+        # As NumPy's number, so that what overflows or is divided by zero becomes inf or NaN, as in an array.
+        return np.float64(self._fixed[path].value)
 
     def with_values(self, values: Mapping[str, np.ndarray]) -> "Numbers":
         """The same numbers with some of them replaced."""

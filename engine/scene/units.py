@@ -14,16 +14,30 @@ import math
 import numbers
 import re
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from decimal import Context, Decimal, localcontext
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from engine.scene.dimensions import DIMENSIONS, common_units, described, in_words, with_example
 
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["UNIT_NAMES", "UnitError", "any_quantity", "base_powers", "in_any_unit", "in_text", "recognised", "to_si"]
+__all__ = [
+    "UNIT_NAMES",
+    "UnitError",
+    "any_quantity",
+    "base_powers",
+    "column_in_text",
+    "in_any_unit",
+    "in_text",
+    "recognised",
+    "to_si",
+    "unit_in",
+]
 
 
 class UnitError(ValueError):
@@ -32,7 +46,9 @@ class UnitError(ValueError):
 
 _TWO_PI = "6.283185307179586476925286766559005768394"
 
-# hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s.
+# hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s. The pound is 0.45359237 kg, standard
+# gravity 9.80665 m/s². Left out is what may be taken for something else: nm and kn (N m and kN in small letters), ton
+# (three of them), cal (several), P, c and d.
 _DEFINITIONS = f"""
 m = [length]
 um = 1e-6 m
@@ -41,27 +57,51 @@ cm = 1e-2 m
 dm = 0.1 m
 km = 1e3 m
 in = 0.0254 m
+inch = 0.0254 m
+mil = 2.54e-5 m
+thou = 2.54e-5 m
+ft = 0.3048 m
+yd = 0.9144 m
 l = 1e-3 m**3
 L = 1e-3 m**3
+ml = 1e-6 m**3
+mL = 1e-6 m**3
+cc = 1e-6 m**3
 rad = [angle]
 mrad = 1e-3 rad
 rev = {_TWO_PI} rad
 deg = {_TWO_PI} / 360 rad
+gon = {_TWO_PI} / 400 rad
+arcmin = {_TWO_PI} / 21600 rad
+arcsec = {_TWO_PI} / 1296000 rad
 s = [time]
 us = 1e-6 s
 ms = 1e-3 s
 min = 60 s
 h = 3600 s
 Hz = 1 / s
+kHz = 1e3 / s
+rps = {_TWO_PI} rad / s
 rpm = {_TWO_PI} / 60 rad / s
 kg = [mass]
 mg = 1e-6 kg
 g = 1e-3 kg
 t = 1e3 kg
+lb = 0.45359237 kg
+lbm = 0.45359237 kg
+oz = 0.028349523125 kg
+slug = 4.4482216152605 / 0.3048 kg
 N = kg m / s**2
 mN = 1e-3 N
 kN = 1e3 N
 MN = 1e6 N
+daN = 10 N
+lbf = 4.4482216152605 N
+ozf = 0.27801385095378125 N
+kip = 4448.2216152605 N
+kgf = 9.80665 N
+kp = 9.80665 N
+gf = 9.80665e-3 N
 Nmm = 1e-3 N m
 Nm = N m
 kNm = 1e3 N m
@@ -70,15 +110,25 @@ Pa = N / m**2
 kPa = 1e3 Pa
 MPa = 1e6 Pa
 GPa = 1e9 Pa
+hPa = 100 Pa
 bar = 1e5 Pa
+mbar = 100 Pa
+atm = 101325 Pa
+psi = 4.4482216152605 / 0.00064516 Pa
+ksi = 4448.2216152605 / 0.00064516 Pa
 J = N m
 kJ = 1e3 J
 MJ = 1e6 J
+mJ = 1e-3 J
+Wh = 3600 J
+kWh = 3.6e6 J
 W = J / s
 kW = 1e3 W
 MW = 1e6 W
+mW = 1e-3 W
 hp = 745.69987158227022 W
 PS = 735.49875 W
+mph = 0.44704 m / s
 percent = 0.01
 """.strip().splitlines()
 
@@ -95,6 +145,8 @@ _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _FRACTION = re.compile(rf"({_NUMBER})\s*/\s*([0-9]+\.?[0-9]*)")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
+# Characters of numbers in columns.
+_OF_NUMBERS = frozenset("0123456789+-.eE \t")
 _SYMBOLS = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad"}
 _SPELLINGS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
@@ -160,6 +212,52 @@ def in_text(value: str | float | int, dimension: str) -> float:
     if not isinstance(value, str) and number != 0 and dimension != "number":
         raise _no_unit(str(value), dimension)
     return number
+
+
+def column_in_text(cells: Sequence[str] | np.ndarray, unit: str, dimension: str) -> list[float]:
+    """Convert a column of numbers that have one unit to SI.
+
+    Parameters
+    ----------
+    cells : sequence of str, or ndarray
+        Numbers without units; of texts each is rounded correctly, like "80 mm" by `in_text`.
+    unit : str
+        Of all of them, "" for none.
+    dimension : str
+        As in `to_si`.
+
+    Returns
+    -------
+    list of float
+        In SI.
+
+    Raises
+    ------
+    UnitError
+        As `in_text`, for the first cell that is wrong.
+    KeyError
+        As `to_si`.
+    """
+    if not unit and dimension != "number":
+        return [in_text(cell if isinstance(cell, str) else float(cell), dimension) for cell in cells]
+    expected = with_example(dimension)
+    factor = _factor(unit, dimension) if unit else Decimal(1)
+    if isinstance(cells, np.ndarray):
+        found = (cells * float(factor)).tolist()
+        texts = [repr(cell) for cell in cells.tolist()] if not all(map(math.isfinite, found)) else []
+    else:
+        with localcontext(Context(prec=_DIGITS)):
+            # Whatever else Decimal reads, such as "nan" or "1_000", has other characters.
+            if set("".join(cells)) <= _OF_NUMBERS:
+                with suppress(ArithmeticError, OverflowError):
+                    found = [float(Decimal(cell) * factor) for cell in cells]
+                    if all(map(math.isfinite, found)):
+                        return found
+        found, texts = [], list(cells)
+    for cell in texts:
+        _number_and_unit(_stripped(cell, expected), expected)
+        found.append(in_text(f"{cell.strip()} {unit}".strip(), dimension))
+    return found
 
 
 def _read_text(text: str, dimension: str) -> float:
@@ -391,6 +489,12 @@ def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
             return _in_range(number, f"{text!r}", "quantity"), {base: int(power) for base, power in kind.items()}
         except ArithmeticError:
             raise UnitError(f"{text!r} is not a finite quantity") from None
+
+
+def unit_in(text: str) -> str:
+    """The unit of a quantity's text as it is written; "" where there is none."""
+    found = _QUANTITY.fullmatch(text.strip())
+    return found[2] if found else ""
 
 
 def any_quantity(text: str) -> float:

@@ -2,7 +2,7 @@
 
 import click
 
-from sweeps.cli.asking import help_command, quantities
+from sweeps.cli.asking import compare_command, help_command, quantities
 from sweeps.cli.exporting import export
 from sweeps.cli.reporting import report
 from sweeps.cli.running import check, optimise, run
@@ -24,6 +24,7 @@ COMMANDS = (
     optimise,
     verify,
     show,
+    compare_command,
     plot,
     report,
     orders,

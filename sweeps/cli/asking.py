@@ -1,8 +1,11 @@
-"""Commands that tell what there is to ask and to write: quantities, help."""
+"""Commands that tell what there is to ask and to write: quantities, help, compare."""
+
+import sys
+from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages
+from sweeps.cli.shared import DIFFERENT, errors_as_messages, tell
 
 
 @click.command()
@@ -12,9 +15,9 @@ from sweeps.cli.shared import errors_as_messages
 def quantities(file: str, words: tuple[str, ...]) -> None:
     """List what may be asked of a scene, study or result: name, symbol, unit, meaning; only what has all WORDS."""
     from sweeps.cli.named_machine import machine_of
-    from sweeps.report.quantity_list import quantities_text
+    from sweeps.report.help.quantity_list import quantities_text
 
-    click.echo(quantities_text(machine_of(file, None)[0], file, words))
+    tell(quantities_text(machine_of(file, None)[0], file, words))
 
 
 @click.command("help")
@@ -22,6 +25,26 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
 @errors_as_messages
 def help_command(key: str | None) -> None:
     """Explain a key of scenes and studies: `sweeps help input.length`, a table, or a type such as compressor."""
-    from sweeps.report.key_help import key_text, tables_text
+    from sweeps.report.help.key_help import key_text, tables_text
 
-    click.echo(tables_text() if key is None else key_text(key))
+    tell(tables_text() if key is None else key_text(key))
+
+
+@click.command("compare")
+@click.argument("one", type=click.Path(path_type=Path))
+@click.argument("other", type=click.Path(path_type=Path))
+@errors_as_messages
+def compare_command(one: Path, other: Path) -> None:
+    """Compare two result files: what differs in scene and study, which values agree within their error figures.
+
+    The exit code is 1 where values or verdicts differ.
+    """
+    from sweeps.report.comparison import comparison
+    from sweeps.report.sweep_result import SweepResult
+
+    results = SweepResult(one), SweepResult(other)
+    results[0].show_own_units()
+    found = comparison(*results)
+    tell(found.text)
+    if not found.agrees:
+        sys.exit(DIFFERENT)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in
+from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in, tell
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 
@@ -44,9 +44,10 @@ def export(
 ) -> None:
     """Write results, positions or a history as a table, the drawing as SVG or DXF, one variant as a scene (TOML).
 
-    Of a scene with one cam and no mechanism that is the cam.
+    Of a scene with one cam and no mechanism that is the cam. A scene is written as its author wrote it, comments and
+    units kept, with the numbers of the variant in it.
     """
-    from sweeps.cli.named_machine import is_result, machine_of, positions_of, read_at
+    from sweeps.cli.named_machine import is_result, machine_of, numbers_replaced, positions_of, read_at, scene_text_of
     from sweeps.pictures import picture_files
     from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
     from sweeps.report.files import exports
@@ -63,13 +64,14 @@ def export(
     if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
         make_folder(to)
         write_table(to, exports.result_table(Path(file), where))
-        click.echo(f"Wrote {to}")
+        tell(f"Wrote {to}")
         return
     scene, values, name = machine_of(file, variant, settings)
     machine = with_values(scene, values)
     make_folder(to)
     if to.suffix == ".toml":
-        exports.scene_toml(scene, values, to, overwrite)
+        given, replaced = numbers_replaced(file, values, settings)
+        exports.scene_toml(given, replaced, to, scene_text_of(file), overwrite)
     elif (cam := cam_named(machine, element)) is not None:
         export_cam(cam, to)
     elif to.suffix in DRAWINGS:
@@ -78,9 +80,9 @@ def export(
         table, ended = exports.history_table(machine, {}, names_in(columns))
         write_table(to, table)
         if ended:
-            click.echo(f"The history ends early: {ended}", err=True)
+            tell(f"The history ends early: {ended}", err=True)
     elif at:
         write_table(to, exports.reading_table(read_at(machine, at, names_in(columns)), scene.title))
     else:
         write_table(to, exports.position_table(machine, {}, positions or 360, names_in(columns)))
-    click.echo(f"Wrote {to} of {name}")
+    tell(f"Wrote {to} of {name}")

@@ -37,6 +37,7 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     """
     if is_result(file):
         result = SweepResult(Path(file))
+        result.show_own_units()
         if variant is None:
             variant = result.best()
         if variant is None and is_front(result):
@@ -46,6 +47,8 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     study = read_study(find_study(file))
     if variant is None:
         return (*_set_anew(study.scene, {}, settings), study.name)
+    if not 0 <= variant < study.design.size:
+        raise InputError(file, [(None, "variant", f"{variant} is not one of 0 … {study.design.size - 1}")])
     values, _ = study.values(variant, variant + 1)
     return (*_set_anew(study.scene, {p: float(values[p][0]) for p in study.paths}, settings), f"{study.name}_{variant}")
 
@@ -54,6 +57,28 @@ def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]
     """A scene and the numbers replaced in it, with numbers set anew."""
     anew = given_values(scene, settings)
     return changed_scene(scene, settings), {path: value for path, value in values.items() if path not in anew}
+
+
+def scene_text_of(file: str) -> str:
+    """What the scene of a result, a study or a scene was read from, as TOML; "" where that isn't known."""
+    if is_result(file):
+        return SweepResult(Path(file)).description.attributes.get("scene_text", "")
+    return read_study(find_study(file)).scene_text
+
+
+def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, dict[str, float]]:
+    """The scene of a file as it was given, and all numbers that are replaced in it: of a variant, and set anew.
+
+    Parameters
+    ----------
+    file : str
+    values : mapping of str to float
+        Of the variant (SI), by path.
+    settings : sequence of str
+        As for `given_values`.
+    """
+    scene = SweepResult(Path(file)).scene if is_result(file) else read_study(find_study(file)).scene
+    return scene, {**values, **given_values(scene, settings)}
 
 
 def positions_of(scene: Scene, text: str) -> tuple[float, ...]:

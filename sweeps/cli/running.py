@@ -14,6 +14,7 @@ from sweeps.cli.shared import (
     stop_if_all_failed,
     study_options,
     tell,
+    tell_aside,
     tell_data,
     tell_files,
     use_threads,
@@ -38,9 +39,9 @@ def check(
 
     found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
     if source:
-        click.echo(found.machine().source())
+        tell(found.machine().source())
     else:
-        click.echo(check_text(found, out))
+        tell(check_text(found, out))
 
 
 @click.command()
@@ -71,6 +72,7 @@ def run(
     """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.files.result_data import result_data
+    from sweeps.report.remarks import remarks_on
     from sweeps.report.result_report import answer_text, counts_text
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
@@ -81,12 +83,14 @@ def run(
 
     started = time.perf_counter()
     found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
+    for remark in remarks_on(found.scene):
+        tell(f"Warning: {remark}", err=True)
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
     bar = ProgressBar(found.design.size, quiet)
     with keeping(bar.kept_text):
-        run_study(found, out, restart, bar.update, replace, tell)
+        run_study(found, out, restart, bar.update, replace, tell_aside)
         bar.close()
         result = SweepResult(out)
         if as_json:
@@ -97,11 +101,11 @@ def run(
             stop_if_all_failed(result.columns["status"])
             return
         plural = "" if found.design.size == 1 else "s"
-        click.echo(f"{found.title or found.name}: {found.design.size} variant{plural}")
-        click.echo(counts_text(result))
-        click.echo(answer_text(result))
+        tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
+        tell(counts_text(result))
+        tell(answer_text(result))
         if hidden := between_positions_text(found):
-            click.echo(hidden)
+            tell(hidden)
         tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])
 
@@ -130,11 +134,11 @@ def optimise(
     use_threads(jobs)
     bar = ProgressBar(task_of(found).generations, quiet, "generations")
     with keeping(bar.kept_text):
-        optimise_study(found, out, restart, bar.update, replace, tell)
+        optimise_study(found, out, restart, bar.update, replace, tell_aside)
         bar.close()
         result = SweepResult(out)
-        click.echo(f"{found.title or found.name}: {result.description.variants} candidates")
-        click.echo(counts_text(result))
-        click.echo(optimum_text(result))
+        tell(f"{found.title or found.name}: {result.description.variants} candidates")
+        tell(counts_text(result))
+        tell(optimum_text(result))
         tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])

@@ -1,6 +1,7 @@
 """What the commands have in common: options, messages, files and threads."""
 
 import json
+import re
 import sys
 import time
 from collections.abc import Callable, Iterable
@@ -9,15 +10,30 @@ from pathlib import Path
 
 import click
 
+from sweeps.cli.waiting import clear_the_line, waiting_told
+
 WRONG_INPUT = 2
 ALL_FAILED = 1
+DIFFERENT = 1
+
+LONGEST_MESSAGE = 2900
+# All but line breaks and tabs.
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 Command = Callable[..., None]
 
 
+def tell(text: str, err: bool = False) -> None:
+    """Write a text to the terminal; control characters in it, which may come from files, are spelt out."""
+    clear_the_line()
+    click.echo(_CONTROL.sub(lambda found: repr(found[0])[1:-1], text), err=err)
+
+
 def fail(message: str) -> None:
     """Say what is wrong on standard error and stop."""
-    click.echo(f"Error: {message}", err=True)
+    if len(message) > LONGEST_MESSAGE:
+        message = f"{message[:LONGEST_MESSAGE].rsplit(' ', 1)[0]} … (cut: {len(message)} characters)"
+    tell(f"Error: {message}", err=True)
     sys.exit(WRONG_INPUT)
 
 
@@ -27,7 +43,8 @@ def errors_as_messages(command: Callable) -> Callable:
     @wraps(command)
     def guarded(*args: object, **kwargs: object) -> None:
         try:
-            command(*args, **kwargs)
+            with waiting_told():
+                command(*args, **kwargs)
         except Exception as error:
             if not isinstance(error, _foreseen()):
                 raise
@@ -78,7 +95,7 @@ def study_options(command: Command) -> Command:
 
 def tell_data(data: object) -> None:
     """Answer with JSON."""
-    click.echo(json.dumps(data, ensure_ascii=False, indent=2))
+    tell(json.dumps(data, ensure_ascii=False, indent=2))
 
 
 def stop_if_all_failed(status: Iterable[int]) -> None:
@@ -93,21 +110,21 @@ def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
         from importlib.metadata import PackageNotFoundError, version
 
         try:
-            click.echo(f"sweeps, version {version('machine-sweeps')}")
+            tell(f"sweeps, version {version('machine-sweeps')}")
         except PackageNotFoundError:
-            click.echo("sweeps, not installed")
+            tell("sweeps, not installed")
         context.exit()
 
 
-def tell(sentence: str) -> None:
+def tell_aside(sentence: str) -> None:
     """Say something on standard error that isn't what was asked for."""
-    click.echo(sentence, err=True)
+    tell(sentence, err=True)
 
 
 def tell_files(made: list[Path], started: float) -> None:
     """Name the files made since an instant of `time.perf_counter`."""
-    click.echo(f"Files ({time.perf_counter() - started:.1f} s):")
-    click.echo("\n".join(f"  {path}" for path in made))
+    tell(f"Files ({time.perf_counter() - started:.1f} s):")
+    tell("\n".join(f"  {path}" for path in made))
 
 
 def plots_of(result: object) -> list[Path]:
@@ -118,7 +135,7 @@ def plots_of(result: object) -> list[Path]:
     try:
         return picture_files.result_pictures(result.path)
     except PictureError as error:
-        click.echo(f"No picture: {error}", err=True)
+        tell(f"No picture: {error}", err=True)
         return []
 
 
@@ -152,16 +169,18 @@ def make_folder(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file.
+    """Write a text file, but not over one that is there, which a person may have written.
 
     Raises
     ------
     InputError
-        It can't be written.
+        There is one, or it can't be written.
     """
     from sweeps.text.input_files import InputError
     from sweeps.text.whole_files import whole_file
 
+    if path.exists():
+        raise InputError(str(path), [(None, "", "exists already; name another file with --out")])
     make_folder(path)
     try:
         with whole_file(path) as draft:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import JSON, POSITIONS, SET, errors_as_messages, make_folder, names_in, tell_data
+from sweeps.cli.shared import JSON, POSITIONS, SET, errors_as_messages, make_folder, names_in, tell, tell_data
 
 
 @click.command()
@@ -56,6 +56,7 @@ def show(
     if settings or variant is not None:
         raise InputError(str(file), [(None, "", "--set and --variant go with --at, which shows one machine")])
     result = SweepResult(file)
+    result.show_own_units()
     names = [n.strip() for n in columns.split(",")] if columns else []
     unknown = [n for n in names if n not in result.columns]
     if unknown:
@@ -71,16 +72,16 @@ def show(
         tell_data(result_data(result, chosen[:limit], names))
         return
     d = result.description
-    click.echo(f"{d.title}: {variants_done_text(result)}")
-    click.echo(f"varied: {varied_text(result)}")
+    tell(f"{d.title}: {variants_done_text(result)}")
+    tell(f"varied: {varied_text(result)}")
     if result.fields:
-        click.echo(f"fields over {d.positions} positions: {', '.join(result.fields)}")
-    click.echo(counts_text(result))
+        tell(f"fields over {d.positions} positions: {', '.join(result.fields)}")
+    tell(counts_text(result))
     left_open = undecided_text(result, condition)
-    click.echo(f"{chosen.size} variants meet the condition{left_open}; the first {min(limit, chosen.size)}:")
-    click.echo(variants_text(result, chosen[:limit], names))
+    tell(f"{chosen.size} variants meet the condition{left_open}; the first {min(limit, chosen.size)}:")
+    tell(variants_text(result, chosen[:limit], names))
     if where is None:
-        click.echo((optimum_text if is_search(result) else answer_text)(result))
+        tell((optimum_text if is_search(result) else answer_text)(result))
 
 
 def _show_at(
@@ -98,7 +99,7 @@ def _show_at(
     if as_json:
         tell_data(table_data(reading_table(readings, scene.title)))
         return
-    click.echo(readings_text(readings))
+    tell(readings_text(readings))
 
 
 @click.command()
@@ -166,8 +167,8 @@ def plot(
             made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
         tables = element_tables(with_values(scene, values))
     if tables:
-        click.echo(tables)
-    click.echo("\n".join(f"Wrote {path}" for path in made))
+        tell(tables)
+    tell("\n".join(f"Wrote {path}" for path in made))
 
 
 @click.command()
@@ -191,10 +192,10 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         rows = engine_rows(with_values(scene, values))
         if not rows:
             raise InputError(file, [(None, "elements", 'none is an engine; add [elements.NAME] with type = "engine"')])
-    click.echo(order_table(rows, markdown=False), nl=False)
+    tell(order_table(rows, markdown=False).removesuffix("\n"))
     if out is not None:
         order_picture(out, rows)
-        click.echo(f"Wrote {out}")
+        tell(f"Wrote {out}")
 
 
 @click.command()
@@ -216,4 +217,4 @@ def animate(
     out = out or Path(f"{name}.gif")
     make_folder(out)
     save_animation(scene, out, frames=frames, paths=names_in(paths), values=values)
-    click.echo(f"Wrote {out}")
+    tell(f"Wrote {out}")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, names_in, write_text
+from sweeps.cli.shared import errors_as_messages, names_in, tell, write_text
 
 
 @click.command()
@@ -25,7 +25,7 @@ def flywheel(
     """
     from sweeps.report.sizing.flywheel_table import flywheel_text
 
-    click.echo(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
+    tell(flywheel_text(table, speed, fluctuation, interpolation, inertia, area_energy))
 
 
 @click.command("balance")
@@ -72,7 +72,7 @@ def balance_command(
     if trial_runs is not None:
         from sweeps.report.sizing.trial_runs import trial_runs_text
 
-        click.echo(trial_runs_text(trial_runs, noise, holes))
+        tell(trial_runs_text(trial_runs, noise, holes))
         return
     from sweeps.cli.named_machine import machine_of
     from sweeps.report.sizing.balance_shaft_table import balance_shaft_text, engines_of
@@ -82,10 +82,10 @@ def balance_command(
     scene, values, _ = machine_of(file, variant)
     scene = with_values(scene, values)
     if scene.input is None and engines_of(scene):
-        click.echo(balance_shaft_text(scene, planes))
+        tell(balance_shaft_text(scene, planes))
         return
     found = counterweights_of(scene, names_in(links), places, criterion, radius, most)
-    click.echo(counterweight_text(scene, found, criterion))
+    tell(counterweight_text(scene, found, criterion))
     if out is not None:
         write_text(out, write_scene(found.scene))
-        click.echo(f"Wrote {out}")
+        tell(f"Wrote {out}")

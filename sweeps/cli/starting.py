@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, write_text
+from sweeps.cli.shared import errors_as_messages, tell, write_text
 
 
 @click.command("list")
@@ -15,10 +15,10 @@ def list_command() -> None:
     from sweeps.text.tables import table
     from sweeps.text.templates import templates
 
-    click.echo("Studies (sweeps run NAME):")
-    click.echo(table(list(questions().items()), "  "))
-    click.echo("Templates (sweeps new NAME):")
-    click.echo(table(list(templates().items()), "  "))
+    tell("Studies (sweeps run NAME):")
+    tell(table(list(questions().items()), "  "))
+    tell("Templates (sweeps new NAME):")
+    tell(table(list(templates().items()), "  "))
 
 
 @click.command()
@@ -27,15 +27,12 @@ def list_command() -> None:
 @errors_as_messages
 def new(template: str, out: Path | None) -> None:
     """Write a commented scene to start from."""
-    from sweeps.text.input_files import InputError
     from sweeps.text.templates import template_text
 
     text = template_text(template)
     out = out or Path(f"{template}.toml")
-    if out.exists():
-        raise InputError(str(out), [(None, "", "exists already; name another file with --out")])
     write_text(out, text)
-    click.echo(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+    tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
 
 
 @click.command()
@@ -70,4 +67,4 @@ def guide_command(chapter: str | None) -> None:
     """Show a chapter of the guide, or list them all."""
     from sweeps.guide.chapters import chapter_text, chapters_text
 
-    click.echo(chapters_text() if chapter is None else chapter_text(chapter))
+    tell(chapters_text() if chapter is None else chapter_text(chapter))

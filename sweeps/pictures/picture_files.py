@@ -180,6 +180,7 @@ def result_pictures(
         The files made.
     """
     result = SweepResult(path)
+    result.show_own_units()
     if result.description.variants == 1:
         values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
         if result.scene.input is None:

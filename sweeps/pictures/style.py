@@ -85,6 +85,10 @@ def save(figure: Figure, path: Path | str) -> None:
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
     try:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
+        for text in figure.texts:
+            # A title is the user's own; a $ in it begins no formula.
+            if text.get_text() == figure.get_suptitle():
+                text.set_parse_math(False)
         with house_style(), whole_file(path) as draft:
             figure.savefig(draft, metadata=undated)
     except OSError as error:

@@ -22,6 +22,7 @@ from engine import (
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
+from sweeps.report.remarks import remarks_on
 from sweeps.report.result_report import drop_lines
 from sweeps.run.blocks import LARGEST_BLOCK, block_size
 from sweeps.run.cost import probe
@@ -149,13 +150,14 @@ def plan_text(machine: Machine) -> tuple[str, str]:
 
 def check_text(study: Study, out: Path) -> str:
     """Everything `sweeps check` says of a study."""
-    machine, missed = study.machine(), between_positions_text(study)
+    machine = study.machine()
+    warned = "\n".join([*remarks_on(study.scene), *filter(None, [between_positions_text(study)])])
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
         ("Machine as it is", nominal_text(study)),
         *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes else []),
-        *([("Warning", missed)] if missed else []),
+        *([("Warning", warned)] if warned else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),

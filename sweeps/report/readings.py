@@ -99,6 +99,11 @@ def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) ->
 
 def _read_off(row: np.ndarray, places: np.ndarray, closed: bool, units: str) -> np.ndarray:
     """Values of a row at places that count its entries from 0, a place beyond the last one of a closed row too."""
+    with np.errstate(invalid="ignore"):
+        return _between_entries(row, places, closed, units)
+
+
+def _between_entries(row: np.ndarray, places: np.ndarray, closed: bool, units: str) -> np.ndarray:
     if closed:
         turned = row[-1] + (row[1] - row[0]) - row[0]
         row = np.append(row, row[0] + (2 * np.pi * np.rint(turned / (2 * np.pi)) if units == "rad" else 0.0))

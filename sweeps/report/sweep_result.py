@@ -22,7 +22,8 @@ from sweeps.store import Description, describe_result, read_columns
 from sweeps.study.study import misses
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
-from sweeps.text.input_files import InputError
+from sweeps.text.engineer_units import show_units
+from sweeps.text.input_files import InputError, check_file
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,7 @@ class SweepResult:
     @cached_property
     def description(self) -> Description:
         """Title, attributes, columns and progress."""
+        check_file(self.path)
         return describe_result(self.path)
 
     @cached_property
@@ -114,6 +116,10 @@ class SweepResult:
     def scene(self) -> Scene:
         """The scene as the study gives it, tables and all."""
         return recorded_scene(self.record, self.description)
+
+    def show_own_units(self) -> None:
+        """Show numbers in the units of other systems that the scene was written in, as for `show_units`."""
+        show_units(self.record.get("units", {}))
 
     def variant_values(self, variant: int) -> dict[str, float]:
         """Numbers of the scene (SI) that a variant has in place of the scene's own.

@@ -27,10 +27,11 @@ from sweeps.store import (
 )
 from sweeps.study.study import Study
 from sweeps.study.study_record import numbers_record, study_record
+from sweeps.text.engineer_units import units_shown
 from sweeps.text.scene_text import write_scene
 
 # Attributes that say what is asked and concluded, not how numbers were made.
-WORDS = ("title", "question", "study", "study_json", "scene")
+WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 
 def layout_of(study: Study, machine: Machine) -> FileLayout:
@@ -80,8 +81,9 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "title": study.title or study.name,
         "question": study.question,
         "study": study.text,
-        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups)}),
+        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups), "units": units_shown()}),
         "scene": write_scene(study.scene),
+        "scene_text": study.scene_text,
         "study_hash": study.digest,
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
         "machine": f"{platform.machine()} {platform.system()}, {threads()} threads",

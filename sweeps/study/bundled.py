@@ -5,7 +5,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from engine import unknown_name_message
-from sweeps.text.input_files import InputError
+from sweeps.text.input_files import LARGEST_TEXT, InputError, check_file
 
 STUDIES = Path(str(files("sweeps") / "studies"))
 
@@ -29,6 +29,7 @@ def find_study(name: str) -> Path:
         There is neither.
     """
     path = Path(name)
+    check_file(path, LARGEST_TEXT)
     if path.is_file():
         return path
     if path.is_dir():

@@ -56,6 +56,8 @@ class Study:
     accuracy : float or None
         Allowed error of every summary, as a share of its magnitude.
     name, title, question, text : str
+    scene_text : str
+        What the scene was read from, as TOML; "" where it is a part of the study's text.
     best : Best or None
     optimise : Optimise or None
         What a search looks for.
@@ -80,6 +82,7 @@ class Study:
     title: str = ""
     question: str = ""
     text: str = ""
+    scene_text: str = ""
     best: Best | None = None
     optimise: Optimise | None = None
     tolerances: Mapping[str, ToleranceText] = field(default_factory=dict)
@@ -204,9 +207,11 @@ def read_study(path: Path | str) -> Study:
     if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
         message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
         raise InputError(str(path), [(None, "", message)])
-    if "scene" not in data and data.keys() & {"input", "elements"}:
+    if "scene" not in data and data.keys() & (Scene.model_fields.keys() - StudyText.model_fields.keys()):
         scene = scene_from(data, text, path.name, path.parent)
-        study = Study(scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text)
+        study = Study(
+            scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text, scene_text=text
+        )
     else:
         study = Study(**StudyReader(path, text, data).content())
     return _checked(study, path)

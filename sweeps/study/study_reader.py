@@ -1,10 +1,12 @@
 """Reading a study's text: its scene, what varies, expressions with their dimensions; problems with their lines."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from engine import (
     ACCURACY_SUMMARIES,
@@ -15,6 +17,7 @@ from engine import (
     UnitError,
     any_quantity,
     check_yields,
+    column_in_text,
     described_dimension,
     dimension_of,
     dimension_of_unit,
@@ -30,10 +33,10 @@ from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarit
 from sweeps.study.sensitivity import RSS, WORST_CASE, AskedDerivative
 from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
 from sweeps.text.conditions import Condition
-from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml, validate
+from sweeps.text.variant_tables import read_variant_table
 
 
 class StudyReader:
@@ -69,6 +72,7 @@ class StudyReader:
         }
 
     def _scene(self) -> Scene:
+        self.scene_text = ""
         if isinstance(self.raw.scene, dict):
             return scene_from(self.raw.scene, self.text, self.path.name, self.folder, ("scene",))
         path = self.folder / self.raw.scene
@@ -76,6 +80,7 @@ class StudyReader:
             text = read_text(path)
         except InputError as error:
             raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", str(error))]) from None
+        self.scene_text = text
         return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
 
     def content(self) -> dict[str, Any]:
@@ -117,6 +122,7 @@ class StudyReader:
             "title": self.raw.title or self.scene.title,
             "question": self.raw.question,
             "text": self.text,
+            "scene_text": self.scene_text,
             "best": self.raw.best,
             "optimise": self.raw.optimise,
             "tolerances": self.raw.tolerances,
@@ -217,17 +223,29 @@ class StudyReader:
 
     def _add_columns(self, axes: list[Axis], name: str) -> None:
         try:
-            columns = read_csv(self.folder / name)
+            columns = read_variant_table(self.folder / name)
         except InputError as error:
             self._problem(["variants"], str(error))
             return
         table = [
-            self._quantities(path, (f"{v} {unit}".strip() for v in values), ["variants"])
+            self._column(path, values, unit)
             for path, (unit, values) in columns.items()
             if self._is_variable(path, ["variants"])
         ]
         if len(table) == len(columns) and None not in table:
-            axes.append(Columns(tuple(columns), tuple(tuple(t) for t in table)))
+            axes.append(Columns(tuple(columns), tuple(table)))
+
+    def _column(self, path: str, cells: Sequence[str] | np.ndarray, unit: str) -> list[float] | None:
+        """Values of a column of a table in SI units; None if it is refused."""
+        try:
+            if path in self.numbers:
+                return column_in_text(cells, unit, self.numbers[path].dimension)
+            dimension = recognised(f"1 {unit}".strip())[1]
+            self.dimensions[path] = dimension_of_unit(described_dimension(dimension).unit)
+            return column_in_text(cells, unit, dimension)
+        except UnitError as error:
+            self._problem(["variants"], f"column {path}: {error}")
+            return None
 
     def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:
         sampling = self.raw.sampling

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from engine import PlainNumber, ScenePart
+from engine import PlainNumber, PlainText, ScenePart
 
 
 class Range(ScenePart):
@@ -135,9 +135,9 @@ class StudyText(ScenePart):
     each variant then gets as many positions as that takes, and `positions` is how many the fields have.
     """
 
-    title: str = ""
-    question: str = ""
-    source: str = ""
+    title: PlainText = ""
+    question: PlainText = ""
+    source: PlainText = ""
     scene: str | dict[str, Any]
     positions: int = 720
     accuracy: Annotated[PlainNumber, Field(gt=0, lt=1)] | None = None
@@ -155,6 +155,8 @@ class StudyText(ScenePart):
 
 TOLERANCE_KEYS = set(ToleranceText.model_fields)
 AXIS_KEYS = {"from", "to", "values", "low", "high", "count", "spacing"}
+# What others write for these; steps of paths too, but then tables.
+MISTAKEN_KEYS = {"start", "stop", "begin", "end", "min", "max", "minimum", "maximum", "steps"}
 
 
 def flatten(table: object, leaf_keys: set[str] | None, path: tuple[str, ...] = ()) -> dict[str, Any]:
@@ -169,9 +171,15 @@ def flatten(table: object, leaf_keys: set[str] | None, path: tuple[str, ...] = (
     path : tuple of str
         Path of `table`.
     """
-    if not isinstance(table, dict) or (path and leaf_keys and leaf_keys & set(table)):
+    if not isinstance(table, dict) or (path and leaf_keys and _is_leaf(table, leaf_keys)):
         return {".".join(path): table}
     found: dict[str, Any] = {}
     for key, inner in table.items():
         found |= flatten(inner, leaf_keys, (*path, key))
     return found
+
+
+def _is_leaf(table: dict[str, Any], leaf_keys: set[str]) -> bool:
+    """Whether a table is an axis or tolerance, not a step of a path."""
+    mistaken = (key for key, value in table.items() if key in MISTAKEN_KEYS and not isinstance(value, dict))
+    return bool(leaf_keys & set(table)) or (leaf_keys is AXIS_KEYS and any(mistaken))

@@ -1,50 +1,105 @@
 """CSV tables whose headers name a unit for each column."""
 
 import csv
-import io
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from sweeps.text.input_files import InputError, read_text
 
+# Bytes that a table may have; a million rows of ten columns fit in.
+LARGEST_TABLE = 256_000_000
 _HEADER = re.compile(r"^\s*(?P<key>[\w.\[\]]+)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
+# Characters that a number may have.
+_LONGEST = 100
+# Endings of files of which a message may quote what doesn't look like a table.
+_TABLES = (".csv", ".tsv", ".txt", ".dat", "")
 
 
 def read_csv(path: Path) -> dict[str, tuple[str, list[str]]]:
     """Columns of a CSV file whose header cells are `name [unit]`: (unit, values as text) by name.
+
+    Columns are parted by commas, or by semicolons or tabs where the header is; numbers may then have decimal commas,
+    which are made points.
 
     Raises
     ------
     InputError
         Unreadable file, a header that isn't of that form, rows of the wrong length, or cells that aren't numbers.
     """
-    rows = _csv_rows(path)
-    if len(rows) < 2:
+    text = read_text(path, LARGEST_TABLE).replace("\r\n", "\n").replace("\r", "\n")
+    every = text.split("\n")
+    numbers = [n for n, line in enumerate(every, 1) if line.strip() and not _is_remark(line)]
+    if len(numbers) < 2:
         raise InputError(path.name, [(None, "", "needs a header line and at least one row of numbers")])
-    (first, cells), *rest = rows
+    lines = [every[n - 1] for n in numbers]
+    delimiter = next((mark for mark in ";\t" if mark in lines[0]), ",")
+    keys, units = _header(path, numbers[0], next(csv.reader(lines[:1], delimiter=delimiter)))
+    columns = _columns(path, numbers[1:], lines[1:], delimiter, len(keys))
+    if delimiter != ",":
+        columns = [list(map(_with_point, column)) for column in columns]
+    for column in columns:
+        _check_numbers(path, numbers[1:], column)
+    return {key: (unit, column) for key, unit, column in zip(keys, units, columns, strict=True)}
+
+
+def _with_point(cell: str) -> str:
+    """A number with a decimal point in place of a comma; one with thousands marked too is left as it is."""
+    return cell.replace(",", ".") if cell.count(",") == 1 and "." not in cell else cell
+
+
+def _columns(path: Path, numbers: Sequence[int], lines: Sequence[str], delimiter: str, count: int) -> list[list[str]]:
+    """Cells column by column."""
+    if not any('"' in line for line in lines):
+        wrong = next((n for n, line in zip(numbers, lines, strict=True) if line.count(delimiter) != count - 1), None)
+        if wrong is None:
+            # A million rows as lists of their own would take ten times as long.
+            cells = delimiter.join(lines).split(delimiter)
+            return [cells[i::count] for i in range(count)]
+    reader = csv.reader(lines, delimiter=delimiter, strict=True)
+    rows = []
+    try:
+        rows.extend(reader)
+    except csv.Error as error:
+        raise InputError(path.name, [(numbers[reader.line_num - 1], "", f"is not CSV: {error}")]) from None
+    if len(rows) != len(lines):
+        raise InputError(path.name, [(None, "", "a cell in quotation marks goes on over several lines")])
+    for line, row in zip(numbers, rows, strict=True):
+        if len(row) != count:
+            raise InputError(path.name, [(line, "", f"has {len(row)} cells, the header {count}")])
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def _is_remark(line: str) -> bool:
+    """Whether a line is a comment, or the line in which spreadsheets say what parts the columns."""
+    return line.lstrip().startswith("#") or (line.startswith("sep=") and len(line.strip()) == 5)
+
+
+def _header(path: Path, line: int, cells: Sequence[str]) -> tuple[list[str], list[str]]:
     headers = [_HEADER.match(cell) for cell in cells]
     if None in headers:
-        bad = cells[headers.index(None)]
-        raise InputError(path.name, [(first, "", f"header {bad!r}: write a name and a unit, such as 'force [kN]'")])
+        shown = f" {cells[headers.index(None)][:60]!r}" if path.suffix.lower() in _TABLES else ""
+        message = f"header{shown}: write a name and a unit for each column, such as 'force [kN]'"
+        raise InputError(path.name, [(line, "", message)])
     names = [header["key"] for header in headers]
     if len(set(names)) < len(names):
-        raise InputError(path.name, [(first, "", f"a column is given twice: {', '.join(names)}")])
-    for line, row in rest:
-        if len(row) != len(headers):
-            raise InputError(path.name, [(line, "", f"has {len(row)} cells, the header {len(headers)}")])
-        for cell in row:
-            if not _is_number(cell):
-                raise InputError(path.name, [(line, "", f"{cell!r} is not a number; use a decimal point")])
-    return {h["key"]: (h["unit"] or "", [row[i].strip() for _, row in rest]) for i, h in enumerate(headers)}
+        raise InputError(path.name, [(line, "", f"a column is given twice: {', '.join(names)}")])
+    return names, [header["unit"] or "" for header in headers]
 
 
-def _csv_rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Rows of a CSV file with their lines, blank lines and comments left out."""
-    reader = csv.reader(io.StringIO(read_text(path)))
+def _check_numbers(path: Path, lines: Sequence[int], column: list[str]) -> None:
+    """See that all cells of a column are numbers."""
     try:
-        return [(reader.line_num, row) for row in reader if row and not row[0].lstrip().startswith("#")]
-    except csv.Error as error:
-        raise InputError(path.name, [(reader.line_num, "", f"is not CSV: {error}")]) from None
+        for cell in column:
+            float(cell)
+        sound = max(map(len, column)) <= _LONGEST
+    except ValueError:
+        sound = False
+    if not sound:
+        bad = next(i for i, cell in enumerate(column) if not _is_number(cell))
+        shown = column[bad] if len(column[bad]) <= 60 else column[bad][:57] + "..."
+        message = f"{shown!r} is not a number; use a decimal point"
+        raise InputError(path.name, [(lines[bad], "", message)])
 
 
 def _is_number(cell: str) -> bool:
@@ -52,4 +107,4 @@ def _is_number(cell: str) -> bool:
         float(cell)
     except ValueError:
         return False
-    return True
+    return len(cell) <= _LONGEST

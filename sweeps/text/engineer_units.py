@@ -1,8 +1,15 @@
 """Numbers as an engineer reads them: mm, rpm, kN·m instead of m, rad s-1, N m, and no digits that mean nothing."""
 
 import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from contextvars import ContextVar
+from types import MappingProxyType
 
 import numpy as np
+
+from engine import described_dimension, in_text
 
 # For each SI unit, the units to choose from, from small to large: (name, size in SI units).
 _SCALES: dict[str, tuple[tuple[str, float], ...]] = {
@@ -38,6 +45,51 @@ _PLAIN = {
 }
 
 
+# Units of other systems, which numbers are shown in where a scene gives most of its numbers of that kind so.
+_OTHER_SYSTEMS = frozenset(
+    (
+        *("in", "inch", "ft", "yd", "mil", "thou", "lb", "lbm", "oz", "slug", "mph", "hp", "PS"),
+        *("lbf", "ozf", "kip", "kgf", "kp", "gf", "psi", "ksi", "atm"),
+    )
+)
+# Factor from SI and label by SI unit; of the scene that was read last.
+_as_given: ContextVar[Mapping[str, tuple[float, str]]] = ContextVar("units as given", default=MappingProxyType({}))
+
+
+def show_in_units(given: Iterable[tuple[str, str]]) -> None:
+    """Show numbers in the units of other systems that a scene is written in, from now on.
+
+    Parameters
+    ----------
+    given : iterable of (str, str)
+        Dimension and unit of each of its numbers; what is mostly in SI units is shown in those.
+    """
+    counts: dict[str, Counter[str]] = {}
+    for dimension, unit in given:
+        if unit and dimension != "number":
+            counts.setdefault(dimension, Counter())[unit] += 1
+    usual = {dimension: units.most_common(1)[0][0] for dimension, units in counts.items()}
+    usual = {d: unit for d, unit in usual.items() if _OTHER_SYSTEMS.intersection(re.findall("[A-Za-z]+", unit))}
+    length, force = usual.get("length"), usual.get("force")
+    derived = {"speed": f"{length}/s", "acceleration": f"{length}/s2"} if length else {}
+    derived |= {"moment": f"{force} {length}", "stiffness": f"{force}/{length}"} if length and force else {}
+    shown = {}
+    for dimension, unit in (derived | usual).items():
+        label = re.sub(r"(?<=[A-Za-z])[2-9]", lambda power: power[0].translate(_POWERS), unit).replace(" ", "·")
+        shown[described_dimension(dimension).unit] = (1.0 / in_text(f"1 {unit}", dimension), label)
+    _as_given.set(shown)
+
+
+def units_shown() -> Mapping[str, tuple[float, str]]:
+    """Factor from SI and label of the units of other systems that numbers are shown in, by SI unit."""
+    return dict(_as_given.get())
+
+
+def show_units(shown: Mapping[str, tuple[float, str]]) -> None:
+    """Show numbers in units that `units_shown` told, those of a result's scene for instance."""
+    _as_given.set({units: (float(factor), label) for units, (factor, label) in shown.items()})
+
+
 def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
     """Factor from SI and label of the unit in which values read best.
 
@@ -55,12 +107,14 @@ def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
     label : str
         Unit as written on an axis ("kN·m"); "1" for plain numbers.
     """
+    if (own := _as_given.get().get(units)) is not None:
+        return own
     scale = _SCALES.get(units)
     if scale is None and units not in _PLAIN and units.endswith(" m-1"):
         # How something changes with a length.
         scale = tuple((f"{name}/mm", size * 1e3) for name, size in _SCALES.get(units.removesuffix(" m-1"), ()))
     if not scale:
-        return 1.0, unit_label(units)
+        return 1.0, unit_label(units) or units
     finite = np.abs(np.asarray(values, float)[np.isfinite(values)])
     largest = float(finite.max()) if finite.size else 0.0
     # Metres only from 10 m on: drawings of machines are in millimetres. Angles within a cycle are in degrees.

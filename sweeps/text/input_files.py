@@ -1,8 +1,11 @@
 """Files that a user names: their text, and what is wrong with it."""
 
+import stat
 from collections.abc import Iterator
 from pathlib import Path
 
+# Bytes that a scene or study may have; a long one has some ten thousand.
+LARGEST_TEXT = 16_000_000
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -19,23 +22,56 @@ class InputError(ValueError):
             yield f"{place}: {key}: {message}" if key else f"{place}: {message}"
 
 
+def check_file(path: Path, largest: int | None = None) -> None:
+    """See that a path, if there is anything, is a file or folder, not a device or a pipe, and not too large.
+
+    Parameters
+    ----------
+    path : Path
+    largest : int, optional
+        Bytes that it may have; any number unless given.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return
+    if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
+        raise InputError(str(path), [(None, "", "is a device or a pipe; name a file")])
+    if largest is not None and found.st_size > largest:
+        message = f"has {found.st_size / 1e6:.0f} MB, more than the {largest / 1e6:.0f} MB that such a file may have"
+        raise InputError(str(path), [(None, "", message)])
+
+
 def is_hdf5(path: Path) -> bool:
     """Whether a file is there and begins as an HDF5 file does."""
     try:
+        if not path.is_file():
+            return False
         with path.open("rb") as file:
             return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
     except (OSError, ValueError):
         return False
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
     """Text of a file.
+
+    Parameters
+    ----------
+    path : Path
+    largest : int
+        Bytes that it may have.
 
     Raises
     ------
     InputError
-        The file can't be read.
+        The file can't be read, is none but a device or a pipe, or is larger.
     """
+    check_file(path, largest)
     try:
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:

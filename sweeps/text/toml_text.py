@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from engine import nearest_names
+from engine import in_text, nearest_names
+from sweeps.text.engineer_units import show_in_units
 from sweeps.text.input_files import InputError
 
 
@@ -24,9 +25,37 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line = int(found[1]) if found else None
         message = str(error).split(" (at ")[0]
-        raise InputError(source, [(line, "", f"not valid TOML: {message}")]) from None
+        raise InputError(source, [(line, "", _slip(text, line, source) or f"not valid TOML: {message}")]) from None
     except (ValueError, RecursionError):
         raise InputError(source, [(None, "", "not valid TOML: a number too long, or tables nested too deep")]) from None
+
+
+_BARE_QUANTITY = re.compile(r"=\s*(?P<value>[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-zµ°%][^\"',}\]#]*)")
+_BARE_COMMA = re.compile(r"=\s*(?P<value>[-+]?[0-9]+,[0-9]+(?:\s*[A-Za-zµ°%][^\"',}\]#]*)?)\s*(?:$|[#}])")
+_BARE_WORD = re.compile(r"=\s*(?P<value>(?!true\b|false\b|inf\b|nan\b)[A-Za-z][\w ./*^-]*?)\s*(?:$|[,#}\]])")
+
+
+def _slip(text: str, line: int | None, source: str) -> str:
+    """What is wrong with a line that is no TOML, where that is a usual slip; "" where it isn't, or in other files."""
+    lines = text.splitlines()
+    if line is None or not 1 <= line <= len(lines) or not source.endswith(".toml"):
+        return ""
+    # A line that ends too early is told of at the begin of the next one.
+    for written in lines[line - 1 : line] + lines[line - 2 : line - 1]:
+        if (slip := _BARE_QUANTITY.search(written)) is not None:
+            value = slip["value"].strip()
+            return f'{value} has a unit, so it stands in quotes: "{value}"'
+        if (slip := _BARE_COMMA.search(written)) is not None:
+            value = slip["value"].strip()
+            return f'{value} has a decimal comma: write a point, as in "{value.replace(",", ".")}"'
+        if (slip := _BARE_WORD.search(written)) is not None:
+            value = slip["value"].strip()
+            return f'{value} is a text, so it stands in quotes: "{value}"'
+        if re.search(r"=\s*$", written):
+            return "after the = there is no value"
+        if written.count('"') % 2:
+            return "a quotation mark is missing: texts begin and end with one"
+    return ""
 
 
 def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: str, prefix: tuple[str, ...] = ()) -> Any:
@@ -47,10 +76,14 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     InputError
         All that is wrong with it, not only the first.
     """
+    context: dict[str, Any] = {"text": True}
     try:
-        return model.model_validate(data, context={"text": True})
+        made = model.model_validate(data, context=context)
     except ValidationError as error:
         raise InputError(source, [_problem(model, data, text, e, prefix) for e in error.errors()]) from None
+    if "units" in context:
+        show_in_units(context["units"])
+    return made
 
 
 def _problem(
@@ -88,6 +121,8 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
         case "extra_forbidden":
             allowed = _fields_at(model, error["loc"][:-1])
             return "unknown key" + _allowed(last, allowed)
+        case "missing" if last == "input" and len(keys) <= 2:
+            return 'is missing: a machine has a table [input] of type "crank" or "slider"; see `sweeps help input`'
         case "missing":
             return "is missing" if isinstance(error["loc"][-1], str) else "has too few entries"
         case "union_tag_invalid":
@@ -103,7 +138,7 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             )
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
             words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
-            bound = next(f"{words[k]} {context[k]:g}" for k in words if k in context)
+            bound = next(f"{words[k]} {_as_given(context[k], value)}" for k in words if k in context)
             return f"must be {bound}, got {_shown(value)}"
         case "string_pattern_mismatch":
             return f"{_shown(value)} is not a name: use letters, digits and single underscores, a letter first"
@@ -115,10 +150,63 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return f"{error['msg']}, got {_shown(value)}"
 
 
+# Units in which limits are told where a value was given in them; other limits are 0.
+_OWN_UNITS = {"deg": "angle", "°": "angle", "rev": "angle", "rpm": "angular_speed"}
+
+
+def _as_given(bound: float, value: object) -> str:
+    """A limit in the unit of the value that passes it: an angle in degrees where that is in degrees."""
+    unit = value.strip().lstrip("+-.0123456789eE ") if isinstance(value, str) else ""
+    if bound == 0 or unit not in _OWN_UNITS:
+        return f"{bound:g}"
+    return f"{bound / in_text(f'1 {unit}', _OWN_UNITS[unit]):g} {unit}"
+
+
+# Keys that others would call otherwise.
+_SYNONYMS = {
+    "from": ("start",),
+    "to": ("stop",),
+    "begin": ("from", "start"),
+    "start": ("from",),
+    "stop": ("to",),
+    "end": ("to", "stop"),
+    "min": ("low", "from"),
+    "max": ("high", "to"),
+    "minimum": ("low", "from"),
+    "maximum": ("high", "to"),
+    "steps": ("count",),
+    "number": ("count",),
+    "n": ("count",),
+    "list": ("values",),
+    "radius": ("length", "diameter"),
+    "rpm": ("speed",),
+    "omega": ("speed",),
+    "rotation": ("speed",),
+    "moment_of_inertia": ("inertia",),
+    "j": ("inertia",),
+    "weight": ("mass",),
+    "m": ("mass",),
+    "mu": ("coefficient", "friction"),
+    "friction": ("coefficient",),
+    "torque": ("moment",),
+    "value": ("force", "moment", "values"),
+    "direction": ("angle",),
+    "ground": ("points",),
+    "joints": ("points",),
+    "crank": ("input",),
+    "dyads": ("groups",),
+    "masses": ("bodies",),
+    "torques": ("moments",),
+    "parameters": ("vary",),
+    "results": ("outputs",),
+    "constraints": ("require", "subject_to"),
+}
+
+
 def _allowed(name: str, allowed: list[str]) -> str:
     if not allowed:
         return ""
-    near = nearest_names(name, allowed)
+    near = [word for word in _SYNONYMS.get(name.lower(), ()) if word in allowed] or nearest_names(name, allowed)
     return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 
@@ -128,7 +216,9 @@ def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
     for item in loc:
         here = _descend(here, item)
     here = bare_annotation(here)
-    return list(here.model_fields) if isinstance(here, type) and issubclass(here, BaseModel) else []
+    if not (isinstance(here, type) and issubclass(here, BaseModel)):
+        return []
+    return [field.alias or name for name, field in here.model_fields.items()]
 
 
 def bare_annotation(annotation: Any) -> Any:

@@ -6,7 +6,7 @@ import pytest
 from commands import refused, said
 
 from engine import Machine, Scene, described_dimension, scene_numbers
-from sweeps.report.key_help import key_text
+from sweeps.report.help.key_help import key_text
 from sweeps.study.study_text import StudyText
 from sweeps.text.templates import templates
 

@@ -286,7 +286,9 @@ def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(fold
 def test_export_history_of_what_has_none__is_refused(folder):
     Path("press.toml").write_text(PRESS)
     assert "regimes: the scene has none" in refused("export", "press.toml", "--history", "--to", "h.csv")
-    assert "writes .csv, not '.svg'" in refused("export", "press.toml", "--history", "--to", "h.svg")
+    assert "writes a table, .csv, .json, .parquet, .mat, not '.svg'" in refused(
+        "export", "press.toml", "--history", "--to", "h.svg"
+    )
 
 
 # Refusals

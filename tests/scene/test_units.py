@@ -19,7 +19,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from engine.scene.dimensions import DIMENSIONS
-from engine.scene.units import UnitError, in_text, to_si
+from engine.scene.units import UnitError, column_in_text, in_any_unit, in_text, to_si
 
 with mpmath.workdps(60):
     PI = Fraction(mpmath.nstr(+mpmath.pi, 55))
@@ -391,3 +391,63 @@ def test_any_input__is_a_finite_float_or_a_unit_error(value, dimension):
             continue
         assert type(number) is float
         assert math.isfinite(number)
+
+
+# Units of English-speaking and of older drawings, against definitions of their own: the international pound and inch,
+# and standard gravity (NIST Special Publication 811, appendix B).
+INCH = Fraction("0.0254")
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "exact"),
+    [
+        ("3 ft", "length", 3 * 12 * INCH),
+        ("1.5 inch", "length", Fraction(3, 2) * INCH),
+        ("2 yd", "length", 72 * INCH),
+        ("5 mil", "length", 5 * INCH / 1000),
+        ("2 lb", "mass", 2 * POUND),
+        ("8 oz", "mass", POUND / 2),
+        ("1 slug", "mass", POUND * GRAVITY / (12 * INCH)),
+        ("150 lbf", "force", 150 * POUND * GRAVITY),
+        ("2 kip", "force", 2000 * POUND * GRAVITY),
+        ("16 ozf", "force", POUND * GRAVITY),
+        ("7 kgf", "force", 7 * GRAVITY),
+        ("10 kp", "force", 10 * GRAVITY),
+        ("100 psi", "pressure", 100 * POUND * GRAVITY / INCH**2),
+        ("1 kgf/cm2", "pressure", GRAVITY * 10**4),
+        ("1 atm", "pressure", Fraction(101325)),
+        ("12 ft lbf", "moment", 144 * INCH * POUND * GRAVITY),
+        ("3 lb in2", "inertia", 3 * POUND * INCH**2),
+        ("1 slug ft2", "inertia", POUND * GRAVITY * 12 * INCH),
+        ("200 lbf/in", "stiffness", 200 * POUND * GRAVITY / INCH),
+        ("60 mph", "speed", 60 * 1760 * 36 * INCH / 3600),
+        ("0.28 lb/in3", "density", Fraction(28, 100) * POUND / INCH**3),
+        ("1 kWh", "energy", Fraction(3_600_000)),
+    ],
+)
+def test_units_of_inches_and_pounds__are_correctly_rounded(text, dimension, exact):
+    assert in_text(text, dimension) == float(exact)
+
+
+@pytest.mark.parametrize("text", ["5 nm", "5 kn", "2 ton", "3 cal", "1 P"])
+def test_units_that_may_be_taken_for_others__are_not_known(text):
+    with pytest.raises(UnitError, match="unknown unit"):
+        in_any_unit(text)
+
+
+@given(st.lists(st.decimals(-(10**6), 10**6, places=6).map(str), min_size=1), st.sampled_from(["mm", "in", "ft"]))
+def test_column__is_what_its_cells_are(cells, unit):
+    assert column_in_text(cells, unit, "length") == [in_text(f"{cell} {unit}", "length") for cell in cells]
+
+
+@pytest.mark.parametrize("cell", ["nan", "inf", "1_000", "1e999", "1 0", "", "٣"])
+def test_column_with_a_cell_that_is_no_number__is_refused(cell):
+    with pytest.raises(UnitError):
+        column_in_text(["1", cell], "mm", "length")
+
+
+def test_column_without_a_unit__is_read_where_it_needs_none():
+    assert column_in_text(["0.5", "2"], "", "number") == [0.5, 2]
+    assert column_in_text(["50"], "%", "number") == [0.5]
+    with pytest.raises(UnitError, match="no unit"):
+        column_in_text(["0", "2"], "", "length")

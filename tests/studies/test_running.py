@@ -116,7 +116,7 @@ def test_file__tells_where_it_comes_from(result):
     assert attributes["finished"].startswith("20")
     assert set(attributes) == {
         *("Conventions", "title", "question", "study", "study_json", "scene", "study_hash", "versions", "machine"),
-        *("finished", "outcome"),
+        *("finished", "outcome", "scene_text"),
     }
     assert SweepResult(result).scene == study_of(result.parent, GOOD).scene
 

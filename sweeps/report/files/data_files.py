@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sweeps.text.input_files import InputError
+from sweeps.text.variant_tables import parquet_library
 from sweeps.text.whole_files import whole_file
 
 # MATLAB's names are this long at most.
@@ -104,28 +105,6 @@ def _write_parquet(out: Path, table: DataTable) -> None:
     headers = {_header(name, table.units.get(name, "1")): column for name, column in table.columns.items()}
     made = pyarrow.table(headers).replace_schema_metadata({"title": table.title})
     parquet.write_table(made, out)
-
-
-def parquet_library(source: str) -> tuple:
-    """The modules `pyarrow` and `pyarrow.parquet`.
-
-    Parameters
-    ----------
-    source : str
-        The file that needs them, for the message.
-
-    Raises
-    ------
-    InputError
-        They aren't installed.
-    """
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError:
-        message = "Parquet needs a library that isn't installed: pip install 'machine-sweeps[parquet]'"
-        raise InputError(source, [(None, "", message)]) from None
-    return pyarrow, parquet
 
 
 def _write_mat(out: Path, table: DataTable) -> None:

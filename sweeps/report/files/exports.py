@@ -10,8 +10,9 @@ from sweeps.report.files.data_files import DataTable, write_table
 from sweeps.report.readings import Readings, fields_at_uniform_speed
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
+from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.scene_text import with_values
 from sweeps.text.whole_files import whole_file
 
 
@@ -126,8 +127,8 @@ def history_table(
     return DataTable({"regime": seen.regime} | numbers, units, scene.title), ended
 
 
-def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: bool = False) -> None:
-    """Scene with some numbers replaced, as TOML.
+def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, overwrite: bool = False) -> None:
+    """Scene with some numbers replaced, as TOML: the author's text where there is one, comments and units kept.
 
     Parameters
     ----------
@@ -135,6 +136,8 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: 
     values : mapping of path to float
         Numbers of the scene (SI) to be replaced.
     out : Path
+    text : str
+        What the scene was read from, "" where that isn't known.
     overwrite : bool
         Whether a file that is there already is written over.
 
@@ -148,7 +151,7 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, overwrite: 
         raise InputError(str(out), [(None, "", message)])
     try:
         with whole_file(out) as draft:
-            draft.write_text(write_scene(scene, values), encoding="utf8")
+            draft.write_text(edited_scene(scene, values, text, out.parent), encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 

@@ -1,0 +1,73 @@
+"""A scene's text with other numbers in it, everything else as its author wrote it: comments, order, units."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from engine import Scene, UnitError, in_text, scene_numbers, unit_in
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import number_text, scene_from, with_values, write_scene
+
+# As many as tell every double apart.
+_MOST_DIGITS = 17
+
+
+def edited_scene(scene: Scene, values: Mapping[str, float], text: str, folder: Path) -> str:
+    """Text of a scene with some numbers replaced, in the units that the author used.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of str to float
+        New values (SI) by path.
+    text : str
+        What the scene was read from; where numbers can't be replaced in it, the scene is written anew, in SI units.
+    folder : Path
+        Where the text will lie, for the files that it names.
+
+    Raises
+    ------
+    SceneError
+        A value isn't allowed where it goes.
+    """
+    wanted = with_values(scene, values)
+    try:
+        document = tomlkit.parse(text)
+        numbers = scene_numbers(scene)
+        for path, value in values.items():
+            _replace(document, path.split("."), value, numbers[path].dimension)
+        edited = tomlkit.dumps(document)
+        found = scene_from(tomllib.loads(edited), edited, "scene", folder)
+    except (TOMLKitError, InputError, KeyError, TypeError, UnitError):
+        return write_scene(scene, values)
+    return edited if found.model_dump() == wanted.model_dump() else write_scene(scene, values)
+
+
+def _replace(document: tomlkit.TOMLDocument, keys: list[str], value: float, dimension: str) -> None:
+    """Write a number where an older one stands, in its unit."""
+    *tables, last = keys
+    table = document
+    for key in tables:
+        table = table[key]
+    # A number that has its default needn't stand there.
+    before = table.get(last)
+    if isinstance(before, int):
+        table[last] = int(value)
+    elif isinstance(before, str) and (unit := unit_in(before)):
+        table[last] = _in_unit(value, unit, dimension)
+    else:
+        table[last] = number_text(value, dimension)
+
+
+def _in_unit(value: float, unit: str, dimension: str) -> str:
+    """The shortest text in a unit that is read as just this number; where none is, in SI units."""
+    size = in_text(f"1 {unit}", dimension)
+    for digits in range(1, _MOST_DIGITS + 1):
+        number = repr(float(f"{value / size:.{digits}g}")).removesuffix(".0")
+        text = f"{number} {unit}"
+        if in_text(text, dimension) == value:
+            return text
+    return str(number_text(value, dimension))

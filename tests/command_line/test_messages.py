@@ -1,0 +1,253 @@
+"""What is said of slips, of files that are none, and of numbers beyond all bounds: one or two plain sentences."""
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import refused, said
+from press_texts import PRESS
+from slips import cases, changed
+
+from sweeps.text.csv_text import read_csv
+from sweeps.text.input_files import InputError
+
+COMPRESSOR = """
+[cylinders.gas]
+type = "compressor"
+piston = "ram"
+bore = "80 mm"
+clearance = "6 %"
+suction = "1 bar"
+discharge = "7 bar"
+"""
+TABLE = """
+[moments.cam]
+type = "table"
+on = "crank"
+over_angle = ["0 deg", "90 deg", "360 deg"]
+moment = ["0 N m", "5 N m", "3 N m"]
+interpolation = "linear"
+"""
+
+# Name | what stands in the press | what stands there instead | words of the message.
+SLIPS = cases(r"""
+no quotes | "50 mm" | 50 mm | line 13 | 50 mm has a unit | in quotes: "50 mm"
+no quotes in a table | length = "200 mm" | length = 200 mm | in quotes: "200 mm"
+decimal comma | "50 mm" | 50,5 mm | a decimal comma | "50.5 mm"
+text without quotes | type = "crank" | type = crank | crank is a text
+nothing after = | pivot = "O" | pivot = | no value
+quote left open | pin = "A" | pin = "A | quotation mark
+from for start | speed = "60 rpm" | speed = "60 rpm"\nfrom = "0 deg" | input.from | did you mean 'start'?
+radius for length | length = "50 mm" | radius = "50 mm" | did you mean 'length'?
+title with an escape | title = "Crank press" | title = "\u001b[31mpress" | control character
+a limit in degrees | speed = "60 rpm" | speed = "0 rpm" | at rest
+""")
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_slip_in_a_scene__is_told_as_that(slip, press_folder):
+    old, new, *words = SLIPS[slip]
+    Path("press.toml").write_text(changed(PRESS, old, new))
+    message = refused("check", "press.toml")
+    for word in words:
+        assert word in message, message
+    assert "\x1b" not in message
+
+
+def test_limit_of_an_angle__is_told_in_degrees_where_it_was_given_so(press_folder):
+    brake = '\n[moments.b]\ntype = "block_brake"\non = "crank"\nforce = "1 N"\nfriction = 0.3\nradius = "1 m"\n'
+    Path("press.toml").write_text(PRESS + brake + 'embrace = "200 deg"\n')
+    # 3.2 rad.
+    assert "must be at most 183.346 deg, got '200 deg'" in refused("check", "press.toml")
+
+
+def test_axis_with_other_names__is_told_those_of_studies(press_folder):
+    Path("study.toml").write_text('scene = "press.toml"\n[vary]\n"input.length" = {start = "4 mm", stop = "5 mm"}\n')
+    message = refused("check", "study.toml")
+    assert "did you mean 'from'?" in message
+    assert "did you mean 'to'?" in message
+
+
+def test_scene_without_input__is_told_that(press_folder):
+    Path("press.toml").write_text(re.sub(r"\[input\].*?\n\n", "", PRESS, flags=re.DOTALL))
+    message = refused("check", "press.toml")
+    assert "input: is missing" in message
+    assert "sweeps help input" in message
+    assert len(message.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("addition", "words"),
+    [
+        (COMPRESSOR.replace("1 bar", "8 bar"), "suction must be below discharge"),
+        ('\n[shafts.s]\ngeared_to = "crank"\nratio = 0\n', "shafts.s.ratio: a shaft with the ratio 0"),
+        (TABLE.replace("360 deg", "400 deg"), "row 3: over_angle [deg] = 400 is more than one period (360) after"),
+        (TABLE, "moments.cam.moment: row 3: moment = 3 one period after the first row, whose moment = 0; make them"),
+    ],
+)
+def test_what_no_machine_does__is_refused_with_its_line(addition, words, press_folder):
+    Path("press.toml").write_text(PRESS + addition)
+    message = refused("check", "press.toml")
+    assert words in message
+    assert "press.toml, line " in message
+
+
+def test_friction_beyond_all_experience__is_asked_about(press_folder):
+    Path("press.toml").write_text(
+        PRESS + '\n[friction]\np = {pair = "slide.inner", coefficient = 8, diameter = "3 mm"}\n'
+    )
+    assert (
+        "friction.p.coefficient = 8: coefficients of friction hardly exceed 1.5" in said("check", "press.toml").stdout
+    )
+
+
+# Numbers beyond all bounds
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("100 kg", "1e200 kg"),
+        ("100 kN", "1e300 N"),
+        ("60 rpm", "1e200 rpm"),
+        ('mass = "100 kg"', 'shape = {type = "disc", diameter = "1e160 m", thickness = "1 m"}\ndensity = "1 kg/m3"'),
+        ("", COMPRESSOR.replace("80 mm", "1e160 m")),
+    ],
+)
+def test_overflow__is_a_status_not_an_exception(old, new, press_folder):
+    Path("press.toml").write_text(changed(PRESS, old, new) if old else PRESS + new)
+    answer = said("run", "press.toml", "--no-plots", "--quiet")
+    assert answer.exit_code == 1
+    assert "not finite" in answer.stdout
+    assert said("export", "press.toml", "--to", "p.csv", "--positions", "8").exit_code == 0
+
+
+def test_balance_of_an_infinite_machine__is_refused(press_folder):
+    Path("press.toml").write_text(changed(PRESS, "100 kg", "1e200 kg"))
+    assert "the shaking force is infinite" in refused("balance", "press.toml")
+
+
+def test_body_without_mass__is_exported(press_folder):
+    Path("press.toml").write_text(changed(PRESS, "100 kg", "0 kg"))
+    assert said("export", "press.toml", "--to", "p.csv", "--positions", "8").exit_code == 0
+    header, *rows = Path("p.csv").read_text().splitlines()
+    places = [i for i, name in enumerate(header.split(",")) if name.startswith("ram.inertia_force")]
+    assert all(float(row.split(",")[i]) == 0 for row in rows for i in places)
+
+
+# Files that are none
+
+
+@pytest.mark.parametrize("command", ["check", "run", "plot"])
+def test_device_or_pipe__is_refused_at_once(command, press_folder):
+    os.mkfifo("pipe.toml")
+    for name in ("/dev/zero", "pipe.toml"):
+        assert "is a device or a pipe" in refused(command, name)
+    assert "is a device or a pipe" in refused("show", "pipe.toml")
+
+
+def test_device_as_a_table__is_refused(press_folder):
+    Path("study.toml").write_text('scene = "press.toml"\nvariants = "/dev/zero"\n')
+    assert "is a device or a pipe" in refused("check", "study.toml")
+
+
+def test_huge_file__is_refused_at_once(press_folder):
+    with Path("huge.toml").open("wb") as file:
+        file.truncate(10**11)
+    assert "100000 MB, more than the 16 MB" in refused("check", "huge.toml")
+
+
+def test_contents_of_other_files__are_not_quoted(press_folder):
+    Path("secret.key").write_text("password: hunter2\nother: hunter3\n")
+    Path("secret.toml").write_text('[registry]\ntoken = "hunter2"\n')
+    for message in (
+        refused("check", "secret.key"),
+        refused("check", "secret.toml"),
+        refused("flywheel", "secret.key", "--speed", "1 rpm", "--fluctuation", "1/50"),
+    ):
+        assert "hunter" not in message
+
+
+def test_long_message__is_cut(press_folder):
+    Path("press.toml").write_text(PRESS + "".join(f"[bodies.ram.x{i}]\n" for i in range(400)))
+    assert len(refused("check", "press.toml")) < 3000
+
+
+def test_title_with_a_dollar__is_drawn_as_it_is(press_folder):
+    Path("press.toml").write_text(changed(PRESS, "Crank press", "$5 and \\\\frac{$ press"))
+    assert said("plot", "press.toml", "-y", "B.y", "--out", "p.svg").exit_code == 0
+
+
+# Tables
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "input.length [mm],input.speed [rpm]\n40.5,60\n50,70\n",
+        "\ufeffinput.length [mm];input.speed [rpm]\r\n40,5;60\r\n50;70\r\n",
+        "sep=;\ninput.length [mm];input.speed [rpm]\n40,5;60\n50;70\n",
+        "# measured\n\ninput.length [mm]\tinput.speed [rpm]\n40.5\t60\n\n50\t7e1\n",
+        '"input.length [mm]","input.speed [rpm]"\n"40.5","60"\n"50","70"\n',
+    ],
+)
+def test_table_of_a_spreadsheet__is_read(text, tmp_path):
+    (tmp_path / "t.csv").write_bytes(text.encode())
+    columns = read_csv(tmp_path / "t.csv")
+    assert {name: (unit, [float(cell) for cell in cells]) for name, (unit, cells) in columns.items()} == {
+        "input.length": ("mm", [40.5, 50]),
+        "input.speed": ("rpm", [60, 70]),
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a [mm];b\n1.234,5;1\n", "line 2: '1.234,5' is not a number"),
+        ("a [mm],b\n1,5,2\n", "line 2: has 3 cells, the header 2"),
+        ('a [mm],b\n"1,2\n3",4\n', "quotation marks"),
+    ],
+)
+def test_table_that_cannot_be_read__is_told_precisely(text, words, tmp_path):
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(InputError, match=re.escape(words)):
+        read_csv(tmp_path / "t.csv")
+
+
+def test_same_variants__of_csv_hdf5_and_parquet(press_folder):
+    import h5py
+
+    from sweeps.study.study import read_study
+
+    lengths = [40.1, 50.3, 60.7]
+    Path("v.csv").write_text("input.length [mm]\n" + "\n".join(map(str, lengths)))
+    with h5py.File("v.h5", "w") as file:
+        file["input.length"] = np.array(lengths)
+        file["input.length"].attrs["units"] = "mm"
+    files = ["v.csv", "v.h5"]
+    try:
+        import pyarrow
+        from pyarrow import parquet
+
+        parquet.write_table(pyarrow.table({"input.length [mm]": lengths}), "v.parquet")
+        files.append("v.parquet")
+    except ImportError:
+        Path("v.parquet").write_bytes(b"PAR1")
+        Path("study.toml").write_text('scene = "press.toml"\nvariants = "v.parquet"\n')
+        assert "machine-sweeps[parquet]" in refused("check", "study.toml")
+    for name in files:
+        Path("study.toml").write_text(f'scene = "press.toml"\nvariants = "{name}"\n')
+        found = read_study("study.toml").design.values(0, 3)["input.length"]
+        # Of binary numbers the factor 1e-3 is one more rounding.
+        assert found == pytest.approx([0.0401, 0.0503, 0.0607], rel=0 if name == "v.csv" else 3e-16)
+
+
+def test_variants_of_a_result__are_those_of_another_study(press_result):
+    from sweeps.study.study import read_study
+
+    Path("again.toml").write_text('scene = "press.toml"\nvariants = "r.h5"\n')
+    found = read_study("again.toml").design.values(0, 8)
+    assert set(found) == {"input.length", "bodies.ram.mass"}
+    assert found["bodies.ram.mass"].tolist() == [50, 100] * 4

@@ -1,0 +1,52 @@
+"""Numbers come out in the unit that they went in."""
+
+from pathlib import Path
+
+import pytest
+from commands import said
+from press_texts import PRESS
+
+from sweeps.text.engineer_units import show_in_units
+
+INCHES = (
+    PRESS.replace('"0 mm"', '"0 in"')
+    .replace("50 mm", "2 in")
+    .replace("200 mm", "8 in")
+    .replace("100 kg", "220 lb")
+    .replace("100 kN", "20 kip")
+)
+
+
+@pytest.fixture
+def inches(press_folder):
+    Path("inches.toml").write_text(INCHES)
+    yield "inches.toml"
+    show_in_units([])
+
+
+def row(text: str, name: str) -> list[str]:
+    return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
+
+
+def test_scene_in_inches__is_shown_in_inches(inches):
+    # In line, the stroke is twice the crank.
+    shown = said("run", inches, "--no-plots", "--out", "r.h5").stdout
+    name, _, value, *_, unit = row(shown, "ram.stroke")
+    assert (name, value, unit) == ("ram.stroke", "4", "in")
+    # At 90° the point is at its highest, 8 in − 2 in below the pivot.
+    assert row(said("show", inches, "--at", "90", "--columns", "B.y").stdout, "B.y")[1:3] == ["-6", "in"]
+    assert row(said("show", inches, "--at", "0", "--columns", "B.vy").stdout, "B.vy")[2] == "in/s"
+
+
+def test_result_of_a_scene_in_inches__is_shown_so_later_and_others_are_not(inches, press_folder):
+    assert said("run", inches, "--no-plots", "--out", "r.h5").exit_code == 0
+    assert said("run", "press.toml", "--no-plots", "--out", "mm.h5").exit_code == 0
+    assert "mm" in said("show", "mm.h5").stdout
+    units = said("show", "r.h5", "--columns", "ram.stroke").stdout
+    assert " in\n" in units
+    assert "mm" in said("show", "mm.h5", "--columns", "ram.stroke").stdout
+
+
+def test_scene_mostly_in_millimetres__is_shown_in_them(press_folder):
+    Path("press.toml").write_text(PRESS.replace("200 mm", "8 in"))
+    assert row(said("run", "press.toml", "--no-plots").stdout, "ram.stroke")[-1] == "mm"
