@@ -81,7 +81,7 @@ from engine.machine.results import AskError, Outcome
 from engine.mechanism.groups.seed_tables import AssemblyMode
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
-from engine.motion.history import History, history
+from engine.motion.history import History, history, history_fields
 from engine.quantities.friction import friction_in_pairs
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
@@ -257,6 +257,7 @@ __all__ = [
     "guide_edge_forces",
     "has_cycle",
     "history",
+    "history_fields",
     "holder_of",
     "holzer_table",
     "in_line_engine",

@@ -20,7 +20,6 @@ from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.quantities import kept_from
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
@@ -113,9 +112,7 @@ class Machine:
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
         told = [path for path in self.varied if path.startswith("near.")]
         if told:
-            raise AskError(
-                f"{told[0]} tells the scene's own assembly mode, which all variants keep; vary another number"
-            )
+            raise AskError(f"{told[0]} tells the scene's assembly mode, which all variants keep; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
@@ -133,8 +130,6 @@ class Machine:
 
     def _check_asked(self) -> None:
         """Refuse what doesn't exist, with the names that are near."""
-        for name, message in kept_from(self.mechanics, (*self.asked_summaries, *self.asked_fields)):
-            raise AskError(f"{name}: {message}")
         check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
         known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]

@@ -90,11 +90,14 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     sources = _sources(dynamics)
     arguments = frozenset().union(*sources.values())
     turning = _varies(dynamics.reduction.mechanics.reduced.inertia)
-    number = _number(turning, arguments)
+    rubs = bool(dynamics.reduction.mechanics.scene.friction)
+    number = _number(turning, arguments | {"φ", "ω"} if rubs else arguments)
     couplings = dynamics.reduction.mechanics.scene.couplings if isinstance(regime, RunRegime) else {}
-    law = None if turning or couplings or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
-    method = TIME_FORM if dynamics.timed or couplings else ENERGY_FORM
+    stepwise = rubs or couplings
+    law = None if turning or stepwise or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
+    method = TIME_FORM if dynamics.timed or stepwise else ENERGY_FORM
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"
+    sentence += ", and friction in pairs by φ, ω² and ε" if rubs else ""
     for name, coupling in couplings.items():
         joined = "open" if name in regime.off else "at work"
         sentence += f"; at two speeds, of the crank and of shaft {coupling.shaft}, with {name} {joined}"

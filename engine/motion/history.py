@@ -1,5 +1,6 @@
 """The history of one machine through its regimes: angle, speed, moments and energy, instant by instant."""
 
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -8,9 +9,12 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
+from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule, Standing
-from engine.motion.settled.steady import steady_motion
+from engine.motion.runs.watching import Piece, RunFields
+from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.steppers.energy_form import NODES
+from engine.quantities.quantity import Quantity
 from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
@@ -38,6 +42,8 @@ class History(NamedTuple):
         By the sort of work: "driving", "useful", "harmful", "braking", "other" [N·m].
     energy : ndarray
         Kinetic energy [J].
+    loads_on_pairs : dict of str to ndarray
+        Of the loads on pairs and frame that were to be kept, by name [N, N·m].
     powers : dict of str to ndarray
         Of the "motors", by the sort of work as `load_moments`, and of the "coupling", whose heat it is [W].
     shaft_speed, coupling_moment : ndarray
@@ -55,13 +61,14 @@ class History(NamedTuple):
     motor_moment: np.ndarray
     load_moments: dict[str, np.ndarray]
     energy: np.ndarray
+    loads_on_pairs: dict[str, np.ndarray]
     powers: dict[str, np.ndarray]
     shaft_speed: np.ndarray
     coupling_moment: np.ndarray
     verdict: Verdict
 
 
-def history(scene: Scene, steps: int = 360) -> History:
+def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> History:
     """Go through the regimes of a scene.
 
     Parameters
@@ -70,120 +77,200 @@ def history(scene: Scene, steps: int = 360) -> History:
         With at least one regime.
     steps : int
         Steps a cycle; even.
+    fields : iterable of str
+        Loads on the pairs and on the frame to keep as well, such as "input.reaction", from `history_fields`.
 
     Raises
     ------
     ValueError
-        The scene has no regimes.
+        The scene has no regimes, or a field doesn't exist.
     """
     if not scene.regimes:
         raise ValueError("regimes: the scene has none; add [regimes.NAME] with type = 'run' or 'steady'")
-    schedule = Schedule(Mechanics(scene), {f"{name}.useful_work" for name in scene.regimes}, steps)
+    mechanics, fields = Mechanics(scene), tuple(fields)
+    known = _fields_of(mechanics)
+    unknown = [name for name in fields if name not in known]
+    if unknown:
+        raise ValueError(f"{unknown[0]!r} isn't a load that a history keeps; there are: {', '.join(known)}")
+    asked = {f"{name}.useful_work" for name in scene.regimes}
+    asked |= {f"{name}.{field}.max" for name in scene.regimes for field in fields}
+    schedule = Schedule(mechanics, asked, steps)
     every = schedule.variants(Numbers(scene_numbers(scene), {}), 1)
     zero = np.zeros(1)
     standing = Standing(zero, zero, zero, np.full(1, Verdict.OK, np.uint8))
-    parts: list[_Part] = []
+    parts: list[_Part | _CoupledPart] = []
     begun = 0.0
     for name in schedule.needed:
-        dynamics = schedule.dynamics[frozenset(scene.regimes[name].off)]
+        off = frozenset(scene.regimes[name].off)
+        dynamics = schedule.dynamics[off]
         variants = dynamics.driven(every)
-        hindered, sides = schedule.hindered(name, dynamics, variants), None
+        hindered = schedule.hindered(name, dynamics, variants)
         if hindered.any():
-            parts.append(_Part(name, np.array([[begun], standing.angle, standing.omega]), dynamics, variants))
+            along = RunFields(dynamics, variants, standing.angle, standing.clock, schedule.loads, off)
+            parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
-        if isinstance(scene.regimes[name], RunRegime):
+        if isinstance(scene.regimes[name], RunRegime) and schedule.sides:
             angle = scene.regimes[name].from_angle
             start = standing.angle[0] if angle is None else angle
-            if schedule.sides:
-                gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
-                sides = schedule.sides[frozenset(scene.regimes[name].off)].of(variants, np.full(1, start))
-                time, turned, omega, *shaft = gone.history
-                own = np.array([time + begun, start + variants.direction * turned, omega])
-                parts.append(_Part(name, own, dynamics, variants, sides, np.array(shaft)))
-                begun += time[-1]
-                if standing.verdict[0] != Verdict.OK:
-                    break
-                continue
-            outcome, standing = schedule.run(name, dynamics, variants, standing, record=True)
-            time, turned, omega = outcome.history
+            gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
+            sides = schedule.sides[off].of(variants, np.full(1, start))
+            time, turned, omega, *shaft = gone.history
+            course = np.array([time + begun, start + variants.direction * turned, omega])
+            parts.append(_CoupledPart(name, course, variants, sides, np.array(shaft)))
+            begun += time[-1]
+        elif isinstance(scene.regimes[name], RunRegime):
+            records: list[_Record] = []
+
+            def record(along: RunFields, records: list[_Record] = records) -> _Record:
+                records.append(_Record(along))
+                return records[-1]
+
+            _, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
+            parts.append(_Part(name, begun, records[0].along, records[0].pieces))
+            begun += records[0].pieces[-1].time[-1, 0]
         else:
-            start, (time, turned, omega), standing = 0.0, *_one_cycle(dynamics, variants, steps, schedule.tolerance)
-            if schedule.sides:
-                sides = schedule.sides[frozenset(scene.regimes[name].off)].of(variants, zero)
+            piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
+            along = RunFields(dynamics, variants, zero, zero, schedule.loads, off)
+            sides = schedule.sides[off].of(variants, zero) if schedule.sides else None
+            if sides is not None:
                 standing = standing._replace(coupled=CoupledStanding(standing.omega, np.full(1, np.inf)))
-        own = np.array([time + begun, start + variants.direction * turned, omega])
-        parts.append(_Part(name, own, dynamics, variants, sides))
-        begun += time[-1]
+            parts.append(_Part(name, begun, along, [piece], sides))
+            begun += piece.time[-1, 0]
         if standing.verdict[0] != Verdict.OK:
             break
-    return _gathered(parts, Verdict(int(standing.verdict[0])))
+    return _gathered(parts, fields, Verdict(int(standing.verdict[0])))
+
+
+def history_fields(scene: Scene) -> dict[str, Quantity]:
+    """What a history may keep of the loads on the pairs and on the frame, by name."""
+    return _fields_of(Mechanics(scene))
+
+
+def _fields_of(mechanics: Mechanics) -> dict[str, Quantity]:
+    made = load_fields(mechanics).items()
+    return {name: Quantity(name, words.format(name="its regimes"), unit) for name, (words, unit) in made}
+
+
+class _Record:
+    """Keeps all that it sees of a run of one variant."""
+
+    def __init__(self, along: RunFields) -> None:
+        self.along = along
+        self.pieces: list[Piece] = []
+
+    def see(self, who: np.ndarray, piece: Piece) -> None:
+        """Keep a piece."""
+        self.pieces.append(piece)
 
 
 class _Part(NamedTuple):
-    """One regime: time, crank angle and speed by instants, and what acts; of a coupling its sides, speed and moment."""
+    """A regime: its name, when it began [s], its fields and pieces; with a coupling that holds its sides."""
+
+    name: str
+    begun: float
+    along: RunFields
+    pieces: list[Piece]
+    sides: CoupledSides | None = None
+
+
+class _CoupledPart(NamedTuple):
+    """A run with a coupling: time, angle and speed of the crank by instants, its sides, and their speed and moment."""
 
     name: str
     course: np.ndarray
-    dynamics: Dynamics
     variants: Variants
-    sides: CoupledSides | None = None
-    shaft: np.ndarray | None = None
+    sides: CoupledSides
+    shaft: np.ndarray
 
 
-def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[np.ndarray, Standing]:
+def _instant(standing: Standing) -> Piece:
+    """Where a machine stands."""
+    rows = [np.zeros((1, 1)), np.zeros((1, 1)), standing.omega[None]]
+    return Piece(*rows, np.ones(1), np.empty((0, 1)), np.full((1, 1), np.nan))
+
+
+def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: float) -> tuple[Piece, Standing]:
     zero = np.zeros(1)
-    places = dynamics.grid(variants, zero, dynamics.cycle, steps).places[NODES]
-    steady = steady_motion(dynamics, variants, tolerance, variants.direction * places)[0]
-    energy, time, _ = steady.record
+    sided = variants._replace(breaks=variants.breaks.two_sided())
+    grid = dynamics.grid(sided, zero, dynamics.cycle, steps)
+    places = grid.places[NODES]
+    steady = settled_motion(dynamics, variants, tolerance, False, variants.direction * places)
+    energy, time, moment = steady.record
     omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
-    turned = variants.direction * places
-    return np.array([time[:, 0], turned[:, 0], omega[:, 0]]), Standing(zero, omega[0], zero, steady.verdict)
+    piece = Piece(time, variants.direction * places, omega, np.ones(1), grid.steps, moment)
+    return piece, Standing(zero, omega[0], zero, steady.verdict)
 
 
-def _gathered(parts: list[_Part], verdict: Verdict) -> History:
+def _gathered(parts: list[_Part | _CoupledPart], fields: Iterable[str], verdict: Verdict) -> History:
     columns: dict[str, list[np.ndarray]] = {}
-
-    def add(key: str, values: np.ndarray) -> None:
-        columns.setdefault(key, []).append(values)
-
-    for name, (time, angle, omega), dynamics, variants, sides, shaft in parts:
-        way, none = variants.direction[0], np.full(time.size, np.nan)
-        rows = dynamics.rows(variants, angle[:, None], time[:, None])
-        moments = dynamics.moments(variants, rows, omega[:, None])
-        energy, speed, transmitted = 0.5 * rows.inertia[:, 0] * omega**2, none, none
-        own, of_loads, total = moments.motors[:, 0], moments.loads[:, :, 0], moments.total[:, 0]
-        slope, inertia = rows.inertia_phi[:, 0], rows.inertia[:, 0]
-        with np.errstate(all="ignore"):
-            powers, heat = np.concatenate((own[None], of_loads)) * omega, np.zeros_like(omega)
-        if sides is not None and shaft is None:
-            speed = sides.coupling.ratio * omega
-        elif sides is not None:
-            rows = sides.crank.dynamics.rows(sides.crank.variants, angle[:, None], time[:, None])
-            of_crank = sides.crank.dynamics.moments(sides.crank.variants, rows, omega[:, None])
-            of_shaft = sides.shaft.dynamics.moments(sides.shaft.variants, sides.shaft.forwards, shaft[0][:, None])
-            both = [np.concatenate((m.motors[None], m.loads))[:, :, 0] for m in (of_crank, of_shaft)]
-            own, of_loads = both[0][0] + both[1][0], both[0][1:] + both[1][1:]
-            powers, heat = both[0] * omega + both[1] * shaft[0], shaft[1] * (omega - shaft[0])
-            inertia, total = rows.inertia[:, 0], of_crank.total[:, 0] + shaft[1]
-            energy = 0.5 * inertia * omega**2 + 0.5 * sides.shaft.inertia * shaft[0] ** 2
-            speed, transmitted = sides.coupling.ratio * shaft[0], way * shaft[1]
-        with np.errstate(all="ignore"):
-            epsilon = (total - 0.5 * omega**2 * slope) / inertia
-        add("regime", np.full(time.size, name))
-        add("time", time)
-        add("angle", angle)
-        add("speed", way * omega)
-        add("acceleration", way * epsilon)
-        add("motor_moment", way * own)
-        add("energy", energy)
-        add("shaft_speed", speed)
-        add("coupling_moment", transmitted)
-        for channel, moment in zip(CHANNELS, of_loads, strict=True):
-            add(channel, way * moment)
-        for source, power in zip(SOURCES, (*powers, heat), strict=True):
-            add(f"{source} power", power)
+    for part in parts:
+        for own in _of_coupled(part, fields) if isinstance(part, _CoupledPart) else _of_pieces(part, fields):
+            for key, row in own.items():
+                columns.setdefault(key, []).append(row)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
-    loads = {channel: whole.pop(channel) for channel in CHANNELS}
+    loads, kept = ({key: whole.pop(key) for key in keys} for keys in (CHANNELS, fields))
     powers = {source: whole.pop(f"{source} power") for source in SOURCES}
-    return History(load_moments=loads, powers=powers, verdict=verdict, **whole)
+    return History(load_moments=loads, loads_on_pairs=kept, powers=powers, verdict=verdict, **whole)
+
+
+def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
+    """Columns of a regime, piece by piece."""
+    name, begun, along, pieces, sides = part
+    way = along.variants.direction[0]
+    for before, piece in zip([None, *pieces], pieces, strict=False):
+        new = _new_nodes(piece, before)
+        rows = {key: row[new, 0] for key, row in along(np.zeros(1, int), piece).items()}
+        none = np.full(new.sum(), np.nan)
+        own = {
+            "regime": np.full(new.sum(), name),
+            "time": begun + piece.time[new, 0],
+            "angle": along.start[0] + way * piece.turned[new, 0],
+            "speed": way * rows["speed"],
+            "shaft_speed": none if sides is None else sides.coupling.ratio * rows["speed"],
+            "coupling_moment": none,
+        }
+        moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
+        powers = [*(way * moment * rows["speed"] for moment in moments), np.zeros(new.sum())]
+        own |= {f"{source} power": power for source, power in zip(SOURCES, powers, strict=True)}
+        kept = ("acceleration", "motor_moment", *CHANNELS, "energy", *fields)
+        yield own | {key: rows[key] for key in kept}
+
+
+def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
+    """Columns of a run with a coupling; the loads on pairs aren't known there."""
+    (time, angle, omega), sides, shaft = part.course, part.sides, part.shaft
+    way, none = part.variants.direction[0], np.full(time.size, np.nan)
+    rows = sides.crank.dynamics.rows(sides.crank.variants, angle[:, None], time[:, None])
+    of_crank = sides.crank.dynamics.moments(sides.crank.variants, rows, omega[:, None])
+    of_shaft = sides.shaft.dynamics.moments(sides.shaft.variants, sides.shaft.forwards, shaft[0][:, None])
+    both = [np.concatenate((m.motors[None], m.loads))[:, :, 0] for m in (of_crank, of_shaft)]
+    motors, loads = both[0][0] + both[1][0], both[0][1:] + both[1][1:]
+    powers, heat = both[0] * omega + both[1] * shaft[0], shaft[1] * (omega - shaft[0])
+    inertia, total = rows.inertia[:, 0], of_crank.total[:, 0] + shaft[1]
+    with np.errstate(all="ignore"):
+        epsilon = (total - 0.5 * omega**2 * rows.inertia_phi[:, 0]) / inertia
+    own = {
+        "regime": np.full(time.size, part.name),
+        "time": time,
+        "angle": angle,
+        "speed": way * omega,
+        "shaft_speed": sides.coupling.ratio * shaft[0],
+        "coupling_moment": way * shaft[1],
+        "acceleration": way * epsilon,
+        "motor_moment": way * motors,
+        "energy": 0.5 * inertia * omega**2 + 0.5 * sides.shaft.inertia * shaft[0] ** 2,
+    }
+    own |= {channel: way * moment for channel, moment in zip(CHANNELS, loads, strict=True)}
+    own |= {f"{source} power": power for source, power in zip(SOURCES, (*powers, heat), strict=True)}
+    yield own | dict.fromkeys(fields, none)
+
+
+def _new_nodes(piece: Piece, before: Piece | None) -> np.ndarray:
+    """Which nodes of a piece are new, (nodes,) of bool: not its last one once more, nor the end of the one before."""
+    states = np.stack((piece.time[:, 0], piece.turned[:, 0], piece.omega[:, 0]))
+    new = np.concatenate(([True], (np.diff(states, axis=1) != 0.0).any(axis=0)))
+    # A motion without an end that was found stays a row of NaN.
+    if before is not None:
+        new[0] = (before.time[-1, 0], before.turned[-1, 0]) != (piece.time[0, 0], piece.turned[0, 0])
+    return new

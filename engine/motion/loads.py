@@ -6,10 +6,11 @@ motion, so what the input link needs for its equilibrium is what motors and flyw
 A flywheel loads no pair but by its weight, which a scene doesn't know; its inertia turns the frame.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 import numpy as np
 
+from engine.compiling.tiles import TileFunction
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Given, Node
 from engine.mechanism.inertia import shaking
@@ -19,6 +20,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.reactions import Reactions
 from engine.motion.moments.dynamics import Variants
 from engine.motion.moments.tabulation import Tabulation
+from engine.motion.steppers.rubbing import Rubbing
 
 # Moments in which the inertia of a flywheel takes part.
 WITH_FLYWHEEL = ("frame.reaction_moment", "shaking_moment")
@@ -71,44 +73,76 @@ class PairLoads:
     def _coefficients(self) -> list[Node]:
         return [coefficient for _, coefficient in self._sizes.values()]
 
+    @property
+    def function(self) -> TileFunction:
+        """The printed function of the fields."""
+        return self._tabulation.function("curves_at")
+
+    @property
+    def curves(self) -> int:
+        """How many curves it fills."""
+        return len(self._tabulation.functions.curves)
+
+    def source(self, channel: int) -> Rubbing:
+        """Where the first of the fields comes from, as the moment of friction of a channel of work."""
+        functions, given = self._tabulation.functions, self._tabulation.given
+        moving = [functions.rows[node] if node in given else -1 for node in self._moving]
+        clocks = [functions.rows[node] for node in given if node not in self._sizes and node not in self._moving]
+        rows = np.array(moving, np.int64), np.array(clocks, np.int64)
+        return Rubbing(functions.memory, *rows, self._rows[self.names[0]], channel)
+
+    def parameters(self, variants: Variants, off: frozenset[str]) -> np.ndarray:
+        """Numbers of variants, (numbers, variants), for the way that they turn.
+
+        Parameters
+        ----------
+        variants : Variants
+        off : frozenset of str
+            Actions that don't act.
+        """
+        tabulation = self._tabulation
+        made = tabulation.parameters(variants.numbers, variants.direction, variants.ends)
+        rows = tabulation.functions.rows
+        for node in tabulation.given:
+            if node in self._sizes:
+                action, coefficient = self._sizes[node]
+                made[rows[node]] = 0.0 if action in off else made[rows[coefficient]]
+            elif node not in self._moving:
+                # In a motion that repeats itself nothing that depends on time acts.
+                made[rows[node]] = 0.0
+        return made
+
     def __call__(
         self,
         variants: Variants,
+        parameters: np.ndarray,
         places: np.ndarray,
         omega: np.ndarray,
         epsilon: np.ndarray,
-        wheel: np.ndarray,
-        off: frozenset[str],
-    ) -> Mapping[str, np.ndarray]:
+        clock: np.ndarray | None = None,
+    ) -> dict[str, np.ndarray]:
         """The fields at given places of a motion, each (places, variants).
 
         Parameters
         ----------
         variants : Variants
+            With the flywheel they go with.
+        parameters : ndarray (numbers, variants)
+            From `parameters`, for the way that each turns.
         places : ndarray (places, variants)
             Crank angles [rad].
         omega : ndarray (places, variants)
             Speed by magnitude [rad/s].
         epsilon : ndarray (places, variants)
             Acceleration, counter-clockwise positive [rad/s²].
-        wheel : ndarray (variants,)
-            Inertia of the flywheel, reduced to the input [kg·m²].
-        off : frozenset of str
-            Actions that don't act.
+        clock : ndarray (places, variants), optional
+            Time, for loads that depend on it [s].
         """
         tabulation = self._tabulation
-        parameters = tabulation.parameters(variants.numbers, variants.direction, variants.ends)
-        rows, moving = tabulation.functions.rows, (omega, omega * omega, epsilon)
-        given = {}
-        for node in tabulation.given:
-            if node in self._sizes:
-                action, coefficient = self._sizes[node]
-                parameters[rows[node]] = 0.0 if action in off else parameters[rows[coefficient]]
-            elif node in self._moving:
-                given[node] = moving[self._moving[node]]
-            else:
-                # In a motion that repeats itself nothing that depends on time acts.
-                parameters[rows[node]] = 0.0
+        moving = (omega, omega * omega, epsilon)
+        given = {node: moving[row] for node, row in self._moving.items() if node in tabulation.given}
+        if clock is not None:
+            given |= {node: clock for node in tabulation.given if node not in self._sizes and node not in self._moving}
         found = tabulation(parameters, places, given)
         fields = {name: found[row] for name, row in self._rows.items()}
         made = self.scene.flywheel
@@ -116,7 +150,7 @@ class PairLoads:
         ratio = variants.numbers["flywheel.wheel.ratio"] if made is not None and made.wheel is not None else 1.0
         for name in WITH_FLYWHEEL:
             if name in fields:
-                fields[name] = fields[name] - wheel / ratio * epsilon
+                fields[name] = fields[name] - variants.flywheel / ratio * epsilon
         return fields
 
 

@@ -1,6 +1,5 @@
 """What can be asked of a regime: names, words and units."""
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 from engine.mechanism.mechanics import Mechanics
@@ -8,7 +7,6 @@ from engine.quantities import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
-from engine.scene.names import Problem
 from engine.scene.scene import Scene
 
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
@@ -74,6 +72,12 @@ LOADS = (
     *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
 )
 
+# Of fields of runs: extremes, with their places and instants.
+EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean", "rms")} | {
+    "min_time": "time since its begin of the least value of",
+    "max_time": "time since its begin of the greatest value of",
+}
+
 
 class Asked(NamedTuple):
     """What is asked of a regime: its name, that of a field (or of a summary), and a statistic of the field or ""."""
@@ -87,7 +91,8 @@ class Asked(NamedTuple):
         """The parts of a name."""
         regime, _, rest = name.partition(".")
         field, _, statistic = rest.rpartition(".")
-        return cls(regime, field, statistic) if field and statistic in STATISTICS else cls(regime, rest, "")
+        known = statistic in STATISTICS or statistic in EXTREMES
+        return cls(regime, field, statistic) if field and known else cls(regime, rest, "")
 
 
 def _made(name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
@@ -127,13 +132,14 @@ def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
     return found
 
 
-def motion_fields(mechanics: Mechanics) -> list[Quantity]:
-    """Fields of the steady regimes of a scene."""
+def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
+    """Fields of the regimes of one kind, "steady" or "run", of a scene."""
     found: list[Quantity] = []
     for name, regime in mechanics.scene.regimes.items():
-        if regime.type == "steady":
+        # At the two speeds of a coupling loads aren't known.
+        if regime.type == kind and not (kind == "run" and mechanics.scene.couplings):
             found += _made(name, FIELDS)
-            found += [] if mechanics.scene.friction else _made(name, load_fields(mechanics))
+            found += _made(name, load_fields(mechanics))
     return found
 
 
@@ -143,6 +149,8 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     found = {q.name: q for q in declared if q.name.rpartition(".")[2] in LOADS}
     table = {key: (q.long_name.replace(AT_UNIFORM_SPEED, ""), q.units) for key, q in found.items()}
     table["input_moment_by_equilibrium"] = ("input moment by equilibrium of the input link, without flywheel", "N m")
+    if mechanics.scene.friction:
+        table["friction_moment"] = ("moment on the input that stands for friction in pairs", "N m")
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 
 
@@ -159,18 +167,14 @@ def cycle_statistics(field: Quantity) -> list[Quantity]:
     ]
 
 
-def kept_from(mechanics: Mechanics, names: Iterable[str]) -> list[Problem]:
-    """What of the names asks for loads on the pairs in a regime that friction in pairs keeps from being computed."""
-    found: list[Problem] = []
-    scene = mechanics.scene
-    loads = load_fields(mechanics) if scene.friction and scene.regimes else {}
-    for name in names:
-        asked = Asked.of(name)
-        if asked.regime in scene.regimes and asked.field in loads:
-            at_speed = name.partition(".")[2]
-            message = (
-                "loads at the true motion are computed without friction in pairs, and this scene has [friction]; "
-                f"leave it out, or ask {at_speed!r}, which is at uniform speed, friction included"
-            )
-            found.append((name, message))
-    return found
+def run_extremes(field: Quantity) -> list[Quantity]:
+    """Extremes of a field along a run, with their places and instants."""
+    units = {"_at": "rad", "_time": "s"}
+    return [
+        Quantity(
+            f"{field.name}.{suffix}",
+            f"{words} the {field.long_name}",
+            next((unit for end, unit in units.items() if suffix.endswith(end)), field.units),
+        )
+        for suffix, words in EXTREMES.items()
+    ]

@@ -6,9 +6,16 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.quantities import MAY_BE_UNDEFINED, cycle_statistics, motion_fields, motion_summaries
+from engine.motion.quantities import (
+    MAY_BE_UNDEFINED,
+    Asked,
+    cycle_statistics,
+    motion_fields,
+    motion_summaries,
+    run_extremes,
+)
 from engine.motion.regimes_in_order import RegimeAnswers, Schedule
-from engine.quantities.quantity import STATISTICS, Quantity
+from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
 
@@ -39,6 +46,7 @@ class Regimes:
     def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
         self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
         self.fields = {quantity.name: quantity for quantity in motion_fields(mechanics)}
+        self._along_runs = {quantity.name: quantity for quantity in motion_fields(mechanics, "run")}
         asked = list(dict.fromkeys(asked))
         self.summaries |= self._statistics(asked)
         self.asked = tuple(name for name in asked if name in self.summaries or name in self.fields)
@@ -46,10 +54,11 @@ class Regimes:
 
     def _statistics(self, names: Iterable[str]) -> dict[str, Quantity]:
         """The statistics of fields among some names."""
-        parts = {name: name.rpartition(".") for name in names}
-        fields = {field for field, _, statistic in parts.values() if statistic in STATISTICS and field in self.fields}
-        known = {s.name: s for field in fields for s in cycle_statistics(self.fields[field])}
-        return {name: known[name] for name in parts if name in known}
+        fields = {f"{one.regime}.{one.field}" for one in map(Asked.of, names) if one.statistic}
+        known = [s for name in fields if name in self.fields for s in cycle_statistics(self.fields[name])]
+        known += [s for name in fields if name in self._along_runs for s in run_extremes(self._along_runs[name])]
+        found = {s.name: s for s in known}
+        return {name: found[name] for name in names if name in found}
 
     @property
     def nodes(self) -> list[Node]:

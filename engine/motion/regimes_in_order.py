@@ -6,6 +6,7 @@ error. A closed form has no steps: for the second time its moments are changed i
 the change, and the rounding of the energies.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -24,13 +25,17 @@ from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
 from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
 from engine.motion.runs.run import run_to_end
+from engine.motion.runs.run_extremes import ExtremeAnswers, RunExtremes
 from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
+from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
+from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
+from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
 from engine.scene.regimes import RunRegime
-from engine.scene.scene import Numbers
+from engine.scene.scene import Numbers, SceneError
 from engine.verdicts import Verdict
 
 # What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
@@ -49,12 +54,17 @@ STEPS_OF_ROUNDING = 32
 # How sure moments are, for closed forms.
 DOUBT = 16 * np.finfo(float).eps
 
+# What of the ends of runs each variant has its own of.
+PER_VARIANT = ("turned", "time", "speed", "most_turned")
+# Crank angle [rad], speed [rad/s] and time on the clock [s] at the begin of runs.
+Begin = tuple[np.ndarray, np.ndarray, np.ndarray]
+
 
 def share_of_change(name: str) -> float:
     """Which share of the change from less sure steps an answer may be off by."""
     last = name.rpartition(".")[2]
     # Of an extreme that two places share, either may be the one; what else may be missed is a step.
-    if last in ("min_at", "max_at"):
+    if last in ("min_at", "max_at", "min_time", "max_time"):
         return 0.0
     # Means over time are of no order at all where a steep motor catches up with a jump within a step.
     return 2.0 if last in ("mean", "rms") else 1.0
@@ -127,18 +137,22 @@ class Schedule:
         self.scene, self.asked, self.steps = mechanics.scene, asked, steps
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
         scene = mechanics.scene
+        if scene.friction and scene.couplings:
+            message = "regimes don't know it beside [couplings], where a machine has two speeds; leave one of them out"
+            raise SceneError([("friction", message)])
         self.regimes = dict(scene.regimes)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
-        known, fields = {q.name for q in motion_fields(mechanics)}, [Asked.of(name) for name in sorted(asked)]
-        fields = [one for one in fields if f"{one.regime}.{one.field}" in known]
-        self.cycles = {name: [one for one in fields if one.regime == name] for name in self.regimes}
+        known = {q.name for kind in ("steady", "run") for q in motion_fields(mechanics, kind)}
+        fields = [one for one in map(Asked.of, sorted(asked)) if f"{one.regime}.{one.field}" in known]
+        self.fields = {name: [one for one in fields if one.regime == name] for name in self.regimes}
         loads = {one.field for one in fields} - FIELDS.keys()
         self.loads = PairLoads(mechanics, loads) if loads else None
         works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
-        self.dynamics = {off: Dynamics(self.reduction, off, works) for off in sets}
+        friction = PairLoads(mechanics, [FRICTION_MOMENT]) if scene.friction else None
+        self.dynamics = {off: Dynamics(self.reduction, off, works, friction) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
@@ -168,7 +182,7 @@ class Schedule:
         count : int
         """
         # Runs keep tables over the steps of a cycle.
-        runs = any((name not in self.steady and not self.sides) or self.cycles[name] for name in self.needed)
+        runs = any((name not in self.steady and not self.sides) or self.fields[name] for name in self.needed)
         together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if runs else TOGETHER
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
         # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
@@ -216,10 +230,11 @@ class Schedule:
                 made, energy = going.turned / dynamics.cycle * steps, going.energy
                 found, scale = self._at_two_speeds(name, dynamics, going), {}
             elif isinstance(self.regimes[name], RunRegime):
-                outcome, standing = self.run(name, dynamics, variants, standing, half)
+                outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
-                found, scale = self._of_run(dynamics, outcome, energy), {}
+                found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
+                gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
                 found, cycle, standing = self._steady(name, dynamics, variants, standing, half)
                 made, energy = float(steps), found["energy"]
@@ -321,9 +336,9 @@ class Schedule:
         variants: Variants,
         standing: Standing,
         half: bool = False,
-        record: bool = False,
-    ) -> tuple[RunOutcome, Standing]:
-        """Run a regime from where the machines stand."""
+        record: Callable[[RunFields], Observer] | None = None,
+    ) -> tuple[RunOutcome, ExtremeAnswers, Standing]:
+        """Run a regime from where the machines stand; what `record` makes looks at it instead of what is asked."""
         regime, count = self.regimes[name], variants.count
 
         def number(key: str, otherwise: float) -> np.ndarray:
@@ -340,20 +355,42 @@ class Schedule:
         )
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         part = variants.some(ready)
-        ends = ends._replace(**{k: getattr(ends, k)[ready] for k in ("turned", "time", "speed", "most_turned")})
+        ends = ends._replace(**{k: getattr(ends, k)[ready] for k in PER_VARIANT})
         begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
-        if law is None or record:
-            outcome = run_to_end(Progress(dynamics, part, *begin, ends, self.steps, half, record))
+        observers = [] if record is None else [record(self._along(name, dynamics, part, begin))]
+        if law is None or observers:
+            outcome = run_to_end(Progress(dynamics, part, *begin, ends, self.steps, half, observers))
         else:
             doubt = DOUBT if half else 0.0
             outcome = run_in_closed_form(law, dynamics, part, *begin, ends, self.steps, half, doubt)
+        extremes = ExtremeAnswers({}, {}, {})
+        if self.fields[name] and record is None:
+            # Looked at are those that come to their end.
+            good = np.flatnonzero(outcome.verdict == Verdict.OK)
+            chosen = ends._replace(**{k: getattr(ends, k)[good] for k in PER_VARIANT})
+            found = self._extremes(name, dynamics, part.some(good), tuple(x[good] for x in begin), chosen, half)
+            extremes = ExtremeAnswers(*({k: _of_all(v, ready[good], count) for k, v in own.items()} for own in found))
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time
         after = Standing(
             angle + variants.direction * turned, outcome.state.omega, standing.clock + time, verdict.astype(np.uint8)
         )
-        return outcome, after
+        return outcome, extremes, after
+
+    def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
+        """Fields along a run."""
+        angle, _, clock = begin
+        return RunFields(dynamics, part, angle, clock, self.loads, frozenset(self.regimes[name].off))
+
+    def _extremes(
+        self, name: str, dynamics: Dynamics, part: Variants, begin: Begin, ends: Ends, half: bool
+    ) -> ExtremeAnswers:
+        """What is asked of the fields along a run, looked at half as often for comparison."""
+        asked, steps = self.fields[name], self.steps // 2 if half else self.steps
+        seen = RunExtremes(self._along(name, dynamics, part, begin), [one.field for one in asked])
+        run_to_end(Progress(dynamics, part, *begin, ends, steps, half, [seen]))
+        return seen.answers(asked, dynamics.cycle / steps)
 
     @staticmethod
     def _of_run(dynamics: Dynamics, outcome: RunOutcome, energy: np.ndarray) -> dict[str, np.ndarray]:
@@ -368,7 +405,7 @@ class Schedule:
     def _steady(
         self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
     ) -> tuple[dict[str, np.ndarray], CycleAnswers, Standing]:
-        zero, asked, which = np.zeros(variants.count), self.cycles[name], int(half)
+        zero, asked, which = np.zeros(variants.count), self.fields[name], int(half)
         found, verdict = {}, np.full(variants.count, Verdict.OK, np.uint8)
         if f"{name}.flywheel" in self.asked:
             delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
@@ -380,13 +417,13 @@ class Schedule:
         looked = bool(asked or self.sides)
         grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if looked else None
         nodes = None if grid is None else variants.direction * grid.places[NODES]
-        if nodes is None and variants.kept is not None:
+        if nodes is None and variants.kept is not None and dynamics.friction is None:
             # Found together, both are kept for the second time.
             if "steady" not in variants.kept:
                 variants.kept["steady"] = steady_motion(dynamics, variants, self.tolerance)
             steady = variants.kept["steady"][which]
         else:
-            steady = steady_motion(dynamics, variants, self.tolerance, nodes)[which]
+            steady = settled_motion(dynamics, variants, self.tolerance, half, nodes)
         low, high, period = steady.slowest, steady.fastest, steady.period
         found |= {"speed_min": low, "speed_max": high, "speed_fluctuation": steady.fluctuation}
         found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
@@ -467,15 +504,16 @@ def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, 
 
 def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     """An outcome of some variants as one of all, NaN for the others."""
-
-    def spread(values: np.ndarray) -> np.ndarray:
-        whole = np.full((*values.shape[:-1], count), np.nan)
-        whole[..., ready] = values
-        return whole
-
-    state = type(outcome.state)(*(spread(x) for x in outcome.state))
+    state = type(outcome.state)(*(_of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
     names = ("slowest", "fastest", "peak", "started", "ended")
-    rest = {name: spread(getattr(outcome, name)) for name in names}
-    return RunOutcome(verdict, state, history=outcome.history, **rest)
+    rest = {name: _of_all(getattr(outcome, name), ready, count) for name in names}
+    return RunOutcome(verdict, state, **rest)
+
+
+def _of_all(values: np.ndarray, ready: np.ndarray, count: int) -> np.ndarray:
+    """Numbers of some variants as those of all, NaN for the others."""
+    whole = np.full((*values.shape[:-1], count), np.nan)
+    whole[..., ready] = values
+    return whole

@@ -24,7 +24,7 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 @click.option("--where", help="Only variants that meet a condition (tables of a result).")
 @click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (tables).")
 @click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
-@click.option("--columns", default="", help="Fields of one machine, separated by commas; all unless given.")
+@click.option("--columns", default="", help="Fields of one machine, with commas, or loads to add to --history.")
 @click.option("--overwrite", is_flag=True, help="Write over a scene that is there already.")
 @POSITIONS
 @SET
@@ -75,7 +75,7 @@ def export(
     elif to.suffix in DRAWINGS:
         picture_files.drawing_file(scene, values, to, next(iter(positions_of(scene, at)), None))
     elif history:
-        table, ended = exports.history_table(machine, {})
+        table, ended = exports.history_table(machine, {}, names_in(columns))
         write_table(to, table)
         if ended:
             click.echo(f"The history ends early: {ended}", err=True)

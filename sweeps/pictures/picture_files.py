@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Scene, SteadyRegime, Verdict, history
+from engine import Scene, SteadyRegime, Verdict, history, history_fields
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
@@ -147,7 +147,7 @@ def motion_pictures(scene: Scene, path: Path) -> list[Path]:
     list of Path
         The files made; without regimes that a failing machine doesn't reach.
     """
-    seen = history(scene)
+    seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
     made = [path.with_name(f"{path.stem}_history{path.suffix}")]
     history_diagrams(scene, seen, made[0])
     reached = {part.name for part in courses(seen)}

@@ -261,6 +261,20 @@ def test_export_history__is_the_motion_instant_by_instant(folder):
     assert time[-1] == pytest.approx(sum(summaries[name][0] for name in parts), rel=1e-6)
 
 
+def test_export_history_with_loads__has_a_column_for_each_and_refuses_others(folder):
+    said("export", "press.toml", "--history", "--columns", "input.reaction, frame.reaction_x", "--to", "h.csv")
+    header, *rows = csv.reader(Path("h.csv").read_text().splitlines())
+    assert header[-2:] == ["input.reaction [N]", "frame.reaction_x [N]"]
+    greatest = max(float(row[-2]) for row in rows if row[0] == "stop")
+    found = Machine(read_scene("press.toml"), ["stop.input.reaction.max"]).evaluate({})
+    value, figure = (part["stop.input.reaction.max"][0] for part in (found.summaries, found.errors))
+    # The history goes by 360 steps a cycle, the summary by 720: the history may miss four times as much.
+    assert greatest == pytest.approx(value, abs=4 * figure)
+    text = refused("export", "press.toml", "--history", "--columns", "input.reactoin", "--to", "h.csv")
+    assert "--columns" in text
+    assert "did you mean 'input.reaction'" in text
+
+
 def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(folder):
     changed('speed = "60 rpm"\nat_most', 'speed = "80 rpm"\nat_most')
     answer = said("export", "press.toml", "--history", "--to", "h.csv")

@@ -26,14 +26,13 @@ def folder(tmp_path_factory):
     """A folder with the scenes, the study and the tables of README and guide."""
     path = tmp_path_factory.mktemp("readme")
     scene, study = blocks("toml")
-    chapters = {
-        name: "".join(blocks("toml", GUIDE[name])) for name in ("formulas", "motion", "forces", "cams", "gears")
-    }
+    chapters = {name: "".join(blocks("toml", text)) for name, text in GUIDE.items()}
     texts = {
         "compressor": scene,
         "compressor_friction": scene + chapters["forces"],
         "compressor_formulas": scene + chapters["formulas"],
         "compressor_motion": scene + chapters["motion"],
+        "compressor_coupled": scene + chapters["motion"] + chapters["couplings"],
         "compressor_whole": scene + chapters["formulas"] + chapters["motion"] + chapters["forces"],
         "study": study,
         "plate": chapters["links"],
@@ -133,3 +132,17 @@ def test_guide__shows_its_chapters():
     wrong = CliRunner().invoke(main, ["guide", "motoin"])
     assert wrong.exit_code != 0
     assert "did you mean 'motion'" in wrong.output
+
+
+def test_couplings__have_what_the_guide_names(folder):
+    known = Machine(read_scene(folder / "compressor_coupled.toml")).available_summaries
+    named = set(re.findall(r"`((?:couple|work)\.[a-z_]+)`", GUIDE["couplings"]))
+    assert len(named) >= 7
+    assert named <= set(known)
+
+
+def test_groups_of_free_links__have_what_the_guide_names(folder):
+    machine = Machine(read_scene(folder / "plate.toml"))
+    assert {"group_of_plate.certificate", "group_of_plate.transmission", "rod.A.reaction_x"} <= set(
+        machine.available_fields
+    )

@@ -10,12 +10,12 @@ import math
 import numpy as np
 import pytest
 from machines import compare
-from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, run, slider_crank, steady
+from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
 from newton_euler import reactions
 from oracle import EPS
 from press import actions, bodies, press
 
-from engine import AskError, Machine, Scene, Verdict
+from engine import Machine, Scene, Verdict
 from engine.quantities.quantity import STATISTICS
 from engine.scene.pairs import pairs
 from sweeps.report.files.exports import position_table
@@ -317,16 +317,6 @@ def test_idling_engine__gas_of_the_ignition_on_its_pin():
 # What can't be
 
 
-def test_friction_in_pairs__is_refused_with_what_to_ask_instead():
-    scene = slider_crank({"on": steady("dc cut")}, flywheel=0.2)
-    scene["friction"] = {"pin": {"pair": "drive.inner", "coefficient": 0.1, "diameter": 0.03}}
-    with pytest.raises(AskError, match=r"without friction in pairs.*'input.reaction.max'"):
-        Machine(Scene.model_validate(scene), ["on.input.reaction.max"])
-    with pytest.raises(AskError, match=r"without friction in pairs.*'shaking_force'"):
-        Machine(Scene.model_validate(scene), fields=["on.shaking_force"])
-    Machine(Scene.model_validate(scene), ["on.mean_speed", "on.input_moment.max"], ["on.motor_moment"])
-
-
 def test_table_of_positions__without_regimes():
     scene = {
         "points": {"O": {"x": 0, "y": 0}},
@@ -338,12 +328,6 @@ def test_table_of_positions__without_regimes():
     names = position_table(Scene.model_validate(scene), {}, 8).columns
     assert "input.reaction" in names
     assert not [name for name in names if name.startswith("on.")]
-
-
-def test_run__has_no_cycle_to_load():
-    scene = slider_crank({"go": run("dc cut", time=1.0)}, flywheel=0.2)
-    with pytest.raises(AskError, match="not a summary"):
-        Machine(Scene.model_validate(scene), ["go.input.reaction.max"])
 
 
 def test_machine_that_stalls__has_its_verdict_and_no_loads():

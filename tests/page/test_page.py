@@ -97,7 +97,8 @@ def test_digest__a_million_variants_take_the_memory_of_a_piece(tmp_path, result,
     count, rng = 1_000_000, np.random.default_rng(5)
     columns = tuple(column for column in record.columns if column.dims == ("variant",))
     attributes = {k: v for k, v in record.attributes.items() if k not in ("Conventions", "finished", "outcome")}
-    attributes["study_json"] = json.dumps(json.loads(attributes["study_json"]) | {"vary": []})
+    axis = {"kind": "Sampled", "names": ["input.length", "bodies.ram.mass"], "size": count}
+    attributes["study_json"] = json.dumps(json.loads(attributes["study_json"]) | {"vary": [axis]})
     path = tmp_path / "many.h5"
     layout = FileLayout(count, count, columns, attributes)
     values = {c.name: rng.random(count) if c.dtype == np.float64 else np.zeros(count, c.dtype) for c in columns}

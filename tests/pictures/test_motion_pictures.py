@@ -95,6 +95,15 @@ def test_history_sheet__shows_only_what_acts():
     assert power == pytest.approx(brake * speed, rel=1e-12)
 
 
+def test_history_sheet__draws_the_reactions_that_the_history_keeps():
+    seen = history(SCENE, fields=["input.reaction"])
+    axes = history_diagrams(SCENE, seen, Figure()).axes
+    assert len(axes) == 15
+    for ax, name in zip(axes[12:], REGIMES, strict=True):
+        drawn = lines_of(ax)["input"][1]
+        assert drawn == pytest.approx(seen.loads_on_pairs["input.reaction"][seen.regime == name], rel=1e-12)
+
+
 def test_cycle_sheet__marks_mean_speed_and_fluctuation():
     axes = cycle_diagrams(SCENE, SEEN, "work", Figure()).axes
     mean, delta = (summary(SCENE, f"work.{key}")[0] for key in ("mean_speed", "speed_fluctuation"))

@@ -101,7 +101,6 @@ def _outcome(balance: MotionEquation, omega: np.ndarray, motion: Motion) -> RunO
         motion.peak,
         0.5 * balance.inertia * omega**2,
         0.5 * balance.inertia * motion.omega**2,
-        None,
     )
 
 

@@ -1,13 +1,16 @@
 """A machine's equation of motion, made ready: I(φ) and M(φ, ω) of many variants, with chosen actions at work."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Node, reached
+from engine.laws.senses import sense
+from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
+from engine.mechanism.friction import relative_motion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.at_speed import Drive, Moments, moments_at
@@ -19,7 +22,11 @@ from engine.motion.regula_falsi import regula_falsi
 from engine.motion.steppers.energy_form import Tables
 from engine.scene.actions import Brake, DCMotor
 from engine.scene.formulas.load_formulas import load_formulas
+from engine.scene.pairs import pairs
 from engine.scene.scene import Numbers
+
+if TYPE_CHECKING:
+    from engine.motion.loads import PairLoads
 
 # Crank angles at which the inertia of a machine without a constant part is looked at.
 LOOKED_AT = 720
@@ -27,6 +34,8 @@ LOOKED_AT = 720
 NO_INERTIA = 1e-18
 # Powers of the speed whose loads are tabulated together; all others are power laws.
 POLYNOMIAL_ORDERS = (0, 1, 2)
+# Friction in pairs, as what jumps where a pair changes the direction of its motion; no action has such a name.
+IN_PAIRS = "friction in pairs"
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 
@@ -52,6 +61,8 @@ class Variants(NamedTuple):
         When the moments at work jump or bend by themselves [s], from `Dynamics.driven`.
     kept : dict
         What was found of their steady motion.
+    rubbing : ndarray (2, numbers, variants) or None
+        Numbers of the friction in pairs, moving forward and backwards, from `Dynamics.driven`.
     """
 
     numbers: Numbers
@@ -63,6 +74,7 @@ class Variants(NamedTuple):
     drive: Drive | None = None
     instants: np.ndarray | None = None
     kept: dict | None = None
+    rubbing: np.ndarray | None = None
 
     @property
     def count(self) -> int:
@@ -84,6 +96,7 @@ class Variants(NamedTuple):
             None if drive is None else drive.some(chosen),
             None if self.instants is None else self.instants[:, chosen],
             {},
+            None if self.rubbing is None else self.rubbing[..., chosen],
         )
 
 
@@ -120,13 +133,14 @@ class Reduction:
             moments[key] = graph.combination(own)
         self.keys = [key for key, moment in moments.items() if moment is not graph.zero]
         self.nodes = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
-        watched = [load.characteristic for load in self.loads.terms]
+        terms = [*self.loads.terms, *_reversals(mechanics)]
+        watched = [load.characteristic for load in terms]
         title = "A machine in motion."
         functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
         self.tabulation = Tabulation(functions)
         judged = [(action, row) for row, (action, _) in enumerate(self.keys, 2)]
         turns = mechanics.scene.input.revolutions
-        self.landmarks = Landmarks(self.tabulation, self.loads.terms, judged, turns)
+        self.landmarks = Landmarks(self.tabulation, terms, judged, turns)
 
     @property
     def cycle(self) -> float:
@@ -182,6 +196,20 @@ class Reduction:
         return self.tabulation(variants.parameters, places, given, sums)
 
 
+def _reversals(mechanics: Mechanics) -> list[Load]:
+    """What friction jumps with: the directions of motion in the pairs that rub, each as a load of that size."""
+    graph, found = mechanics.graph, []
+    rubbing = {friction.pair for friction in mechanics.scene.friction.values()}
+    for pair in pairs(mechanics.scene):
+        if pair.name in rubbing:
+            rate, slope = relative_motion(mechanics.kinematics, pair)
+            graph.switches(rate, slope)
+            way = graph.held(graph.apply(sense, rate))
+            grip = Grip(pair.link, None, None)
+            found.append(Load(IN_PAIRS, graph.one, way, grip, graph.one, way, "harmful", 0))
+    return found
+
+
 class Dynamics:
     """The equation of motion of a machine with some of its actions at work.
 
@@ -192,16 +220,26 @@ class Dynamics:
         Actions, motors among them, that don't act.
     works : bool
         Whether the works of useful and harmful loads, … are told apart.
+    friction : PairLoads, optional
+        The moment that stands for friction in the pairs, if any rub.
     """
 
-    def __init__(self, reduction: Reduction, off: frozenset[str] = frozenset(), works: bool = False) -> None:
+    def __init__(
+        self,
+        reduction: Reduction,
+        off: frozenset[str] = frozenset(),
+        works: bool = False,
+        friction: "PairLoads | None" = None,
+    ) -> None:
         scene, loads = reduction.mechanics.scene, reduction.loads
-        self.works, self.reduction = works, reduction
+        self.works, self.reduction, self.friction, self.off = works, reduction, friction, off
         self.channels = CHANNELS if works else ("all",)
         self.motors = tuple(name for name in loads.motors if name not in off)
         # Of what acts: its row of the reduction, its channel and its order.
         acting = [(i, key) for i, key in enumerate(reduction.keys) if key[0] not in off]
         self.active = frozenset(load.action for load in loads.terms if load.action not in off)
+        if friction is not None:
+            self.active |= {IN_PAIRS}
         self.timed = any(reduction.depends_on_time(key) for _, key in acting)
         # Whether a moment may change at any time.
         formulas = load_formulas(scene)
@@ -214,6 +252,7 @@ class Dynamics:
             (self.polynomial if order in POLYNOMIAL_ORDERS else self.laws).append(place)
         # Whether all that acts vanishes with the speed: then nothing stops the machine, nor sets it going.
         self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
+        self.fades &= friction is None
         # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
         self.target = np.full(len(reduction.keys) + 2, -1)
         self.target[:2] = 0, 1
@@ -234,7 +273,11 @@ class Dynamics:
         """The variants with the motors that are at work here."""
         drive = self._drive(variants.numbers, variants.count)
         instants = instants_of(self.reduction.mechanics.scene, self.active, variants.numbers, variants.count)
-        return variants._replace(breaks=variants.breaks.of(self.active), drive=drive, instants=instants, kept={})
+        breaks, rubbing = variants.breaks.of(self.active), None
+        if self.friction is not None:
+            ways = [variants._replace(direction=way * variants.direction) for way in (1.0, -1.0)]
+            rubbing = np.stack([self.friction.parameters(each, self.off) for each in ways])
+        return variants._replace(breaks=breaks, drive=drive, instants=instants, kept={}, rubbing=rubbing)
 
     def locked(self, variants: Variants) -> np.ndarray:
         """Which variants have a brake at work that locks by itself, (variants,) of bool."""

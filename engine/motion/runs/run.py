@@ -35,8 +35,8 @@ def run_to_end(runs: Progress) -> RunOutcome:
 
 def _run(runs: Progress) -> RunOutcome:
     started = runs.energy()
-    runs.note_now()
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
+    runs.see_begin()
     if runs.ends.rest and runs.dynamics.fades:
         # What vanishes with the speed stops no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
@@ -57,7 +57,6 @@ def _run(runs: Progress) -> RunOutcome:
             time_steps[slow] += 1
             lost = (time_steps > MOST_TIME_STEPS) & np.isinf(runs.ends.time)
             runs.give_up(np.flatnonzero(~runs.done & lost), Verdict.NO_END)
-    history = None if runs.notes is None else np.concatenate(runs.notes, axis=1)
     return RunOutcome(
         runs.verdict,
         runs.state,
@@ -66,13 +65,12 @@ def _run(runs: Progress) -> RunOutcome:
         greatest_moment(runs.variants.drive, runs.slowest, runs.fastest),
         started,
         runs.energy(),
-        history,
     )
 
 
 def _brisk(runs: Progress, who: np.ndarray) -> np.ndarray:
     """Which variants move forward with so much energy that it lasts for a radian, whatever acts on them."""
-    if runs.dynamics.timed:
+    if runs.dynamics.timed or runs.dynamics.friction is not None:
         return np.zeros(who.size, bool)
     state, way = runs.part(who), np.where(runs.facing[who] < 0.0, -1.0, 1.0)
     rows, moments = runs.form(who).at(state.turned, state.omega, state.time + runs.clock[who], way)

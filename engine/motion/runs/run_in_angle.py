@@ -8,9 +8,11 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
+from engine.motion.runs.watching import Piece
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
 from engine.motion.steppers.going import FOUND, go_on_to_end, new_going_room
@@ -60,12 +62,12 @@ def stretch(runs: Progress, who: np.ndarray) -> None:
     steep = np.zeros(who.size, bool)
     while who.size:
         goal = np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]) - runs.state.turned[who]
-        # What is noted is noted cycle by cycle.
-        near = goal if runs.notes is None else np.minimum(goal, runs.dynamics.cycle)
+        # What is looked at is looked at cycle by cycle.
+        near = np.minimum(goal, runs.dynamics.cycle) if runs.observers else goal
         ends = Limits(
             near, runs.ends.time[who] - runs.state.time[who], runs.above[who], np.maximum(runs.below[who], 0.0)
         )
-        before, after = runs.part(who), _gone(runs, who, steep, ends, runs.tolerance, runs.notes is not None)
+        before, after = runs.part(who), _gone(runs, who, steep, ends, runs.tolerance, look=True)
         _take(runs, who, after)
         onward = (after.stop == ANGLE) & (near < goal)
         becomes_steep = after.stop == STIFF
@@ -76,12 +78,12 @@ def stretch(runs: Progress, who: np.ndarray) -> None:
 
 
 def _gone(
-    runs: Progress, who: np.ndarray, steep: np.ndarray, ends: Limits, tolerance: float, note: bool = False
+    runs: Progress, who: np.ndarray, steep: np.ndarray, ends: Limits, tolerance: float, look: bool = False
 ) -> Stretch:
     """Go from where they stand: explicitly, or implicitly where a motor is steep."""
     parts = [(method, np.flatnonzero(steep == implicit)) for implicit, method in enumerate(METHODS)]
     found = [
-        (some, _carried(method, runs, who[some], Limits(*(x[some] for x in ends)), tolerance, note))
+        (some, _carried(method, runs, who[some], Limits(*(x[some] for x in ends)), tolerance, look))
         for method, some in parts
         if some.size
     ]
@@ -94,7 +96,7 @@ def _gone(
     return Stretch(*whole)
 
 
-def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tolerance: float, note: bool) -> Stretch:
+def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tolerance: float, look: bool) -> Stretch:
     dynamics, part, state = runs.dynamics, runs.variants.some(who), runs.part(who)
     count, cycle = who.size, dynamics.cycle
     begin = runs.start[who] + part.direction * state.turned
@@ -110,9 +112,12 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
     numbers = [begin, part.direction, part.flywheel, np.full(count, tolerance), energy, whole, rest]
     numbers = np.array([*numbers, ends.time, ends.above, ends.below, longest, first], float)
     edges, sides = edges_of(part.direction, part.breaks, cycle, begin)
-    asked = np.empty((0, count))
-    if note:
-        asked = np.arange(1, runs.steps + 1)[:, None] * (cycle / runs.steps)
+    asked, look = np.empty((0, count)), look and len(runs.observers) > 0
+    if look:
+        # A force may jump where its moment only bends, for want of motion: at a dead centre.
+        sided = part._replace(breaks=part.breaks.two_sided())
+        steps = dynamics.grid(sided, begin, cycle, runs.steps).steps
+        asked = np.minimum(np.concatenate((np.zeros((1, count)), np.cumsum(steps, axis=0))), cycle)
     record, found = np.full((3, asked.shape[0], count), np.nan), np.empty((FOUND + form.channels, count))
     given = [part.parameters, part.drive.rows, part.drive.exponents, edges, sides, numbers, asked]
     given = [np.require(x, requirements="CW") for x in given]
@@ -131,20 +136,38 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
     if form.channels == 1:
         # What the motors didn't give.
         works[1] = after - energy - motors
-    if note:
-        _note_nodes(runs, record[:, :, 0], asked[:, 0])
     turned = cycles * cycle + turned
-    return Stretch(stop.astype(int), turned, after, time, works, squares, slowest, fastest, tried)
+    gone = Stretch(stop.astype(int), turned, after, time, works, squares, slowest, fastest, tried)
+    if look:
+        runs.see(who, _piece_of(dynamics, part, state, begin, asked, record, gone))
+    return gone
 
 
-def _note_nodes(runs: Progress, record: np.ndarray, asked: np.ndarray) -> None:
-    known = np.isfinite(record[0])
-    if not known.any():
-        return
-    turned = runs.state.turned + asked[known]
-    places = (runs.start + runs.variants.direction * turned)[:, None]
-    inertia = runs.dynamics.rows(runs.variants, places).inertia[:, 0]
-    runs.note(record[1, known] + runs.state.time, turned, np.sqrt(2.0 * record[0, known] / inertia))
+def _piece_of(
+    dynamics: Dynamics,
+    part: Variants,
+    before: State,
+    begin: np.ndarray,
+    asked: np.ndarray,
+    record: np.ndarray,
+    gone: Stretch,
+) -> Piece:
+    """What was recorded of a stretch at the asked angles; its end stands in for those beyond it, and once more."""
+    passed = np.isfinite(record[0])
+    last = np.full((1, part.count), False)
+    passed = np.concatenate((passed, last))
+
+    def up_to_end(rows: np.ndarray, end: np.ndarray) -> np.ndarray:
+        return np.where(passed, np.concatenate((rows, np.zeros_like(rows[:1]))), end)
+
+    turned = up_to_end(asked, gone.turned)
+    energy, time = up_to_end(record[0], gone.energy), up_to_end(record[1], gone.time)
+    moment = np.where(passed, np.concatenate((record[2], record[2][-1:])), np.nan)
+    inertia = dynamics.rows(part, begin + part.direction * turned).inertia
+    with np.errstate(all="ignore"):
+        omega = np.sqrt(2.0 * energy / inertia)
+    steps, way = np.diff(turned, axis=0), np.ones(part.count)
+    return Piece(before.time + time, before.turned + turned, omega, way, steps, moment)
 
 
 def _take(runs: Progress, who: np.ndarray, after: Stretch) -> None:
@@ -170,19 +193,17 @@ def _finish(
     sub = np.flatnonzero(np.isin(stop, (TIME, ABOVE, BELOW)))
     if sub.size:
         length = _length_to_end(runs, who[sub], steep[sub], stop[sub], after.tried[sub])
-        _take(runs, who[sub], _piece(runs, who[sub], steep[sub], length))
-    if sub.size or exact.any():
-        runs.note_now()
+        _take(runs, who[sub], _last_step(runs, who[sub], steep[sub], length, look=True))
     runs.done[who[exact]], runs.done[who[sub]] = True, True
     runs.give_up(who[lost], Verdict.NO_END)
     # What is left slows down towards rest, and goes on in time.
     runs.facing[who[stop == NEAR_REST]] = 1.0
 
 
-def _piece(runs: Progress, who: np.ndarray, steep: np.ndarray, length: np.ndarray) -> Stretch:
+def _last_step(runs: Progress, who: np.ndarray, steep: np.ndarray, length: np.ndarray, look: bool = False) -> Stretch:
     """A single step of the given length [rad]."""
     free = np.full(who.size, np.inf)
-    return _gone(runs, who, steep, Limits(length, free, free, np.full(who.size, -1.0)), WHATEVER)
+    return _gone(runs, who, steep, Limits(length, free, free, np.full(who.size, -1.0)), WHATEVER, look)
 
 
 def _length_to_end(
@@ -193,7 +214,7 @@ def _length_to_end(
     begin = runs.start[who] + part.direction * state.turned
 
     def excess(length: np.ndarray) -> np.ndarray:
-        gone = _piece(runs, who, steep, length)
+        gone = _last_step(runs, who, steep, length)
         inertia = runs.dynamics.rows(part, (begin + part.direction * length)[None]).inertia[0]
         omega = np.sqrt(2.0 * gone.energy / inertia)
         above, below = omega - runs.above[who], runs.below[who] - omega

@@ -5,6 +5,7 @@ import numpy as np
 from engine.motion.moments.grid import JUMP
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
+from engine.motion.runs.watching import piece_in_time
 from engine.motion.steppers.time_form import State, Step, TimeForm
 from engine.verdicts import Verdict
 
@@ -23,6 +24,8 @@ SAME_SWING = 1e-6
 FADED = 1e-9
 # What stops does so from a speed that isn't next to nothing.
 STILL = 1e-12
+# How far a step may turn that is looked at within, by a polynomial of degree five [rad].
+CLOSELY = 0.1
 # A step's estimated error goes with its length to the eighth power.
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # Widths of jumps that are gone through in one step [rad]; how far beyond a break a step may go, of the way to it.
@@ -66,7 +69,8 @@ def step(runs: Progress, who: np.ndarray) -> None:
     h, step = _good_step(runs, form, who, state, goal, longest)
     after, slowest, fastest = step.after, step.slowest, step.fastest
     lost = ~np.isfinite(after.omega)
-    runs.give_up(who[lost], Verdict.NOT_FINITE)
+    # Reactions aren't finite where friction leaves no equilibrium.
+    runs.give_up(who[lost], Verdict.NOT_FINITE if runs.dynamics.friction is None else Verdict.JAMS)
     over = _overshoot(runs, after, who, facing, goal)
     late, which = (over > 0.0).any(axis=0) & ~lost, np.full(who.size, -1)
     if late.any():
@@ -76,10 +80,14 @@ def step(runs: Progress, who: np.ndarray) -> None:
         after = _merged(after, part.after, late)
         slowest, fastest = np.where(late, part.slowest, slowest), np.where(late, part.fastest, fastest)
     kept = ~lost
+    if runs.observers and kept.any():
+        before, own = (State(*(x[..., kept] for x in one)) for one in (state, after))
+        form = runs.form(who[kept])
+        piece = piece_in_time(form, before, own, runs.clock[who[kept]], facing[kept], runs.spacing)
+        runs.see(who[kept], piece)
     runs.slowest[who[kept]] = np.minimum(runs.slowest[who[kept]], slowest[kept])
     runs.fastest[who[kept]] = np.maximum(runs.fastest[who[kept]], fastest[kept])
     runs.put(who[kept], State(*(x[..., kept] for x in after))._replace(time=(after.time - runs.clock[who])[kept]))
-    runs.note_now()
     _after_step(runs, who[kept], which[kept])
 
 
@@ -137,10 +145,8 @@ def _good_step(
         h = np.where(np.isinf(h), form.first_step(state, runs.spacing, facing), h)
     speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
     with np.errstate(all="ignore"):
-        h = np.fmin(np.fmin(h, runs.farthest_step / speed), longest)
-        if runs.notes is not None:
-            # What is noted is to be seen.
-            h = np.fmin(h, form.first_step(state, runs.spacing, facing))
+        farthest = np.fmin(runs.farthest_step, CLOSELY * (2.0 if runs.half else 1.0) if runs.observers else np.inf)
+        h = np.fmin(np.fmin(h, farthest / speed), longest)
         # Through a jump at once.
         across = (ahead < ACROSS) & (speed * h > ahead)
         h = np.where(across, ahead / speed, h)

@@ -1,10 +1,13 @@
 """How far runs have come: where they are to end, where each stands, and what it met on its way."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.runs.watching import Observer, Piece
+from engine.motion.steppers.rubbing_form import form_in_time
 from engine.motion.steppers.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
@@ -36,8 +39,6 @@ class RunOutcome(NamedTuple):
         Least and greatest speed [rad/s], greatest moment of the motors by magnitude [N·m].
     started, ended : ndarray
         Kinetic energy at begin and end [J].
-    history : ndarray (3, instants) or None
-        Time [s], angle turned [rad] and speed [rad/s] of the only variant, where recorded.
     """
 
     verdict: np.ndarray
@@ -47,7 +48,6 @@ class RunOutcome(NamedTuple):
     peak: np.ndarray
     started: np.ndarray
     ended: np.ndarray
-    history: np.ndarray | None
 
 
 class Progress:
@@ -65,11 +65,11 @@ class Progress:
         Time at the begin, for moments that depend on time [s].
     ends : Ends
     steps : int
-        How many instants of a cycle are noted.
+        In how many places of a cycle it is looked at.
     half : bool
         Whether steps may miss more, for comparison.
-    record : bool
-        Whether to keep the history (of a single variant).
+    observers : sequence of Observer
+        What looks at the runs.
 
     Attributes
     ----------
@@ -89,8 +89,6 @@ class Progress:
         The speed to be reached [rad/s], as one to come up to or to come down to; infinite where it isn't.
     turned_round, farthest : ndarray
         Angle turned where a machine stood last, and where it last turned round on its way forward [rad].
-    notes : list of ndarray or None
-        The history so far, where it is kept.
     """
 
     def __init__(
@@ -103,10 +101,10 @@ class Progress:
         ends: Ends,
         steps: int,
         half: bool = False,
-        record: bool = False,
+        observers: Sequence[Observer] = (),
     ) -> None:
         self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
-        self.ends, self.steps, self.half = ends, steps, half
+        self.ends, self.steps, self.half, self.observers = ends, steps, half, observers
         self.spacing = dynamics.cycle / steps
         count, channels = variants.count, len(dynamics.channels)
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
@@ -123,7 +121,6 @@ class Progress:
         self.facing = np.sign(self.state.omega)
         self.done |= ends.speed == omega
         self.turned_round, self.farthest = np.zeros(count), np.full(count, np.nan)
-        self.notes: list[np.ndarray] | None = [] if record else None
 
     def energy(self) -> np.ndarray:
         """Kinetic energy now [J]."""
@@ -133,14 +130,20 @@ class Progress:
         places = (self.start + self.variants.direction * self.state.turned)[None]
         return self.dynamics.rows(self.variants, places, self.state.time[None]).inertia[0]
 
-    def note(self, time: np.ndarray, turned: np.ndarray, omega: np.ndarray) -> None:
-        """Write instants into the history, where one is kept."""
-        if self.notes is not None:
-            self.notes.append(np.array([np.atleast_1d(x).ravel() for x in (time, turned, omega)]))
+    def see(self, who: np.ndarray, piece: Piece) -> None:
+        """Let all observers look at a piece of the way of some variants."""
+        for observer in self.observers:
+            observer.see(who, piece)
 
-    def note_now(self) -> None:
-        """Write where it stands into the history."""
-        self.note(self.state.time, self.state.turned, self.state.omega)
+    def see_begin(self) -> None:
+        """Let all observers look at where the runs begin; what stands is about to move forward."""
+        if self.observers:
+            state = self.state
+            now = [x[None].copy() for x in (state.time, state.turned, state.omega)]
+            facing = np.where(self.facing < 0.0, -1.0, 1.0)
+            self.see(
+                np.arange(facing.size), Piece(*now, facing, np.empty((0, facing.size)), np.full_like(now[0], np.nan))
+            )
 
     def give_up(self, who: np.ndarray, verdict: Verdict) -> None:
         """End the runs of some variants with a verdict."""
@@ -159,7 +162,7 @@ class Progress:
 
     def form(self, who: np.ndarray) -> TimeForm:
         """The equation of motion in time of some variants."""
-        return TimeForm(self.dynamics, self.variants.some(who), self.start[who])
+        return form_in_time(self.dynamics, self.variants.some(who), self.start[who])
 
     def absolute(self, state: State, who: np.ndarray) -> State:
         """A state of some variants, its time on the clock that moments over time go by."""

@@ -17,6 +17,7 @@ from engine.motion.moments.piecewise import bound, extremes, integral
 from engine.motion.quantities import Asked
 from engine.motion.settled.steady import Steady
 from engine.motion.steppers.energy_form import NODES
+from engine.motion.steppers.rubbing_form import form_in_time
 
 
 class Cycle(NamedTuple):
@@ -73,25 +74,42 @@ def cycle_of(
     off : frozenset of str
         Actions that don't act.
     """
-    angle, way, wheel = grid.places[NODES], variants.direction, variants.flywheel
-    machine = dynamics.rows(variants, angle)
-    omega = np.sqrt(2.0 * steady.record[0] / machine.inertia)
-    moments = dynamics.moments(variants, machine, omega)
+    angle, way = grid.places[NODES], variants.direction
+    omega = np.sqrt(2.0 * steady.record[0] / dynamics.rows(variants, angle).inertia)
+    form = form_in_time(dynamics, variants, np.zeros(variants.count))
+    machine, moments = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
     others = moments.loads.sum(axis=0)
     total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
     motors = np.where(np.isnan(steady.record[2]), moments.motors, total - others)
     epsilon = (total - 0.5 * omega**2 * machine.inertia_phi) / machine.inertia
-    rows = {
+    rows = motion_rows(variants, omega, epsilon, motors, others)
+    if loads is not None:
+        rows |= loads(variants, loads.parameters(variants, off), angle, omega, epsilon * way)
+    even = np.broadcast_to(np.arange(omega.shape[0])[:, None], omega.shape) if grid.even is None else grid.even
+    return Cycle(angle, grid.steps, even, omega, way, rows)
+
+
+def motion_rows(
+    variants: Variants, omega: np.ndarray, epsilon: np.ndarray, motors: np.ndarray, others: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Fields of the motion itself, counter-clockwise positive but for the speed, each (places, variants).
+
+    Parameters
+    ----------
+    variants : Variants
+    omega, epsilon : ndarray (places, variants)
+        Speed [rad/s] and acceleration [rad/s²] in the direction of motion.
+    motors, others : ndarray (places, variants)
+        Reduced moments of the motors and of all else in that direction [N·m].
+    """
+    way, wheel = variants.direction, variants.flywheel
+    return {
         "speed": omega,
         "acceleration": epsilon * way,
         "motor_moment": motors * way,
         "load_moment": others * way,
         "input_moment": (motors - wheel * epsilon) * way,
     }
-    if loads is not None:
-        rows |= loads(variants, angle, omega, epsilon * way, wheel, off)
-    even = np.broadcast_to(np.arange(omega.shape[0])[:, None], omega.shape) if grid.even is None else grid.even
-    return Cycle(angle, grid.steps, even, omega, way, rows)
 
 
 class CycleAnswers(NamedTuple):

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.settled.steady import steady_motion
+from engine.motion.settled.rubbing_steady import settled_motion
 from engine.verdicts import Verdict
 
 # Crank angles over which the inertia is averaged.
@@ -34,7 +34,7 @@ def flywheel_for(
     variants : Variants
         With the flywheel they have; what is found replaces it.
     tolerance : float
-        As of `steady_motion`.
+        As of `settled_motion`.
     asked : ndarray (variants,)
         δ.
     doubtful : bool
@@ -53,7 +53,7 @@ def flywheel_for(
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
         """Ln δ − ln δ_asked with a mean inertia, by its logarithm; inf where the machine doesn't run."""
         part = variants.some(who)._replace(flywheel=np.exp(inertia) - np.exp(lightest[who]))
-        steady = steady_motion(dynamics, part, tolerance)[int(doubtful)]
+        steady = settled_motion(dynamics, part, tolerance, doubtful)
         verdict[who] = steady.verdict
         with np.errstate(all="ignore"):
             off = np.log(steady.fluctuation) - np.log(asked[who])

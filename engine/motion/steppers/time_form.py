@@ -13,12 +13,14 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import form_of, source_of
+from engine.motion.steppers.rubbing import Rubbing, new_rubbing_room
 from engine.motion.steppers.time_lanes import (
     AFTER,
     FASTEST,
@@ -32,6 +34,8 @@ from engine.motion.steppers.time_lanes import (
     step_in_time,
 )
 
+# In place of a function where no pair rubs.
+NO_FUNCTION = TileFunction(nothing)
 # Product of step and decay rate with which a first step is tried.
 STIFFEST = 1.0
 # Share of a time constant that it takes, in units of the angle it may turn.
@@ -83,17 +87,23 @@ class TimeForm:
         self._mirrored: Variants | None = None
 
     def at(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> tuple[Rows, Moments]:
-        """Rows and moments at an instant, (1, variants); `facing` +1 or −1 is the way that resistances resist."""
-        places = (self.start + self.variants.direction * turned)[None]
-        rows = self.dynamics.rows(self.variants, places, time[None])
+        """Rows and moments at an instant, (1, variants), as `along` gives them."""
+        return self.along(turned[None], omega[None], time[None], facing)
+
+    def along(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
+    ) -> tuple[Rows, Moments]:
+        """Rows and moments at instants, (instants, variants); `facing` +1 or −1 is the way that resistances resist."""
+        places = self.start + self.variants.direction * turned
+        rows = self.dynamics.rows(self.variants, places, time)
         if (facing < 0.0).any():
             rows = _choose(facing > 0.0, rows, self._backwards(places, time))
-        moments = self.dynamics.moments(self.variants, rows, omega[None])
+        moments = self.dynamics.moments(self.variants, rows, omega)
         return rows, moments
 
     def _backwards(self, places: np.ndarray, time: np.ndarray) -> Rows:
         """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
-        rows = self.dynamics.rows(self._mirror(), places, time[None])
+        rows = self.dynamics.rows(self._mirror(), places, time)
         # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
         # each odd power of ω.
         signs = np.array([-1.0, 1.0, -1.0])[None, :, None, None]
@@ -149,18 +159,26 @@ class TimeForm:
         parts = parameters, own.drive.rows, own.drive.exponents, given
         parts = [np.require(part, requirements="CW") for part in parts]
 
+        rub, rubbing, own_numbers, curves = self._rubbing(facing)
+
         def arguments() -> tuple:
-            room = new_time_room(form, parameters.shape[0], source.target.size)
+            room = new_rubbing_room(own_numbers.shape[0], curves)
+            room = new_time_room(form, parameters.shape[0], source.target.size, room)
             fill, laws = tabulation.function("curves_at"), dynamics.channel_of_laws
-            return fill, source, ORDER_EIGHT, form, laws, tolerance, *parts, found, room
+            return fill, source, ORDER_EIGHT, form, laws, tolerance, *parts, found, rub, rubbing, own_numbers, room
 
         if not step_in_time.overloads:
-            kinds = (numba.typeof(part) for part in arguments()[1:])
+            kinds = [FILLS_TILE if part is rub else numba.typeof(part) for part in arguments()[1:]]
             prepare(step_in_time, [types.intp, types.intp, FILLS_TILE, *kinds])
         spread(step_in_time, -(-own.count // LANES), arguments)
         works = state.works + np.concatenate((found[MOTOR : MOTOR + 1], found[FOUND:]))
         after = State(found[AFTER], found[OMEGA_AFTER], state.time + h, works, state.squares + found[SQUARES])
         return Step(after, found[MISSED], found[SLOWEST], found[FASTEST])
+
+    def _rubbing(self, facing: np.ndarray) -> tuple[TileFunction, Rubbing, np.ndarray, int]:
+        """Functions, source, numbers (numbers, variants) and curves of the friction in pairs; here there is none."""
+        nowhere = np.zeros(0, np.int64)
+        return NO_FUNCTION, Rubbing(np.zeros(1), nowhere, nowhere, -1, -1), np.zeros((1, facing.size)), 1
 
     def at_rest(self, state: State) -> np.ndarray:
         """Which way a machine at rest sets off: +1, −1, or 0 where resistances hold it."""

@@ -24,6 +24,7 @@ from engine.motion.steppers.one_step import (
     value_within,
 )
 from engine.motion.steppers.places import INVERSE, LOADS, Form, Source, add_share, fill_place, moments_at_speed
+from engine.motion.steppers.rubbing import Rubbing, RubbingRoom, add_friction, begin_friction
 from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 
 # What a step is given: crank angle at the begin, way, flywheel; angle turned, speed, time; length, the way the machine
@@ -40,10 +41,10 @@ SPARE = 4 + DENSE_PARTS
 # Between so many equal shares of a step extremes of the speed are searched.
 LOOKS = 8
 # Rows of stages: angle, speed, acceleration, moments of the motors and of everything, power of the motors, their moment
-# squared, and power of a channel.
+# squared, power of a channel, and moment of friction in pairs.
 MOST_STAGES = 16
-ANGLE, SPEED, RISE, FROM_MOTORS, MOMENT, POWER, SQUARE, CHANNEL = (i * MOST_STAGES for i in range(8))
-STAGE_ROWS = 8 * MOST_STAGES
+ANGLE, SPEED, RISE, FROM_MOTORS, MOMENT, POWER, SQUARE, CHANNEL, RUBBED = (i * MOST_STAGES for i in range(9))
+STAGE_ROWS = 9 * MOST_STAGES
 
 
 class TimeRoom(NamedTuple):
@@ -59,10 +60,11 @@ class TimeRoom(NamedTuple):
     spare: np.ndarray
     places: np.ndarray
     stages: np.ndarray
+    rubbing: RubbingRoom
 
 
-def new_time_room(form: Form, parameters: int, curves: int) -> TimeRoom:
-    """Memory for machines of so many numbers and curves."""
+def new_time_room(form: Form, parameters: int, curves: int, rubbing: RubbingRoom) -> TimeRoom:
+    """Memory for machines of so many numbers and curves, beside that for friction in pairs."""
     return TimeRoom(
         rows(parameters),
         rows(3),
@@ -74,6 +76,7 @@ def new_time_room(form: Form, parameters: int, curves: int) -> TimeRoom:
         rows(SPARE),
         rows(form.width * MOST_STAGES),
         rows(STAGE_ROWS, aside=ASIDE),
+        rubbing,
     )
 
 
@@ -106,6 +109,9 @@ def stages_in_time(
     given: Memory,
     places: Memory,
     stages: Memory,
+    rub: Callable,
+    rubbing: Rubbing,
+    rubbing_room: RubbingRoom,
 ) -> None:
     """Stages begin … end − 1 of a step: angle, speed, acceleration, moments and powers."""
     own, block = in_lanes(position), in_lanes(numbers)
@@ -116,11 +122,12 @@ def stages_in_time(
             if method.matrix[s, k] != 0.0:
                 add_share(wide, method.matrix[s, k], given[LENGTH], stages[SPEED + k], stages[ANGLE + s])
                 add_share(wide, method.matrix[s, k], given[LENGTH], stages[RISE + k], stages[SPEED + s])
+        clock = method.shares[method.place_of[s]]
         for lane in range(LANES):
             turned, goal = stages[ANGLE + s, lane], given[GOAL, lane]
             turned = smaller(turned, goal) if given[FACING, lane] > 0.0 else larger(turned, goal)
             own[0, lane] = given[START, lane] + given[WAY, lane] * turned
-            now = given[TIME, lane] + method.shares[method.place_of[s]] * given[LENGTH, lane]
+            now = given[TIME, lane] + clock * given[LENGTH, lane]
             for i in range(source.clocks.shape[0]):
                 block[source.clocks[i], lane] = now
         at = form.width * s
@@ -129,6 +136,23 @@ def stages_in_time(
         moments_at_speed(
             wide, form, drive, exponents, places, at, stages[SPEED + s], stages[FROM_MOTORS + s], stages[MOMENT + s]
         )
+        if rubbing.curve >= 0:
+            slope = places[at + form.width - 1]
+            add_friction(
+                rub,
+                rubbing,
+                position,
+                given[WAY],
+                given[TIME],
+                clock,
+                given[LENGTH],
+                places[at + INVERSE],
+                slope,
+                stages[SPEED + s],
+                stages[MOMENT + s],
+                stages[RUBBED + s],
+                rubbing_room,
+            )
         for lane in range(wide):
             omega, motors = stages[SPEED + s, lane], stages[FROM_MOTORS + s, lane]
             rest = stages[MOMENT + s, lane] - 0.5 * omega * omega * places[at + form.width - 1, lane]
@@ -194,6 +218,9 @@ def step_in_time(
     every_exponent: np.ndarray,
     every_given: np.ndarray,
     every_found: np.ndarray,
+    rub: Callable,
+    rubbing: Rubbing,
+    every_rubbing: np.ndarray,
     room: TimeRoom,
 ) -> None:
     """Make a step of the blocks begin … end − 1 of variants: from `every_given` to `every_found`, rows of variants."""
@@ -212,6 +239,8 @@ def step_in_time(
         gather(drives, first, drive)
         gather(every_exponent, first, exponents)
         gather(every_given, first, given)
+        gather(every_rubbing, first, in_lanes(room.rubbing.numbers))
+        begin_friction(room.rubbing)
         stages_in_time(
             0,
             method.stages,
@@ -228,6 +257,9 @@ def step_in_time(
             given,
             places,
             stages,
+            rub,
+            rubbing,
+            room.rubbing,
         )
         step = given[LENGTH]
         for row in range(count):
@@ -248,6 +280,8 @@ def step_in_time(
                     for law in range(form.laws):
                         if channel_of[law] == channel:
                             add_power(LANES, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, own)
+                    for lane in range(LANES if channel == rubbing.channel else 0):
+                        own[lane] += stages[RUBBED + s, lane]
                 else:
                     for lane in range(LANES):
                         own[lane] = stages[MOMENT + s, lane] - stages[FROM_MOTORS + s, lane]
@@ -271,6 +305,9 @@ def step_in_time(
             given,
             places,
             stages,
+            rub,
+            rubbing,
+            room.rubbing,
         )
         look_at_speeds(LANES, method, given, stages, spare, found)
         hand_out(count, found, first, 0, every_found)

@@ -51,6 +51,7 @@ class _Course(NamedTuple):
     moments: dict[str, np.ndarray]
     powers: dict[str, np.ndarray]
     works: dict[str, np.ndarray]
+    reactions: dict[str, np.ndarray]
     coupled: dict[str, np.ndarray]
 
     @property
@@ -88,14 +89,17 @@ def courses(seen: History) -> list[_Course]:
         done = {key: row[-1] for key, row in works.items()}
         time = seen.time[chosen] - seen.time[chosen][0]
         rows = (row[chosen] for row in (seen.angle, seen.speed, seen.acceleration, seen.energy))
+        reactions = {key.removesuffix(".reaction"): np.abs(row[chosen]) for key, row in seen.loads_on_pairs.items()}
         coupled = {"shaft_speed": seen.shaft_speed[chosen], "coupling": seen.coupling_moment[chosen]}
         coupled = {key: row for key, row in coupled.items() if np.isfinite(row).any()}
-        found.append(_Course(str(name), time, *rows, own, powers, works, coupled))
+        found.append(_Course(str(name), time, *rows, own, powers, works, reactions, coupled))
     return found
 
 
 def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -> Figure:
-    """Speed, moments, power, energy and works against time, a column for each regime.
+    """Speed, moments, power, energy and works, and the reactions that were kept, against time.
+
+    There is a column for each regime.
 
     Parameters
     ----------
@@ -127,13 +131,16 @@ def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -
 def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> None:
     times = np.array([max(part.time[-1], 1e-9) for part in parts])
     widths = np.maximum(times / times.sum(), LEAST_SHARE / len(parts))
-    axes = figure.subplots(4, len(parts), sharex="col", sharey="row", squeeze=False, width_ratios=widths)
+    reactions = [part.reactions for part in parts]
+    count = 5 if reactions[0] else 4
+    axes = figure.subplots(count, len(parts), sharex="col", sharey="row", squeeze=False, width_ratios=widths)
     rows = (
         ("ω", "rad s-1", [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
         ("M", "N m", [part.acting | _only(part.coupled, "coupling") for part in parts]),
         ("P", "W", [part.powers for part in parts]),
         ("E, W", "J", [{"energy": part.energy} | part.works for part in parts]),
-    )
+        ("R", "N", reactions),
+    )[:count]
     for row, (symbol, units, columns) in zip(axes, rows, strict=True):
         factor, label = engineer_unit(
             units, np.concatenate([v for column in columns for v in column.values()] or [[0]])
@@ -156,7 +163,8 @@ def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     own |= {"shaft_speed": (GREEN, "shaft behind the coupling")}
     own |= {"coupling": (GREEN, "coupling on the crank, its heat")}
     for key, row in rows.items():
-        colour, label = own.get(key) or (_COLOURS[key], _WORDS[key])
+        # What is neither is a pair, by its name.
+        colour, label = own.get(key) or (_COLOURS.get(key), _WORDS.get(key, key))
         ax.plot(*_thinned(x, row), color=colour, label=label, linewidth=1.0)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import InputUnits, Machine, Scene, Verdict, history
+from engine import InputUnits, Machine, Scene, Verdict, did_you_mean, history, history_fields
 from sweeps.report.files.data_files import DataTable, write_table
 from sweeps.report.readings import Readings, fields_at_uniform_speed
 from sweeps.report.regime_words import failure_text
@@ -71,7 +71,9 @@ def reading_table(readings: Readings, title: str) -> DataTable:
     return DataTable({readings.place: readings.at} | readings.values, readings.units, title)
 
 
-def history_table(scene: Scene, values: Mapping[str, float], steps: int = 360) -> tuple[DataTable, str]:
+def history_table(
+    scene: Scene, values: Mapping[str, float], fields: Sequence[str] = (), steps: int = 360
+) -> tuple[DataTable, str]:
     """History of a machine through its regimes; a steady regime is there for one cycle.
 
     Parameters
@@ -79,6 +81,8 @@ def history_table(scene: Scene, values: Mapping[str, float], steps: int = 360) -
     scene : Scene
     values : mapping of path to float
         Numbers of the scene (SI) to be replaced.
+    fields : sequence of str
+        Loads on the pairs and on the frame to add, such as "input.reaction".
     steps : int
         Steps a cycle.
 
@@ -91,13 +95,18 @@ def history_table(scene: Scene, values: Mapping[str, float], steps: int = 360) -
     Raises
     ------
     InputError
-        The scene has no regimes.
+        The scene has no regimes, or no such loads.
     """
     if not scene.regimes:
         message = 'the scene has none, so no history; add [regimes.NAME] with type = "run" or "steady"'
         raise InputError(scene.title or "scene", [(None, "regimes", message)])
     scene = with_values(scene, values)
-    seen = history(scene, steps)
+    known = history_fields(scene) if fields else {}
+    for name in fields:
+        if name not in known:
+            message = f"{name!r} is no load that a history keeps; {did_you_mean(name, known)}"
+            raise InputError(scene.title or "scene", [(None, "--columns", message)])
+    seen = history(scene, steps, fields)
     of_loads = {f"{channel}_moment": (moment, "N m") for channel, moment in seen.load_moments.items()}
     columns = {
         "time": (seen.time, "s"),
@@ -111,6 +120,7 @@ def history_table(scene: Scene, values: Mapping[str, float], steps: int = 360) -
     if scene.couplings:
         columns["shaft_speed"] = (seen.shaft_speed, "rad s-1")
         columns["coupling_moment"] = (seen.coupling_moment, "N m")
+    columns |= {name: (row, known[name].units) for name, row in seen.loads_on_pairs.items()}
     numbers, units = ({name: pair[i] for name, pair in columns.items()} for i in (0, 1))
     ended = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
     return DataTable({"regime": seen.regime} | numbers, units, scene.title), ended

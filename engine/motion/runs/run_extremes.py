@@ -1,0 +1,106 @@
+"""Extremes of fields along runs, with the place and the instant of each."""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.running import over_variants
+from engine.motion.moments.piecewise import bound, extremes
+from engine.motion.quantities import Asked
+from engine.motion.runs.watching import Piece, RunFields
+
+
+class ExtremeAnswers(NamedTuple):
+    """What is asked of extremes, (variants,), by name without the regime's.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray
+    missed : dict of str to ndarray
+        How far each may be off by what lies between nodes.
+    scales : dict of str to ndarray
+        Magnitude that rounding is a share of.
+    """
+
+    values: dict[str, np.ndarray]
+    missed: dict[str, np.ndarray]
+    scales: dict[str, np.ndarray]
+
+
+class RunExtremes:
+    """The least and the greatest values of fields along runs.
+
+    Parameters
+    ----------
+    fields : RunFields
+    names : iterable of str
+        Of fields.
+    """
+
+    def __init__(self, fields: RunFields, names: Iterable[str]) -> None:
+        self.fields, self.names = fields, tuple(dict.fromkeys(names))
+        shape = 2, len(self.names), fields.variants.count
+        # By magnitude downwards and upwards: −least and greatest, and what these may come to between nodes.
+        self._most, self._bound = np.full(shape, -np.inf), np.full(shape, -np.inf)
+        self._turned, self._time, self._pause = (np.full(shape, np.nan) for _ in range(3))
+
+    def see(self, who: np.ndarray, piece: Piece) -> None:
+        """Look at a piece of the way of the variants `who`."""
+        rows, columns, nodes = self.fields(who, piece), np.arange(who.size), piece.time.shape[0]
+        for i, name in enumerate(self.names):
+            for side, sign in enumerate((-1.0, 1.0)):
+                found = np.empty((3, who.size))
+                look_along(who.size, np.ascontiguousarray(sign * rows[name]), np.ascontiguousarray(piece.steps), found)
+                most, node, beyond = found
+                at = np.where(np.isfinite(node), node, 0.0).astype(int)
+                # What isn't finite stays so.
+                more = (most > self._most[side, i, who]) | np.isnan(most)
+                those = who[more]
+                self._most[side, i, those] = most[more]
+                self._turned[side, i, those] = piece.turned[at, columns][more]
+                self._time[side, i, those] = piece.time[at, columns][more]
+                near = piece.time[np.minimum(at + 1, nodes - 1), columns] - piece.time[np.maximum(at - 1, 0), columns]
+                self._pause[side, i, those] = near[more]
+                self._bound[side, i, who] = np.fmax(self._bound[side, i, who], beyond)
+
+    def answers(self, asked: Iterable[Asked], spacing: float) -> ExtremeAnswers:
+        """What is asked, of all variants.
+
+        Parameters
+        ----------
+        asked : iterable of Asked
+        spacing : float
+            Of the nodes [rad].
+        """
+        found, cycle = ExtremeAnswers({}, {}, {}), self.fields.dynamics.cycle
+        way, start = self.fields.variants.direction, self.fields.start
+        for _, name, statistic in asked:
+            i, key = self.names.index(name), f"{name}.{statistic}"
+            low, high = -self._most[0, i], self._most[1, i]
+            peak = np.maximum(np.abs(low), np.abs(high))
+            beyond = np.maximum(*(self._bound[:, i] - self._most[:, i]))
+            values = {"min": low, "max": high, "range": high - low, "peak": peak}
+            missed = dict.fromkeys(values, beyond)
+            for side, end in enumerate(("min", "max")):
+                values[f"{end}_at"] = np.mod(start + way * self._turned[side, i], cycle)
+                values[f"{end}_time"] = self._time[side, i]
+                missed[f"{end}_at"], missed[f"{end}_time"] = np.full(way.size, spacing), self._pause[side, i]
+            found.values[key], found.missed[key], found.scales[key] = values[statistic], missed[statistic], peak
+        return found
+
+
+@over_variants
+def look_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found: np.ndarray) -> None:
+    """Greatest value of a row, its node, and what it may come to between nodes: three numbers of each variant."""
+    nodes = row.shape[0]
+    own, h = np.empty(nodes), np.empty(nodes - 1)
+    for v in range(begin, end):
+        for k in range(nodes):
+            own[k] = row[k, v]
+        for k in range(nodes - 1):
+            h[k] = steps[k, v]
+        _, _, high, at = extremes(own)
+        found[0, v], found[1, v] = high, at
+        found[2, v] = math.nan if math.isnan(high) else bound(own, h)

@@ -1,0 +1,155 @@
+"""What a run passes through on its way, piece by piece, for whatever looks at it: extremes, or a history.
+
+A piece is smooth but where two nodes share a place, on either side of a jump. Runs find their own steps; looking at
+them changes none.
+"""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from engine.motion.loads import PairLoads
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.settled.cycle import motion_rows
+from engine.motion.steppers.rubbing_form import form_in_time
+from engine.motion.steppers.time_form import State, TimeForm
+
+# A step in time is looked at in at least so many places. Within a shorter one [rad] the speed is straight: of what is
+# left of its angles after rounding nothing could be told.
+LEAST_LOOKS, SHORT = 4, 1e-6
+
+
+class Piece(NamedTuple):
+    """A piece of the way of some variants; arrays (nodes, variants) unless said.
+
+    What ends before others repeats its last node.
+
+    Attributes
+    ----------
+    time, turned : ndarray
+        Since the begin of the run [s], [rad].
+    omega : ndarray
+        In the direction of motion, negative backwards [rad/s].
+    facing : ndarray (variants,)
+        +1 or −1: the way that it moves.
+    steps : ndarray (nodes − 1, variants)
+        Distances of the nodes in what the piece is smooth over, none at a jump [rad].
+    moment : ndarray
+        Of all that acts, where it is known more surely than from the speed, else NaN [N·m].
+    """
+
+    time: np.ndarray
+    turned: np.ndarray
+    omega: np.ndarray
+    facing: np.ndarray
+    steps: np.ndarray
+    moment: np.ndarray
+
+
+class Observer(Protocol):
+    """Something that looks at runs."""
+
+    def see(self, who: np.ndarray, piece: Piece) -> None:
+        """Look at a piece of the way of the variants `who`."""
+
+
+class RunFields:
+    """Fields along runs: those of the motion, and the loads on the pairs if there are any to find.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+    variants : Variants
+        All that run.
+    start, clock : ndarray (variants,)
+        Crank angle [rad] and time [s] at the begin of the run.
+    loads : PairLoads or None
+    off : frozenset of str
+        Actions that don't act.
+    """
+
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        variants: Variants,
+        start: np.ndarray,
+        clock: np.ndarray,
+        loads: PairLoads | None,
+        off: frozenset[str],
+    ) -> None:
+        self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
+        self.loads, self.off = loads, off
+        self._parameters: dict[float, np.ndarray] = {}
+
+    def __call__(self, who: np.ndarray, piece: Piece) -> dict[str, np.ndarray]:
+        """All fields on a piece of the way of some variants, counter-clockwise positive but for the speed.
+
+        With them the kinetic energy and the moment of each channel of loads.
+        """
+        own = self.variants.some(who)
+        form, clock = form_in_time(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
+        machine, moments = form.along(piece.turned, piece.omega, clock, piece.facing)
+        known = np.isfinite(piece.moment)
+        others = moments.loads.sum(axis=0)
+        total = np.where(known, piece.moment, moments.total)
+        motors = np.where(known, piece.moment - others, moments.motors)
+        epsilon = (total - 0.5 * piece.omega**2 * machine.inertia_phi) / machine.inertia
+        rows = motion_rows(own, piece.omega, epsilon, motors, others)
+        rows["energy"] = 0.5 * machine.inertia * piece.omega**2
+        rows |= {key: own.direction * row for key, row in zip(self.dynamics.channels, moments.loads, strict=True)}
+        if self.loads is None:
+            return rows
+        places = self.start[who] + own.direction * piece.turned
+        found = {name: np.empty(places.shape) for name in self.loads.names}
+        for facing in (1.0, -1.0):
+            those = np.flatnonzero(piece.facing == facing)
+            if those.size:
+                whole = np.ascontiguousarray(self._numbers(facing)[:, who[those]])
+                at = (x[:, those] for x in (places, np.abs(piece.omega), own.direction * epsilon, clock))
+                for name, row in self.loads(own.some(those), whole, *at).items():
+                    found[name][:, those] = row
+        return rows | found
+
+    def _numbers(self, facing: float) -> np.ndarray:
+        """Numbers of the loads of all variants, moving forward or backwards."""
+        if facing not in self._parameters:
+            variants = self.variants._replace(direction=facing * self.variants.direction)
+            self._parameters[facing] = self.loads.parameters(variants, self.off)
+        return self._parameters[facing]
+
+
+def piece_in_time(
+    form: TimeForm, before: State, after: State, clock: np.ndarray, facing: np.ndarray, spacing: float
+) -> Piece:
+    """A step in time, looked at where it turns about so far each time.
+
+    Between its ends the angle is the polynomial of degree five that has their angles, speeds and accelerations.
+
+    Parameters
+    ----------
+    form : TimeForm
+    before, after : State
+        Their time on the clock that moments over time go by.
+    clock : ndarray (variants,)
+        Time on it at the begin of the run [s].
+    facing : ndarray (variants,)
+    spacing : float
+        [rad].
+    """
+    ends = [form.acceleration(state.turned, state.omega, state.time, facing)[0] for state in (before, after)]
+    length, reach = after.time - before.time, np.abs(after.turned - before.turned)
+    # How often follows from the variant alone, whichever others go with it.
+    looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing))
+    s = np.minimum(np.arange(int(looks.max(initial=1.0)) + 1)[:, None] / looks, 1.0)
+    # In units of the step: with x = φ − φ₀ − ω₀ t − ½ ε₀ t², which begins with three zeros.
+    first, second = before.omega * length, ends[0] * length**2
+    x = after.turned - before.turned - first - 0.5 * second
+    v, a = after.omega * length - first - second, ends[1] * length**2 - second
+    cubic, quartic, quintic = 10.0 * x - 4.0 * v + 0.5 * a, -15.0 * x + 7.0 * v - a, 6.0 * x - 3.0 * v + 0.5 * a
+    turned = before.turned + s * (first + s * (0.5 * second + s * (cubic + s * (quartic + s * quintic))))
+    rate = first + s * (second + s * (3.0 * cubic + s * (4.0 * quartic + s * 5.0 * quintic)))
+    straight = before.omega + s * (after.omega - before.omega)
+    omega = np.where(reach > SHORT, rate / np.where(reach > SHORT, length, 1.0), straight)
+    turned, omega = np.where(s < 1.0, turned, after.turned), np.where(s < 1.0, omega, after.omega)
+    steps = reach * np.diff(s, axis=0)
+    return Piece(before.time - clock + s * length, turned, omega, facing, steps, np.full_like(turned, np.nan))

@@ -1,0 +1,157 @@
+"""Steady motion of machines with friction in their pairs: the fixed point of a cycle run in time, by secants."""
+
+import numpy as np
+
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.runs.run import run_to_end
+from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
+from engine.motion.runs.watching import Piece, RunFields
+from engine.motion.settled.steady import Steady, no_load_speed, steady_motion
+from engine.verdicts import Verdict
+
+# The energy comes back after a cycle to so much of itself, within so many cycles.
+RETURNED, MOST_CYCLES = 1e-9, 60
+# What steps miss may keep it from coming back so exactly; then it is settled where nothing is gained any more, and so
+# much is left.
+NEARLY = 1e-6
+# The second energy tried, of the first. Energies that differ by less of themselves say nothing of the slope.
+SECOND, TELLING = 0.8, 1e-4
+# A machine whose disturbances neither grow nor fade, to so much, has no speed of its own.
+UNDECIDED = 1e-9
+# Instants of a cycle at which it is looked at.
+STEPS = 720
+
+
+def settled_motion(
+    dynamics: Dynamics, variants: Variants, tolerance: float, doubtful: bool, asked: np.ndarray | None = None
+) -> Steady:
+    """Steady motion, with friction in pairs where there is any.
+
+    Parameters
+    ----------
+    dynamics, variants, tolerance, asked
+        As of `steady_motion`.
+    doubtful : bool
+        Whether every step is changed by its estimated error, or with friction may miss more.
+    """
+    if dynamics.friction is None:
+        return steady_motion(dynamics, variants, tolerance, asked)[int(doubtful)]
+    with np.errstate(all="ignore"):
+        return _settled(dynamics, variants, doubtful, asked)
+
+
+def _settled(dynamics: Dynamics, variants: Variants, doubtful: bool, asked: np.ndarray | None) -> Steady:
+    count, zero = variants.count, np.zeros(variants.count)
+    inertia = dynamics.rows(variants, zero[None]).inertia[0]
+    energy = 0.5 * inertia * no_load_speed(variants)[0] ** 2
+    verdict, multiplier = np.full(count, Verdict.RUNS_AWAY, np.uint8), np.full(count, np.nan)
+    # The last energy from which a cycle was gone through, and what it came to.
+    known, returned = np.full(count, np.nan), np.full(count, np.nan)
+    pending, left = np.arange(count), np.full(count, np.inf)
+    for turn in range(MOST_CYCLES):
+        if not pending.size:
+            break
+        here = energy[pending]
+        outcome = _cycle(dynamics, variants.some(pending), np.sqrt(2.0 * here / inertia[pending]), doubtful)
+        came, before = outcome.ended, known[pending]
+        gone = outcome.verdict == Verdict.OK
+        slope = (came - returned[pending]) / (here - before)
+        telling = gone & (np.abs(here - before) > TELLING * here)
+        multiplier[pending] = np.where(telling, slope, multiplier[pending])
+        slope = np.where(telling, slope, multiplier[pending])
+        off = np.abs(came - here) / here
+        settled = gone & ((off <= RETURNED) | ((off <= NEARLY) & (off >= 0.5 * left[pending]) & np.isfinite(slope)))
+        left[pending] = off
+        falls = np.where(np.isfinite(slope) & (slope < 1.0 - UNDECIDED), slope, 0.0)
+        ahead = SECOND * here if turn == 0 else here + (came - here) / (1.0 - falls)
+        ahead = np.where(ahead > 0.0, ahead, 0.25 * here)
+        # Where it stalls on its way, it starts again nearer to where it didn't.
+        energy[pending] = np.where(settled, here, np.where(gone, ahead, 0.5 * (here + before)))
+        verdict[pending[settled]] = Verdict.OK
+        lost = ~gone & ~np.isfinite(before)
+        verdict[pending[lost]] = outcome.verdict[lost]
+        slower = gone & ~settled & (came < here)
+        verdict[pending[slower]], verdict[pending[gone & ~settled & ~slower]] = Verdict.STALLS, Verdict.RUNS_AWAY
+        undecided = gone & ~settled & (turn > 0) & (np.abs(slope - 1.0) <= UNDECIDED)
+        verdict[pending[undecided]] = Verdict.ANY_SPEED
+        known[pending[gone]], returned[pending[gone]] = here[gone], came[gone]
+        pending = pending[~settled & ~lost & ~undecided]
+    return _measured(dynamics, variants, energy, inertia, multiplier, verdict, doubtful, asked)
+
+
+def _measured(
+    dynamics: Dynamics,
+    variants: Variants,
+    energy: np.ndarray,
+    inertia: np.ndarray,
+    multiplier: np.ndarray,
+    verdict: np.ndarray,
+    doubtful: bool,
+    asked: np.ndarray | None,
+) -> Steady:
+    """The cycle from the energies found, once more, with all that is wanted of it."""
+    count = variants.count
+    nodes = 0 if asked is None else asked.shape[0]
+    rows, record = np.full((7, count), np.nan), np.full((3, nodes, count), np.nan)
+    works = np.full((len(dynamics.channels) + 1, count), np.nan)
+    good = np.flatnonzero(verdict == Verdict.OK)
+    if good.size:
+        part, zero = variants.some(good), np.zeros(good.size)
+        seen = _Nodes(RunFields(dynamics, part, zero, zero, None, frozenset())) if nodes else None
+        omega = np.sqrt(2.0 * energy[good] / inertia[good])
+        outcome = _cycle(dynamics, part, omega, doubtful, [seen] if nodes else [])
+        state = outcome.state
+        residual = np.abs(outcome.ended - energy[good]) / energy[good]
+        own = (energy[good], outcome.ended, residual, state.time, outcome.slowest, outcome.fastest, state.squares)
+        rows[:, good], works[:, good] = own, state.works
+        if nodes:
+            square, time = seen.at(np.ascontiguousarray(asked[:, good]))
+            turning = dynamics.rows(part, part.direction * asked[:, good]).inertia
+            record[0][:, good], record[1][:, good] = 0.5 * turning * square, time
+    begun, ended, residual, period, slowest, fastest, squares = rows
+    multiplier = np.where(verdict == Verdict.OK, multiplier, np.nan)
+    return Steady(verdict, begun, ended, multiplier, residual, period, slowest, fastest, squares, works, record)
+
+
+def _cycle(
+    dynamics: Dynamics, variants: Variants, omega: np.ndarray, doubtful: bool, observers: "list[_Nodes] | None" = None
+) -> RunOutcome:
+    """A cycle from a speed at φ = 0 on."""
+    zero, never = np.zeros(variants.count), np.full(variants.count, np.inf)
+    ends = Ends(np.full(variants.count, dynamics.cycle), never, never, False, never)
+    return run_to_end(Progress(dynamics, variants, zero, omega, zero, ends, STEPS, doubtful, observers or ()))
+
+
+class _Nodes:
+    """Keeps the squares of the speed and the times along a cycle, to be told at any angle of it."""
+
+    def __init__(self, along: RunFields) -> None:
+        self.along = along
+        self._kept: list[list[np.ndarray]] = [[] for _ in range(along.variants.count)]
+
+    def see(self, who: np.ndarray, piece: Piece) -> None:
+        """Keep angle, speed, acceleration and time at the nodes of a piece."""
+        epsilon = self.along(who, piece)["acceleration"] * self.along.variants.direction[who]
+        rows = np.stack((piece.turned, piece.omega, epsilon, piece.time))
+        for column, v in enumerate(who):
+            self._kept[v].append(rows[:, :, column])
+
+    def at(self, asked: np.ndarray) -> np.ndarray:
+        """Square of the speed and time at angles turned (angles, variants), by cubics between nodes, (2, angles, …)."""
+        found = np.empty((2, *asked.shape))
+        for v, pieces in enumerate(self._kept):
+            turned, omega, epsilon, time = np.concatenate(pieces, axis=1)
+            k = np.clip(np.searchsorted(turned, asked[:, v], side="right") - 1, 0, turned.size - 2)
+            h = turned[k + 1] - turned[k]
+            share = np.clip(np.where(h > 0.0, (asked[:, v] - turned[k]) / h, 1.0), 0.0, 1.0)
+            for row, (value, slope) in enumerate(((omega * omega, 2.0 * epsilon), (time, 1.0 / omega))):
+                found[row, :, v] = _hermite(share, h, value[k], value[k + 1], slope[k], slope[k + 1])
+        return found
+
+
+def _hermite(
+    share: np.ndarray, h: np.ndarray, near: np.ndarray, far: np.ndarray, leaves: np.ndarray, comes: np.ndarray
+) -> np.ndarray:
+    """The cubic with given values and slopes at both ends, at a share of the way."""
+    chord, rest = far - near, 1.0 - share
+    return near + share * chord + share * rest * (rest * (h * leaves - chord) - share * (h * comes - chord))

@@ -1,0 +1,158 @@
+"""Loads on the pairs in runs: closed forms of a rotor and of a pendulum, Newton and Euler, and error figures."""
+
+import math
+
+import numpy as np
+import pytest
+from machines import compare
+from motion_scenes import GRAVITY, INERTIA, ask, pendulum, rotor, run, slider_crank, steady
+from newton_euler import reactions
+from oracle import EPS
+
+from engine import AskError, Machine, Scene, Verdict, history
+from engine.motion.quantities import EXTREMES
+
+PAIRS = ("input.reaction", "drive.first.reaction", "drive.inner.reaction", "drive.second.reaction")
+COLUMNS = (
+    *(f"{pair}_{axis}" for pair in PAIRS[:3] for axis in "xy"),
+    "drive.second.reaction",
+    "drive.second.reaction_moment",
+    *(f"frame.reaction_{part}" for part in ("x", "y", "moment")),
+)
+# Always the same is asked, so that all machines share their functions.
+ASKED = [f"{pair}.{key}" for pair in (*PAIRS, "shaking_force", "acceleration", "speed") for key in EXTREMES]
+
+
+def asked(*regimes: str) -> str:
+    return " ".join(f"{regime}.{name}" for regime in regimes for name in ASKED)
+
+
+def covered(found, name: str, value: float) -> None:
+    """A number is what it should be, to its own error figure."""
+    assert found[name] == pytest.approx(value, rel=0, abs=found.figure(name)), name
+
+
+# Closed forms
+
+
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+def test_rotor_under_a_constant_moment__accelerates_evenly_and_loads_its_bearing_by_the_centrifugal_force(speed):
+    # M = 3 N·m on a rotor of 0.4 kg·m², whose masses are zero; then a mass of 2 kg on an arm of 30 mm.
+    scene = slider_crank(
+        {"go": run("push", from_speed=0.0, cycles=3.0)}, speed, push={"moment": math.copysign(3, speed)}
+    )
+    scene["bodies"]["ram_body"]["mass"] = 0.0
+    found = ask(scene, asked("go"), 240)
+    mass, arm = 2.0, 0.03
+    epsilon = 3.0 / (0.02 + mass * arm**2)
+    top = math.sqrt(2.0 * epsilon * 6.0 * math.pi)
+    for end in ("min", "max"):
+        covered(found, f"go.acceleration.{end}", math.copysign(epsilon, speed))
+    covered(found, "go.speed.max", top)
+    assert found["go.speed.max_time"] == pytest.approx(top / epsilon, rel=1e-9)
+    # Centrifugal and tangential inertia of the mass: m e √(ω⁴ + ε²).
+    for name in ("input.reaction", "shaking_force"):
+        covered(found, f"go.{name}.min", mass * arm * epsilon)
+        covered(found, f"go.{name}.max", mass * arm * math.hypot(top**2, epsilon))
+        assert found[f"go.{name}.min_time"] == 0.0
+
+
+def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
+    mass, arm, inertia = 2.0, 0.25, 0.05
+    # From the horizontal, until it comes to the same height again on the other side.
+    scene = pendulum({"go": run("gravity", from_angle=math.pi, from_speed=0.0, rest=True)}, mass, arm, inertia)
+    found = ask(scene, asked("go"), 240)
+    whole = inertia + mass * arm**2
+    # At the bottom: ½ I ω² = m g e, and R = m g + m ω² e; at the ends: ε = m g e/I, and R = m (g − ε e).
+    omega_squared, epsilon = 2.0 * mass * GRAVITY * arm / whole, mass * GRAVITY * arm / whole
+    covered(found, "go.input.reaction.max", mass * GRAVITY + mass * omega_squared * arm)
+    assert found["go.input.reaction.max_at"] == pytest.approx(
+        1.5 * math.pi, abs=found.figure("go.input.reaction.max_at")
+    )
+    covered(found, "go.input.reaction.min", mass * (GRAVITY - epsilon * arm))
+    covered(found, "go.acceleration.max", epsilon)
+    covered(found, "go.acceleration.min", -epsilon)
+
+
+def test_brake__stops_evenly():
+    scene = rotor({"stop": run("brake", from_speed=100.0, rest=True)})
+    found = ask(scene, asked("stop"), 240)
+    # I = 0.4 kg·m², two blocks of 20 N with 0.2 on 0.1 m: 0.8 N·m (the published example of a stop of 50 s).
+    for end in ("min", "max"):
+        covered(found, f"stop.acceleration.{end}", -0.8 / INERTIA)
+    assert found["stop.speed.min_time"] == pytest.approx(50.0, abs=found.figure("stop.speed.min_time") + 1e-6)
+    covered(found, "stop.input.reaction.max", 0.0)
+
+
+# Against Newton and Euler, at the instants of a history
+
+
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+def test_start_and_stop__newton_euler_at_every_instant(speed):
+    # No load is at work but weight: resistances change their sign with the motion, which the oracle isn't told.
+    regimes = {"go": run("dc gravity", speed=40.0), "on": steady("dc gravity"), "stop": run("brake gravity", rest=True)}
+    scene = Scene.model_validate(slider_crank(regimes, speed, flywheel=0.2))
+    seen = history(scene, 120, COLUMNS)
+    assert seen.verdict == Verdict.OK
+    bare = slider_crank({}, speed)
+    bare |= {"moments": {}, "forces": {}, "flywheel": None}
+    bare = Scene.model_validate({key: value for key, value in bare.items() if value is not None})
+    for name in regimes:
+        some = np.flatnonzero(seen.regime == name)[::29]
+        q, omega, epsilon = seen.angle[some], seen.speed[some], seen.acceleration[some]
+        found = {key: seen.loads_on_pairs[key][some] for key in COLUMNS}
+        # The flywheel, on the crank, turns the frame; what a brake does to the crank and to the frame adds up to zero.
+        found["frame.reaction_moment"] = found["frame.reaction_moment"] + 0.2 * epsilon
+        # Angles go on beyond a turn, and round as what they have grown to.
+        rounding = EPS * (1.0 + np.abs(q).max())
+        compare(found, bare, lambda of, at=(q, omega, epsilon): reactions(of, *at), rounding)
+
+
+def test_history__is_where_extremes_are_taken_from():
+    regimes = {"go": run("dc cut gravity fan rub", speed=50.0), "stop": run("brake gravity rub", rest=True)}
+    scene = slider_crank(regimes, flywheel=0.05)
+    found, seen = ask(scene, asked(*regimes), 240), history(Scene.model_validate(scene), 240, PAIRS)
+    for name in regimes:
+        own = seen.regime == name
+        for pair in PAIRS:
+            row = np.abs(seen.loads_on_pairs[pair][own]) if pair == PAIRS[3] else seen.loads_on_pairs[pair][own]
+            key = "peak" if pair == PAIRS[3] else "max"
+            covered(found, f"{name}.{pair}.{key}", row.max())
+        energy = seen.energy[own]
+        works = np.array([seen.motor_moment[own], *(row[own] for row in seen.load_moments.values())]).sum(axis=0)
+        # Power balance between instants by the trapezoid rule: h²/12·M″, h = 0.026 rad, M changes within 0.3 rad.
+        done = np.sum(0.5 * (works[1:] + works[:-1]) * np.diff(seen.angle[own]))
+        assert done == pytest.approx(energy[-1] - energy[0], rel=2e-3)
+
+
+# Error figures
+
+
+@pytest.mark.parametrize("only", ["dc cut gravity fan rub", "dc by_time gravity", "induction cut gravity"])
+def test_error_figures__cover_what_more_positions_change(only):
+    scene = slider_crank({"go": run(only, time=0.6)}, flywheel=0.5 if "induction" in only else 0.05)
+    best = ask(scene, asked("go"), 1440)
+    for positions in (60, 240):
+        found = ask(scene, asked("go"), positions)
+        for name in found.values:
+            if not name.endswith(("_at", "_time")):
+                assert abs(found[name] - best[name]) <= found.figure(name) + best.figure(name), (name, positions)
+
+
+def test_variants_side_by_side__answer_as_alone():
+    scene = slider_crank({"go": run("dc cut gravity fan rub", speed=50.0)}, flywheel=0.05)
+    lengths = [0.15, 0.2, 0.4]
+    together = ask(scene, asked("go"), 120, varied={"groups.drive.first.length": lengths})
+    for i, length in enumerate(lengths):
+        alone = ask(scene, asked("go"), 120, varied={"groups.drive.first.length": [length]})
+        for name, values in together.values.items():
+            assert values[i] == alone.values[name][0], name
+
+
+# What can't be
+
+
+def test_means_of_runs__are_not_offered():
+    scene = slider_crank({"go": run("dc cut", time=1.0)}, flywheel=0.2)
+    with pytest.raises(AskError, match="not a summary"):
+        Machine(Scene.model_validate(scene), ["go.input.reaction.mean"])
