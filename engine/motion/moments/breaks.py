@@ -1,9 +1,10 @@
 """Where the moments of a machine jump or bend: what of a load switches where, by the machine's graph.
 
-A Runge–Kutta step across a jump or a bend loses its order; with a node there it doesn't.
+A Runge–Kutta step across a jump or a bend, even one of a higher derivative, loses its order, and its estimated error
+falls short of the true one; with a node there it doesn't.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +15,6 @@ from engine.mechanism.actions.tables import kinks_of
 from engine.scene.formulas.load_formulas import load_formulas
 from engine.scene.scene import Numbers, Scene
 
-# Of a curve with more places at which something only bends, the first and the last count.
-MOST_BENDS = 24
 # Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.
 JUMP = 1e-10
 # Half the width of a jump in time, of the times of its table.
@@ -87,7 +86,7 @@ def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Wat
     loads : sequence of Load
     """
     behind = [set(reached(_held([load.characteristic, load.basis]))) for load in loads]
-    watches, bends = [], {}
+    watches = []
     for crossing in crossings:
         # What depends on time switches at instants.
         if any(isinstance(node, Given) for node in reached([crossing.curve])):
@@ -97,14 +96,10 @@ def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Wat
             for load, nodes in zip(loads, behind, strict=True)
             if crossing.curve in nodes
         }
-        kept = [load for load, order in orders.items() if order <= 1]
-        if kept:
-            jumps = any(orders[load] == 0 for load in kept)
-            watches.append(Watch(crossing, jumps, frozenset(load.action for load in kept)))
-            if crossing.kink == 1:
-                bends.setdefault(crossing.curve, []).append(crossing)
-    dropped = {id(c) for many in bends.values() if len(many) > MOST_BENDS for c in many[1:-1]}
-    return [watch for watch in watches if id(watch.crossing) not in dropped]
+        if orders:
+            jumps = 0 in orders.values()
+            watches.append(Watch(crossing, jumps, frozenset(load.action for load in orders)))
+    return watches
 
 
 def _held(nodes: Iterable[Node]) -> list[Node]:
@@ -141,17 +136,10 @@ def instants_of(scene: Scene, active: Iterable[str], numbers: Numbers, count: in
     for name, action in (scene.forces | scene.moments).items():
         if name in active and getattr(action, "over_time", None) is not None:
             width = INSTANT * (abs(action.over_time[0]) + abs(action.over_time[-1]))
-            for x, kink in _instants(kinks_of(action)).items():
+            for x, kink in kinks_of(action).items():
                 found += [x - width, x + width] if kink == 0 else [x]
     for name, formula in load_formulas(scene).items():
         for x in formula.switching_times(numbers) if name in active else ():
             width = INSTANT * np.abs(x) + LEAST_INSTANT
             found += [x - width, x + width]
     return np.array([np.broadcast_to(x, count) for x in found]).reshape(len(found), count)
-
-
-def _instants(kinks: Mapping[float, int]) -> dict[float, int]:
-    """Rows of a table at which it jumps or bends."""
-    bends = [x for x, kink in kinks.items() if kink == 1]
-    dropped = bends[1:-1] if len(bends) > MOST_BENDS else []
-    return {x: kink for x, kink in kinks.items() if kink <= 1 and x not in dropped}

@@ -31,9 +31,12 @@ from engine.motion.steppers.settling import (
 from engine.motion.steppers.tableaux import Method
 from engine.verdicts import Verdict
 
-# Steps of a cycle, at most: explicit ones, and implicit ones, for motors that are too steep for so many. How often they
-# are laid anew where the motion needs others than were thought of.
+# Steps of a cycle besides those that end where moments jump or bend, at most: explicit ones, and implicit ones, for
+# motors that are too steep for so many. How often they are laid anew where the motion needs others than were thought of.
 MOST_STEPS, MOST_IMPLICIT_STEPS, MOST_MESHES = 200, 3000, 5
+# Where rounding keeps steps of so steep a motor from missing as little as asked, so many times as much is allowed, and
+# so often more.
+LOOSER, MOST_LOOSENED = 100.0, 3
 # Steps that miss so many times what is allowed are laid anew.
 ALLOWED = 10.0
 
@@ -103,9 +106,14 @@ def steady_motion(
     found, record = np.empty((2, FOUND + len(dynamics.channels), count)), np.empty((2, 3, asked.shape[0], count))
     _search(ORDER_EIGHT, dynamics, variants, np.arange(count), numbers, asked, found, record)
     steep = np.flatnonzero(found[0, 0] == TOO_MANY_STEPS)
-    # Down from the speed without load, a steep motor comes to its own speed at once.
-    numbers[4, steep], numbers[7, steep] = found[0, 11, steep], 1.0
-    _search(ORDER_NINE, dynamics, variants, steep, numbers, asked, found, record)
+    for _ in range(1 + MOST_LOOSENED):
+        if not steep.size:
+            break
+        # Down from the speed without load, a steep motor comes to its own speed at once.
+        numbers[4, steep], numbers[7, steep] = found[0, 11, steep], 1.0
+        _search(ORDER_NINE, dynamics, variants, steep, numbers, asked, found, record)
+        steep = steep[found[0, 0, steep] == TOO_MANY_STEPS]
+        numbers[3, steep] *= LOOSER
     fine, doubtful = (_steady_of(*parts) for parts in zip(found, record, strict=True))
     return fine, doubtful
 
@@ -120,7 +128,11 @@ def _search(
     found: np.ndarray,
     record: np.ndarray,
 ) -> None:
-    """Settle those of the variants that are pending, with steps laid anew where the motion found needs others."""
+    """Settle those of the variants that are pending, with steps laid anew where the motion found needs others.
+
+    Those that never miss as little as is allowed have, as it were, too many steps.
+    """
+    unsure = np.zeros(pending.size, bool)
     for mesh in range(MOST_MESHES):
         if not pending.size:
             break
@@ -132,7 +144,8 @@ def _search(
         again = stalls | unsure | ((verdict == STALLS_AT_ONCE) & (mesh == 0))
         numbers[4, pending] = np.where(unsure, energy, highest)
         numbers[7, pending] = 1.0
-        pending = pending[again]
+        pending, unsure = pending[again], unsure[again]
+    found[:, 0, pending[unsure]] = TOO_MANY_STEPS
 
 
 def _settled(
@@ -149,7 +162,7 @@ def _settled(
         parameters, drive.rows, drive.exponents, *edges_of(variants.direction, variants.breaks, dynamics.cycle), numbers
     )
     given = Settling(*(np.require(part, requirements="CW") for part in given))
-    most = MOST_IMPLICIT_STEPS if method.implicit else MOST_STEPS
+    most = (MOST_IMPLICIT_STEPS if method.implicit else MOST_STEPS) + given.edges.shape[0]
     found = np.empty((2, FOUND + form.channels, variants.count))
     record, asked = np.empty((2, 3, *asked.shape)), np.require(asked, requirements="CW")
 
