@@ -231,7 +231,9 @@ def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndar
             "coupling_moment": none,
         }
         moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
-        powers = [*(way * moment * rows["speed"] for moment in moments), np.zeros(new.sum())]
+        # The moment of what hinders a machine may be no number.
+        with np.errstate(invalid="ignore"):
+            powers = [*(way * moment * rows["speed"] for moment in moments), np.zeros(new.sum())]
         own |= {f"{source} power": power for source, power in zip(SOURCES, powers, strict=True)}
         kept = ("acceleration", "motor_moment", *CHANNELS, "energy", *fields)
         yield own | {key: rows[key] for key in kept}

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, tell
+from sweeps.cli.shared import errors_as_messages, tell, tell_aside
 
 DAMAGED = 1
 
@@ -19,16 +19,18 @@ def verify(file: Path) -> None:
 
     found = MappedResult(file)
     if not found.has_checksums:
-        tell(f"{file} was made by a version that wrote no checksums: nothing to compare with.")
+        tell_aside(f"{file} was made by a version that wrote no checksums: nothing to compare with.")
         sys.exit(DAMAGED)
     blocks = [int(i) for i in found.done.nonzero()[0]]
     variants = sum(found.rows(i).stop - found.rows(i).start for i in blocks)
     damaged = found.damaged()
     for name in found.edited:
-        tell(f"{file}: its {name.removeprefix('progress/')} isn't as it was written")
+        tell_aside(f"{file}: its {name.removeprefix('progress/')} isn't as it was written")
     if damaged:
-        tell(f"{file}: numbers of variants {damage_text(found, damaged)} changed; its study, run again, mends that")
+        tell_aside(
+            f"{file}: numbers of variants {damage_text(found, damaged)} changed; its study, run again, mends that"
+        )
     if damaged or found.edited:
         sys.exit(DAMAGED)
     left = f", {found.variants - variants} aren't computed yet" if variants < found.variants else ""
-    click.echo(f"{file}: {variants} variants as they were written{left}")
+    tell(f"{file}: {variants} variants as they were written{left}")

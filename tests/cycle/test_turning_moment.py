@@ -52,16 +52,16 @@ def test_straight_lines__are_integrated_without_an_error(moment):
     phi = even(moment)
     found = turning_moment_from_table(phi, moment, 10.0, 0.02, cycle=TURN)
     # Areas of trapezoids and of the triangles where a line crosses the mean, with 40 digits.
-    mpmath.mp.dps = 40
-    h, closed = 2 * mpmath.pi / len(moment), [mpmath.mpf(m) for m in [*moment, moment[0]]]
-    mean = sum(closed[:-1]) / len(moment)
-    work, ends = mpmath.mpf(0), [mpmath.mpf(0)]
-    for before, after in pairwise(closed):
-        a, b = before - mean, after - mean
-        if a * b < 0:
-            ends.append(work + a * (h * a / (a - b)) / 2)
-        work += (a + b) * h / 2
-        ends.append(work)
+    with mpmath.workdps(40):
+        h, closed = 2 * mpmath.pi / len(moment), [mpmath.mpf(m) for m in [*moment, moment[0]]]
+        mean = sum(closed[:-1]) / len(moment)
+        work, ends = mpmath.mpf(0), [mpmath.mpf(0)]
+        for before, after in pairwise(closed):
+            a, b = before - mean, after - mean
+            if a * b < 0:
+                ends.append(work + a * (h * a / (a - b)) / 2)
+            work += (a + b) * h / 2
+            ends.append(work)
     size = np.abs(moment).max() + 1e-300
     assert found.mean_moment == pytest.approx(float(mean), abs=100 * EPS * size)
     assert found.excess_work == pytest.approx(float(max(ends) - min(ends)), abs=1000 * EPS * size)

@@ -7,7 +7,6 @@ import numpy as np
 
 from engine import CrankInput, Scene
 
-mpmath.mp.dps = 50
 _FRAME = (0.0, 0.0, 0.0)
 
 
@@ -59,6 +58,7 @@ class LinkCoordinates:
                 found += [m.sin(own[2] - direction), left - link.offset]
         return found
 
+    @mpmath.workdps(50)
     def solved(self, near: list, q: object) -> list:
         """Coordinates at a crank angle from some that are close: corrections with the Jacobian in double precision."""
         columns = []
@@ -73,6 +73,7 @@ class LinkCoordinates:
         assert mpmath.norm(mpmath.matrix(self.misses(list(exact), q))) < mpmath.mpf(10) ** -44
         return list(exact)
 
+    @mpmath.workdps(50)
     def motion(self, near: list, q: float) -> Mapping[str, tuple]:
         """Of each link its coordinates with first and second derivative by the crank's angle."""
         h = mpmath.mpf(10) ** -12

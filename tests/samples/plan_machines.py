@@ -59,7 +59,8 @@ TURNING_YOKE = four_bar(
     gravity=9.81,
 )
 SCENES = {name: read_scene(TEMPLATES / f"{name}.toml") for name in templates()}
-MECHANISMS = [name for name, scene in SCENES.items() if scene.input is not None]
+# Plans are drawn of dyads.
+MECHANISMS = [name for name, scene in SCENES.items() if scene.input is not None and not scene.links]
 MACHINES = {name: SCENES[name] for name in MECHANISMS} | GALLERY
 MACHINES |= {"PRP": PRP, "geared to a rocker": GEARED_TO_A_ROCKER, "turning yoke": TURNING_YOKE}
 MACHINES |= {"without inertia": GEARED_TO_A_ROCKER.model_copy(update={"inertia_in_reactions": False})}

@@ -61,6 +61,11 @@ CODES = {
     18: "slides",
     19: "undercut",
     20: "lifts_off",
+    21: "slips",
+    22: "mode_not_reached",
+    23: "other_mode",
+    24: "grows",
+    25: "turns_back",
     255: "not_computed",
 }
 

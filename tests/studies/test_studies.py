@@ -23,6 +23,7 @@ TEMPLATE_NAMES = (
     "slider_crank",
     "stephenson_six_bar",
     "toggle",
+    "triad",
     "watt_six_bar",
     "whitworth",
 )
@@ -93,7 +94,7 @@ def close(value, exact, relative=1e-12):
 # Templates
 
 
-def test_templates__are_the_ten_mechanisms_and_eight_elements_with_a_title_each():
+def test_templates__are_these_mechanisms_and_elements_with_a_title_each():
     found = templates()
     assert set(found) == {*TEMPLATE_NAMES, *ELEMENT_TEMPLATE_NAMES}
     assert all(found.values())

@@ -93,8 +93,10 @@ class RunFields:
         others = moments.loads.sum(axis=0)
         total = np.where(known, piece.moment, moments.total)
         motors = np.where(known, piece.moment - others, moments.motors)
-        epsilon = (total - 0.5 * piece.omega**2 * machine.inertia_phi) / machine.inertia
-        rows = motion_rows(own, piece.omega, epsilon, motors, others)
+        # What hinders a machine may be a moment or a place without a number.
+        with np.errstate(all="ignore"):
+            epsilon = (total - 0.5 * piece.omega**2 * machine.inertia_phi) / machine.inertia
+            rows = motion_rows(own, piece.omega, epsilon, motors, others)
         rows["energy"] = 0.5 * machine.inertia * piece.omega**2
         rows |= {key: own.direction * row for key, row in zip(self.dynamics.channels, moments.loads, strict=True)}
         if self.loads is None:

@@ -32,7 +32,7 @@ from engine.motion.steppers.tableaux import Method
 from engine.verdicts import Verdict
 
 # Steps of a cycle besides those that end where moments jump or bend, at most: explicit ones, and implicit ones, for
-# motors that are too steep for so many. How often they are laid anew where the motion needs others than were thought of.
+# motors that are too steep for so many. How often they are laid anew where the motion needs others than thought of.
 MOST_STEPS, MOST_IMPLICIT_STEPS, MOST_MESHES = 200, 3000, 5
 # Where rounding keeps steps of so steep a motor from missing as little as asked, so many times as much is allowed, and
 # so often more.
