@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import MOMENTS, RATIO, ask, run, slider_crank, steady
+from motion_scenes import MOMENTS, RATIO, ask, rotor, run, slider_crank, steady
 
 from engine import Verdict
 
@@ -101,6 +101,17 @@ def test_no_steady_motion__stalls_and_runs_away():
     # Beyond the breakdown moment of 18.75 N·m.
     heavy = slider_crank({"on": steady("induction load")}, flywheel=5.0, load={"moment": -19.0})
     assert ask(heavy, "on.mean_speed").status == [Verdict.STALLS]
+
+
+@pytest.mark.parametrize("no_load", [1e2, 1e5, 1e7])
+def test_motor_however_flat__settles_where_its_moment_meets_the_loads(no_load):
+    loads = {"load": {"moment": -25.0}, "fan": {"coefficient": 0.01}}
+    scene = rotor({"on": steady("dc load fan")}, dc={"stall_moment": 40.0, "no_load_speed": no_load}, **loads)
+    found = ask(scene, "on.mean_speed")
+    # 40 (1 - w/w0) - 25 - 0.01 w² = 0; what is constant settles to rounding, as far as its slope tells it.
+    slope = 40.0 / no_load
+    speed = (math.sqrt(slope**2 + 4 * 0.01 * 15.0) - slope) / 0.02
+    assert found["on.mean_speed"] == pytest.approx(speed, rel=1e-9)
 
 
 # Motors however steep

@@ -125,7 +125,7 @@ def picture(
         fig = new_figure(160, 160)
         ax = fig.add_subplot()
         draw(scene, ax, at, paths, values)
-        ax.set_title(_title(scene, at), loc="left")
+        ax.set_title(_title(scene, at), loc="left", wrap=True)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min(145 / width, 200 / height)
         fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 20) / MM_PER_INCH)
