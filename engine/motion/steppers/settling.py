@@ -104,7 +104,7 @@ CLOSED = 1e-12
 NO_WORK = 1e-9
 # The mean moment is looked at from standstill to the speed without load, and more closely just below that.
 SHARES_OF_TOP = np.sort(
-    np.concatenate((np.geomspace(1e-7, 5e-4, 20), np.linspace(0.001, 1.0, 200), 1.0 - np.geomspace(1e-6, 0.05, 100)))
+    np.concatenate((np.geomspace(1e-7, 5e-4, 8), np.linspace(0.001, 1.0, 200), 1.0 - np.geomspace(1e-6, 0.05, 100)))
 )
 STALLS, RUNS_AWAY, ANY_SPEED, NOT_FINITE = (
     float(v) for v in (Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.ANY_SPEED, Verdict.NOT_FINITE)
