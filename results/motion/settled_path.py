@@ -23,7 +23,7 @@ REAL = np.longdouble
 TO_NODES = legendre_sum(X[:, None], legendre.legint(TO_SERIES, lbnd=-1)[:, None, :])
 MOST_ROUNDS, SAME, DECAYED, SHORTEST = 40, 1e-18, 1e-17, 1e-9
 # Pieces of a cycle, beyond which there is no hope of resolving it.
-MOST_PIECES = 1000
+MOST_PIECES = 500
 
 
 class Path80(Cycle):
@@ -108,18 +108,18 @@ class UnderMotor:
 
     def cycle(self, energy: np.longdouble) -> list[Piece]:
         """One cycle from an energy at ψ = 0."""
-        found = []
+        found, tried = [], 0
         for k in range(self.lengths.size):
             pending = [(REAL(-1), REAL(1))]
             while pending:
                 begin, end = pending.pop()
-                piece = self._piece(k, begin, end, energy)
+                piece, tried = self._piece(k, begin, end, energy), tried + 1
+                if tried > 2 * MOST_PIECES:
+                    raise ArithmeticError("the cycle isn't resolved")
                 if piece is None:
                     middle = (begin + end) / 2
                     pending += [(middle, end), (begin, middle)]
                     continue
-                if len(found) > MOST_PIECES:
-                    raise ArithmeticError("the cycle isn't resolved")
                 found.append(piece)
                 energy = piece.end
         return found
