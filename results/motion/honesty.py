@@ -101,6 +101,9 @@ def against(scene: Scene, varied: Varied, outcome: object, k: int) -> dict:
         true |= {f"even.{key}": value for key, value in machine.steady(mean).items()}
     except ArithmeticError:
         return {"status": "no reference"}
+    if true["even.multiplier"] > 1:
+        # Newton's method came to a motion that no machine keeps to.
+        return {"status": "no reference"}
     rows = {}
     for name in ASKED:
         value, figure = outcome.summaries[name][k], outcome.errors[name][k]

@@ -118,7 +118,9 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
     assert found.motion_bytes > study.design.size * 4 * 8
     assert 0 < found.seconds < 1
     text = said("check", "study.toml").stdout
-    assert "saved after every 1200 variants" in text
+    # How many depends on how fast the machine is just now.
+    every = int(text.partition("saved after every ")[2].split()[0])
+    assert 1 <= every <= study.design.size
     assert "the first time up to a minute more, to compile" in text
 
 
