@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from element_samples import asked, one
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -51,6 +51,9 @@ sizes = st.floats(-1, 1).map(lambda x: 10**x)
 
 @settings(deadline=None, max_examples=60)
 @given(sizes, sizes, st.floats(2, 6), st.floats(0, 0.1), st.floats(1, 300), st.floats(0, 1))
+@example(10.0, 1.0, 2.0, 5e-324, 1.0, 0.0)
+@example(10.0, 1.0, 2.0, 1e-300, 1.0, 0.0)
+@example(10.0, 1.0, 2.0, 1e-290, 1.0, 0.0)
 def test_first_peak_of_a_start__is_the_closed_form(first, second, k, gap, motor, share):
     k, load = 10**k, share * motor
     # Long enough for the gap, and for a half wave after it.

@@ -32,6 +32,8 @@ from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
 
 Numbers = Mapping[str, np.ndarray]
 
+# The least backlash [rad] whose products still are numbers of full precision.
+SMALLEST = np.finfo(float).tiny / np.finfo(float).eps
 # Phases of a drive that a picture can show.
 MOST_SHOWN = 2000
 _RESULTS = (
@@ -142,13 +144,15 @@ def followed_drive(drive: TwoMassDrive, n: Numbers, shown: int = 0) -> tuple[np.
     shaft = drive_shaft(drive, n)
     none = np.zeros_like(shaft.stiffness)
     inertias = n["motor_inertia"], n["load_inertia"]
+    # One so small that its products vanish is none.
+    backlash = np.where(n["backlash"] < SMALLEST, 0.0, n["backlash"])
     if drive.begin == "running":
         twist = rigid_moment(n["motor_moment"], n["load_before"], *inertias) / shaft.stiffness
         speed, touch = n["speed"], none + 1.0
     else:
         # The whole backlash is open; without any, the shaft is in touch.
-        twist, speed, touch = -n["backlash"], none, np.where(n["backlash"] > 0.0, 0.0, 1.0)
-    moments = n["backlash"], n["motor_moment"], n["load_moment"], n["time"]
+        twist, speed, touch = -backlash, none, np.where(backlash > 0.0, 0.0, 1.0)
+    moments = backlash, n["motor_moment"], n["load_moment"], n["time"]
     rows = (*inertias, shaft.stiffness, shaft.damping, *moments, twist, speed, touch)
     given = np.array([np.broadcast_to(row, none.shape) for row in rows])
     found, phases = np.empty((FOUND, none.size)), np.empty((none.size, shown, PHASE))
