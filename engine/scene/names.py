@@ -345,6 +345,8 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
         if not isinstance(element, MachineDrive):
             continue
         at, off = f"elements.{name}", set(element.off)
+        if scene.friction:
+            problems.append((at, "friction in pairs isn't counted on an elastic shaft; leave [friction] or this out"))
         motors = {n for n, moment in scene.moments.items() if isinstance(moment, (DCMotor, InductionMotor))}
         if not motors:
             problems.append((at, "no motor drives it: add one to [moments], of type 'dc_motor' or 'induction_motor'"))

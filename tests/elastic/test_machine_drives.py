@@ -324,6 +324,11 @@ FADING = {"type": "formula", "on": "P", "force": "-f * exp(-abs(v) / 1 m/s)", "n
         ({"off": ["motor"]}, {}, "every motor is off"),
         ({"off": ["moter"]}, {}, "did you mean 'motor'"),
         ({"motor_inertia": None, "driver": "weel"}, {}, "'weel' is no shaft geared to the crank; .*'wheel'"),
+        (
+            {},
+            {"friction": {"f": {"pair": "g.second", "coefficient": 0.1}}},
+            "friction in pairs isn't counted on an elastic shaft",
+        ),
     ],
 )
 def test_drive_of_a_machine_that_cannot_be__says_what_to_mend(drive, parts, said):

@@ -351,6 +351,10 @@ def test_fluid_coupling_driven_backwards__takes_its_pump_for_turbine():
             "may depend on that speed alone",
         ),
         (
+            {"moments": {"m": {"type": "formula", "on": "crank", "moment": "-1 N m s * motor_shaft.angular_velocity"}}},
+            "'motor_shaft' turns at a speed of its own",
+        ),
+        (
             {
                 "moments": {
                     name: {"type": "dc_motor", "on": on, "no_load_speed": 9.0, "stall_moment": 1.0}

@@ -166,6 +166,10 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     except ExpressionError as error:
         yield formula.key, str(error)
         return
+    own_speed = {f"{coupling.shaft}.angular_velocity": coupling.shaft for coupling in scene.couplings.values()}
+    for read, shaft in own_speed.items():
+        if read in expression.names:
+            yield formula.key, f"{read!r} can't be used: shaft {shaft!r} turns at a speed of its own, by a coupling"
     yield from _wrong_in_motion(scene, name, formula)
 
 
