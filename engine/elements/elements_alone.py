@@ -7,7 +7,7 @@ import numpy as np
 from engine.elements.element_columns import ElementColumns, element_summaries
 from engine.machine.checks import given_numbers
 from engine.machine.machine import Machine
-from engine.machine.results import AskError, Outcome, blank
+from engine.machine.results import AskError, Outcome, asked_text, blank
 from engine.quantities.quantity import Quantity
 from engine.scene.names import did_you_mean
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -98,6 +98,9 @@ class ElementsAlone:
                 hint = did_you_mean(name, known)
                 raise AskError(f"{name!r} is not a summary of this scene, which has machine elements alone; {hint}")
         self._columns = ElementColumns(scene, self.asked_summaries)
+
+    def __repr__(self) -> str:
+        return asked_text(self)
 
     @property
     def elements(self) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from engine.machine.first_failure import first_failure
 from engine.machine.governed_engines import GovernedEngines
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
-from engine.machine.results import AskError, Outcome, blank, field_room, front_of
+from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
@@ -127,6 +127,9 @@ class Machine:
         self._fields: dict[str, Field] = {
             name: self.register.fields[name] for name in self.asked_fields if name not in others
         }
+
+    def __repr__(self) -> str:
+        return asked_text(self)
 
     def _check_asked(self) -> None:
         """Refuse what doesn't exist, with the names that are near."""

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.verdicts import Verdict
+
 CACHE_LINE = 64
 
 
@@ -36,6 +38,21 @@ class Outcome(NamedTuple):
     summaries: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
     fields: dict[str, np.ndarray]
+
+    def __repr__(self) -> str:
+        codes, counts = np.unique(self.status, return_counts=True)
+        verdicts = ", ".join(f"{n} {Verdict(code).name.lower()}" for code, n in zip(codes, counts, strict=True))
+        held = {"summaries": self.summaries, "fields": self.fields}
+        asked = "".join(f"; {kind} {', '.join(names)}" for kind, names in held.items() if names)
+        return f"<Outcome of {self.status.size} variants: {verdicts}{asked}>"
+
+
+def asked_text(machine: object) -> str:
+    """A machine or elements in a line: what it is, and what is asked of it."""
+    title = f" {machine.scene.title!r}" if machine.scene.title else ""
+    asked = {"varied": machine.varied, "summaries": machine.asked_summaries, "fields": machine.asked_fields}
+    words = "; ".join(f"{kind} {', '.join(names)}" for kind, names in asked.items() if names)
+    return f"<{type(machine).__name__}{title}: {words or 'nothing is asked'}>"
 
 
 def blank(status: np.ndarray, summaries: Iterable[str], fields: dict[str, np.ndarray]) -> Outcome:

@@ -50,6 +50,9 @@ class SceneError(ValueError):
 _ALONE = {"title", "source", "elements"}
 
 
+_SINGULAR = {"bodies": "body"}
+
+
 class Scene(Part):
     """One machine: geometry, input, structural groups, bodies, and what acts on it.
 
@@ -81,6 +84,17 @@ class Scene(Part):
     balance: Balance | None = None
     regimes: dict[Name, Regime] = {}
     elements: dict[Name, MachineElement] = {}
+
+    def __repr__(self) -> str:
+        title = f" {self.title!r}" if self.title else ""
+        drive = [f"input {self.input.link}"] if self.input else []
+        groups = [f"{group.type} {name}" for name, group in self.groups.items()]
+        others = ("links", "bodies", "forces", "moments", "springs", "cylinders", "regimes", "elements")
+        held = {key: len(getattr(self, key)) for key in others}
+        counted = [f"{n} {key if n > 1 else _SINGULAR.get(key, key[:-1])}" for key, n in held.items() if n]
+        return f"<Scene{title}: {', '.join([*drive, *groups, *counted])}>"
+
+    __str__ = __repr__
 
     @model_validator(mode="before")
     @classmethod

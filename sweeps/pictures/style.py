@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -11,6 +12,8 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.text.whole_files import whole_file
 
 MM_PER_INCH = 25.4
+# Of a screen, to an inch of a figure.
+_PIXELS = 96
 # Colours that stay apart for the colour-blind (Okabe and Ito).
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
     "#0072b2",
@@ -66,9 +69,28 @@ def house_style() -> Iterator[None]:
         yield
 
 
+class Sheet(Figure):
+    """A figure that a notebook shows as it is saved, without pyplot, which keeps figures until they are closed."""
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
+        made = BytesIO()
+        _title_as_written(self)
+        with house_style():
+            self.savefig(made, format="png")
+        width, height = self.get_size_inches()
+        return made.getvalue(), {"width": round(_PIXELS * width), "height": round(_PIXELS * height)}
+
+
 def new_figure(width: float, height: float) -> Figure:
     """Figure of a size on paper [mm]; 180 mm fill the width of A4 between its margins."""
-    return Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout="constrained")
+    return Sheet(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout="constrained")
+
+
+def _title_as_written(figure: Figure) -> None:
+    """A title is the user's own; a $ in it begins no formula."""
+    for text in figure.texts:
+        if text.get_text() == figure.get_suptitle():
+            text.set_parse_math(False)
 
 
 def save(figure: Figure, path: Path | str) -> None:
@@ -85,10 +107,7 @@ def save(figure: Figure, path: Path | str) -> None:
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
     try:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
-        for text in figure.texts:
-            # A title is the user's own; a $ in it begins no formula.
-            if text.get_text() == figure.get_suptitle():
-                text.set_parse_math(False)
+        _title_as_written(figure)
         with house_style(), whole_file(path) as draft:
             figure.savefig(draft, metadata=undated)
     except OSError as error:

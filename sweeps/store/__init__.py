@@ -3,7 +3,7 @@
 from .creating import part_path
 from .errors import DamagedError, StoreError
 from .layout import NOT_COMPUTED, Column, FileLayout
-from .reading import Description, MappedResult, damage_text, describe_result, read, read_columns
+from .reading import Description, MappedResult, damage_text, describe_result, open_dataset, read_columns
 from .writing import Store, reword
 
 __all__ = [
@@ -17,8 +17,8 @@ __all__ = [
     "StoreError",
     "damage_text",
     "describe_result",
+    "open_dataset",
     "part_path",
-    "read",
     "read_columns",
     "reword",
 ]

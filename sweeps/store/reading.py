@@ -252,7 +252,7 @@ def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:
     return mapped
 
 
-def read(path: Path) -> "xarray.Dataset":
+def open_dataset(path: Path) -> "xarray.Dataset":
     """Open a result file as an `xarray.Dataset`, whose data are read when they are used.
 
     Raises

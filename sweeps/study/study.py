@@ -36,7 +36,7 @@ from sweeps.text.toml_text import line_of, parse_toml
 STUDIES = Path(str(files("sweeps") / "studies"))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Study:
     """A scene with what varies in it and what is asked of it.
 
@@ -88,6 +88,13 @@ class Study:
     tolerances: Mapping[str, ToleranceText] = field(default_factory=dict)
     derivatives: tuple[AskedDerivative, ...] = ()
     free_units: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        axes = " × ".join(f"{axis.size} {', '.join(axis.names)}" for axis in self.design.axes)
+        asked = ", ".join((*self.summaries, *self.fields))
+        return (
+            f"<Study {self.title or self.name!r}: {self.design.size} variants{f' of {axes}' if axes else ''}; {asked}>"
+        )
 
     @cached_property
     def fixed(self) -> dict[str, float]:

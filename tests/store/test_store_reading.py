@@ -16,7 +16,7 @@ from sweeps.store import (
     Store,
     StoreError,
     describe_result,
-    read,
+    open_dataset,
     read_columns,
 )
 
@@ -67,7 +67,7 @@ def test_h5py__scales_on_every_axis_and_contiguous_data(path: Path) -> None:
 
 def test_xarray__dimensions_coordinates_and_units_without_warning(path: Path) -> None:
     arrays = complete(path, layout())
-    with read(path) as data:
+    with open_dataset(path) as data:
         assert dict(data.sizes) == {"variant": 22, "phi": 5}
         assert set(data.coords) == {"variant", "phi", "length", "speed"}
         assert set(data.data_vars) == {"peak_torque", "order", "status", "torque"}
@@ -87,14 +87,14 @@ def test_times_in_seconds_under_xarray__stay_numbers(path: Path) -> None:
             rows = store.slice(i)
             store.write(i, {"duration": np.ones(rows.stop - rows.start)})
         store.finish()
-    with read(path) as data:
+    with open_dataset(path) as data:
         assert dict(data.sizes) == {"variant": 22}
         assert data.duration.dtype == np.float64
 
 
 def test_part_file_under_xarray__opens(path: Path, part: Path) -> None:
     Store.open(path, layout()).close()
-    with read(part) as data:
+    with open_dataset(part) as data:
         assert np.isnan(data.torque).all()
 
 
@@ -102,7 +102,7 @@ def test_xarray_missing__store_error_names_the_extra(path: Path, monkeypatch: py
     complete(path, layout())
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(StoreError, match=r"pip install 'machine-sweeps\[xarray\]'"):
-        read(path)
+        open_dataset(path)
 
 
 def test_describe__columns_attributes_and_progress_of_open_part_and_of_final_file(path: Path, part: Path) -> None:

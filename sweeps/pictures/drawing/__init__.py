@@ -7,7 +7,7 @@ it covers. `draw` paints them on axes of matplotlib, `picture` to a file.
 from sweeps.pictures.drawing.figures import figures, primitives
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.names import names_of_points
-from sweeps.pictures.drawing.painting import FILLS, bounds, draw, paint, picture, prepare_axes
+from sweeps.pictures.drawing.painting import FILLS, bounds, draw, mechanism_figure, paint, picture, prepare_axes
 from sweeps.pictures.drawing.symbols import LAYERS, Primitive
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "bounds",
     "draw",
     "figures",
+    "mechanism_figure",
     "names_of_points",
     "paint",
     "picture",

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Circle, PathPatch, Polygon
 from matplotlib.path import Path as Outline
@@ -120,7 +121,14 @@ def picture(
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
 ) -> None:
-    """Draw a mechanism to a file by itself (.svg, .pdf, .png), 160 mm wide at most; arguments as for `draw`."""
+    """Draw a mechanism to a file by itself (.svg, .pdf, .png); arguments as for `draw`."""
+    save(mechanism_figure(scene, at, paths, values), path)
+
+
+def mechanism_figure(
+    scene: Scene, at: Sequence[float] = (), paths: Sequence[str] = (), values: Mapping[str, float] | None = None
+) -> Figure:
+    """Draw a mechanism on a figure of its own, 160 mm wide at most; arguments and errors as for `draw`."""
     with house_style():
         fig = new_figure(160, 160)
         ax = fig.add_subplot()
@@ -129,7 +137,7 @@ def picture(
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min(145 / width, 200 / height)
         fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 20) / MM_PER_INCH)
-    save(fig, path)
+    return fig
 
 
 def _title(scene: Scene, at: Sequence[float]) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from engine import Machine, Scene, has_cycle
 from sweeps.pictures.machine.diagrams import input_axis
@@ -20,13 +21,16 @@ MOST = 8
 def field_curves(
     scene: Scene, path: Path, names: Sequence[str], x: str | None = None, positions: int = POSITIONS
 ) -> None:
+    """Draw fields of a machine to a file (.svg, .pdf, .png); the rest as for `field_figure`."""
+    save(field_figure(scene, names, x, positions), path)
+
+
+def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
     """Draw fields of a machine in panels above each other.
 
     Parameters
     ----------
     scene : Scene
-    path : Path
-        Ending .svg, .pdf or .png.
     names : sequence of str
         Fields, at least one and at most `MOST`.
     x : str, optional
@@ -73,7 +77,7 @@ def field_curves(
         axes[-1].set_xlabel(title)
         if scene.title:
             figure.suptitle(scene.title, fontweight="bold")
-    save(figure, path)
+    return figure
 
 
 def _comma(label: str) -> str:

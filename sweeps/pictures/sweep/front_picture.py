@@ -23,7 +23,14 @@ MOST_TOLD = 4
 
 
 def front_picture(result: SweepResult, data: SweepData, path: Path | str) -> Figure:
-    """Draw the front of a search with several objectives, to a file (.svg, .pdf, .png).
+    """Draw the front of a search with several objectives to a file; the rest as for `front_figure`."""
+    figure = front_figure(result, data)
+    save(figure, path)
+    return figure
+
+
+def front_figure(result: SweepResult, data: SweepData) -> Figure:
+    """Draw the front of a search with several objectives.
 
     The first two objectives are the axes, a third is the colour of the front.
 
@@ -32,12 +39,11 @@ def front_picture(result: SweepResult, data: SweepData, path: Path | str) -> Fig
     result : SweepResult
     data : SweepData
         The same result as it is drawn.
-    path : path
 
     Raises
     ------
     PictureError
-        The front is empty, or the file can't be written.
+        The front is empty.
     """
     if not front(result).size:
         raise PictureError("no candidate meets all conditions: there is no front to draw")
@@ -49,7 +55,6 @@ def front_picture(result: SweepResult, data: SweepData, path: Path | str) -> Fig
         _scatter(rows[0].subplots(), result, data, chosen)
         if drawn:
             _mechanisms(rows[1].subplots(1, len(drawn), squeeze=False)[0], result, drawn)
-    save(figure, path)
     return figure
 
 

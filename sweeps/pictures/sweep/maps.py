@@ -344,7 +344,21 @@ def plot_result(
     best: int | None = None,
     minimise: tuple[bool, bool] | None = None,
 ) -> Figure:
-    """Draw a sweep in the way that suits what varies, to a file (.svg, .pdf, .png).
+    """Draw a sweep to a file (.svg, .pdf, .png); arguments and errors as for `sweep_figure`."""
+    figure = sweep_figure(data, x, y, colour, best, minimise)
+    save(figure, path)
+    return figure
+
+
+def sweep_figure(
+    data: SweepData,
+    x: str | None = None,
+    y: str | None = None,
+    colour: str | None = None,
+    best: int | None = None,
+    minimise: tuple[bool, bool] | None = None,
+) -> Figure:
+    """Draw a sweep in the way that suits what varies.
 
     A field asked for as `y` is drawn as a band. A grid of one axis gives curves, of two axes a map; otherwise a
     scatter where `x` or `y` is given, and parallel coordinates where not.
@@ -352,7 +366,6 @@ def plot_result(
     Parameters
     ----------
     data : SweepData
-    path : path
     x, y, colour : str, optional
         Arrays to be shown instead of the first that suit.
     best : int, optional
@@ -363,7 +376,7 @@ def plot_result(
     Raises
     ------
     PictureError
-        An array doesn't exist, nothing can be shown, or the file's ending isn't a picture's.
+        An array doesn't exist, or nothing can be shown.
     """
     for name in (x, y, colour):
         if name is not None and data.shown(name)[0].ndim == 2 and name != y:
@@ -371,7 +384,6 @@ def plot_result(
     with house_style():
         figure = new_figure(180, 110)
         _choose(figure, data, x, y, colour, best, minimise)
-    save(figure, path)
     return figure
 
 

@@ -1,0 +1,177 @@
+"""Results as datasets and tables of Python: xarray and pandas, with units, error figures and verdicts."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from engine import SENTENCES, ElementsAlone, InputUnits, Machine, Outcome, Verdict, described_dimension, scene_numbers
+from sweeps.report.sweep_result import SweepResult
+from sweeps.store import StoreError, open_dataset
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+
+def read(path: Path | str, grid: bool = False) -> "xarray.Dataset":
+    """Open a result file as a dataset, in SI units, which stand in the attributes of its variables.
+
+    Parameters
+    ----------
+    path : Path or str
+    grid : bool
+        Give what varies a dimension each, named by its path, instead of one dimension of variants. The data are then
+        read at once; else they are read when they are used.
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    StoreError
+        xarray isn't installed, the file can't be read, or its variants form no grid.
+    """
+    path = Path(path)
+    data = open_dataset(path)
+    if not grid:
+        return data
+    with data:
+        return _on_grid(data.load(), _grid(SweepResult(path)))
+
+
+def _grid(result: SweepResult) -> dict[str, int]:
+    """Sizes of the axes of a result's grid, by what varies along them."""
+    axes = result.record["vary"]
+    if "search" in result.record:
+        raise StoreError(f"{result.path} holds the candidates of a search, which form no grid; read it without grid")
+    if not axes:
+        raise StoreError(f"{result.path} holds one machine, of which nothing varies: read it without grid")
+    together = next((axis["names"] for axis in axes if len(axis["names"]) > 1), None)
+    if together:
+        raise StoreError(
+            f"the variants of {result.path} form no grid: {' and '.join(together)} vary together, sampled or by a table"
+            f"; read it without grid, then set_index(variant={together!r}) finds variants by them"
+        )
+    return {axis["names"][0]: axis["size"] for axis in axes}
+
+
+def _on_grid(data: "xarray.Dataset", sizes: Mapping[str, int]) -> "xarray.Dataset":
+    """A dataset over variants as one over a grid, the last axis fastest."""
+    shape, dims = tuple(sizes.values()), tuple(sizes)
+
+    def unstacked(variable: "xarray.Variable") -> tuple:
+        if "variant" not in variable.dims:
+            return variable.dims, variable.values, variable.attrs
+        values = variable.values.reshape(*shape, *variable.shape[1:])
+        return (*dims, *variable.dims[1:]), values, variable.attrs
+
+    def places(axis: int, name: str) -> np.ndarray:
+        return np.moveaxis(data[name].values.reshape(shape), axis, 0).reshape(shape[axis], -1)[:, 0]
+
+    along = {name: (name, places(axis, name), data[name].attrs) for axis, name in enumerate(dims)}
+    others = {name: unstacked(v.variable) for name, v in data.coords.items() if name not in dims}
+    found = {name: unstacked(v.variable) for name, v in data.data_vars.items()}
+    return type(data)(found, others | along, data.attrs)
+
+
+def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray]) -> "xarray.Dataset":
+    """An outcome as a dataset laid out as that of a result file is, see `read`.
+
+    Parameters
+    ----------
+    outcome : Outcome
+    machine : Machine or ElementsAlone
+        That evaluated it.
+    varied : mapping of path to ndarray (variants,)
+        What it was given.
+
+    Returns
+    -------
+    xarray.Dataset
+        Summaries NAME with their error figures NAME_error, fields over the positions of the input, the verdicts
+        `status` as codes whose meanings stand in its attributes; what varied as coordinates.
+
+    Raises
+    ------
+    StoreError
+        xarray isn't installed.
+    """
+    xarray, numbers = _library("xarray"), scene_numbers(machine.scene)
+    units = {path: described_dimension(numbers[path].dimension).unit for path in varied}
+    coordinates = {"variant": np.arange(outcome.status.size)} | {
+        path: ("variant", np.broadcast_to(values, outcome.status.shape), {"units": units[path]})
+        for path, values in varied.items()
+    }
+    codes = {
+        "flag_values": np.array([int(v) for v in SENTENCES], np.uint8),
+        "flag_meanings": " ".join(v.name.lower() for v in SENTENCES),
+    }
+    columns = {"status": ("variant", outcome.status, {"long_name": "verdict on the variant"} | codes)}
+    q = InputUnits.of(machine.scene).q
+    where = {"long_name": "input position at which the variant fails", "units": q}
+    columns["status_at"] = ("variant", outcome.status_at, where)
+    for name, values in outcome.summaries.items():
+        asked = machine.available_summaries[name]
+        about = {"long_name": asked.long_name, "units": asked.units}
+        columns[name] = ("variant", values, about)
+        error = about | {"long_name": f"error figure of: {asked.long_name}"}
+        columns[f"{name}_error"] = ("variant", outcome.errors[name], error)
+    if outcome.fields:
+        crank = q == "rad"
+        place = "phi" if crank else "travel"
+        words = "crank angle" if crank else "displacement of the input as a fraction of its range"
+        coordinates[place] = (place, machine.nodes, {"long_name": words, "units": "rad" if crank else "1"})
+        for name, rows in outcome.fields.items():
+            asked = machine.available_fields[name]
+            columns[name] = (("variant", place), rows, {"long_name": asked.long_name, "units": asked.units})
+    return xarray.Dataset(columns, coordinates, {"title": machine.scene.title})
+
+
+def to_dataframe(
+    outcome: Outcome, machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray]
+) -> "pandas.DataFrame":
+    """An outcome as a table with a row for each variant: what varied, verdict, summaries and their error figures.
+
+    Parameters
+    ----------
+    outcome : Outcome
+    machine : Machine or ElementsAlone
+        That evaluated it.
+    varied : mapping of path to ndarray (variants,)
+        What it was given.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Units stand in the names of the columns, "input.length [m]"; `verdict` holds names such as "ok". Fields are
+        left out: `to_xarray` has them.
+
+    Raises
+    ------
+    StoreError
+        xarray, which brings pandas, isn't installed.
+    """
+    pandas, data = _library("pandas"), to_xarray(outcome, machine, varied)
+    names = [*varied, *(n for summary in outcome.summaries for n in (summary, f"{summary}_error"))]
+    columns = {_with_unit(name, data[name].attrs["units"]): data[name].values for name in names}
+    verdicts = [Verdict(code).name.lower() for code in outcome.status.tolist()]
+    found = pandas.DataFrame(columns, index=pandas.RangeIndex(outcome.status.size, name="variant"))
+    found.insert(len(varied), "verdict", verdicts)
+    return found
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return name if unit in ("", "1") else f"{name} [{unit}]"
+
+
+def _library(name: str) -> ModuleType:
+    from importlib import import_module
+
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise StoreError(f"this needs {name}: pip install 'machine-sweeps[xarray]'") from error

@@ -1,0 +1,143 @@
+"""How scenes, machines, outcomes and studies show themselves in a notebook: a drawing and a table, as HTML."""
+
+import sys
+from collections.abc import Iterable, Sequence
+from functools import singledispatch
+from html import escape
+from io import StringIO
+
+import numpy as np
+
+from engine import ElementsAlone, Machine, Outcome, Scene, Verdict, described_dimension, scene_numbers
+from sweeps.pictures.drawing import mechanism_figure
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import house_style
+from sweeps.study.study import Study
+from sweeps.text.engineer_units import figure_text, quantity_text
+
+# Rows of a table that are seen at once; more are folded.
+SHOWN = 12
+# Module and name of what is shown so, for IPython, which finds the type when it first meets one.
+_TYPES = (
+    ("engine.scene.scene", "Scene"),
+    ("engine.machine.machine", "Machine"),
+    ("engine.elements.elements_alone", "ElementsAlone"),
+    ("engine.machine.results", "Outcome"),
+    ("sweeps.study.study", "Study"),
+)
+
+
+def register() -> None:
+    """Let IPython, where it is running, show scenes, machines, outcomes and studies as HTML."""
+    ipython = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    if ipython is not None:
+        for module, name in _TYPES:
+            ipython.display_formatter.formatters["text/html"].for_type_by_name(module, name, to_html)
+
+
+@singledispatch
+def to_html(thing: object) -> str:
+    """A scene, machine, outcome or study as a piece of HTML, its mechanism drawn as inline SVG.
+
+    Notebooks of IPython and Jupyter show it by themselves.
+
+    Parameters
+    ----------
+    thing : Scene, Machine, ElementsAlone, Outcome or Study
+
+    Raises
+    ------
+    TypeError
+        It is something else.
+    """
+    raise TypeError(f"{type(thing).__name__} has no HTML of ours: give a scene, a machine, an outcome or a study")
+
+
+@to_html.register
+def _(thing: Scene) -> str:
+    numbers = [
+        (path, quantity_text(number.value, described_dimension(number.dimension).unit))
+        for path, number in scene_numbers(thing).items()
+    ]
+    return _page(thing.title or "Scene", _drawing(thing), _folded(f"{len(numbers)} numbers", numbers))
+
+
+@to_html.register(Machine)
+@to_html.register(ElementsAlone)
+def _(thing: Machine | ElementsAlone) -> str:
+    asked = [("varied", path, "") for path in thing.varied]
+    known = {"summary": thing.available_summaries, "field": thing.available_fields}
+    asked += [("summary", name, known["summary"][name].long_name) for name in thing.asked_summaries]
+    asked += [("field", name, known["field"][name].long_name) for name in thing.asked_fields]
+    rest = f"{len(known['summary'])} summaries and {len(known['field'])} fields may be asked"
+    return _page(thing.scene.title or "Machine", _drawing(thing.scene), _table(asked), f"<p>{rest}</p>")
+
+
+@to_html.register
+def _(thing: Outcome) -> str:
+    codes, counts = np.unique(thing.status, return_counts=True)
+    verdicts = ", ".join(f"{n} {Verdict(c).name.lower()}" for c, n in zip(codes.tolist(), counts, strict=True))
+    rows = [
+        (str(i), Verdict(int(thing.status[i])).name.lower(), *(_cell(thing, name, i) for name in thing.summaries))
+        for i in range(min(thing.status.size, SHOWN))
+    ]
+    rest = f"the first {SHOWN} of them, " if thing.status.size > SHOWN else ""
+    fields = f"<p>fields: {escape(', '.join(thing.fields))}</p>" if thing.fields else ""
+    title = f"{thing.status.size} variants: {verdicts}"
+    heads = ("variant", "verdict", *thing.summaries)
+    return _page(title, f"<p>{rest}SI units</p>", _table(rows, heads), fields)
+
+
+@to_html.register
+def _(thing: Study) -> str:
+    rows = []
+    for axis in thing.design.axes:
+        for name, values in axis.values(np.arange(axis.size)).items():
+            ends = (quantity_text(float(value), thing.unit(name)) for value in (values.min(), values.max()))
+            rows.append((name, str(axis.size), " … ".join(ends)))
+    rows += [(path, "", f"= {expression.text}") for path, expression in thing.derived.items()]
+    asked = [("summary", name) for name in thing.summaries] + [("field", name) for name in thing.fields]
+    question = f"<p>{escape(thing.question)}</p>" if thing.question else ""
+    words = f"{thing.title or thing.name}: {thing.design.size} variants"
+    return _page(
+        words, question, _drawing(thing.scene), _table(rows, ("varied", "count", "values")), _folded("asked", asked)
+    )
+
+
+def _cell(outcome: Outcome, name: str, variant: int) -> str:
+    value, error = float(outcome.summaries[name][variant]), float(outcome.errors[name][variant])
+    return figure_text(value, error, 6) if np.isfinite(value) else "–"
+
+
+def _drawing(scene: Scene) -> str:
+    """The mechanism as inline SVG; why there is none, where it can't be drawn."""
+    if scene.input is None:
+        return f"<p>machine elements: {escape(', '.join(scene.elements))}</p>"
+    made = StringIO()
+    try:
+        figure = mechanism_figure(scene)
+    except PictureError as error:
+        return f"<p>{escape(str(error))}</p>"
+    for ax in figure.axes:
+        ax.set_title("", loc="left")
+    with house_style():
+        figure.savefig(made, format="svg", metadata={"Date": None})
+    # An XML declaration and a document type have no place inside HTML.
+    svg = made.getvalue()
+    return f'<div style="max-width:32em">{svg[svg.index("<svg") :]}</div>'
+
+
+def _page(title: str, *parts: str) -> str:
+    return f"<div><p><b>{escape(title)}</b></p>{''.join(parts)}</div>"
+
+
+def _table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:
+    top = "".join(f"<th>{escape(head)}</th>" for head in heads)
+    lines = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+    return f"<table>{f'<tr>{top}</tr>' if heads else ''}{lines}</table>" if lines else ""
+
+
+def _folded(words: str, rows: Sequence[Sequence[str]]) -> str:
+    """A table that is open while it is short."""
+    is_open = ' open=""' if len(rows) <= SHOWN else ""
+    return f"<details{is_open}><summary>{escape(words)}</summary>{_table(rows)}</details>"

@@ -1,0 +1,165 @@
+"""Pictures as figures of Matplotlib, for Python: no file is written, and pyplot isn't used."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from engine import Scene, history, history_fields
+from sweeps.optimising.optimum import is_front
+from sweeps.pictures.drawing import mechanism_figure
+from sweeps.pictures.machine.diagrams import diagrams
+from sweeps.pictures.machine.field_curves import POSITIONS, field_figure
+from sweeps.pictures.machine.motion_diagrams import history_diagrams
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.picture_files import sweep_data
+from sweeps.pictures.style import new_figure
+from sweeps.pictures.sweep.front_picture import front_figure
+from sweeps.pictures.sweep.maps import sweep_figure
+from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.report.sweep_result import SweepResult
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def plot_mechanism(
+    scene: Scene, at: Sequence[float] = (), paths: Sequence[str] = (), values: Mapping[str, float] | None = None
+) -> Figure:
+    """Draw a mechanism to scale.
+
+    Parameters
+    ----------
+    scene : Scene
+    at : sequence of float
+        Crank angles [rad] or displacements of a sliding input [m]: the first is drawn in black, the others lightly.
+        Without any, the crank stands at 60°, a sliding input in mid-range.
+    paths : sequence of str
+        Points whose paths over the cycle are drawn dashed.
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+
+    Raises
+    ------
+    PictureError
+        The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
+    """
+    _need_mechanism(scene)
+    return mechanism_figure(scene, at, paths, values)
+
+
+def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
+    """Diagrams of a machine over its cycle: reduced inertia and moment, work, the energy loop, speed.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float, optional
+        Numbers (SI) in place of the scene's.
+
+    Raises
+    ------
+    PictureError
+        The scene has no mechanism, or the machine can't be computed.
+    """
+    _need_mechanism(scene)
+    return diagrams(scene, new_figure(180, 115), values)
+
+
+def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
+    """Fields of a machine in panels above each other, over its cycle or over another field; arguments as there.
+
+    Parameters
+    ----------
+    scene : Scene
+    names : sequence of str
+        From one to eight fields, such as "B.vx".
+    x : str, optional
+        A field along x instead of the input's position: "B.x" with "B.y" gives the path of B.
+    positions : int
+
+    Raises
+    ------
+    PictureError, AskError
+        The scene has no mechanism or no such field, or nothing of one is finite.
+    """
+    return field_figure(scene, names, x, positions)
+
+
+def plot_history(scene: Scene) -> Figure:
+    """Speed, moments, power and works of a machine through its regimes, and its reactions, against time.
+
+    Parameters
+    ----------
+    scene : Scene
+        With regimes.
+
+    Raises
+    ------
+    PictureError
+        The scene has none.
+    """
+    if not scene.regimes:
+        raise PictureError('the scene has no regimes: add [regimes.NAME] with type = "run" or "steady"')
+    seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
+    return history_diagrams(scene, seen, new_figure(180, 190))
+
+
+def plot_sweep(
+    result: "Path | str | xarray.Dataset", x: str | None = None, y: str | None = None, colour: str | None = None
+) -> Figure:
+    """Draw a sweep in the way that suits what varies.
+
+    A grid of one axis gives curves, of two axes a map; else a scatter where `x` or `y` is given, and parallel
+    coordinates where not. A field as `y` is drawn as a band, the front of a search as such.
+
+    Parameters
+    ----------
+    result : Path, str or xarray.Dataset
+        A result file, or a dataset over variants as `to_xarray` makes it.
+    x, y, colour : str, optional
+        Columns to be shown instead of the first that suit.
+
+    Raises
+    ------
+    PictureError
+        There is no such column, or nothing can be shown.
+    StoreError
+        The file can't be read.
+    """
+    if not isinstance(result, (str, Path)):
+        return sweep_figure(_data_of(result), x, y, colour)
+    found = SweepResult(Path(result))
+    found.show_own_units()
+    if is_front(found) and x is y is colour is None:
+        return front_figure(found, sweep_data(found, ()))
+    return sweep_figure(sweep_data(found, (x, y, colour)), x, y, colour, found.best())
+
+
+def _data_of(data: "xarray.Dataset") -> SweepData:
+    """What is drawn of a dataset."""
+    if "variant" not in data.dims or "status" not in data:
+        raise PictureError("this dataset has no variants with a status: give one that to_xarray or read made")
+    arrays = {str(name): np.asarray(v) for name, v in data.variables.items() if "variant" in v.dims}
+    told = ("variant", "status", "status_at", "status_group")
+    flat = [name for name, values in arrays.items() if values.ndim == 1 and name not in told]
+    varied = [name for name in flat if name in data.coords]
+    place = next((name for name in data.dims if name != "variant"), None)
+    return SweepData(
+        arrays,
+        {name: data[name].attrs.get("units", "1") for name in arrays},
+        {name: data[name].attrs.get("long_name", name) for name in arrays},
+        varied,
+        [name for name in flat if name not in varied and not name.endswith("_error")],
+        (int(data.sizes["variant"]),),
+        arrays["status"],
+        None if place is None else np.asarray(data[place]),
+        "rad" if place is None else data[place].attrs.get("units", "rad"),
+    )
+
+
+def _need_mechanism(scene: Scene) -> None:
+    if scene.input is None:
+        raise PictureError("the scene has machine elements alone: there is no mechanism to draw")

@@ -1,0 +1,206 @@
+"""What Python and notebooks get: datasets, tables, figures, and how things show themselves."""
+
+import gc
+import subprocess
+import sys
+import weakref
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import ROOT, said
+from matplotlib.figure import Figure
+
+import sweeps
+from engine import Machine, Scene, Verdict
+from sweeps.pictures.picture_error import PictureError
+
+CRANKS = np.array([0.04, 0.05, 0.06, 0.25])
+STROKE = "ram.stroke"
+
+
+@pytest.fixture
+def evaluated(press_folder):
+    """A press over four cranks, of which one is longer than its rod: scene, machine, what varied, outcome."""
+    machine = Machine(sweeps.read_scene("press.toml"), [STROKE], ["B.y"], ["input.length"], positions=48)
+    varied = {"input.length": CRANKS}
+    return machine, varied, machine.evaluate(varied)
+
+
+# Datasets
+
+
+def test_dataset_of_an_outcome__holds_what_the_outcome_does_with_units(evaluated):
+    machine, varied, outcome = evaluated
+    data = sweeps.to_xarray(outcome, machine, varied)
+    # In line, the stroke is twice the crank; rounding of a sum of three lengths of at most 0.3 m.
+    assert data[STROKE].values[:2] == pytest.approx(2 * CRANKS[:2], abs=1e-15)
+    assert data[STROKE].attrs["units"] == data[f"{STROKE}_error"].attrs["units"] == data["input.length"].attrs["units"]
+    assert data["B.y"].dims == ("variant", "phi")
+    assert data["B.y"].sel(phi=0.0).values[0] == pytest.approx(-np.sqrt(0.2**2 - 0.04**2), rel=1e-14)
+    names = dict(zip(data.status.attrs["flag_values"], data.status.attrs["flag_meanings"].split(), strict=True))
+    assert [names[code] for code in data.status.values] == ["ok", "ok", "ok", "cannot_assemble"]
+    assert np.isfinite(data.status_at.values[3])
+
+
+def test_table_of_an_outcome__has_a_row_for_each_variant(evaluated):
+    machine, varied, outcome = evaluated
+    table = sweeps.to_dataframe(outcome, machine, varied)
+    assert list(table) == ["input.length [m]", "verdict", f"{STROKE} [m]", f"{STROKE}_error [m]"]
+    assert list(table["verdict"]) == ["ok", "ok", "ok", "cannot_assemble"]
+    assert table.loc[1, f"{STROKE} [m]"] == outcome.summaries[STROKE][1]
+    assert table.index.name == "variant"
+
+
+def test_grid__has_a_dimension_for_each_path(press_result):
+    flat, grid = sweeps.read(press_result), sweeps.read(press_result, grid=True)
+    assert grid.sizes == {"input.length": 4, "bodies.ram.mass": 2}
+    assert grid["input.length"].values.tolist() == [0.04, 0.06, 0.25, 0.05]
+    assert grid["bodies.ram.mass"].values.tolist() == [50.0, 100.0]
+    assert grid["excess_work"].attrs == flat["excess_work"].attrs
+    for variant in range(8):
+        own = {name: flat[name].values[variant] for name in grid.sizes}
+        for name in ("excess_work", "excess_work_error", "status", "variant"):
+            # The machine of 250 mm can't be assembled: its numbers are NaN in both.
+            np.testing.assert_array_equal(grid[name].sel(own).values, flat[name].values[variant])
+    assert grid[STROKE].sel({"input.length": 0.06, "bodies.ram.mass": 100.0}) == pytest.approx(0.12, abs=1e-15)
+
+
+TOGETHER = """
+[vary]
+"input.length" = { low = "40 mm", high = "60 mm" }
+"bodies.ram.mass" = { low = "50 kg", high = "60 kg" }
+[sampling]
+method = "sobol"
+count = 4
+"""
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"), [("", "nothing varies"), (TOGETHER, "input.length and bodies.ram.mass vary together")]
+)
+def test_variants_without_a_grid__are_refused_in_words(press_folder, vary, words):
+    Path("s.toml").write_text(f'scene = "press.toml"\n[outputs]\nsummaries = ["{STROKE}"]\n{vary}')
+    assert said("run", "s.toml", "--no-plots", "--quiet", "--out", "s.h5").exit_code == 0
+    with pytest.raises(sweeps.StoreError, match=words):
+        sweeps.read("s.h5", grid=True)
+
+
+# Figures
+
+
+def test_figures__are_made_without_pyplot_and_are_let_go_of(evaluated, press_result):
+    machine, varied, outcome = evaluated
+    scene = machine.scene
+    data = sweeps.to_xarray(outcome, machine, varied)
+    figures = [
+        sweeps.plot_mechanism(scene, [0.3], ["B"]),
+        sweeps.plot_fields(scene, ["B.vy"], positions=48),
+        sweeps.plot_sweep(press_result),
+        sweeps.plot_sweep(Path(press_result), y="excess_work", x="input.length"),
+        sweeps.plot_sweep(data),
+        sweeps.plot_sweep(data, y="B.y"),
+    ]
+    for figure in figures:
+        assert isinstance(figure, Figure)
+        png, size = figure._repr_png_()
+        assert png.startswith(b"\x89PNG")
+        assert 250 < size["width"] < 800
+    assert not list(Path().glob("*.png"))
+    assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
+    left = [weakref.ref(figure) for figure in figures]
+    del figure, figures
+    gc.collect()
+    assert [ref() for ref in left] == [None] * len(left)
+
+
+def test_curve_of_a_dataset__shows_its_numbers(evaluated):
+    machine, varied, outcome = evaluated
+    line = sweeps.plot_sweep(sweeps.to_xarray(outcome, machine, varied)).axes[0].lines[0]
+    # In millimetres; the one that can't be assembled leaves a gap.
+    np.testing.assert_allclose(line.get_xdata(), [40, 50, 60, 250])
+    np.testing.assert_allclose(line.get_ydata(), [80, 100, 120, np.nan], rtol=1e-12)
+
+
+def test_figures_of_nothing__are_refused(evaluated):
+    machine, varied, outcome = evaluated
+    with pytest.raises(PictureError, match="no regimes"):
+        sweeps.plot_history(machine.scene)
+    alone = Scene.model_validate({"elements": {"k": {"type": "oscillator", "mass": "1 kg", "stiffness": "1 N/m"}}})
+    for plot in (sweeps.plot_mechanism, sweeps.plot_diagrams):
+        with pytest.raises(PictureError, match="elements alone"):
+            plot(alone)
+    with pytest.raises(PictureError, match="no variants"):
+        sweeps.plot_sweep(sweeps.to_xarray(outcome, machine, varied).drop_vars("status"))
+
+
+# How things show themselves
+
+
+def test_representation__is_a_line(evaluated):
+    machine, _, outcome = evaluated
+    assert repr(machine.scene) == "<Scene 'Crank press': input crank, RRP slide, 1 body, 1 force>"
+    assert repr(machine) == "<Machine 'Crank press': varied input.length; summaries ram.stroke; fields B.y>"
+    assert repr(outcome) == "<Outcome of 4 variants: 3 ok, 1 cannot_assemble; summaries ram.stroke; fields B.y>"
+    study = sweeps.read_study("study.toml")
+    of = "8 variants of 4 input.length × 2 bodies.ram.mass"
+    assert repr(study) == f"<Study 'Which crank?': {of}; ram.stroke, excess_work>"
+
+
+def test_html__holds_a_drawing_and_the_numbers(evaluated):
+    machine, _, outcome = evaluated
+    for thing, words in (
+        (machine.scene, "groups.slide.first.length"),
+        (machine, "summaries and"),
+        (sweeps.read_study("study.toml"), "Which crank does the least work?"),
+    ):
+        text = sweeps.to_html(thing)
+        # Well-formed: it can stand inside any page. Names of XML's other spaces are declared by the drawing itself.
+        tree = ET.fromstring(text)
+        assert tree.find(".//{http://www.w3.org/2000/svg}svg") is not None
+        assert words in text
+    rows = ET.fromstring(sweeps.to_html(outcome)).findall(".//tr")
+    assert [cell.text for cell in rows[4]][:2] == ["3", "cannot_assemble"]
+    assert rows[1][2].text.startswith("0.08 ±")
+
+
+def test_html__takes_a_title_for_text_not_for_markup(evaluated):
+    machine, _, _ = evaluated
+    text = sweeps.to_html(machine.scene.model_copy(update={"title": "<script>alert(1)</script> $x"}))
+    assert "<script>" not in text
+    assert "&lt;script&gt;" in text
+
+
+def test_html_of_what_cannot_be_drawn__says_why(evaluated):
+    machine, _, _ = evaluated
+    long = machine.scene.model_copy(update={"input": machine.scene.input.model_copy(update={"length": 3.0})})
+    assert "<svg" not in sweeps.to_html(long)
+    assert "<table>" in sweeps.to_html(long)
+    with pytest.raises(TypeError, match="int has no HTML"):
+        sweeps.to_html(3)
+
+
+NOTEBOOK = """
+import sys, types
+kept = {}
+class Formatter:
+    def for_type_by_name(self, module, name, show): kept[module, name] = show
+shell = types.SimpleNamespace(display_formatter=types.SimpleNamespace(formatters={"text/html": Formatter()}))
+sys.modules["IPython"] = types.SimpleNamespace(get_ipython=lambda: shell)
+import sweeps, engine
+from sweeps.study.study import Study
+for kind in (engine.Scene, engine.Machine, engine.ElementsAlone, engine.Outcome, Study):
+    assert kept.pop((kind.__module__, kind.__name__)) is sweeps.to_html
+assert not kept
+"""
+
+
+def test_notebook__is_told_how_to_show_every_type():
+    done = subprocess.run([sys.executable, "-c", NOTEBOOK], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_verdict_names__have_no_blanks():
+    """Meanings of flags are separated by blanks."""
+    assert all(" " not in verdict.name for verdict in Verdict)
