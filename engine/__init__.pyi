@@ -124,6 +124,18 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
+from engine.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
+from engine.synthesis.positioned import PositionedFourBar, best_four_bar_through, four_bar_through
+from engine.synthesis.quick_return import (
+    QuickCrankRocker,
+    QuickLever,
+    QuickSliderCrank,
+    quick_crank_rocker,
+    quick_lever,
+    quick_return_angle,
+    quick_slider_crank,
+)
+from engine.synthesis.synthesis_error import SynthesisError
 from engine.verdicts import SENTENCES, Verdict
 
 __version__: str
@@ -191,7 +203,13 @@ __all__ = [
     "PatternError",
     "PlainNumber",
     "PlainText",
+    "PlaneDyad",
+    "PlanePosition",
+    "PositionedFourBar",
     "Quantity",
+    "QuickCrankRocker",
+    "QuickLever",
+    "QuickSliderCrank",
     "ReducedTrain",
     "Regime",
     "RotorElement",
@@ -203,6 +221,7 @@ __all__ = [
     "Sliding",
     "StabilityPoint",
     "SteadyRegime",
+    "SynthesisError",
     "TableError",
     "TextExpression",
     "TextOperation",
@@ -223,6 +242,7 @@ __all__ = [
     "balance_shafts",
     "base_powers",
     "bearer_of",
+    "best_four_bar_through",
     "body_mass",
     "boxer_engine",
     "cam_curves",
@@ -242,6 +262,9 @@ __all__ = [
     "drive_cycle",
     "drive_history",
     "drive_run",
+    "dyad_of_centre",
+    "dyad_of_circle",
+    "dyads_of_turn",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",
@@ -250,6 +273,7 @@ __all__ = [
     "firing_angles",
     "firing_intervals",
     "firing_sums",
+    "four_bar_through",
     "four_runs",
     "friction_in_pairs",
     "gear_numbers",
@@ -285,6 +309,10 @@ __all__ = [
     "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
+    "quick_crank_rocker",
+    "quick_lever",
+    "quick_return_angle",
+    "quick_slider_crank",
     "radial_engine",
     "recognised",
     "reduced_train",

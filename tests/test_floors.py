@@ -157,7 +157,20 @@ def test_door__offers_nothing_under_two_names():
 # Rooms
 
 # Each may use those before it.
-ROOMS = ("text", "guide", "store", "study", "run", "report", "optimising", "pictures", "page", "python", "cli")
+ROOMS = (
+    "text",
+    "synthesis",
+    "guide",
+    "store",
+    "study",
+    "run",
+    "report",
+    "optimising",
+    "pictures",
+    "page",
+    "python",
+    "cli",
+)
 # Files and folders that one look takes in.
 MOST_IN_A_ROOM = 15
 

@@ -10,6 +10,7 @@ from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, orders, plot, show
 from sweeps.cli.sizing import balance_command, flywheel
 from sweeps.cli.starting import guide_command, list_command, modes, new
+from sweeps.cli.synthesising import synthesise
 from sweeps.cli.verifying import verify
 
 COMMANDS = (
@@ -17,6 +18,7 @@ COMMANDS = (
     help_command,
     guide_command,
     new,
+    synthesise,
     modes,
     quantities,
     check,

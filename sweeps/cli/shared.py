@@ -55,12 +55,22 @@ def errors_as_messages(command: Callable) -> Callable:
 
 def _foreseen() -> tuple[type[Exception], ...]:
     """Errors whose text is meant for whoever gave the command; imported only when one occurs, as that is slow."""
-    from engine import AskError, BalanceError, SceneError, TableError, UnitError
+    from engine import AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
     from sweeps.store import StoreError
     from sweeps.text.input_files import InputError
 
-    return InputError, StoreError, AskError, BalanceError, SceneError, TableError, UnitError, PictureError
+    return (
+        InputError,
+        StoreError,
+        AskError,
+        BalanceError,
+        SceneError,
+        SynthesisError,
+        TableError,
+        UnitError,
+        PictureError,
+    )
 
 
 def run_options(out: str) -> Callable:

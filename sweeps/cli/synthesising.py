@@ -1,0 +1,136 @@
+"""The command that finds mechanisms from what is wanted of them: synthesise."""
+
+from collections.abc import Callable
+from functools import reduce
+from pathlib import Path
+
+import click
+
+from sweeps.cli.shared import Command, errors_as_messages, tell, write_text
+
+_RATIO = click.option("--ratio", required=True, type=float, help="Time of the slow stroke over that of the fast one.")
+
+
+def _common(command: Command) -> Command:
+    """Options of every kind of mechanism."""
+    options = (
+        click.option("--speed", default="60 rpm", show_default=True, help="Speed of the crank."),
+        click.option("--out", type=click.Path(path_type=Path), help="Scene to write; KIND.toml unless given."),
+    )
+    return reduce(lambda made, option: option(made), reversed(options), command)
+
+
+@click.group()
+def synthesise() -> None:
+    """Find a mechanism from what is wanted of it, and write its scene."""
+
+
+@synthesise.command("slider-crank")
+@click.option("--stroke", required=True, help="Of the slider, '300 mm'.")
+@_RATIO
+@click.option("--rod", help="Its length, '400 mm'; that of the best transmission angle unless given.")
+@_common
+@errors_as_messages
+def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str, out: Path | None) -> None:
+    """Offset slider-crank of a stroke and a time ratio."""
+    from engine import quick_slider_crank
+    from sweeps.synthesis.synthesised_scenes import slider_crank_text
+
+    wanted = _length("--stroke", stroke)
+    found = quick_slider_crank(wanted, ratio, None if rod is None else _length("--rod", rod))
+    _write(out or Path("slider_crank.toml"), lambda: slider_crank_text(found, wanted, ratio, _speed(speed)))
+
+
+@synthesise.command("crank-rocker")
+@click.option("--swing", required=True, help="Of the rocker, '60 deg'.")
+@click.option("--rocker", required=True, help="Its length, '140 mm'.")
+@_RATIO
+@click.option("--coupler", help="Its length, '200 mm'; that of the best transmission angle unless given.")
+@_common
+@errors_as_messages
+def crank_rocker_command(
+    swing: str, rocker: str, ratio: float, coupler: str | None, speed: str, out: Path | None
+) -> None:
+    """Crank-rocker of a swing and a time ratio."""
+    from engine import quick_crank_rocker
+    from sweeps.synthesis.synthesised_scenes import crank_rocker_text
+
+    angle, given = _number("--swing", swing, "angle"), None if coupler is None else _length("--coupler", coupler)
+    found = quick_crank_rocker(_length("--rocker", rocker), angle, ratio, given)
+    _write(out or Path("crank_rocker.toml"), lambda: crank_rocker_text(found, angle, ratio, _speed(speed)))
+
+
+@synthesise.command("shaper")
+@click.option("--stroke", required=True, help="Of the ram, '300 mm'.")
+@_RATIO
+@click.option("--frame", required=True, help="Distance of the bearings of crank and lever, '240 mm'.")
+@_common
+@errors_as_messages
+def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path | None) -> None:
+    """Crank-shaper, a swinging lever and a ram, of a stroke and a time ratio."""
+    from engine import quick_lever
+    from sweeps.synthesis.synthesised_scenes import lever_text
+
+    wanted = _length("--stroke", stroke)
+    found = quick_lever(wanted, ratio, _length("--frame", frame))
+    _write(out or Path("shaper.toml"), lambda: lever_text(found, wanted, ratio, _speed(speed)))
+
+
+@synthesise.command("positions")
+@click.option(
+    "--at", "places", multiple=True, metavar="'X, Y, ANGLE'", help="A position, '40 mm, 25 mm, 20 deg'; 3 or 4."
+)
+@click.option("--pivot", "pivots", multiple=True, metavar="'X, Y'", help="A bearing on the frame, of three positions.")
+@click.option(
+    "--joint", "joints", multiple=True, metavar="'X, Y'", help="A joint on the plane as it lies in the first position."
+)
+@click.option("--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Of a link to the second of four positions.")
+@_common
+@errors_as_messages
+def positions_command(
+    places: tuple[str, ...],
+    pivots: tuple[str, ...],
+    joints: tuple[str, ...],
+    turns: tuple[str, ...],
+    speed: str,
+    out: Path | None,
+) -> None:
+    """Four-bar linkage whose coupler passes through positions of a plane, in their order.
+
+    Three positions: two links, each by its --pivot or its --joint; the first is the crank. Four: two links by points of
+    Burmester's curves, each by its --turn from the first position to the second and which solution is meant, 1 or 2;
+    without them the linkage of the best transmission angle on a grid of the curves.
+    """
+    from engine import PlanePosition, best_four_bar_through, four_bar_through
+    from sweeps.synthesis.position_links import chosen_links
+    from sweeps.synthesis.synthesised_scenes import positions_text
+    from sweeps.text.numbers_in_row import numbers_in_row
+
+    rows = [numbers_in_row("--at", text, ("length", "length", "angle")) for text in places]
+    positions = [PlanePosition(complex(x, y), angle) for x, y, angle in rows]
+    if len(positions) == 4 and not (pivots or joints or turns):
+        found = best_four_bar_through(positions)
+    else:
+        found = four_bar_through(positions, *chosen_links(positions, pivots, joints, turns))
+    _write(out or Path("positions.toml"), lambda: positions_text(found, _speed(speed)))
+
+
+def _length(option: str, text: str) -> float:
+    return _number(option, text, "length")
+
+
+def _number(option: str, text: str, dimension: str) -> float:
+    from sweeps.text.numbers_in_row import numbers_in_row
+
+    return numbers_in_row(option, text, (dimension,))[0]
+
+
+def _speed(text: str) -> str:
+    """The speed as it was given, once it is seen to be one."""
+    _number("--speed", text, "angular_speed")
+    return text
+
+
+def _write(out: Path, text: Callable[[], str]) -> None:
+    write_text(out, text())
+    tell(f"Wrote {out}: sweeps check {out}; sweeps plot {out}")

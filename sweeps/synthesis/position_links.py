@@ -1,0 +1,61 @@
+"""Links that guide a plane through positions, by what a person chooses of them."""
+
+import cmath
+from collections.abc import Sequence
+
+from engine import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
+from sweeps.text.input_files import InputError
+from sweeps.text.numbers_in_row import numbers_in_row
+
+
+def chosen_links(
+    positions: Sequence[PlanePosition], pivots: Sequence[str], joints: Sequence[str], turns: Sequence[str]
+) -> list[PlaneDyad]:
+    """Two links through the positions, first those by pivots, then by joints, or those by turns.
+
+    Parameters
+    ----------
+    positions : sequence of PlanePosition
+    pivots, joints : sequence of str
+        "X, Y" of bearings on the frame, and of joints on the plane as it lies in the first position.
+    turns : sequence of str
+        "ANGLE, 1" or "ANGLE, 2": turn of a link from the first of four positions to the second, and which solution.
+
+    Raises
+    ------
+    InputError
+        What is given doesn't fit the number of positions.
+    SynthesisError
+        There is no such link.
+    """
+    if len(positions) not in (3, 4):
+        raise _wrong("--at", f"three or four positions are needed, not {len(positions)}")
+    if len(positions) == 4 and (pivots or joints):
+        raise _wrong("--pivot", "joints can be chosen for three positions; four leave a curve of them: give --turn")
+    if len(positions) == 3 and turns:
+        raise _wrong("--turn", "is of four positions; for three give --pivot or --joint")
+    given = [*pivots, *joints, *turns]
+    if len(given) != 2:
+        kinds = "--turn" if len(positions) == 4 else "--pivot or --joint"
+        raise _wrong("--at", f"two links are needed, each by its {kinds}; {len(given)} given")
+    links = [dyad_of_centre(positions, complex(*_xy("--pivot", text))) for text in pivots]
+    for text in joints:
+        seen = (complex(*_xy("--joint", text)) - positions[0].point) * cmath.exp(-1j * positions[0].angle)
+        links.append(dyad_of_circle(positions, seen))
+    for text in turns:
+        angle, which = numbers_in_row("--turn", text, ("angle", "number"))
+        found = dyads_of_turn(positions, angle)
+        if which not in (1.0, 2.0):
+            raise _wrong("--turn", f"{text!r}: there are two solutions, 1 and 2")
+        if len(found) < 2:
+            raise _wrong("--turn", f"{text!r}: no link of the curve turns by this angle; give another")
+        links.append(found[int(which) - 1])
+    return links
+
+
+def _xy(option: str, text: str) -> tuple[float, ...]:
+    return numbers_in_row(option, text, ("length", "length"))
+
+
+def _wrong(option: str, message: str) -> InputError:
+    return InputError(option, [(None, "", message)])

@@ -1,0 +1,189 @@
+"""Texts of scenes of mechanisms found by synthesis, with what was wanted and what came of it as comments."""
+
+import math
+
+from engine import PositionedFourBar, QuickCrankRocker, QuickLever, QuickSliderCrank
+
+_NEXT = """\
+# Kinematics only: add [bodies], [forces], [flywheel] for what it carries; `sweeps help bodies` tells how.
+"""
+
+
+def slider_crank_text(found: QuickSliderCrank, stroke: float, ratio: float, speed: str) -> str:
+    """Scene of an offset slider-crank.
+
+    Parameters
+    ----------
+    found : QuickSliderCrank
+    stroke, ratio : float
+        What was wanted [m, 1].
+    speed : str
+        Of the crank, with its unit.
+    """
+    return f"""\
+# Offset slider-crank with a stroke of {_mm(stroke)} and a time ratio of {ratio!r} (slow stroke to fast one).
+# Least transmission angle {_deg(found.least_transmission)}, between the rod and the normal of the guide.
+{_NEXT}
+title = "Slider-crank, time ratio {ratio!r}"
+
+[points]
+O = {{ x = 0, y = 0 }}           # bearing of the crank
+
+[guides]
+way = {{ angle = 0 }}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "{_mm(found.crank)}"
+speed = "{speed}"
+
+[groups.drive]
+type = "RRP"
+inner = "B"
+first = {{ link = "rod", joint = "A", length = "{_mm(found.rod)}" }}
+second = {{ link = "slider", guide = "way", offset = "{_mm(found.offset)}" }}
+"""
+
+
+def crank_rocker_text(found: QuickCrankRocker, swing: float, ratio: float, speed: str) -> str:
+    """Scene of a crank-rocker.
+
+    Parameters
+    ----------
+    found : QuickCrankRocker
+    swing, ratio : float
+        What was wanted [rad, 1].
+    speed : str
+        Of the crank, with its unit.
+    """
+    return f"""\
+# Crank-rocker with a swing of {_deg(swing)} and a time ratio of {ratio!r} (slow swing to fast one).
+# Least transmission angle {_deg(found.least_transmission)}.
+{_NEXT}
+title = "Crank-rocker, time ratio {ratio!r}"
+
+[points]
+O = {{ x = 0, y = 0 }}           # bearing of the crank
+D = {{ x = "{_mm(found.frame)}", y = 0 }}           # bearing of the rocker
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "{_mm(found.crank)}"
+speed = "{speed}"
+
+[groups.swing]
+type = "RRR"
+inner = "B"
+first = {{ link = "coupler", joint = "A", length = "{_mm(found.coupler)}" }}
+second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}
+"""
+
+
+def lever_text(found: QuickLever, stroke: float, ratio: float, speed: str) -> str:
+    """Scene of a crank-shaper: a swinging lever that drives a ram by a drag link.
+
+    The ram's guide lies in the middle of the height that the lever's end rises, where the drag link leans least.
+
+    Parameters
+    ----------
+    found : QuickLever
+    stroke, ratio : float
+        What was wanted [m, 1].
+    speed : str
+        Of the crank, with its unit.
+    """
+    height = 0.5 * found.lever * (1.0 + math.cos(0.5 * found.swing))
+    return f"""\
+# Crank-shaper with a stroke of {_mm(stroke)} and a time ratio of {ratio!r} (slow stroke to fast one).
+# The lever swings by {_deg(found.swing)}. Its drag link may have another length; stroke and ratio stay.
+{_NEXT}
+title = "Crank-shaper, time ratio {ratio!r}"
+
+[points]
+D = {{ x = 0, y = 0 }}           # bearing of the lever
+O = {{ x = 0, y = "{_mm(found.frame)}" }}           # bearing of the crank
+P = {{ link = "lever", x = "{_mm(found.lever)}", y = 0 }}           # end of the lever
+
+[guides]
+way = {{ y = "{_mm(height)}", angle = "180 deg" }}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "{_mm(found.crank)}"
+speed = "{speed}"
+
+[groups.slot]
+type = "RPR"
+first = {{ link = "block", joint = "A" }}
+second = {{ link = "lever", joint = "D" }}
+
+[groups.drive]
+type = "RRP"
+inner = "B"
+first = {{ link = "drag_link", joint = "P", length = "{_mm(0.4 * found.lever)}" }}
+second = {{ link = "ram", guide = "way" }}
+"""
+
+
+def positions_text(found: PositionedFourBar, speed: str) -> str:
+    """Scene of a four-bar linkage whose coupler passes through given positions.
+
+    Parameters
+    ----------
+    found : PositionedFourBar
+    speed : str
+        Of the crank, with its unit; clockwise where it passes through the positions so.
+    """
+    first, last = found.crank_angles[0], found.crank_angles[-1]
+    sense = "-" if last < first and not speed.startswith("-") else ""
+    at = ", ".join(_deg(angle) for angle in found.crank_angles)
+    part = ""
+    if not found.turns:
+        part = f'start = "{_deg(min(first, last))}"\nstop = "{_deg(max(first, last))}"\n'
+    how = "turns fully" if found.turns else "can't turn fully: it moves between the first position and the last"
+    return f"""\
+# Four-bar linkage whose coupler carries the point P through {len(found.crank_angles)} positions, at the crank angles
+# {at}.
+# The plane that is carried is turned against the coupler by {_deg(found.angle)}. The crank {how}.
+# Least transmission angle {_deg(found.least_transmission)}.
+{_NEXT}
+title = "Four-bar linkage through {len(found.crank_angles)} positions"
+
+[points]
+O = {{ {_xy(found.crank_pivot)} }}           # bearing of the crank
+D = {{ {_xy(found.rocker_pivot)} }}           # bearing of the rocker
+P = {{ link = "coupler", {_xy(found.point)} }}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "{_mm(found.crank)}"
+speed = "{sense}{speed}"
+{part}
+[groups.swing]
+type = "RRR"
+inner = "B"
+first = {{ link = "coupler", joint = "A", length = "{_mm(found.coupler)}" }}
+second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}
+mode = {found.mode}
+"""
+
+
+def _mm(length: float) -> str:
+    """A length to all its digits, so that the scene does what was wanted to rounding."""
+    return f"{1e3 * float(length)!r} mm"
+
+
+def _deg(angle: float) -> str:
+    return f"{math.degrees(angle)!r} deg"
+
+
+def _xy(point: complex) -> str:
+    return f'x = "{_mm(point.real)}", y = "{_mm(point.imag)}"'

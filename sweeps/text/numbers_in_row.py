@@ -1,0 +1,32 @@
+"""Several numbers with their units in one text, as options of commands take them."""
+
+from collections.abc import Sequence
+
+from engine import UnitError, in_text
+from sweeps.text.input_files import InputError
+
+
+def numbers_in_row(source: str, text: str, dimensions: Sequence[str]) -> tuple[float, ...]:
+    """Numbers separated by commas, such as "40 mm, 25 mm, 20 deg", in SI.
+
+    Parameters
+    ----------
+    source : str
+        Where the text stands, for messages.
+    text : str
+    dimensions : sequence of str
+        Of each number.
+
+    Raises
+    ------
+    InputError
+        There are more or fewer numbers, or one isn't of its dimension.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != len(dimensions):
+        message = f"{text!r}: {len(dimensions)} numbers are needed, separated by commas: {', '.join(dimensions)}"
+        raise InputError(source, [(None, "", message)])
+    try:
+        return tuple(in_text(part, dimension) for part, dimension in zip(parts, dimensions, strict=True))
+    except UnitError as error:
+        raise InputError(source, [(None, "", str(error))]) from None
