@@ -81,6 +81,18 @@ from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
 from engine.mechanism.groups.seed_tables import AssemblyMode
 from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
+from engine.mechanism.synthesis.positioned import PositionedFourBar, best_four_bar_through, four_bar_through
+from engine.mechanism.synthesis.quick_return import (
+    QuickCrankRocker,
+    QuickLever,
+    QuickSliderCrank,
+    quick_crank_rocker,
+    quick_lever,
+    quick_return_angle,
+    quick_slider_crank,
+)
+from engine.mechanism.synthesis.synthesis_error import SynthesisError
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history, history_fields
 from engine.quantities.friction import friction_in_pairs
@@ -124,18 +136,6 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
-from engine.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
-from engine.synthesis.positioned import PositionedFourBar, best_four_bar_through, four_bar_through
-from engine.synthesis.quick_return import (
-    QuickCrankRocker,
-    QuickLever,
-    QuickSliderCrank,
-    quick_crank_rocker,
-    quick_lever,
-    quick_return_angle,
-    quick_slider_crank,
-)
-from engine.synthesis.synthesis_error import SynthesisError
 from engine.verdicts import SENTENCES, Verdict
 
 __version__: str

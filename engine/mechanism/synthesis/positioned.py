@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.synthesis.dyads import PlaneDyad, PlanePosition, dyads_of_turn
-from engine.synthesis.synthesis_error import SynthesisError
+from engine.mechanism.synthesis.dyads import PlaneDyad, PlanePosition, dyads_of_turn
+from engine.mechanism.synthesis.synthesis_error import SynthesisError
 
 _FULL_TURN = 2.0 * math.pi
 # Steps of a turn in which the curve of four positions is looked over.

@@ -18,7 +18,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from engine.synthesis.synthesis_error import SynthesisError
+from engine.mechanism.synthesis.synthesis_error import SynthesisError
 
 # Trial lengths between the least and the greatest, and how often the best place among them is searched more finely.
 _TRIALS, _FINER = 200, 12

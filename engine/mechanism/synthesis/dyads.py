@@ -16,7 +16,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from engine.synthesis.synthesis_error import SynthesisError
+from engine.mechanism.synthesis.synthesis_error import SynthesisError
 
 # Circumcentres farther away than so many times the size of what they are of are those of straight lines.
 _FARTHEST = 1e9
