@@ -24,7 +24,11 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 @click.option("--where", help="Only variants that meet a condition (tables of a result).")
 @click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (tables).")
 @click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
-@click.option("--columns", default="", help="Fields of one machine, with commas, or loads to add to --history.")
+@click.option(
+    "--columns",
+    default="",
+    help="With commas: columns of a result (its fields too), fields of a machine, loads for --history.",
+)
 @click.option("--overwrite", is_flag=True, help="Write over a scene that is there already.")
 @POSITIONS
 @SET
@@ -45,7 +49,8 @@ def export(
     """Write results, positions or a history as a table, the drawing as SVG or DXF, one variant as a scene (TOML).
 
     Of a scene with one cam and no mechanism that is the cam. A scene is written as its author wrote it, comments and
-    units kept, with the numbers of the variant in it.
+    units kept, with the numbers of the variant in it. Fields of a result, named by --columns, have a row for each
+    variant and position.
     """
     from sweeps.cli.named_machine import is_result, machine_of, numbers_replaced, positions_of, read_at, scene_text_of
     from sweeps.pictures import picture_files
@@ -63,7 +68,9 @@ def export(
         raise InputError(str(to), [(None, "--history", message)])
     if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
         make_folder(to)
-        write_table(to, exports.result_table(Path(file), where))
+        asked = names_in(columns)
+        table = exports.result_columns(Path(file), asked, where) if asked else exports.result_table(Path(file), where)
+        write_table(to, table)
         tell(f"Wrote {to}")
         return
     scene, values, name = machine_of(file, variant, settings)

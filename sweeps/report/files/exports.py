@@ -10,10 +10,14 @@ from sweeps.report.files.data_files import DataTable, write_table
 from sweeps.report.readings import Readings, fields_at_uniform_speed
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
+from sweeps.store import read_columns
 from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
 from sweeps.text.whole_files import whole_file
+
+# Rows of a table with fields: its columns take some gigabytes of memory.
+MOST_ROWS = 50_000_000
 
 
 def result_table(path: Path, where: str | None = None) -> DataTable:
@@ -32,6 +36,44 @@ def result_table(path: Path, where: str | None = None) -> DataTable:
     others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
     columns = {name: result.columns[name][chosen] for name in (*named, *others) if name in result.columns}
     return DataTable({"variant": chosen} | columns, dict(result.units), result.description.title)
+
+
+def result_columns(path: Path, names: Sequence[str], where: str | None = None) -> DataTable:
+    """Some columns of a result beside its parameters; with a field among them a row for each variant and position.
+
+    Parameters
+    ----------
+    path : Path
+    names : sequence of str
+        Of summaries, error figures, verdicts, derivatives, fields.
+    where : str, optional
+        Only variants that meet a condition; without it all that were computed without complaint.
+
+    Raises
+    ------
+    InputError
+        There is no such column, or there are too many rows.
+    """
+    result = SweepResult(path)
+    known = [c.name for c in result.description.columns]
+    for name in names:
+        if name not in known:
+            raise InputError(str(path), [(None, "--columns", f"{name!r} isn't in it; {did_you_mean(name, known)}")])
+    chosen = result.select(where)
+    asked = [name for name in dict.fromkeys((*result.parameters, *names)) if name not in result.fields]
+    columns = {"variant": chosen} | {name: result.columns[name][chosen] for name in asked}
+    fields = [name for name in dict.fromkeys(names) if name in result.fields]
+    if not fields:
+        return DataTable(columns, dict(result.units), result.description.title)
+    place, positions = result.description.position_name, result.description.positions
+    if (rows := chosen.size * positions) > MOST_ROWS:
+        message = f"{rows:.3g} rows, a row for each variant and position, are too many; choose variants with --where"
+        raise InputError(str(path), [(None, "--columns", message)])
+    read = read_columns(path, [place, *fields])
+    columns = {name: np.repeat(column, positions) for name, column in columns.items()}
+    columns[place] = np.tile(read[place], chosen.size)
+    columns |= {name: read[name][chosen].ravel() for name in fields}
+    return DataTable(columns, result.units | {place: result.description.position_units}, result.description.title)
 
 
 def position_table(

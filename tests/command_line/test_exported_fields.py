@@ -1,0 +1,83 @@
+"""Fields of a sweep's variants as tables for other programs, a row for each variant and position."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import refused, said
+from pyarrow import parquet
+from scipy.io import loadmat
+
+from sweeps import read
+from sweeps.report.files import exports
+
+STUDY = """\
+scene = "press.toml"
+positions = 16
+
+[vary]
+"input.length" = {values = ["40 mm", "60 mm", "250 mm", "50 mm"]}
+
+[outputs]
+summaries = ["ram.stroke"]
+fields = ["B.y", "B.vy"]
+"""
+HEADS = ["variant", "input.length [m]", "ram.stroke [m]", "phi [rad]", "B.y [m]"]
+
+
+@pytest.fixture
+def result(press_folder):
+    Path("s.toml").write_text(STUDY)
+    assert said("run", "s.toml", "--no-plots", "--quiet", "--out", "r.h5").exit_code == 0
+    return "r.h5"
+
+
+def exported(name, *more):
+    answer = said("export", "r.h5", "--columns", "B.y, ram.stroke", "--to", name, *more)
+    assert answer.exit_code == 0, answer.output
+
+
+def test_table_of_fields__holds_the_closed_form(result):
+    exported("t.csv")
+    with Path("t.csv").open() as file:
+        head, *rows = csv.reader(file)
+    assert head == HEADS
+    variant, crank, stroke, phi, y = np.array(rows, float).T
+    # The machine of 250 mm, longer than its rod, can't be assembled and isn't listed.
+    assert variant.tolist() == [v for v in (0, 1, 3) for _ in range(16)]
+    np.testing.assert_allclose(phi, np.tile(np.arange(16) * np.pi / 8, 3), rtol=1e-15)
+    np.testing.assert_allclose(stroke, 2 * crank, rtol=1e-14)
+    # Pin at crank (cos φ, sin φ), ram below it on x = 0; roundings of lengths of at most 0.3 m.
+    closed = crank * np.sin(phi) - np.sqrt(0.2**2 - (crank * np.cos(phi)) ** 2)
+    np.testing.assert_allclose(y, closed, atol=2e-16 * 10)
+
+
+def test_every_format__holds_the_same_numbers(result):
+    data = read(result)
+    chosen = data.isel(variant=[0, 3])
+    for ending in ("csv", "json", "parquet", "mat"):
+        exported(f"t.{ending}", "--where", "ram.stroke < '110 mm'")
+    expected = chosen["B.y"].values.ravel()
+    with Path("t.csv").open() as file:
+        assert [float(row[HEADS[4]]) for row in csv.DictReader(file)] == expected.tolist()
+    assert json.loads(Path("t.json").read_text())["columns"]["B.y"] == {"unit": "m", "values": expected.tolist()}
+    assert parquet.read_table("t.parquet")[HEADS[4]].to_pylist() == expected.tolist()
+    assert loadmat("t.mat")["data"]["B_y"][0, 0].ravel().tolist() == expected.tolist()
+
+
+def test_columns_without_a_field__have_a_row_for_each_variant(result):
+    assert said("export", "r.h5", "--columns", "ram.stroke_error", "--to", "t.csv").exit_code == 0
+    lines = Path("t.csv").read_text().splitlines()
+    assert lines[0] == "variant,input.length [m],ram.stroke_error [m]"
+    assert len(lines) == 4
+
+
+def test_what_cannot_be_listed__is_refused_in_words(result, monkeypatch):
+    assert "did you mean 'B.y'?" in refused("export", "r.h5", "--columns", "B.yy", "--to", "t.csv")
+    monkeypatch.setattr(exports, "MOST_ROWS", 40)
+    answer = refused("export", "r.h5", "--columns", "B.y", "--to", "t.csv")
+    assert "48 rows" in answer
+    assert "--where" in answer
+    assert not Path("t.csv").exists()
