@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sweeps.imports.foreign_scene import import_scene
     from sweeps.python.datasets import read, to_dataframe, to_xarray
     from sweeps.python.display import to_html
     from sweeps.python.plots import plot_diagrams, plot_fields, plot_history, plot_mechanism, plot_sweep
@@ -24,6 +25,7 @@ _HOMES = {
     "SweepResult": "sweeps.report.sweep_result",
     "StoreError": "sweeps.store",
     "Study": "sweeps.study.study",
+    "import_scene": "sweeps.imports.foreign_scene",
     "plot_diagrams": "sweeps.python.plots",
     "plot_fields": "sweeps.python.plots",
     "plot_history": "sweeps.python.plots",
@@ -46,6 +48,7 @@ __all__ = [
     "StoreError",
     "Study",
     "SweepResult",
+    "import_scene",
     "plot_diagrams",
     "plot_fields",
     "plot_history",

@@ -160,6 +160,7 @@ def test_door__offers_nothing_under_two_names():
 ROOMS = (
     "text",
     "synthesis",
+    "imports",
     "guide",
     "store",
     "study",

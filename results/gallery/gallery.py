@@ -95,7 +95,8 @@ def shrink(path: Path) -> str:
 def page(entries: list[tuple[Shown, list[str]]]) -> str:
     """The gallery in Markdown."""
     parts = [
-        "# Pictures\n\nEach kind once, with the commands that make it; all again: `python results/gallery/gallery.py`.\n"
+        "# Pictures\n\n"
+        "Each kind once, with the commands that make it; all again: `python results/gallery/gallery.py`.\n"
         "A design in Python, from what is wanted to its flywheel, is a notebook: [hacksaw.ipynb](hacksaw.ipynb)."
     ]
     for shown, names in entries:

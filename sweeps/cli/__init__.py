@@ -4,6 +4,7 @@ import click
 
 from sweeps.cli.asking import compare_command, help_command, quantities
 from sweeps.cli.exporting import export
+from sweeps.cli.importing import import_command
 from sweeps.cli.reporting import report
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
@@ -19,6 +20,7 @@ COMMANDS = (
     guide_command,
     new,
     synthesise,
+    import_command,
     modes,
     quantities,
     check,

@@ -15,6 +15,12 @@ from sweeps.cli import main
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf8")
 GUIDE = {page.stem: page.read_text(encoding="utf8") for page in sorted((ROOT / "sweeps" / "guide").glob("*.md"))}
+# What the chapter on Python imports.
+LINKAGE = """{"joints": [
+    {"type": "Static", "name": "O", "x": 0, "y": 0}, {"type": "Static", "name": "D", "x": 22, "y": 0},
+    {"type": "Crank", "name": "A", "x": 6, "y": 0, "joint0": {"ref": "O"}, "distance": 6, "angle": 0.1},
+    {"type": "Revolute", "name": "B", "x": 20, "y": 14, "joint0": {"ref": "A"}, "joint1": {"ref": "D"},
+     "distance0": 20, "distance1": 14}]}"""
 
 
 def blocks(language, text=README):
@@ -41,6 +47,7 @@ def folder(tmp_path_factory):
     }
     for name, text in texts.items():
         (path / f"{name}.toml").write_text(text, encoding="utf8")
+    (path / "linkage.json").write_text(LINKAGE, encoding="utf8")
     (runs,) = blocks("csv", GUIDE["balancing"])
     (path / "runs.csv").write_text(runs, encoding="utf8")
     (path / "torque.csv").write_text("phi [deg], moment [N m]\n0,0\n90,1000\n180,0\n270,-200\n360,0\n", encoding="utf8")

@@ -1,0 +1,210 @@
+"""Linkages saved by pylinkage as JSON: lists of joints with what holds them, or of joints and links."""
+
+import cmath
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from sweeps.imports.chain import Chain, GuidedOnFrame
+from sweeps.text.input_files import InputError
+
+_KINDS = ("Static", "Crank", "Revolute", "Pivot", "Fixed", "Prismatic", "Linear")
+
+
+def pylinkage_chain(data: Mapping[str, Any], source: str, unit: float, speed: str) -> Chain:
+    """Linkage of a file of pylinkage.
+
+    Lengths and angles count, as there; coordinates of joints say only which of two ways they are put together.
+
+    Parameters
+    ----------
+    data : mapping
+        The file, parsed.
+    source : str
+        Its name, for messages.
+    unit : float
+        What its unit of length is [m].
+    speed : str
+        Of the crank, with its unit; the file has angles of a step.
+
+    Raises
+    ------
+    InputError
+        It isn't such a file, or its linkage isn't one that becomes a scene.
+    """
+    try:
+        reader = _Links(source, unit) if "links" in data else _Joints(source, unit)
+        return reader.chain(data, speed)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        if isinstance(error, InputError):
+            raise
+        words = f"isn't complete: {type(error).__name__} {error}"
+        raise InputError(source, [(None, "", f"looks like a linkage of pylinkage, but {words}")]) from None
+
+
+class _Joints:
+    """A list of joints: each is held by others at given distances."""
+
+    def __init__(self, source: str, unit: float) -> None:
+        self.source, self.unit = source, unit
+        self.places: dict[str, complex] = {}
+        self.links: dict[str, list[str]] = {}
+        self.slides: dict[str, GuidedOnFrame] = {}
+        self.frame: list[str] = []
+        self.cranks: list[tuple[str, str, float]] = []
+
+    def chain(self, data: Mapping[str, Any], speed: str) -> Chain:
+        left = {joint["name"]: joint for joint in data["joints"]}
+        while left:
+            ready = [name for name, joint in left.items() if all(p in self.places for p in self._parents(joint))]
+            if not ready:
+                raise self._refused(f"the joints {', '.join(left)} hold each other in a circle, or one is missing")
+            for name in ready:
+                self._add(name, left.pop(name))
+        if len(self.cranks) != 1:
+            raise self._refused(f"it has {len(self.cranks)} cranks; a scene has one input")
+        crank, pivot, step = self.cranks[0]
+        turned = f"-{speed}" if step < 0 and not speed.startswith("-") else speed
+        title = str(data.get("name") or "Linkage")
+        return Chain(self.source, title, self.places, self.links, self.frame, self.slides, crank, pivot, turned)
+
+    def _refused(self, message: str) -> InputError:
+        return InputError(self.source, [(None, "", message)])
+
+    def _parents(self, joint: Mapping[str, Any]) -> list[str]:
+        """Names of the joints that hold one; those given in place become joints of the frame."""
+        found = []
+        for key in ("joint0", "joint1", "joint2"):
+            told = joint.get(key)
+            if told is None:
+                continue
+            if told.get("inline"):
+                name = str(told.get("name") or f"{joint['name']}_{key}")
+                if name not in self.places:
+                    self._fix(name, self._at(told))
+                found.append(name)
+            else:
+                found.append(told["ref"])
+        return found
+
+    def _at(self, joint: Mapping[str, Any]) -> complex:
+        return self.unit * complex(float(joint["x"] or 0.0), float(joint["y"] or 0.0))
+
+    def _fix(self, name: str, place: complex) -> None:
+        self.places[name] = place
+        self.frame.append(name)
+
+    def _add(self, name: str, joint: Mapping[str, Any]) -> None:
+        kind, parents = joint["type"], self._parents(joint)
+        if kind not in _KINDS:
+            raise self._refused(f"joint {name}: {kind!r} is none of {', '.join(_KINDS)}")
+        if kind == "Static":
+            self._fix(name, self._at(joint))
+            return
+        if len(parents) != {"Crank": 1, "Prismatic": 3, "Linear": 3}.get(kind, 2):
+            raise self._refused(f"joint {name} is held by {len(parents)} joints, too few or too many for {kind}")
+        if kind == "Crank":
+            towards = self._at(joint) - self.places[parents[0]]
+            self.places[name] = self.places[parents[0]] + cmath.rect(
+                self._length(joint, "distance"), cmath.phase(towards)
+            )
+            self.cranks.append((self._link(name, parents[0]), parents[0], float(joint.get("angle") or 0.0)))
+        elif kind == "Fixed":
+            first, second = (self.places[p] for p in parents)
+            turned = cmath.phase(second - first) + float(joint["angle"])
+            self.places[name] = first + cmath.rect(self._length(joint, "distance"), turned)
+            self._onto(name, parents)
+        elif kind in ("Revolute", "Pivot"):
+            radii = [self._length(joint, key) for key in ("distance0", "distance1")]
+            self.places[name] = self._meeting(name, *(self.places[p] for p in parents), *radii, self._at(joint))
+            if self._common(parents) is not None:
+                self._onto(name, parents)
+            else:
+                for parent in parents:
+                    self._link(name, parent)
+        else:
+            self._slider(name, joint, parents)
+
+    def _slider(self, name: str, joint: Mapping[str, Any], parents: list[str]) -> None:
+        hinge, *line = parents
+        if any(p not in self.frame for p in line):
+            raise self._refused(f"joint {name} slides along a line that moves; only guides of the frame are read")
+        origin, along = self.places[line[0]], self.places[line[1]] - self.places[line[0]]
+        along /= abs(along)
+        foot = (self.places[hinge] - origin) / along
+        radius = self._length(joint, "revolute_radius")
+        if abs(foot.imag) > radius:
+            raise self._refused(f"joint {name} doesn't reach its guide")
+        reach = math.sqrt(radius * radius - foot.imag * foot.imag)
+        ways = [origin + (foot.real + sign * reach) * along for sign in (1, -1)]
+        self.places[name] = min(ways, key=lambda way: abs(way - self._at(joint)))
+        self._link(name, hinge)
+        slider = f"slider_{name}"
+        self.links[slider] = [name]
+        self.slides[slider] = GuidedOnFrame(origin, cmath.phase(along))
+
+    def _length(self, joint: Mapping[str, Any], key: str) -> float:
+        length = self.unit * float(joint[key])
+        if not 0.0 < length < math.inf:
+            raise self._refused(f"joint {joint['name']}: {key} = {joint[key]!r} is no length")
+        return length
+
+    def _meeting(self, name: str, a: complex, b: complex, r1: float, r2: float, near: complex) -> complex:
+        """Where two circles meet, as near as may be to a point."""
+        apart = abs(b - a)
+        if not abs(r1 - r2) <= apart <= r1 + r2 or apart == 0.0:
+            raise self._refused(f"joint {name} can't be put together as it is: its distances don't meet")
+        before = (apart * apart + r1 * r1 - r2 * r2) / (2 * apart)
+        height = math.sqrt(max(0.0, r1 * r1 - before * before))
+        ways = [a + (b - a) / apart * complex(before, sign * height) for sign in (1, -1)]
+        return min(ways, key=lambda way: abs(way - near))
+
+    def _link(self, name: str, parent: str) -> str:
+        link = f"{parent}_{name}"
+        self.links[link] = [parent, name]
+        return link
+
+    def _common(self, parents: list[str]) -> list[str] | None:
+        """The link that two joints are on, or the frame."""
+        bearers = [self.frame, *self.links.values()]
+        return next((members for members in bearers if all(p in members for p in parents)), None)
+
+    def _onto(self, name: str, parents: list[str]) -> None:
+        members = self._common(parents)
+        if members is None:
+            raise self._refused(f"joint {name} is fixed to {' and '.join(parents)}, which are on no link together")
+        members.append(name)
+
+
+class _Links(_Joints):
+    """Lists of joints, in one position, and of links between them."""
+
+    def chain(self, data: Mapping[str, Any], speed: str) -> Chain:
+        followed = []
+        for joint in data["joints"]:
+            name, kind = joint["id"], joint.get("type", "revolute")
+            if kind == "tracker":
+                followed.append(joint)
+                continue
+            if kind not in ("ground", "revolute"):
+                raise self._refused(f"joint {name}: {kind!r} isn't read; ground, revolute and tracker are")
+            x, y = joint["position"]
+            self.places[name] = self.unit * complex(float(x), float(y))
+            if kind == "ground":
+                self.frame.append(name)
+        for link in data["links"]:
+            kind, members = link.get("type", "link"), [name for name in link["joints"] if name in self.places]
+            if kind == "ground":
+                self.frame += [name for name in members if name not in self.frame]
+                continue
+            self.links[link["id"]] = members
+            if kind in ("driver", "arc_driver"):
+                pivot = link.get("motor_joint") or next(name for name in members if name in self.frame)
+                self.cranks.append((link["id"], pivot, float(link.get("angular_velocity", 1.0))))
+        for joint in followed:
+            refs = [joint["ref_joint1_id"], joint["ref_joint2_id"]]
+            first, second = (self.places[p] for p in refs)
+            turned = cmath.phase(second - first) + float(joint["angle"])
+            self.places[joint["id"]] = first + cmath.rect(self.unit * float(joint["distance"]), turned)
+            self._onto(joint["id"], refs)
+        return super().chain({"name": data.get("name"), "joints": []}, speed)

@@ -1,0 +1,181 @@
+"""Linkages of other programs as scenes: what their files say of places is where the engine finds the joints."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import refused, said
+
+from engine import Machine
+from sweeps import import_scene
+
+
+def ref(name):
+    return {"ref": name}
+
+
+# A crank-rocker with a coupler point on it, a slider driven by that, and a fixed point given in place.
+JOINTS = {
+    "name": "Four-bar, slider",
+    "joints": [
+        {"type": "Static", "name": "A", "x": 0, "y": 0},
+        {"type": "Crank", "name": "B", "x": 0.5, "y": 0.6, "joint0": ref("A"), "distance": 1, "angle": -0.3},
+        {
+            "type": "Revolute",
+            "name": "C",
+            "x": 3,
+            "y": 2,
+            "joint0": ref("B"),
+            "joint1": {"inline": True, "type": "Static", "x": 3, "y": 0, "name": "D 1"},
+            "distance0": 3,
+            "distance1": 1.5,
+        },
+        {
+            "type": "Fixed",
+            "name": "P",
+            "x": 0,
+            "y": 0,
+            "joint0": ref("B"),
+            "joint1": ref("C"),
+            "distance": 1.2,
+            "angle": 0.6,
+        },
+        {
+            "type": "Prismatic",
+            "name": "S",
+            "x": -7,
+            "y": -1,
+            "joint0": ref("P"),
+            "joint1": {"inline": True, "type": "Static", "x": 0, "y": -1, "name": "E"},
+            "joint2": {"inline": True, "type": "Static", "x": 1, "y": -1, "name": "F"},
+            "revolute_radius": 5,
+        },
+    ],
+}
+
+LINKS = {
+    "name": "",
+    "joints": [
+        {"id": "O", "type": "ground", "position": [0, 0]},
+        {"id": "D", "type": "ground", "position": [3.0, 0.0]},
+        {"id": "A", "type": "revolute", "position": [math.cos(1.0), math.sin(1.0)]},
+        {"id": "B", "type": "revolute", "position": [2.5, 2.0]},
+        {"id": "T", "type": "tracker", "ref_joint1_id": "A", "ref_joint2_id": "B", "distance": 2.0, "angle": -0.4},
+    ],
+    "links": [
+        {"id": "ground", "type": "ground", "joints": ["O", "D"]},
+        {"id": "motor", "type": "driver", "joints": ["O", "A"], "motor_joint": "O", "angular_velocity": 0.1},
+        {"id": "coupler", "type": "link", "joints": ["A", "B"]},
+        {"id": "rocker", "type": "link", "joints": ["B", "D"]},
+    ],
+    "ground": "ground",
+}
+
+# An offset slider-crank, a point on its rod; the slider's guide passes below its joint.
+ROWS = """\
+ground,input,R,0,0,tfft
+input,coupler,R,10,44
+coupler,follower,R,150, 37
+follower,ground,P,120,30,10
+coupler,R,60,80
+"""
+ADDRESS = (
+    "http://example.org/?set=s50|f0.5&mech=ground input R 97.194 -5.099 0.000 tfff|input leg R 60 30 0 tfff|"
+    "leg output R 160.055 60 0 tfff|output ground R 184.674 0.209 0 tfff|"
+)
+
+
+def places(scene, crank_angle, names):
+    """Where the engine finds points at a crank angle, x + iy [m]."""
+    drive = scene.input.model_copy(update={"start": crank_angle, "stop": crank_angle + 1e-3})
+    asked = [f"{name}.{axis}" for name in names for axis in "xy"]
+    machine = Machine(scene.model_copy(update={"input": drive}), [], asked, positions=8)
+    rows = machine.evaluate({}).fields
+    return [complex(rows[f"{name}.x"][0, 0], rows[f"{name}.y"][0, 0]) for name in names]
+
+
+def test_joints_of_pylinkage__are_held_as_they_say(tmp_path):
+    file = tmp_path / "l.json"
+    file.write_text(json.dumps(JOINTS))
+    scene = import_scene(file, unit=0.1)
+    # A step of a negative angle turns clockwise.
+    assert (scene.title, scene.input.speed) == ("Four-bar, slider", pytest.approx(-2 * math.pi))
+    for angle in (0.876, 2.0, 4.4):
+        b, c, p, s = (place / 0.1 for place in places(scene, angle, ("B", "C", "P", "S")))
+        # Roundings of lengths of at most 8.
+        assert b == pytest.approx(np.exp(1j * angle), abs=1e-13)
+        assert [abs(c - b), abs(c - 3), abs(s - p)] == pytest.approx([3, 1.5, 5], abs=1e-13)
+        assert p == pytest.approx(b + 1.2 * np.exp(0.6j) * (c - b) / 3, abs=1e-13)
+        assert s.imag == pytest.approx(-1, abs=1e-13)
+        # C above the line from B to D, S to the left: as the file's coordinates are.
+        assert ((3 - b).conjugate() * (c - b)).imag > 0
+        assert s.real < p.real
+
+
+def test_links_of_pylinkage__stand_where_the_file_has_them(tmp_path):
+    file = tmp_path / "l.json"
+    file.write_text(json.dumps(LINKS))
+    a, b, t = (place / 1e-3 for place in places(import_scene(file), 1.0, ("A", "B", "T")))
+    assert a == pytest.approx(np.exp(1j), abs=1e-13)
+    assert b == pytest.approx(2.5 + 2j, abs=1e-12)
+    assert t == pytest.approx(a + 2 * np.exp(-0.4j) * (b - a) / abs(b - a), abs=1e-12)
+
+
+def test_rows_of_pmks__stand_where_the_file_has_them(tmp_path):
+    file = tmp_path / "m.txt"
+    file.write_text(ROWS)
+    scene = import_scene(file)
+    found = [place / 1e-3 for place in places(scene, math.atan2(44, 10), ("J2", "J3", "J5"))]
+    assert found == pytest.approx([10 + 44j, 150 + 37j, 60 + 80j], abs=1e-11)
+    # The guide is inclined by 10°: later on the joint has moved along it.
+    (later,) = (place / 1e-3 for place in places(scene, 2.5, ("J3",)))
+    assert math.degrees(np.angle(-(later - found[1]))) == pytest.approx(10, abs=1e-9)
+
+
+def test_address_of_pmks__is_read_by_the_command(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("m.url").write_text(ADDRESS)
+    assert said("import", "m.url", "--unit", "1 cm", "--speed", "90 rpm").exit_code == 0
+    text = Path("m.toml").read_text()
+    assert text.startswith("# Imported from m.url")
+    assert said("check", "m.toml").exit_code == 0
+    assert "exists already" in refused("import", "m.url")
+
+
+def changed(data, kind, **values):
+    joints = [joint | values if joint["type"] == kind else joint for joint in data["joints"]]
+    return json.dumps(data | {"joints": joints})
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("hello", "row 1, 'hello'"),
+        ("a,b,R,1,x", "must be numbers"),
+        ("ground,a,G,1,1", "G of ground and a isn't read"),
+        ("a,b,R,1,1", "drives it"),
+        ("ground,a,R,1,1\nb,c,R,2,2", "moves no other link"),
+        ("ground,a,R,0,0\na,b,R,1,1\nb,c,R,2,2", "form no dyads"),
+        ("ground,a,R,0,0\na,b,R,1,1\nb,ground,R,2,2", "b form no dyads"),
+        ("{", "is no JSON"),
+        ("{}", "no list of joints"),
+        ('{"joints": [{"type": "Static"}]}', "KeyError 'name'"),
+        ('{"joints": [3]}', "isn't complete"),
+        ('{"joints": []}', "0 cranks"),
+        (changed(JOINTS, "Revolute", distance0=30), "C can't be put together"),
+        (changed(JOINTS, "Revolute", distance0=-3), "is no length"),
+        (changed(JOINTS, "Revolute", joint0=ref("Q")), "hold each other in a circle"),
+        (changed(JOINTS, "Fixed", joint0=ref("A")), "on no link together"),
+        (changed(JOINTS, "Prismatic", joint1=ref("B")), "a line that moves"),
+        (changed(JOINTS, "Prismatic", type="Screw"), "'Screw' is none of"),
+        (changed(LINKS, "tracker", type="prismatic"), "isn't read; ground, revolute and tracker"),
+    ],
+)
+def test_what_becomes_no_scene__is_refused_in_words(tmp_path, monkeypatch, text, words):
+    monkeypatch.chdir(tmp_path)
+    Path("l.dat").write_text(text)
+    answer = refused("import", "l.dat")
+    assert words in answer
+    assert not Path("l.toml").exists()
