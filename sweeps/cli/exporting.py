@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in, tell
+from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 
@@ -68,9 +69,11 @@ def export(
         raise InputError(str(to), [(None, "--history", message)])
     if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
         make_folder(to)
-        asked = names_in(columns)
-        table = exports.result_columns(Path(file), asked, where) if asked else exports.result_table(Path(file), where)
-        write_table(to, table)
+        asked, source = names_in(columns), Path(file)
+        with doing("Writing the table"):
+            write_table(
+                to, exports.result_columns(source, asked, where) if asked else exports.result_table(source, where)
+            )
         tell(f"Wrote {to}")
         return
     scene, values, name = machine_of(file, variant, settings)

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import errors_as_messages, make_folder
+from sweeps.cli.waiting import doing
 
 
 @click.command()
@@ -27,12 +28,13 @@ def report(file: str, out: Path | None) -> None:
     out = out or Path(file).with_suffix(".html")
     make_folder(out)
     if is_result(file):
-        write_page(Path(file), out)
+        with doing("Writing the page"):
+            write_page(Path(file), out)
     else:
         study = read_study(find_study(file))
         if study.design.size > 1:
             mend = f"run it first, `sweeps run {file}`, then report its result, results/{study.name}.h5"
             raise InputError(file, [(None, "", f"is a study of {study.design.size} variants: {mend}")])
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as folder, doing("Writing the page"):
             write_page(run_study(study, Path(folder, f"{study.name}.h5")), out)
     click.echo(f"Wrote {out}")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.waiting import clear_the_line, waiting_told
+from sweeps.cli.waiting import clear_the_line, doing, waiting_told
 
 WRONG_INPUT = 2
 ALL_FAILED = 1
@@ -143,7 +143,8 @@ def plots_of(result: object) -> list[Path]:
     from sweeps.pictures.picture_error import PictureError
 
     try:
-        return picture_files.result_pictures(result.path)
+        with doing("Drawing the pictures"):
+            return picture_files.result_pictures(result.path)
     except PictureError as error:
         tell(f"No picture: {error}", err=True)
         return []

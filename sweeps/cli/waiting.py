@@ -1,4 +1,4 @@
-"""What the screen says while machine code is made, which takes seconds the first time."""
+"""What the screen says while machine code is made, or something else takes longer than a second."""
 
 import sys
 import threading
@@ -9,10 +9,11 @@ from contextlib import contextmanager
 # Seconds after which something is said, and between one look and the next.
 PATIENCE, LOOK = 1.0, 0.2
 _CLEARED = "\r\x1b[K"
+_COMPILING = "Compiling this kind of machine, once for all times"
 
 
 class Waiting:
-    """Says on standard error, if that is a terminal, that something is compiled, and for how long.
+    """Says on standard error, if that is a terminal, that something is compiled or done, and for how long.
 
     Nothing is said of what takes less than `PATIENCE`.
     """
@@ -21,7 +22,7 @@ class Waiting:
         self._ended = threading.Event()
         self._writing = threading.Lock()
         self._begun: float | None = None
-        self._shown = False
+        self._shown = self._task = self._words = ""
 
     def watch(self) -> None:
         """Look every now and then until `end`; for a thread of its own."""
@@ -34,29 +35,36 @@ class Waiting:
         Parameters
         ----------
         compiling : bool
-            Whether something is compiled just now.
+            Whether something is compiled just now; that is said rather than what it is for.
         now : float
             [s]
         """
-        if not compiling:
-            self._begun = None
-            self.clear()
-            return
-        self._begun = now if self._begun is None else self._begun
-        if now - self._begun >= PATIENCE:
-            with self._writing:
-                self._shown = True
-                seconds = f"{now - self._begun:.0f} s"
-                sys.stderr.write(f"{_CLEARED}Compiling this kind of machine, once for all times: {seconds}")
+        with self._writing:
+            words = _COMPILING if compiling else self._task
+            if words != self._words:
+                self._words, self._begun = words, now
+                self._take_back()
+            if words and now - self._begun >= PATIENCE:
+                self._shown = words
+                sys.stderr.write(f"{_CLEARED}{words}: {now - self._begun:.0f} s")
                 sys.stderr.flush()
+
+    def name(self, task: str) -> None:
+        """Name what is being done, "" where nothing need be said of it."""
+        with self._writing:
+            self._task = task
+            self._take_back()
 
     def clear(self) -> None:
         """Take back what was said, so that something else may be written."""
         with self._writing:
-            if self._shown:
-                sys.stderr.write(_CLEARED)
-                sys.stderr.flush()
-            self._shown = False
+            self._take_back()
+
+    def _take_back(self) -> None:
+        if self._shown:
+            sys.stderr.write(_CLEARED)
+            sys.stderr.flush()
+        self._shown = ""
 
     def end(self) -> None:
         """Say nothing any more."""
@@ -90,6 +98,18 @@ def waiting_told() -> Iterator[None]:
     finally:
         _now.remove(waiting)
         waiting.end()
+
+
+@contextmanager
+def doing(task: str) -> Iterator[None]:
+    """Tell what a command does that shows no progress of its own, once that takes longer than `PATIENCE`."""
+    for waiting in _now:
+        waiting.name(task)
+    try:
+        yield
+    finally:
+        for waiting in _now:
+            waiting.name("")
 
 
 def clear_the_line() -> None:

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from sweeps.cli.waiting import Waiting, waiting_told
+from sweeps.cli.waiting import Waiting, doing, waiting_told
 
 
 class Terminal(io.StringIO):
@@ -51,6 +51,35 @@ def test_pause_between_two_waits__begins_anew(terminal):
     for compiling, now in ((True, 0.0), (True, 0.8), (False, 0.9), (True, 1.0), (True, 1.9)):
         waiting.look(compiling, now)
     assert terminal.getvalue() == ""
+
+
+def test_task__is_told_but_for_what_is_compiled_for_it(terminal):
+    waiting = Waiting()
+    waiting.name("Drawing")
+    for compiling, now in ((False, 0.0), (False, 1.5), (True, 1.7), (True, 3.7), (False, 4.0), (False, 4.8)):
+        waiting.look(compiling, now)
+    said = [line.rstrip() for line in terminal.getvalue().split("\r\x1b[K") if line]
+    assert said == ["Drawing: 2 s", "Compiling this kind of machine, once for all times: 2 s"]
+    waiting.look(False, 5.0)
+    assert terminal.getvalue().endswith("Drawing: 1 s")
+    waiting.name("")
+    assert terminal.getvalue().endswith("\r\x1b[K")
+    before = terminal.getvalue()
+    waiting.look(False, 9.0)
+    assert terminal.getvalue() == before
+
+
+def test_command__names_its_task_while_it_is_done(terminal, monkeypatch):
+    monkeypatch.setattr("sweeps.cli.waiting.PATIENCE", 0.0)
+    monkeypatch.setattr("sweeps.cli.waiting.LOOK", 0.01)
+    with waiting_told():
+        with doing("Writing"):
+            for _ in range(500):
+                if terminal.getvalue():
+                    break
+                time.sleep(0.01)
+        assert terminal.getvalue().endswith("\r\x1b[K")
+    assert "Writing: 0 s" in terminal.getvalue()
 
 
 def test_compiling__is_seen_in_the_engine(terminal, monkeypatch):
