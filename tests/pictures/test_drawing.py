@@ -349,7 +349,7 @@ def test_links__named_and_no_name_on_another():
 
 
 def test_unknown_kind_to_show__named_with_the_nearest():
-    with pytest.raises(PictureError, match="'mass' can't be shown.*did you mean 'masses'"):
+    with pytest.raises(PictureError, match=r"'mass' can't be shown.*did you mean 'masses'"):
         annotated(slider_crank(), 1.0, "mass")
 
 
