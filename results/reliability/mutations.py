@@ -12,6 +12,7 @@ number, and code in a text that is carried out.
 
 import argparse
 import contextlib
+import copy
 import io
 import multiprocessing
 import os
@@ -26,6 +27,7 @@ import tomllib
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import cache
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -110,12 +112,19 @@ class Slow(BaseException):
     """More processor time went by than a text may take."""
 
 
+@cache
 def stock() -> dict[str, str]:
     """All bundled texts, by their paths within the package."""
     paths = (
         p for folder in ("studies", "templates") for p in (STOCK / folder).rglob("*") if p.suffix in (".toml", ".csv")
     )
     return {str(path.relative_to(STOCK)): path.read_text(encoding="utf8") for path in sorted(paths)}
+
+
+@cache
+def documents() -> list[dict]:
+    """All bundled TOML texts as they are read."""
+    return [tomllib.loads(text) for path, text in stock().items() if path.endswith(".toml")]
 
 
 Place = tuple[Any, Any]
@@ -173,7 +182,9 @@ def garbled_document(dice: random.Random, text: str, others: list[dict]) -> str:
             mine = document.setdefault(kind, {})
             if isinstance(mine, dict) and isinstance(given, dict) and given:
                 chosen = dice.choice(list(given))
-                mine[chosen if dice.random() < 0.7 else dice.choice(list(mine) or [chosen])] = given[chosen]
+                mine[chosen if dice.random() < 0.7 else dice.choice(list(mine) or [chosen])] = copy.deepcopy(
+                    given[chosen]
+                )
     return tomlkit.dumps(document)
 
 
@@ -247,6 +258,7 @@ def command(line: list[str], within: float) -> tuple[int | str, str, float]:
     from sweeps.cli import main
 
     said, begun = io.StringIO(), time.process_time()
+    signal.signal(signal.SIGPROF, _slow)
     signal.setitimer(signal.ITIMER_PROF, within)
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
@@ -278,10 +290,9 @@ def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[
     """One garbled text, among the others as they are: read, printed, and perhaps run."""
     bundled = stock()
     name = dice.choice(list(bundled))
-    documents = [tomllib.loads(text) for path, text in bundled.items() if path.endswith(".toml")]
     garbled = bundled[name]
     structured = name.endswith(".toml") and dice.random() < 0.8
-    garbled = garbled_document(dice, garbled, documents) if structured else garbled_text(dice, garbled)
+    garbled = garbled_document(dice, garbled, documents()) if structured else garbled_text(dice, garbled)
     (folder / name).write_text(garbled, encoding="utf8", errors="surrogatepass")
     try:
         target = name
@@ -329,7 +340,6 @@ def judged(code: int | str, said: str, folder: Path) -> str:
 def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> None:
     """So many cases in a process of their own, each told as it ends."""
     os.chdir(folder)
-    signal.signal(signal.SIGPROF, _slow)
     for i in range(count):
         dice = random.Random(f"{kind} {seed} {i}")
         pipe.send(("begun", f"{kind} {seed} {i}"))
