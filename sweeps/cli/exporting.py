@@ -71,9 +71,8 @@ def export(
         make_folder(to)
         asked, source = names_in(columns), Path(file)
         with doing("Writing the table"):
-            write_table(
-                to, exports.result_columns(source, asked, where) if asked else exports.result_table(source, where)
-            )
+            table = exports.result_columns(source, asked, where) if asked else exports.result_table(source, where)
+            write_table(to, table)
         tell(f"Wrote {to}")
         return
     scene, values, name = machine_of(file, variant, settings)

@@ -26,7 +26,11 @@ if TYPE_CHECKING:
 
 
 def plot_mechanism(
-    scene: Scene, at: Sequence[float] = (), paths: Sequence[str] = (), values: Mapping[str, float] | None = None
+    scene: Scene,
+    at: Sequence[float] = (),
+    paths: Sequence[str] = (),
+    values: Mapping[str, float] | None = None,
+    shown: Sequence[str] = (),
 ) -> Figure:
     """Draw a mechanism to scale.
 
@@ -40,6 +44,8 @@ def plot_mechanism(
         Points whose paths over the cycle are drawn dashed.
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
+    shown : sequence of {"masses", "forces", "links", "scale"}
+        What else is shown.
 
     Raises
     ------
@@ -47,7 +53,7 @@ def plot_mechanism(
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
     _need_mechanism(scene)
-    return mechanism_figure(scene, at, paths, values)
+    return mechanism_figure(scene, at, paths, values, shown)
 
 
 def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
