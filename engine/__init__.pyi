@@ -82,6 +82,7 @@ from engine.machine.results import AskError, Outcome
 from engine.mechanism.groups.seed_tables import AssemblyMode
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
+from engine.mechanism.synthesis.paths import PathFourBar, four_bar_along
 from engine.mechanism.synthesis.positioned import PositionedFourBar, best_four_bar_through, four_bar_through
 from engine.mechanism.synthesis.quick_return import (
     QuickCrankRocker,
@@ -200,6 +201,7 @@ __all__ = [
     "OscillatorElement",
     "Outcome",
     "Pair",
+    "PathFourBar",
     "PatternError",
     "PlainNumber",
     "PlainText",
@@ -273,6 +275,7 @@ __all__ = [
     "firing_angles",
     "firing_intervals",
     "firing_sums",
+    "four_bar_along",
     "four_bar_through",
     "four_runs",
     "friction_in_pairs",

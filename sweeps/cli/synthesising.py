@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import Command, errors_as_messages, tell, write_text
+from sweeps.cli.waiting import doing
 
 _RATIO = click.option("--ratio", required=True, type=float, help="Time of the slow stroke over that of the fast one.")
 
@@ -113,6 +114,26 @@ def positions_command(
     else:
         found = four_bar_through(positions, *chosen_links(positions, pivots, joints, turns))
     _write(out or Path("positions.toml"), lambda: positions_text(found, _speed(speed)))
+
+
+@synthesise.command("path")
+@click.argument("table", type=click.Path(path_type=Path))
+@click.option("--seed", default=0, show_default=True, help="Of the search; another one may find another linkage.")
+@_common
+@errors_as_messages
+def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
+    """Crank-rocker whose coupler point follows a closed path, as near as a search comes.
+
+    TABLE is a CSV with the columns `x [mm]` and `y [mm]`: places on the path in order.
+    """
+    from engine import four_bar_along
+    from sweeps.synthesis.path_table import path_places
+    from sweeps.synthesis.synthesised_scenes import path_text
+
+    places, given = path_places(table), _speed(speed)
+    with doing("Searching"):
+        found = four_bar_along(places, seed)
+    _write(out or Path("path.toml"), lambda: path_text(found, len(places), given))
 
 
 def _length(option: str, text: str) -> float:

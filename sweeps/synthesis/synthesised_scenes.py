@@ -2,7 +2,7 @@
 
 import math
 
-from engine import PositionedFourBar, QuickCrankRocker, QuickLever, QuickSliderCrank
+from engine import PathFourBar, PositionedFourBar, QuickCrankRocker, QuickLever, QuickSliderCrank
 
 _NEXT = """\
 # Kinematics only: add [bodies], [forces], [flywheel] for what it carries; `sweeps help bodies` tells how.
@@ -167,6 +167,44 @@ pin = "A"
 length = "{_mm(found.crank)}"
 speed = "{sense}{speed}"
 {part}
+[groups.swing]
+type = "RRR"
+inner = "B"
+first = {{ link = "coupler", joint = "A", length = "{_mm(found.coupler)}" }}
+second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}
+mode = {found.mode}
+"""
+
+
+def path_text(found: PathFourBar, places: int, speed: str) -> str:
+    """Scene of a crank-rocker whose coupler point follows a path.
+
+    Parameters
+    ----------
+    found : PathFourBar
+    places : int
+        How many places of the path were given.
+    speed : str
+        Of the crank, with its unit.
+    """
+    return f"""\
+# Crank-rocker whose coupler point P follows a path of {places} places: it passes them at {1e3 * found.rms:.3g} mm
+# (root of the mean square) and at {1e3 * found.greatest:.3g} mm at most. `sweeps plot FILE --paths P` draws its path.
+{_NEXT}
+title = "Crank-rocker along a path"
+
+[points]
+O = {{ {_xy(found.crank_pivot)} }}           # bearing of the crank
+D = {{ {_xy(found.rocker_pivot)} }}           # bearing of the rocker
+P = {{ link = "coupler", {_xy(found.point)} }}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "{_mm(found.crank)}"
+speed = "{speed}"
+
 [groups.swing]
 type = "RRR"
 inner = "B"

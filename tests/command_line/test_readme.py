@@ -47,6 +47,8 @@ def folder(tmp_path_factory):
     }
     for name, text in texts.items():
         (path / f"{name}.toml").write_text(text, encoding="utf8")
+    places = [f"{60 * np.cos(t)}, {25 * np.sin(t)}" for t in np.linspace(0, 2 * np.pi, 16, endpoint=False)]
+    (path / "wanted.csv").write_text("\n".join(["x [mm], y [mm]", *places]), encoding="utf8")
     (path / "linkage.json").write_text(LINKAGE, encoding="utf8")
     (runs,) = blocks("csv", GUIDE["balancing"])
     (path / "runs.csv").write_text(runs, encoding="utf8")

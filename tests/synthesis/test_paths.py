@@ -1,0 +1,67 @@
+"""Crank-rockers along a path: one that a linkage draws is found again, and the error told is that of the scene."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import refused, said
+
+from engine import Machine, SynthesisError, four_bar_along
+from sweeps import read_scene
+
+
+def drawn(places):
+    """Path of a coupler point of a crank-rocker of 60, 198, 144 and 216 mm, by trigonometry [m]."""
+    pins = 0.06 * np.exp(2j * np.pi * np.arange(places) / places)
+    to = 0.216 - pins
+    inside = (0.198**2 + abs(to) ** 2 - 0.144**2) / (2 * 0.198 * abs(to))
+    along = to / abs(to) * np.exp(1j * np.arccos(inside))
+    return 0.1 + (pins + (0.1 + 0.08j) * along) * np.exp(0.4j)
+
+
+def test_path_of_a_linkage__is_found_again_by_the_command(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    wanted = drawn(40)
+    rows = [f"{1e3 * place.real!r}, {1e3 * place.imag!r}" for place in wanted.tolist()]
+    Path("wanted.csv").write_text("\n".join(["x [mm], y [mm]", *rows]))
+    assert said("synthesise", "path", "wanted.csv", "--out", "found.toml").exit_code == 0
+    text = Path("found.toml").read_text()
+    rms, greatest = (float(text.split(" at ")[i].split()[0]) for i in (1, 2))
+    machine = Machine(read_scene("found.toml"), [], ["P.x", "P.y"], positions=7200)
+    path = np.array([1, 1j]) @ [row[0] for row in machine.evaluate({}).fields.values()]
+    apart = 1e3 * np.array([abs(path - place).min() for place in wanted])
+    # Nearest of 7200 places instead of the nearest between them: half a step of about 0.1 mm at right angles to it.
+    told = [math.sqrt(np.mean(apart**2)), apart.max()]
+    assert told == pytest.approx([rms, greatest], abs=0.05 * 0.05 / max(greatest, 0.05) + 0.01 * greatest)
+    # The path is 150 mm long and 110 mm wide; a linkage that draws it exists, so that the search comes near.
+    assert greatest < 1.0
+
+
+@pytest.mark.parametrize(
+    ("places", "words"),
+    [
+        ([0, 1, 1j], "five places"),
+        ([0, 1, 1j, math.nan, 2], "finite"),
+        ([0, 1, 2, 3, 4], "straight line"),
+        ([1 + 1j] * 6, "straight line"),
+    ],
+)
+def test_path_that_is_none__is_refused(places, words):
+    with pytest.raises(SynthesisError, match=words):
+        four_bar_along(places)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("x [mm], z [mm]\n1, 2\n", "no column 'y'"),
+        ("x [kg], y [mm]\n1, 2\n", "length"),
+        ("x [mm], y [mm]\n1, a", "is not a number"),
+    ],
+)
+def test_table_that_is_none__is_refused(tmp_path, monkeypatch, table, words):
+    monkeypatch.chdir(tmp_path)
+    Path("wanted.csv").write_text(table)
+    assert words in refused("synthesise", "path", "wanted.csv")
+    assert not Path("path.toml").exists()
