@@ -23,9 +23,20 @@ from engine.motion.coupled.two_sides import TwoSides
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
-from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
+from engine.motion.quantities import (
+    AXES,
+    EFFICIENCY_NOW,
+    FIELDS,
+    POWERS,
+    WORKS,
+    Asked,
+    instants_of,
+    kept_fields,
+    motion_fields,
+)
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_extremes import ExtremeAnswers, RunExtremes
+from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
+from engine.motion.runs.run_instants import RunInstants
 from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
@@ -84,7 +95,10 @@ class Standing(NamedTuple):
 
 
 class RegimeAnswers(NamedTuple):
-    """Values and error figures by name, fields by name, and the verdict on each variant."""
+    """Values, fields, error figures by name, and the verdict on each variant.
+
+    A field that is kept of a run has one error figure for each variant, the greatest over its instants.
+    """
 
     values: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
@@ -144,11 +158,14 @@ class Schedule:
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
         known = {q.name for kind in ("steady", "run") for q in motion_fields(mechanics, kind)}
+        known |= {q.name for q in kept_fields(mechanics)}
+        self.instants = instants_of(scene)
         fields = [one for one in map(Asked.of, sorted(asked)) if f"{one.regime}.{one.field}" in known]
         self.fields = {name: [one for one in fields if one.regime == name] for name in self.regimes}
-        loads = {one.field for one in fields} - FIELDS.keys()
+        loads = {one.field for one in fields} - FIELDS.keys() - AXES.keys()
         self.loads = PairLoads(mechanics, loads) if loads else None
         works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
+        works |= any(one.field in ("motors_power", *POWERS, EFFICIENCY_NOW) for one in fields)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
         friction = PairLoads(mechanics, [FRICTION_MOMENT]) if scene.friction else None
@@ -157,6 +174,11 @@ class Schedule:
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
+
+    @property
+    def _kept(self) -> set[str]:
+        """Fields that are kept of runs."""
+        return {f"{name}.{one.field}" for name in self.instants for one in self.fields[name] if not one.statistic}
 
     @property
     def nodes(self) -> list[Node]:
@@ -204,6 +226,11 @@ class Schedule:
             change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
             doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
             errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
+        for name in fine.fields.keys() & self._kept:
+            size = _greatest(np.abs(fine.fields[name]))
+            change = _greatest(np.abs(fine.fields[name] - coarse.fields[name]))
+            doubt = np.where(coarse.verdict == Verdict.OK, change, size)
+            errors[name] = doubt + ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
         return RegimeAnswers(values, errors, fine.fields, fine.verdict)
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
@@ -231,6 +258,7 @@ class Schedule:
                 found, scale = self._at_two_speeds(name, dynamics, going), {}
             elif isinstance(self.regimes[name], RunRegime):
                 outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
+                gone.fields.update({f"{name}.{key}": rows for key, rows in extremes.rows.items()})
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
@@ -249,6 +277,9 @@ class Schedule:
             growth = 1.0 + (np.abs(made) / STEPS_OF_ROUNDING if stepped else 0.0)
             gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
             gone.scales[f"{name}.energy_change"] = growth * energy
+            for key, rows in gone.fields.items() if name in self.instants else ():
+                if key.startswith(f"{name}."):
+                    gone.scales[key] = growth * _greatest(np.abs(rows))
         return gone._replace(verdict=standing.verdict)
 
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
@@ -337,7 +368,7 @@ class Schedule:
         standing: Standing,
         half: bool = False,
         record: Callable[[RunFields], Observer] | None = None,
-    ) -> tuple[RunOutcome, ExtremeAnswers, Standing]:
+    ) -> tuple[RunOutcome, FieldAnswers, Standing]:
         """Run a regime from where the machines stand; what `record` makes looks at it instead of what is asked."""
         regime, count = self.regimes[name], variants.count
 
@@ -363,13 +394,14 @@ class Schedule:
         else:
             doubt = DOUBT if half else 0.0
             outcome = run_in_closed_form(law, dynamics, part, *begin, ends, self.steps, half, doubt)
-        extremes = ExtremeAnswers({}, {}, {})
+        extremes = FieldAnswers({}, {}, {}, {})
         if self.fields[name] and record is None:
             # Looked at are those that come to their end.
             good = np.flatnonzero(outcome.verdict == Verdict.OK)
             chosen = ends._replace(**{k: getattr(ends, k)[good] for k in PER_VARIANT})
             found = self._extremes(name, dynamics, part.some(good), tuple(x[good] for x in begin), chosen, half)
-            extremes = ExtremeAnswers(*({k: _of_all(v, ready[good], count) for k, v in own.items()} for own in found))
+            *told, rows = ({k: _of_all(v.T, ready[good], count).T for k, v in own.items()} for own in found)
+            extremes = FieldAnswers(*told, rows)
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time
@@ -385,12 +417,24 @@ class Schedule:
 
     def _extremes(
         self, name: str, dynamics: Dynamics, part: Variants, begin: Begin, ends: Ends, half: bool
-    ) -> ExtremeAnswers:
+    ) -> FieldAnswers:
         """What is asked of the fields along a run, looked at half as often for comparison."""
-        asked, steps = self.fields[name], self.steps // 2 if half else self.steps
-        seen = RunExtremes(self._along(name, dynamics, part, begin), [one.field for one in asked])
-        run_to_end(Progress(dynamics, part, *begin, ends, steps, half, [seen]))
-        return seen.answers(asked, dynamics.cycle / steps)
+        steps, along = self.steps // 2 if half else self.steps, self._along(name, dynamics, part, begin)
+        asked = [one for one in self.fields[name] if one.statistic]
+        kept = [one.field for one in self.fields[name] if not one.statistic]
+        observers: list[Observer] = []
+        if asked:
+            seen = RunExtremes(along, [one.field for one in asked])
+            observers.append(seen)
+        if kept:
+            instants = RunInstants(along, kept, self.instants[name])
+            observers.append(instants)
+        outcome = run_to_end(Progress(dynamics, part, *begin, ends, steps, half, observers))
+        found = seen.answers(asked, dynamics.cycle / steps) if asked else FieldAnswers({}, {}, {}, {})
+        if kept:
+            instants.finish(outcome)
+            found = found._replace(rows=instants.rows)
+        return found
 
     @staticmethod
     def _of_run(dynamics: Dynamics, outcome: RunOutcome, energy: np.ndarray) -> dict[str, np.ndarray]:
@@ -493,6 +537,11 @@ def _joined(parts: list[RegimeAnswers]) -> RegimeAnswers:
         joined([part.fields for part in parts]),
         np.concatenate([part.verdict for part in parts]),
     )
+
+
+def _greatest(rows: np.ndarray) -> np.ndarray:
+    """The greatest of each row that is a number; 0 where none is."""
+    return np.fmax.reduce(rows, axis=1, initial=0.0)
 
 
 def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: RunOutcome) -> np.ndarray:
