@@ -171,7 +171,7 @@ def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
     return found
 
 
-def instants_of(scene: Scene) -> dict[str, KeptAt]:
+def kept_at_of(scene: Scene) -> dict[str, KeptAt]:
     """Where the fields of runs are kept, by the names of the runs that say so."""
     found = {}
     for name, regime in scene.regimes.items():
@@ -188,7 +188,7 @@ def kept_fields(mechanics: Mechanics) -> list[Quantity]:
     """Fields that are kept of the runs of a scene, each at its instants or angles."""
     if mechanics.scene.couplings:
         return []
-    axes = {f"{name}.": at.quantity.name for name, at in instants_of(mechanics.scene).items()}
+    axes = {f"{name}.": at.quantity.name for name, at in kept_at_of(mechanics.scene).items()}
     found = [q for q in motion_fields(mechanics, "run") if q.name.startswith(tuple(axes))]
     for prefix, axis in axes.items():
         found += [q for q in _made(prefix[:-1], AXES) if q.name != axis]

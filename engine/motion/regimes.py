@@ -12,7 +12,7 @@ from engine.motion.quantities import (
     Asked,
     KeptAt,
     cycle_statistics,
-    instants_of,
+    kept_at_of,
     kept_fields,
     motion_fields,
     motion_summaries,
@@ -52,7 +52,7 @@ class Regimes:
     def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
         self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
         self.fields = {quantity.name: quantity for quantity in motion_fields(mechanics)}
-        self._of_cycles, instants = frozenset(self.fields), instants_of(mechanics.scene)
+        self._of_cycles, instants = frozenset(self.fields), kept_at_of(mechanics.scene)
         kept = {quantity.name: quantity for quantity in kept_fields(mechanics)}
         self.fields |= kept
         self.kept_at: dict[str, KeptAt] = {name: instants[name.partition(".")[0]] for name in kept}

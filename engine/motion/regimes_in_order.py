@@ -30,7 +30,7 @@ from engine.motion.quantities import (
     POWERS,
     WORKS,
     Asked,
-    instants_of,
+    kept_at_of,
     kept_fields,
     motion_fields,
 )
@@ -159,7 +159,7 @@ class Schedule:
         self.needed = self._needed()
         known = {q.name for kind in ("steady", "run") for q in motion_fields(mechanics, kind)}
         known |= {q.name for q in kept_fields(mechanics)}
-        self.instants = instants_of(scene)
+        self.instants = kept_at_of(scene)
         fields = [one for one in map(Asked.of, sorted(asked)) if f"{one.regime}.{one.field}" in known]
         self.fields = {name: [one for one in fields if one.regime == name] for name in self.regimes}
         loads = {one.field for one in fields} - FIELDS.keys() - AXES.keys()

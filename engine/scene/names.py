@@ -416,6 +416,9 @@ def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
             continue
         if regime.lock_up and not clutches - set(regime.off):
             problems.append((f"regimes.{name}.lock_up", "no friction clutch is engaged here; give another end"))
+        if regime.at is not None and scene.couplings:
+            message = "fields of a run at the two speeds of a coupling aren't kept; `sweeps export --history` has them"
+            problems.append((f"regimes.{name}.at", message))
         if regime.from_shaft_speed is not None and not scene.couplings:
             message = "no shaft has a speed of its own: the scene has no coupling; use from_speed"
             problems.append((f"regimes.{name}.from_shaft_speed", message))

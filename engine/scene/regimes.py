@@ -11,6 +11,7 @@ cylinders, brakes, "gravity", or a coupling, which is then open. Speeds are magn
 import math
 import re
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -31,13 +32,15 @@ def _spaced(dimension: str, unit: str) -> Callable[[object], object]:
             return value
         parts = re.fullmatch(r"(.+)\bto\b(.+),\s*(\d+)\s*", value)
         if parts is None:
-            raise ValueError(f"{value!r}: write a list, or 'FIRST to LAST, HOW MANY' such as '0 {unit} to 2 {unit}, 201'")
+            raise ValueError(
+                f"{value!r}: write a list, or 'FIRST to LAST, HOW MANY' such as '0 {unit} to 2 {unit}, 201'"
+            )
         first, last = (in_text(part.strip(), dimension) for part in parts.groups()[:2])
         count = int(parts[3])
         if not 2 <= count <= MOST_INSTANTS:
             raise ValueError(f"{value!r}: from 2 to {MOST_INSTANTS} values are kept, not {count}")
-        shares = (k / (count - 1) for k in range(count))
-        return [f"{first + share * (last - first)!r} {unit}" for share in shares]
+        steps = count - 1
+        return [f"{(first * (steps - k) + last * k) / steps!r} {unit}" for k in range(count)]
 
     return read
 
@@ -59,7 +62,7 @@ class Instants(Part):
             return None
         if not 1 <= len(values) <= MOST_INSTANTS:
             raise ValueError(f"from 1 to {MOST_INSTANTS} values are kept, not {len(values)}")
-        rising = all(a < b for a, b in zip(values, values[1:], strict=False))
+        rising = all(a < b for a, b in pairwise(values))
         if values[0] < 0.0 or not rising or not math.isfinite(values[-1]):
             raise ValueError("counted from the begin of the run, each value is greater than the one before it")
         return values
@@ -83,8 +86,8 @@ class RunRegime(Part):
 
     With a clutch, `lock_up` = true: until it holds both sides together. `from_speed` and `from_angle` set the begin,
     instead of where the regime before ended, `from_shaft_speed` that of a shaft behind a coupling, which otherwise
-    turns along with from_speed. A run that hasn't ended after `at_most` cycles is given up. `at` says where fields of the
-    run are kept.
+    turns along with from_speed. A run that hasn't ended after `at_most` cycles is given up. `at` says where fields
+    of the run are kept.
     """
 
     type: Literal["run"]

@@ -8,11 +8,10 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
-from engine.motion.runs.watching import Piece, Within
+from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
 from engine.motion.steppers.going import FOUND, go_on_to_end, new_going_room
@@ -197,7 +196,7 @@ def _piece_of(
         speed = np.sqrt(2.0 * there.energy / inertia)
         return here.time + there.time, here.turned + lengths, speed, seen[2, 0]
 
-    return Piece(time, turned, omega, way, steps, moment, Within(False, step))
+    return Piece(time, turned, omega, way, steps, moment, BetweenNodes(False, step))
 
 
 def _take(runs: Progress, who: np.ndarray, after: Stretch) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from engine.motion.moments.grid import JUMP
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
-from engine.motion.runs.watching import Within, piece_in_time
+from engine.motion.runs.watching import BetweenNodes, piece_in_time
 from engine.motion.steppers.time_form import State, Step, TimeForm
 from engine.verdicts import Verdict
 
@@ -91,7 +91,7 @@ def step(runs: Progress, who: np.ndarray) -> None:
     _after_step(runs, who[kept], which[kept])
 
 
-def _within(runs: Progress, who: np.ndarray, before: State, facing: np.ndarray, goal: np.ndarray) -> Within:
+def _within(runs: Progress, who: np.ndarray, before: State, facing: np.ndarray, goal: np.ndarray) -> BetweenNodes:
     """Places within a step in time of some variants, from its begin."""
 
     def step(columns: np.ndarray, _: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -101,7 +101,7 @@ def _within(runs: Progress, who: np.ndarray, before: State, facing: np.ndarray, 
         time = there.time - runs.clock[who[columns]]
         return time, there.turned, there.omega, np.full_like(time, np.nan)
 
-    return Within(True, step)
+    return BetweenNodes(True, step)
 
 
 def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:

@@ -12,8 +12,7 @@ from engine.verdicts import Verdict
 
 # By this share a run may end before an instant at its very end: what sums of steps round.
 ROUNDED = 1e-13
-# What is known of a machine while resistances hold it at rest; it has no speed, energy or power, and what holds it isn't
-# told apart.
+# While resistances hold a machine at rest it has no speed, energy or power, and what holds it isn't told apart.
 AT_REST = ("speed", "acceleration", "kinetic_energy")
 
 
@@ -60,7 +59,8 @@ class RunInstants:
     def finish(self, outcome: RunOutcome) -> None:
         """Take in what comes after the last piece: machines that stand until the time is over."""
         if self.over_time:
-            self._stand(np.flatnonzero(outcome.verdict == Verdict.OK), outcome.state.time, past=True)
+            still = np.flatnonzero((outcome.verdict == Verdict.OK) & (outcome.state.omega == 0.0))
+            self._stand(still, outcome.state.time[still], past=True)
 
     def _count(self, upto: np.ndarray) -> np.ndarray:
         """How many of the asked places come no later."""
@@ -84,8 +84,13 @@ class RunInstants:
         found = self.fields(
             who[columns], Piece(time, turned, omega, piece.facing[columns], np.empty((0, asked.size)), moment)
         )
+        way = self.fields.variants.direction[who[columns]] * piece.facing[columns]
+        # What resists doesn't push a machine that stands where its run begins.
+        stands = (here[2] == 0.0) & (way * found["acceleration"][0] <= 0.0) if piece.within is None else None
         for name, rows in self.rows.items():
             rows[who[columns], instants] = found[name][0]
+        if stands is not None and stands.any():
+            self._rest(who[columns[stands]], instants[stands], here[1][stands])
 
     def _lengths(self, piece: Piece, columns: np.ndarray, nodes: np.ndarray, asked: np.ndarray) -> np.ndarray:
         """How long the step from a node is to the asked place (pairs,); 0 where it is the node."""
@@ -112,13 +117,14 @@ class RunInstants:
         """Machines that stood from where they were seen last until a time, to which `past` says that they come."""
         upto = self._count(until) if past else np.searchsorted(self.asked, until, side="left")
         columns, instants = _pairs(self._met[who], upto)
-        own = who[columns]
-        for name, rows in self.rows.items():
-            if name in AT_REST or name.endswith("_power"):
-                rows[own, instants] = 0.0
-            elif name == TURNED:
-                rows[own, instants] = self._turned[own]
+        self._rest(who[columns], instants, self._turned[who[columns]])
         self._met[who] = np.maximum(self._met[who], upto)
+
+    def _rest(self, who: np.ndarray, instants: np.ndarray, turned: np.ndarray) -> None:
+        """Write down (pairs,) that machines stand."""
+        for name, rows in self.rows.items():
+            still = name in AT_REST or name.endswith("_power")
+            rows[who, instants] = turned if name == TURNED else 0.0 if still else np.nan
 
 
 def _pairs(first: np.ndarray, upto: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -38,7 +38,7 @@ class Piece(NamedTuple):
         Distances of the nodes in what the piece is smooth over, none at a jump [rad].
     moment : ndarray
         Of all that acts, where it is known more surely than from the speed, else NaN [N·m].
-    within : Within or None
+    within : BetweenNodes or None
         Finds places between nodes; None where there is nothing between them.
     """
 
@@ -48,10 +48,10 @@ class Piece(NamedTuple):
     facing: np.ndarray
     steps: np.ndarray
     moment: np.ndarray
-    within: "Within | None" = None
+    within: "BetweenNodes | None" = None
 
 
-class Within(NamedTuple):
+class BetweenNodes(NamedTuple):
     """How a place between two nodes of a piece is found: a step of the method itself from the one before it.
 
     Attributes
@@ -148,7 +148,7 @@ def piece_in_time(
     clock: np.ndarray,
     facing: np.ndarray,
     spacing: float,
-    within: Within | None = None,
+    within: BetweenNodes | None = None,
 ) -> Piece:
     """A step in time, looked at where it turns about so far each time.
 
@@ -164,7 +164,7 @@ def piece_in_time(
     facing : ndarray (variants,)
     spacing : float
         [rad].
-    within : Within, optional
+    within : BetweenNodes, optional
     """
     ends = [form.acceleration(state.turned, state.omega, state.time, facing)[0] for state in (before, after)]
     length, reach = after.time - before.time, np.abs(after.turned - before.turned)
