@@ -35,7 +35,7 @@ class Regimes:
     steps : int
         Steps a cycle; even.
     accuracy : float, optional
-        How exact what is asked of steady motion should be, as a share of it.
+        How exact what is asked should be, as a share of it.
 
     Attributes
     ----------

@@ -37,7 +37,8 @@ from engine.motion.quantities import (
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
 from engine.motion.runs.run_instants import RunInstants
-from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
+from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
+from engine.motion.runs.run_progress import Ends, Progress, RunOutcome, Stepping
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
@@ -52,6 +53,10 @@ from engine.verdicts import Verdict
 # What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
 # for, and at least.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
+# A step of a run, whose errors nothing takes back.
+SURER_IN_RUNS = 0.01
+# Runs by equal steps whose time or speed at the end change by more with steps of twice the length tell nothing.
+TELLS_NOTHING = 0.1
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
 # Variants in steady motion that go together: blocks of many, and few enough for a cache.
@@ -67,6 +72,7 @@ DOUBT = 16 * np.finfo(float).eps
 
 # What of the ends of runs each variant has its own of.
 PER_VARIANT = ("turned", "time", "speed", "most_turned")
+TURN = 2.0 * np.pi
 # Crank angle [rad], speed [rad/s] and time on the clock [s] at the begin of runs.
 Begin = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -117,6 +123,8 @@ class Gone(NamedTuple):
         Magnitude that each value's rounding is a share of, where not its own.
     missed : dict of str to ndarray (variants,)
         How far extremes between nodes may be beyond those at nodes.
+    by_equal_steps : dict of str to ndarray (2, variants)
+        Time [s] and greatest speed [rad/s] of the runs by steps of one length.
     """
 
     values: dict[str, np.ndarray]
@@ -124,6 +132,7 @@ class Gone(NamedTuple):
     verdict: np.ndarray
     scales: dict[str, np.ndarray]
     missed: dict[str, np.ndarray]
+    by_equal_steps: dict[str, np.ndarray]
 
 
 class Schedule:
@@ -137,7 +146,7 @@ class Schedule:
     steps : int
         Steps a cycle; even.
     accuracy : float, optional
-        How exact what is asked of steady motion should be, as a share of it.
+        How exact what is asked should be, as a share of it.
 
     Attributes
     ----------
@@ -150,6 +159,9 @@ class Schedule:
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
         self.scene, self.asked, self.steps = mechanics.scene, asked, steps
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
+        self._run_tolerance = RUN_TOLERANCE
+        if accuracy is not None:
+            self._run_tolerance = max(SURER_IN_RUNS * accuracy, LEAST_TOLERANCE)
         scene = mechanics.scene
         if scene.friction and scene.couplings:
             message = "regimes don't know it beside [couplings], where a machine has two speeds; leave one of them out"
@@ -219,6 +231,12 @@ class Schedule:
         # What isn't finite ends as a verdict, not as a warning.
         with np.errstate(all="ignore"):
             fine, coarse = self._go(driven), self._go(driven, half=True)
+        rough = np.zeros(count, bool)
+        for name, ends in fine.by_equal_steps.items():
+            change, size = np.abs(ends - coarse.by_equal_steps[name]), np.abs(ends)
+            rough |= ~(change <= TELLS_NOTHING * size).all(axis=0) | (coarse.verdict != Verdict.OK)
+        told = np.where(rough & (fine.verdict == Verdict.OK), Verdict.TOO_COARSE, fine.verdict).astype(np.uint8)
+        fine = fine._replace(verdict=told)
         # A verdict that half the steps don't share is one of the method, not of the machine.
         values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
@@ -246,7 +264,7 @@ class Schedule:
         count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
         zero = np.zeros(count)
         standing = Standing(zero, zero, zero, np.full(count, Verdict.OK, np.uint8))
-        gone = Gone({}, {}, standing.verdict, {}, {})
+        gone = Gone({}, {}, standing.verdict, {}, {}, {})
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
@@ -261,6 +279,8 @@ class Schedule:
                 gone.fields.update({f"{name}.{key}": rows for key, rows in extremes.rows.items()})
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
+                if self.regimes[name].method is not None:
+                    gone.by_equal_steps[name] = np.stack((outcome.state.time, outcome.fastest))
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
@@ -390,10 +410,14 @@ class Schedule:
         begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
         observers = [] if record is None else [record(self._along(name, dynamics, part, begin))]
         if law is None or observers:
-            outcome = run_to_end(Progress(dynamics, part, *begin, ends, self.steps, half, observers))
+            outcome = run_to_end(
+                Progress(dynamics, part, *begin, ends, self.steps, half, observers, self._stepping(name))
+            )
         else:
             doubt = DOUBT if half else 0.0
-            outcome = run_in_closed_form(law, dynamics, part, *begin, ends, self.steps, half, doubt)
+            outcome = run_in_closed_form(
+                law, dynamics, part, *begin, ends, self.steps, half, doubt, self._stepping(name)
+            )
         extremes = FieldAnswers({}, {}, {}, {})
         if self.fields[name] and record is None:
             # Looked at are those that come to their end.
@@ -409,6 +433,10 @@ class Schedule:
             angle + variants.direction * turned, outcome.state.omega, standing.clock + time, verdict.astype(np.uint8)
         )
         return outcome, extremes, after
+
+    def _stepping(self, name: str) -> Stepping:
+        steps = self.regimes[name].steps_per_turn
+        return Stepping(self._run_tolerance) if steps is None else Stepping(farthest=TURN / steps, classical=True)
 
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
         """Fields along a run."""
@@ -429,7 +457,7 @@ class Schedule:
         if kept:
             instants = RunInstants(along, kept, self.instants[name])
             observers.append(instants)
-        outcome = run_to_end(Progress(dynamics, part, *begin, ends, steps, half, observers))
+        outcome = run_to_end(Progress(dynamics, part, *begin, ends, steps, half, observers, self._stepping(name)))
         found = seen.answers(asked, dynamics.cycle / steps) if asked else FieldAnswers({}, {}, {}, {})
         if kept:
             instants.finish(outcome)

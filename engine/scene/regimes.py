@@ -88,6 +88,10 @@ class RunRegime(Part):
     instead of where the regime before ended, `from_shaft_speed` that of a shaft behind a coupling, which otherwise
     turns along with from_speed. A run that hasn't ended after `at_most` cycles is given up. `at` says where fields
     of the run are kept.
+
+    Steps are as long as their errors allow; with `method` = "rk4" they are `steps_per_turn` equal ones a turn of the
+    crank, by the classical method of Runge and Kutta of order four, but near rest. The error figure is then what steps
+    of twice the length change.
     """
 
     type: Literal["run"]
@@ -102,6 +106,14 @@ class RunRegime(Part):
     lock_up: Literal[True] | None = None
     at_most: Annotated[Number, Field(gt=0)] = 10_000.0
     at: Instants | None = None
+    method: Literal["rk4"] | None = None
+    steps_per_turn: Annotated[int, Field(ge=8, le=4096)] | None = None
+
+    @model_validator(mode="after")
+    def _steps_of_a_method(self) -> "RunRegime":
+        if (self.method is None) != (self.steps_per_turn is None):
+            raise ValueError("method = 'rk4' and steps_per_turn, such as 64, go together: give both or neither")
+        return self
 
     @model_validator(mode="after")
     def _ends_once(self) -> "RunRegime":

@@ -12,6 +12,7 @@ from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
 from engine.motion.runs.watching import BetweenNodes, Piece
+from engine.motion.steppers.classical import ORDER_FOUR
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
 from engine.motion.steppers.going import FOUND, go_on_to_end, new_going_room
@@ -81,7 +82,7 @@ def _gone(
 ) -> Stretch:
     """Go from where they stand: explicitly, or implicitly where a motor is steep."""
     look, before, parts = look and len(runs.observers) > 0, runs.part(who), []
-    for implicit, method in enumerate(METHODS):
+    for implicit, method in enumerate((ORDER_FOUR,) if runs.classical else METHODS):
         some = np.flatnonzero(steep == implicit)
         if not some.size:
             continue

@@ -39,6 +39,7 @@ REASONS = {
     Verdict.UNDERCUT: "cam undercut",
     Verdict.LIFTS_OFF: "follower lifts off",
     Verdict.SLIPS: "clutch slips on",
+    Verdict.TOO_COARSE: "steps too long",
     Verdict.GROWS: "vibration grows",
     Verdict.TURNS_BACK: "turns back on its shaft",
     Verdict.DOES_NOT_FIT: "wheels don't fit",
