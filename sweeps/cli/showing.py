@@ -42,6 +42,7 @@ def show(
     from sweeps.report.result_report import (
         answer_text,
         counts_text,
+        fields_text,
         undecided_text,
         variants_done_text,
         variants_text,
@@ -74,8 +75,8 @@ def show(
     d = result.description
     tell(f"{d.title}: {variants_done_text(result)}")
     tell(f"varied: {varied_text(result)}")
-    if result.fields:
-        tell(f"fields over {d.positions} positions: {', '.join(result.fields)}")
+    for line in fields_text(result):
+        tell(line)
     tell(counts_text(result))
     left_open = undecided_text(result, condition)
     tell(f"{chosen.size} variants meet the condition{left_open}; the first {min(limit, chosen.size)}:")

@@ -244,13 +244,13 @@ def sweep_data(result: SweepResult, asked: Sequence[str | None]) -> SweepData:
     """What is drawn of a result; of its fields those asked for, if they fit in memory."""
     d = result.description
     arrays = dict(result.columns)
-    small = d.variants * d.positions * 8 <= LARGEST_FIELD
-    arrays |= read_columns(result.path, [f for f in result.fields if f in asked and small])
+    along = {f: result.along(f) for f in result.fields if f in asked}
+    small = [f for f, axis in along.items() if d.variants * axis.values.size * 8 <= LARGEST_FIELD]
+    arrays |= read_columns(result.path, small)
     goal = result.goal
     # Tolerances are shown as bands about their summaries.
     alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
     summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
-    position = read_columns(result.path, [d.position_name])[d.position_name] if result.fields else None
     return SweepData(
         arrays,
         result.units,
@@ -259,8 +259,7 @@ def sweep_data(result: SweepResult, asked: Sequence[str | None]) -> SweepData:
         summaries,
         result.shape,
         np.asarray(result.columns["status"]),
-        position,
-        d.position_units,
+        along,
         goal.where or "" if goal else "",
         result.candidates(),
     )

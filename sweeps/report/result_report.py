@@ -32,6 +32,16 @@ def varied_text(result: SweepResult) -> str:
     return " x ".join(f"{'+'.join(axis['names'])}[{axis['size']}]" for axis in result.record["vary"])
 
 
+def fields_text(result: SweepResult) -> list[str]:
+    """Which fields are kept, a line for each axis that they run along."""
+    found: dict[str, list[str]] = {}
+    for name in result.fields:
+        axis = result.along(name)
+        over = "positions" if axis.over_positions else f"values of {axis.name}"
+        found.setdefault(f"fields over {axis.values.size} {over}", []).append(name)
+    return [f"{words}: {', '.join(names)}" for words, names in found.items()]
+
+
 def undecided_text(result: SweepResult, where: str | None) -> str:
     """How many variants neither meet nor miss a condition for certain, as the end of a sentence; "" if none."""
     count = result.undecided(where).size if where else 0

@@ -18,7 +18,7 @@ from engine import (
     unknown_name_message,
 )
 from sweeps.report.recorded_study import recorded_scene, recorded_study
-from sweeps.store import Description, describe_result, read_columns
+from sweeps.store import Description, FieldAxis, describe_result, read_columns
 from sweeps.study.study import misses
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
@@ -88,7 +88,17 @@ class SweepResult:
     @property
     def fields(self) -> tuple[str, ...]:
         """Names of the fields."""
-        return tuple(c.name for c in self.description.columns if "position" in c.dims)
+        return tuple(c.name for c in self.description.columns if len(c.dims) > 1)
+
+    def along(self, field: str) -> FieldAxis:
+        """What runs along a field: positions of the input, or instants of a run."""
+        d = self.description
+        last = next(c.dims[-1] for c in d.columns if c.name == field)
+        if last == "position":
+            name, words, units = d.position_name, "position of the input", d.position_units
+        else:
+            name, words, units = last, d.axes[last]["long_name"], d.axes[last]["units"]
+        return FieldAxis(name, words, units, read_columns(self.path, [name])[name])
 
     @property
     def accuracy(self) -> float | None:

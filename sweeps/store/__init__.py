@@ -2,15 +2,17 @@
 
 from .creating import part_path
 from .errors import DamagedError, StoreError
-from .layout import NOT_COMPUTED, Column, FileLayout
+from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout
 from .reading import Description, MappedResult, damage_text, describe_result, read, read_columns
 from .writing import Store, reword
 
 __all__ = [
     "NOT_COMPUTED",
+    "POSITION_NAMES",
     "Column",
     "DamagedError",
     "Description",
+    "FieldAxis",
     "FileLayout",
     "MappedResult",
     "Store",

@@ -48,6 +48,8 @@ class Description(NamedTuple):
         Number of positions of the fields; 0 without fields.
     position_name, position_units : str
         Name and unit of the coordinate over them; "" without fields.
+    axes : dict of str to dict
+        Other axes of fields by name: what `FieldAxis.record` says of each.
     blocks, blocks_done : int
         Number of blocks, and of those computed.
     """
@@ -60,6 +62,7 @@ class Description(NamedTuple):
     positions: int
     position_name: str
     position_units: str
+    axes: dict[str, dict[str, Any]]
     blocks: int
     blocks_done: int
 
@@ -91,6 +94,7 @@ def describe_result(path: Path) -> Description:
             positions=int(position["count"]) if position else 0,
             position_name=position["name"] if position else "",
             position_units=position["units"] if position else "",
+            axes={axis["name"]: axis for axis in record.get("axes", ())},
             blocks=len(done),
             blocks_done=int(np.count_nonzero(done)),
         )
@@ -113,7 +117,7 @@ class MappedResult:
     done : ndarray (blocks,) of bool
         Blocks written, as of the moment of opening.
     flat, fields : list of str
-        Names of the columns over variants alone, axes not among them, and of those over positions too.
+        Names of the columns over variants alone, axes not among them, and of those over another axis too.
     has_checksums : bool
         Files of earlier versions have none: their blocks count as sound.
     edited : list of str
@@ -140,16 +144,18 @@ class MappedResult:
             }
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
             self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
-            axes = ["variant", record["position"]["name"]] if record["position"] else ["variant"]
-            self.columns = {name: _mapped(path, file[name]) for name in (*axes, *record["columns"])}
+            axes = [record["position"]] if record["position"] else []
+            axes += record.get("axes", ())
+            names = ("variant", *(axis["name"] for axis in axes), *record["columns"])
+            self.columns = {name: _mapped(path, file[name]) for name in names}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
             self.fields = [name for name in record["columns"] if name not in self.flat]
             if not np.array_equal(self.columns["variant"], np.arange(self.variants)):
                 self.edited.append("variant")
-            if position := record["position"]:
-                values = np.ascontiguousarray(self.columns[position["name"]], "<f8").tobytes()
-                if hashlib.sha256(values).hexdigest() != position["values (sha256)"]:
-                    self.edited.append(position["name"])
+            for axis in axes:
+                values = np.ascontiguousarray(self.columns[axis["name"]], "<f8").tobytes()
+                if hashlib.sha256(values).hexdigest() != axis["values (sha256)"]:
+                    self.edited.append(axis["name"])
         self._known: dict[tuple[str, int], bool] = {}
 
     def is_sound(self, block: int, kinds: Sequence[str] = ("flat", "fields")) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 
 from engine import Verdict
 from sweeps.pictures.picture_error import PictureError
+from sweeps.store import FieldAxis
 from sweeps.text.engineer_units import engineer_unit
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -46,9 +47,8 @@ class SweepData(NamedTuple):
         Sizes of the grid's axes, the last fastest; a single number where the variants form no grid.
     status : ndarray (variants,) of uint8
         `engine.Verdict` codes.
-    position : ndarray (positions,), optional
-        Positions of the fields, SI.
-    position_units : str
+    along : mapping of str to FieldAxis
+        What runs along each field: positions of the input, or instants of a run.
     condition : str
         What the best variant must meet, "" where nothing is asked.
     candidates : ndarray (variants,) of bool, optional
@@ -62,8 +62,7 @@ class SweepData(NamedTuple):
     summaries: Sequence[str]
     shape: Sequence[int]
     status: np.ndarray
-    position: np.ndarray | None = None
-    position_units: str = "rad"
+    along: Mapping[str, FieldAxis] = {}
     condition: str = ""
     candidates: np.ndarray | None = None
 
