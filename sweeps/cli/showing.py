@@ -68,9 +68,9 @@ def show(
     if sort is None and goal is not None:
         sort, descending = goal.goal, goal.sign < 0
     condition = where or (goal.where if goal else usual)
-    chosen = result.select(condition, sort or (usual and "front"), descending)
+    chosen = result.select(condition, sort or (usual and "front"), descending, most=limit)
     if as_json:
-        tell_data(result_data(result, chosen[:limit], names))
+        tell_data(result_data(result, chosen, names))
         return
     d = result.description
     tell(f"{d.title}: {variants_done_text(result)}")
@@ -79,8 +79,9 @@ def show(
         tell(line)
     tell(counts_text(result))
     left_open = undecided_text(result, condition)
-    tell(f"{chosen.size} variants meet the condition{left_open}; the first {min(limit, chosen.size)}:")
-    tell(variants_text(result, chosen[:limit], names))
+    count = int(result.meeting(condition).sum())
+    tell(f"{count} variants meet the condition{left_open}; the first {chosen.size}:")
+    tell(variants_text(result, chosen, names))
     if where is None:
         tell((optimum_text if is_search(result) else answer_text)(result))
 
