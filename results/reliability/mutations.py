@@ -462,7 +462,8 @@ def table(asked: argparse.Namespace, rows: list[str], faults: list[str], undefin
             "|---|---|---|---|---|---|",
             *rows,
             "",
-            f"Undefined in variants that are ok, as what never happens has no time: {', '.join(sorted(undefined)) or 'none'}.",
+            "Undefined in variants that are ok, as what never happens has no time:",
+            f"{', '.join(sorted(undefined)) or 'nothing'}.",
             *(["", "What went wrong:", "", *told] if told else []),
             "",
         ]
