@@ -9,7 +9,7 @@ import numpy as np
 
 from engine import SENTENCES, ElementsAlone, InputUnits, Machine, Outcome, Verdict, described_dimension, scene_numbers
 from sweeps.report.sweep_result import SweepResult
-from sweeps.store import StoreError, open_dataset
+from sweeps.store import FieldAxis, StoreError, open_dataset
 
 if TYPE_CHECKING:
     import pandas
@@ -120,14 +120,19 @@ def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mappin
         columns[name] = ("variant", values, about)
         error = about | {"long_name": f"error figure of: {asked.long_name}"}
         columns[f"{name}_error"] = ("variant", outcome.errors[name], error)
-    if outcome.fields:
-        crank = q == "rad"
-        place = "phi" if crank else "travel"
-        words = "crank angle" if crank else "displacement of the input as a fraction of its range"
-        coordinates[place] = (place, machine.nodes, {"long_name": words, "units": "rad" if crank else "1"})
-        for name, rows in outcome.fields.items():
-            asked = machine.available_fields[name]
-            columns[name] = (("variant", place), rows, {"long_name": asked.long_name, "units": asked.units})
+    crank = q == "rad"
+    words = "crank angle" if crank else "displacement of the input as a fraction of its range"
+    cycle = FieldAxis("phi" if crank else "travel", words, "rad" if crank else "1", machine.nodes)
+    for name, rows in outcome.fields.items():
+        axis, asked = cycle, machine.available_fields[name]
+        about = {"long_name": asked.long_name, "units": asked.units}
+        if name in machine.kept_at:
+            along, values = machine.kept_at[name]
+            axis = FieldAxis(along.name, along.long_name, along.units, values)
+            error = about | {"long_name": f"greatest error figure of: {asked.long_name}"}
+            columns[f"{name}_error"] = ("variant", outcome.errors[name], error)
+        coordinates[axis.name] = (axis.name, axis.values, {"long_name": axis.long_name, "units": axis.units})
+        columns[name] = (("variant", axis.name), rows, about)
     return xarray.Dataset(columns, coordinates, {"title": machine.scene.title})
 
 

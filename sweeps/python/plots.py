@@ -20,6 +20,7 @@ from sweeps.pictures.sweep.front_picture import front_figure
 from sweeps.pictures.sweep.maps import sweep_figure
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
+from sweeps.store import FieldAxis
 
 if TYPE_CHECKING:
     import xarray
@@ -140,8 +141,9 @@ def plot_sweep(
     found = SweepResult(Path(result))
     found.show_own_units()
     if is_front(found) and x is y is colour is None:
-        return front_figure(found, sweep_data(found, ()))
-    return sweep_figure(sweep_data(found, (x, y, colour)), x, y, colour, found.best())
+        return front_figure(found, sweep_data(found, ())[0])
+    shown, best = sweep_data(found, (x, y, colour), found.best())
+    return sweep_figure(shown, x, y, colour, best)
 
 
 def _data_of(data: "xarray.Dataset") -> SweepData:
@@ -152,7 +154,12 @@ def _data_of(data: "xarray.Dataset") -> SweepData:
     told = ("variant", "status", "status_at", "status_group")
     flat = [name for name, values in arrays.items() if values.ndim == 1 and name not in told]
     varied = [name for name in flat if name in data.coords]
-    place = next((name for name in data.dims if name != "variant"), None)
+    along = {}
+    for name in (name for name, values in arrays.items() if values.ndim == 2):
+        axis = data[name].dims[1]
+        told = data[axis].attrs
+        units = told.get("units", "1")
+        along[name] = FieldAxis(str(axis), told.get("long_name", str(axis)), units, np.asarray(data[axis]))
     return SweepData(
         arrays,
         {name: data[name].attrs.get("units", "1") for name in arrays},
@@ -161,8 +168,7 @@ def _data_of(data: "xarray.Dataset") -> SweepData:
         [name for name in flat if name not in varied and not name.endswith("_error")],
         (int(data.sizes["variant"]),),
         arrays["status"],
-        None if place is None else np.asarray(data[place]),
-        "rad" if place is None else data[place].attrs.get("units", "rad"),
+        along,
     )
 
 

@@ -34,46 +34,51 @@ def result_table(path: Path, where: str | None = None) -> DataTable:
     errors = [f"{name}_error" for name in result.summaries]
     named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
     others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
-    columns = {name: result.columns[name][chosen] for name in (*named, *others) if name in result.columns}
+    found = result.taken(chosen)
+    columns = {name: found[name] for name in (*named, *others) if name in found}
     return DataTable({"variant": chosen} | columns, dict(result.units), result.description.title)
 
 
 def result_columns(path: Path, names: Sequence[str], where: str | None = None) -> DataTable:
-    """Some columns of a result beside its parameters; with a field among them a row for each variant and position.
+    """Some columns of a result beside its parameters; with a field among them, a row for each variant and place.
 
     Parameters
     ----------
     path : Path
     names : sequence of str
-        Of summaries, error figures, verdicts, derivatives, fields.
+        Of summaries, error figures, verdicts, derivatives, and fields that run along the same.
     where : str, optional
         Only variants that meet a condition; without it all that were computed without complaint.
 
     Raises
     ------
     InputError
-        There is no such column, or there are too many rows.
+        There is no such column, fields don't run along the same, or there are too many rows.
     """
     result = SweepResult(path)
     known = [c.name for c in result.description.columns]
     for name in names:
         if name not in known:
             raise InputError(str(path), [(None, "--columns", f"{name!r} isn't in it; {did_you_mean(name, known)}")])
-    chosen = result.select(where)
-    asked = [name for name in dict.fromkeys((*result.parameters, *names)) if name not in result.fields]
-    columns = {"variant": chosen} | {name: result.columns[name][chosen] for name in asked}
-    fields = [name for name in dict.fromkeys(names) if name in result.fields]
+    chosen, fields = result.select(where), [name for name in dict.fromkeys(names) if name in result.fields]
+    found = result.taken(chosen)
+    asked = [name for name in dict.fromkeys((*result.parameters, *names)) if name not in fields]
+    columns = {"variant": chosen} | {name: found[name] for name in asked}
     if not fields:
         return DataTable(columns, dict(result.units), result.description.title)
-    place, positions = result.description.position_name, result.description.positions
-    if (rows := chosen.size * positions) > MOST_ROWS:
-        message = f"{rows:.3g} rows, a row for each variant and position, are too many; choose variants with --where"
+    axes = {axis.name: axis for axis in map(result.along, fields)}
+    if len(axes) > 1:
+        message = f"run along {' and '.join(axes)}; export those of each by themselves"
+        raise InputError("--columns", [(None, ", ".join(fields), message)])
+    axis = next(iter(axes.values()))
+    places = axis.values.size
+    if (rows := chosen.size * places) > MOST_ROWS:
+        message = f"{rows:.3g} rows, a row for each variant and place, are too many; choose variants with --where"
         raise InputError(str(path), [(None, "--columns", message)])
-    read = read_columns(path, [place, *fields])
-    columns = {name: np.repeat(column, positions) for name, column in columns.items()}
-    columns[place] = np.tile(read[place], chosen.size)
-    columns |= {name: read[name][chosen].ravel() for name in fields}
-    return DataTable(columns, result.units | {place: result.description.position_units}, result.description.title)
+    columns = {name: np.repeat(column, places) for name, column in columns.items()}
+    columns[axis.name] = np.tile(axis.values, chosen.size)
+    columns |= {name: read_columns(path, [name])[name][chosen].ravel() for name in fields}
+    return DataTable(columns, dict(result.units) | {axis.name: axis.units}, result.description.title)
 
 
 def position_table(
