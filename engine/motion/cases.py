@@ -69,7 +69,7 @@ def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
     Parameters
     ----------
     mechanics : Mechanics
-        Of a scene whose crank turns fully.
+        Of a scene with regimes.
     """
     reduction, found = Reduction(mechanics), []
     for name, regime in mechanics.scene.regimes.items():
@@ -93,7 +93,7 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     rubs = bool(dynamics.reduction.mechanics.scene.friction)
     number = _number(turning, arguments | {"φ", "ω"} if rubs else arguments)
     couplings = dynamics.reduction.mechanics.scene.couplings if isinstance(regime, RunRegime) else {}
-    stepwise = rubs or couplings
+    stepwise = rubs or couplings or not dynamics.reduction.has_cycle
     law = None if turning or stepwise or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
     method = TIME_FORM if dynamics.timed or stepwise else ENERGY_FORM
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"

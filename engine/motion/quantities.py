@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities import inertia, reactions
-from engine.quantities.quantity import STATISTICS, Quantity
+from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
+from engine.scene.parts import CrankInput, SliderInput
 from engine.scene.scene import Scene
 
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
@@ -40,6 +41,16 @@ RUN = {
     "angle": ("angle turned in {name}", "rad"),
     "final_speed": ("angular speed of the input link at the end of {name}", "rad s-1"),
 }
+# Of a run with an input that doesn't turn fully.
+WITHIN_RANGE = {
+    "final_position": ("position of the input at the end of {name}", "rad"),
+    "end_reached": ("end of its range at which the input arrives in {name}: −1 the lower, 1 the upper, 0 none", "1"),
+    "impact_energy": ("kinetic energy that the end of the range takes up in {name}", "J"),
+}
+# Of a sliding input: names, words and units that are others than a crank's.
+SLIDING = {"angle": "displacement"}
+SLIDING_WORDS = (("angular ", ""), ("angle turned", "displacement"), ("moment", "force"))
+SLIDING_UNITS = {"rad": "m", "rad s-1": "m s-1", "rad s-2": "m s-2", "N m": "N"}
 # Of a run with a coupling that isn't open; `{coupling}` is its name, `{shaft}` that of its shaft.
 COUPLED = {
     "{coupling}_heat": ("heat of {coupling} in {name}", "J"),
@@ -95,15 +106,25 @@ class Asked(NamedTuple):
         return cls(regime, field, statistic) if field and known else cls(regime, rest, "")
 
 
-def _made(name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
+def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
+    if isinstance(scene.input, SliderInput):
+        table = {SLIDING.get(key, key): of_sliding(*row) for key, row in table.items()}
     return [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in table.items()]
+
+
+def of_sliding(words: str, unit: str) -> tuple[str, str]:
+    """Words and unit of a sliding input's motion, from those of a crank's."""
+    for of_crank, of_slider in SLIDING_WORDS:
+        words = words.replace(of_crank, of_slider)
+    return words, SLIDING_UNITS.get(unit, unit)
 
 
 def motion_summaries(scene: Scene) -> list[Quantity]:
     """Summaries of the regimes of a scene."""
     found: list[Quantity] = []
     for name, regime in scene.regimes.items():
-        found += _made(name, COMMON | (STEADY if regime.type == "steady" else RUN))
+        limited = {} if has_cycle(scene) else WITHIN_RANGE
+        found += _made(scene, name, COMMON | (STEADY if regime.type == "steady" else RUN | limited))
         found += _of_couplings(scene, name)
         if regime.type == "steady":
             motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
@@ -135,11 +156,12 @@ def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
 def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
     """Fields of the regimes of one kind, "steady" or "run", of a scene."""
     found: list[Quantity] = []
+    loads = load_fields(mechanics)
     for name, regime in mechanics.scene.regimes.items():
         # At the two speeds of a coupling loads aren't known.
         if regime.type == kind and not (kind == "run" and mechanics.scene.couplings):
-            found += _made(name, FIELDS)
-            found += _made(name, load_fields(mechanics))
+            found += _made(mechanics.scene, name, FIELDS)
+            found += [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in loads.items()]
     return found
 
 
@@ -148,9 +170,11 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     declared = [q for part in (reactions, inertia) for q in part.declare(mechanics) if isinstance(q, Field)]
     found = {q.name: q for q in declared if q.name.rpartition(".")[2] in LOADS}
     table = {key: (q.long_name.replace(AT_UNIFORM_SPEED, ""), q.units) for key, q in found.items()}
-    table["input_moment_by_equilibrium"] = ("input moment by equilibrium of the input link, without flywheel", "N m")
+    moment, unit = ("moment", "N m") if isinstance(mechanics.scene.input, CrankInput) else ("force", "N")
+    words = f"input {moment} by equilibrium of the input link, without flywheel"
+    table["input_moment_by_equilibrium"] = (words, unit)
     if mechanics.scene.friction:
-        table["friction_moment"] = ("moment on the input that stands for friction in pairs", "N m")
+        table["friction_moment"] = (f"{moment} on the input that stands for friction in pairs", unit)
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 
 
@@ -167,9 +191,9 @@ def cycle_statistics(field: Quantity) -> list[Quantity]:
     ]
 
 
-def run_extremes(field: Quantity) -> list[Quantity]:
-    """Extremes of a field along a run, with their places and instants."""
-    units = {"_at": "rad", "_time": "s"}
+def run_extremes(field: Quantity, q: str) -> list[Quantity]:
+    """Extremes of a field along a run, with their places, in the unit `q` of the input, and instants."""
+    units = {"_at": q, "_time": "s"}
     return [
         Quantity(
             f"{field.name}.{suffix}",

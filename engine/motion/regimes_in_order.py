@@ -34,7 +34,8 @@ from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
-from engine.scene.regimes import RunRegime
+from engine.quantities.quantity import has_cycle
+from engine.scene.regimes import RunRegime, run_keys
 from engine.scene.scene import Numbers, SceneError
 from engine.verdicts import Verdict
 
@@ -131,10 +132,13 @@ class Schedule:
         What a step of a steady motion may miss, of the greatest work of a step.
     loads : PairLoads or None
         Loads on the pairs, where any are asked.
+    keys : RunKeys
+        Of the kind of its input.
     """
 
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
         self.scene, self.asked, self.steps = mechanics.scene, asked, steps
+        self.keys = run_keys(mechanics.scene.input)
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
         scene = mechanics.scene
         if scene.friction and scene.couplings:
@@ -170,7 +174,9 @@ class Schedule:
         for name, regime in reversed(self.regimes.items()):
             if name in wanted or pending:
                 needed.append(name)
-                pending = isinstance(regime, RunRegime) and regime.from_speed is None
+                given = [getattr(regime, key, None) for key in (self.keys.from_speed, self.keys.from_place)]
+                own = given[0] is not None and (given[1] is not None or has_cycle(self.scene))
+                pending = isinstance(regime, RunRegime) and not own
         return needed[::-1]
 
     def answers(self, numbers: Numbers, count: int) -> RegimeAnswers:
@@ -214,11 +220,22 @@ class Schedule:
             flywheel = np.broadcast_to(numbers["flywheel.inertia"], (count,)).astype(float)
         return self.reduction.variants(numbers, direction, flywheel)
 
+    @property
+    def turns(self) -> bool:
+        """Whether the input turns fully."""
+        return self.reduction.has_cycle
+
+    def at_begin(self, variants: Variants) -> Standing:
+        """Where machines stand before their first regime: at φ = 0, or where their range begins, at rest."""
+        zero = np.zeros(variants.count)
+        low, high = self.reduction.range_of(variants.numbers, variants.count)
+        begin = zero if self.turns else np.where(variants.direction > 0.0, low, high)
+        return Standing(begin, zero, zero, np.full(variants.count, Verdict.OK, np.uint8))
+
     def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> Gone:
         """Go through the regimes."""
         count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
-        zero = np.zeros(count)
-        standing = Standing(zero, zero, zero, np.full(count, Verdict.OK, np.uint8))
+        standing = self.at_begin(next(iter(driven.values())))
         gone = Gone({}, {}, standing.verdict, {}, {})
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
@@ -231,9 +248,12 @@ class Schedule:
                 found, scale = self._at_two_speeds(name, dynamics, going), {}
             elif isinstance(self.regimes[name], RunRegime):
                 outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
-                made = outcome.state.turned / dynamics.cycle * steps
+                low, high = self.reduction.range_of(variants.numbers, variants.count)
+                made = outcome.state.turned / (high - low) * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
+                found |= self._at_end(outcome, standing)
+                scale |= {"end_reached": np.zeros(count)}
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
                 found, cycle, standing = self._steady(name, dynamics, variants, standing, half)
@@ -252,8 +272,15 @@ class Schedule:
         return gone._replace(verdict=standing.verdict)
 
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
-        """Verdict on what keeps a regime from being computed at all: a brake that locks, an inertia of zero."""
+        """Verdict on what keeps a regime from being computed at all.
+
+        That is a brake that locks, an inertia of zero, a begin outside the range of the input.
+        """
         verdict = np.where(dynamics.locked(variants), Verdict.LOCKS, Verdict.OK)
+        if not self.turns and getattr(self.regimes[name], self.keys.from_place) is not None:
+            begin = self._number(name, self.keys.from_place, variants, 0.0)
+            low, high = self.reduction.range_of(variants.numbers, variants.count)
+            verdict = np.where((begin < low) | (begin > high), Verdict.OUTSIDE_LIMITS, verdict)
         if self.sides and isinstance(self.regimes[name], RunRegime):
             bare = self.sides[frozenset(self.regimes[name].off)].without_inertia(variants)
             return np.where(bare, Verdict.NO_INERTIA, verdict).astype(np.uint8)
@@ -344,14 +371,16 @@ class Schedule:
         def number(key: str, otherwise: float) -> np.ndarray:
             return self._number(name, key, variants, otherwise)
 
-        omega = number("from_speed", 0.0) if regime.from_speed is not None else standing.omega
-        angle = number("from_angle", 0.0) if regime.from_angle is not None else standing.angle
+        keys = self.keys
+        omega = number(keys.from_speed, 0.0) if getattr(regime, keys.from_speed) is not None else standing.omega
+        angle = number(keys.from_place, 0.0) if getattr(regime, keys.from_place) is not None else standing.angle
         ends = Ends(
             number("cycles", np.inf) * dynamics.cycle,
             number("time", np.inf),
-            number("speed", np.inf),
+            number(keys.speed, np.inf),
             regime.rest is True,
             number("at_most", np.inf) * dynamics.cycle,
+            regime.end_of_range is True,
         )
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         part = variants.some(ready)
@@ -373,10 +402,19 @@ class Schedule:
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time
-        after = Standing(
-            angle + variants.direction * turned, outcome.state.omega, standing.clock + time, verdict.astype(np.uint8)
-        )
-        return outcome, extremes, after
+        # An end of the range stops what arrives there.
+        omega = np.where(outcome.arrived != 0, 0.0, outcome.state.omega)
+        angle = angle + variants.direction * turned
+        return outcome, extremes, Standing(angle, omega, standing.clock + time, verdict.astype(np.uint8))
+
+    def _at_end(self, outcome: RunOutcome, standing: Standing) -> dict[str, np.ndarray]:
+        """Where an input that doesn't turn fully ends a run, and with which energy it arrives at a stop."""
+        if self.turns:
+            return {}
+        taken = np.where(outcome.arrived != 0, outcome.ended, 0.0)
+        arrived = outcome.arrived.astype(float)
+        found = {"final_position": standing.angle, "end_reached": arrived, "impact_energy": taken}
+        return found | {"displacement": outcome.state.turned}
 
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
         """Fields along a run."""
@@ -390,7 +428,8 @@ class Schedule:
         asked, steps = self.fields[name], self.steps // 2 if half else self.steps
         seen = RunExtremes(self._along(name, dynamics, part, begin), [one.field for one in asked])
         run_to_end(Progress(dynamics, part, *begin, ends, steps, half, [seen]))
-        return seen.answers(asked, dynamics.cycle / steps)
+        low, high = self.reduction.range_of(part.numbers, part.count)
+        return seen.answers(asked, (high - low) / steps)
 
     @staticmethod
     def _of_run(dynamics: Dynamics, outcome: RunOutcome, energy: np.ndarray) -> dict[str, np.ndarray]:
@@ -507,7 +546,7 @@ def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     state = type(outcome.state)(*(_of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
-    names = ("slowest", "fastest", "peak", "started", "ended")
+    names = ("slowest", "fastest", "peak", "started", "ended", "arrived")
     rest = {name: _of_all(getattr(outcome, name), ready, count) for name in names}
     return RunOutcome(verdict, state, **rest)
 

@@ -8,7 +8,8 @@ from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
 from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
-from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
+from engine.scene.parts import FRAME, CrankInput, SliderInput, Sliding, Yoke
+from engine.scene.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.scene.scene import Scene, SceneError
 
 Problem = tuple[str, str]
@@ -323,8 +324,6 @@ def _timed(scene: Scene) -> set[str]:
 
 def _wrong_regimes(scene: Scene) -> list[Problem]:
     drive, problems = scene.input, []
-    if scene.regimes and not (isinstance(drive, CrankInput) and drive.start is None):
-        return [("regimes", "true motion needs a crank that turns fully; leave regimes, or input.start and input.stop")]
     timed = _timed(scene)
     for name, regime in scene.regimes.items():
         at = f"regimes.{name}"
@@ -335,6 +334,30 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
+        problems += _wrong_for_range(drive, name, regime)
+    return problems
+
+
+def _wrong_for_range(drive: CrankInput | SliderInput, name: str, regime: Regime) -> list[Problem]:
+    """What of a regime has no meaning for its input: one that turns fully, one that doesn't, one that slides."""
+    at, turns = f"regimes.{name}", isinstance(drive, CrankInput) and drive.start is None
+    if regime.type == "steady":
+        message = "an input that doesn't turn fully has no cycle, so no steady motion; use type = 'run'"
+        return [] if turns else [(f"{at}.type", message)]
+    own = run_keys(drive)
+    other, kind = (OF_SLIDER, "a sliding input") if own == OF_CRANK else (OF_CRANK, "a crank")
+    problems = [
+        (f"{at}.{key}", f"belongs to {kind}; use {right}")
+        for key, right in zip(other, own, strict=True)
+        if getattr(regime, key) is not None
+    ]
+    if turns and regime.end_of_range:
+        problems.append((f"{at}.end_of_range", "the crank turns fully; use another end, or input.start and stop"))
+    if not turns and regime.cycles is not None:
+        problems.append((f"{at}.cycles", "an input that doesn't turn fully has no cycles; use end_of_range = true"))
+    place = getattr(regime, own.from_place)
+    if not turns and place is not None and not min(drive.start, drive.stop) <= place <= max(drive.start, drive.stop):
+        problems.append((f"{at}.{own.from_place}", "lies outside the range of the input, input.start … input.stop"))
     return problems
 
 
@@ -380,6 +403,9 @@ def _wrong_couplings(scene: Scene) -> list[Problem]:
         elif shaft not in geared:
             allowed = ", ".join(sorted(geared)) or "none: add one to [shafts]"
             problems.append((path, f"a coupling joins the crank to a shaft geared to it; such are: {allowed}"))
+        elif scene.regimes and scene.input.start is not None:
+            message = "motion at two speeds needs a crank that turns fully; leave it, or input.start and input.stop"
+            problems.append((f"couplings.{name}", message))
         elif scene.shafts[shaft].pivot is not None:
             problems.append((path, f"shaft {shaft!r} has a pivot and carries points; behind a coupling it can't"))
         problems += [

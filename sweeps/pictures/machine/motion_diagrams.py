@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from engine import History, Machine, Scene, SteadyRegime, Verdict
+from engine import History, InputUnits, Machine, Scene, SteadyRegime, Verdict
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, house_style, new_figure, save
 from sweeps.report.regime_words import failure_text
@@ -134,9 +134,11 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     reactions = [part.reactions for part in parts]
     count = 5 if reactions[0] else 4
     axes = figure.subplots(count, len(parts), sharex="col", sharey="row", squeeze=False, width_ratios=widths)
+    units = InputUnits.of(scene)
+    speed, load = ("ω", "M") if units.q == "rad" else ("v", "F")
     rows = (
-        ("ω", "rad s-1", [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
-        ("M", "N m", [part.acting | _only(part.coupled, "coupling") for part in parts]),
+        (speed, units.speed, [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
+        (load, units.moment, [part.acting | _only(part.coupled, "coupling") for part in parts]),
         ("P", "W", [part.powers for part in parts]),
         ("E, W", "J", [{"energy": part.energy} | part.works for part in parts]),
         ("R", "N", reactions),
