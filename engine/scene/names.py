@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
-from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
+from engine.scene.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
 from engine.scene.parts import FRAME, CrankInput, SliderInput, Sliding, Yoke
 from engine.scene.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.scene.scene import Scene, SceneError
@@ -264,6 +264,11 @@ def _wrong_moments(scene: Scene) -> list[Problem]:
             problems.append(
                 (path, f"a motor drives the crank or a shaft geared to it, not {moment.on!r}; allowed: {allowed}")
             )
+        elif isinstance(moment, Carried) and moment.on not in {*turning, *scene.shafts}:
+            allowed = ", ".join(sorted({*turning, *scene.shafts})) or "none: add a shaft to [shafts]"
+            problems.append(
+                (path, f"a {moment.type} is on the crank or on a shaft, not on {moment.on!r}; allowed: {allowed}")
+            )
         elif moment.on in still:
             problems.append((path, f"{moment.on!r} doesn't turn: a moment on it does no work; name a turning link"))
         elif isinstance(moment, TorsionSpring) and moment.on in loose:
@@ -331,6 +336,11 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
+        problems += [
+            (f"{at}.off", f"the mass of {action!r} always goes along: it can't be off")
+            for action in regime.off
+            if isinstance(scene.moments.get(action), Carried)
+        ]
         taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))

@@ -61,8 +61,8 @@ class RunRegime(Part):
             what = "none is" if not given else f"{' and '.join(given)} are"
             raise ValueError(
                 f"a run ends after cycles, after a time, at a speed or at rest: {what} given; give exactly one of "
-                "cycles, time, speed (velocity of a sliding input), rest = true, with a limited range "
-                "end_of_range = true, or with a clutch lock_up = true"
+                "cycles, time, speed, rest = true, velocity of a sliding input, end_of_range = true of an input that "
+                "doesn't turn fully, or with a clutch lock_up = true"
             )
         return self
 
