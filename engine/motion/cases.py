@@ -92,7 +92,9 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     turning = _varies(dynamics.reduction.mechanics.reduced.inertia)
     rubs = bool(dynamics.reduction.mechanics.scene.friction)
     number = _number(turning, arguments | {"φ", "ω"} if rubs else arguments)
-    couplings = dynamics.reduction.mechanics.scene.couplings if isinstance(regime, RunRegime) else {}
+    couplings = dynamics.reduction.mechanics.scene.couplings
+    if not isinstance(regime, RunRegime):
+        couplings = {name: coupling for name, coupling in couplings.items() if coupling.type == "fluid_coupling"}
     stepwise = rubs or couplings or not dynamics.reduction.has_cycle
     law = None if turning or stepwise or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
     method = TIME_FORM if dynamics.timed or stepwise else ENERGY_FORM

@@ -110,10 +110,15 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
-        if isinstance(scene.regimes[name], RunRegime) and schedule.sides:
-            angle = scene.regimes[name].from_angle
+        if schedule.at_two_speeds(name):
+            angle = getattr(scene.regimes[name], "from_angle", 0.0)
             start = standing.angle[0] if angle is None else angle
-            gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
+            if name in schedule.steady:
+                _, gone, standing = schedule.settled_at_two_speeds(name, variants, standing, record=True)
+                if gone.history is None:
+                    break
+            else:
+                gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
             sides = schedule.sides[off].of(variants, np.full(1, start))
             time, turned, omega, *shaft = gone.history
             course = np.array([time + begun, start + variants.direction * turned, omega])

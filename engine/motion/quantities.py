@@ -8,6 +8,7 @@ from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
 from engine.scene.parts import CrankInput, SliderInput
+from engine.scene.regimes import Regime
 from engine.scene.scene import Scene
 
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
@@ -66,6 +67,7 @@ FLUID = {"{coupling}_slip": ("angle slipped by the angle of shaft {shaft} in {na
 # Of a steady regime, in which a clutch holds.
 _MOMENT = "{coupling}_moment_peak"
 HELD = {_MOMENT: COUPLED[_MOMENT]}
+MEAN_SPEED = {"{shaft}_mean_speed": ("mean angular speed of shaft {shaft} in {name}", "rad s-1")}
 # Of a run with a coupling, be it open.
 AT_TWO_SPEEDS = {"{shaft}_final_speed": ("angular speed of shaft {shaft} at the end of {name}", "rad s-1")}
 # What may have no value: nothing drives a machine that runs down, a clutch needn't come to hold.
@@ -129,7 +131,8 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
         if regime.type == "steady":
             motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
             found += [Quantity(f"{name}.{n}_slip", f"mean slip of motor {n} in {name}", "1") for n in motors]
-            if scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None:
+            sized = scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None
+            if sized and not _at_two_speeds(scene, regime):
                 words = (
                     f"flywheel inertia that gives the asked speed fluctuation in the true motion of {name}; where it "
                     f"is asked, the other answers of {name} are those with it"
@@ -138,12 +141,20 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
     return found
 
 
+def _at_two_speeds(scene: Scene, regime: Regime) -> bool:
+    """Whether both sides of a coupling have speeds of their own: in runs, and through a fluid coupling."""
+    fluid = any(coupling.type == "fluid_coupling" for coupling in scene.couplings.values())
+    return fluid or (regime.type == "run" and bool(scene.couplings))
+
+
 def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
     """Summaries of a run with a coupling."""
     found: list[Quantity] = []
     regime = scene.regimes[name]
     for coupling, model in scene.couplings.items():
         table = AT_TWO_SPEEDS if regime.type == "run" else HELD
+        if regime.type == "steady" and model.type == "fluid_coupling":
+            table = COUPLED | FLUID | MEAN_SPEED
         if regime.type == "run" and coupling not in regime.off:
             table = COUPLED | (CLUTCHED if model.type == "friction_clutch" else FLUID) | table
         words = {"name": name, "coupling": coupling, "shaft": model.shaft}
@@ -159,7 +170,7 @@ def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
     loads = load_fields(mechanics)
     for name, regime in mechanics.scene.regimes.items():
         # At the two speeds of a coupling loads aren't known.
-        if regime.type == kind and not (kind == "run" and mechanics.scene.couplings):
+        if regime.type == kind and not _at_two_speeds(mechanics.scene, regime):
             found += _made(mechanics.scene, name, FIELDS)
             found += [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in loads.items()]
     return found

@@ -19,7 +19,8 @@ from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
 from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds
-from engine.motion.coupled.two_sides import TwoSides
+from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
+from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
@@ -242,7 +243,10 @@ class Schedule:
             dynamics, variants = self.dynamics[off], driven[off]
             hindered = self.hindered(name, dynamics, variants)
             standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
-            if isinstance(self.regimes[name], RunRegime) and self.sides:
+            if self.at_two_speeds(name) and name in self.steady:
+                going, standing, found, scale = self._steady_at_two_speeds(name, dynamics, variants, standing, half)
+                made, energy = float(steps), going.energy
+            elif self.at_two_speeds(name):
                 going, standing = self.run_at_two_speeds(name, variants, standing, half)
                 made, energy = going.turned / dynamics.cycle * steps, going.energy
                 found, scale = self._at_two_speeds(name, dynamics, going), {}
@@ -281,7 +285,7 @@ class Schedule:
             begin = self._number(name, self.keys.from_place, variants, 0.0)
             low, high = self.reduction.range_of(variants.numbers, variants.count)
             verdict = np.where((begin < low) | (begin > high), Verdict.OUTSIDE_LIMITS, verdict)
-        if self.sides and isinstance(self.regimes[name], RunRegime):
+        if self.at_two_speeds(name):
             bare = self.sides[frozenset(self.regimes[name].off)].without_inertia(variants)
             return np.where(bare, Verdict.NO_INERTIA, verdict).astype(np.uint8)
         # With the flywheel that is asked for there is an inertia everywhere.
@@ -341,6 +345,38 @@ class Schedule:
         after = CoupledStanding(gone.shaft_omega, zero if two.open else since + gone.time)
         angle = angle + variants.direction * gone.turned
         return gone, Standing(angle, gone.omega, standing.clock + gone.time, verdict, after)
+
+    def at_two_speeds(self, name: str) -> bool:
+        """Whether both sides of a coupling have speeds of their own in a regime: but for a clutch that holds."""
+        return bool(self.sides) and (name not in self.steady or self.sides[frozenset(self.regimes[name].off)].is_fluid)
+
+    def settled_at_two_speeds(
+        self, name: str, variants: Variants, standing: Standing, loose: bool = False, record: bool = False
+    ) -> tuple[CoupledSteady, CoupledOutcome, Standing]:
+        """Steady motion through a fluid coupling, and a cycle of it; parameters as of `run_at_two_speeds`."""
+        two, count, zero = self.sides[frozenset(self.regimes[name].off)], variants.count, np.zeros(variants.count)
+        ready = np.flatnonzero(standing.verdict == Verdict.OK)
+        sides = two.of(variants.some(ready), zero[ready])
+        steady = settled_at_two_speeds(sides, loose)
+        good = np.flatnonzero(steady.verdict == Verdict.OK)
+        # Numbers of those that have one, and NaN for the others.
+        gone = one_cycle(sides.some(good), steady.speeds[:, good], loose, record).over_all(ready[good], count)
+        verdict = standing.verdict.astype(np.uint8).copy()
+        verdict[ready] = np.where(steady.verdict == Verdict.OK, gone.verdict[ready], steady.verdict)
+        speeds, multiplier, residual = (_of_all(row, ready, count) for row in steady[1:])
+        after = Standing(zero, speeds[0], zero, verdict, CoupledStanding(speeds[1], np.full(count, np.inf)))
+        return CoupledSteady(verdict, speeds, multiplier, residual), gone, after
+
+    def _steady_at_two_speeds(
+        self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
+    ) -> tuple[CoupledOutcome, Standing, dict[str, np.ndarray], dict[str, np.ndarray]]:
+        steady, gone, after = self.settled_at_two_speeds(name, variants, standing, half)
+        found = self._at_two_speeds(name, dynamics, gone)
+        low, high = found["speed_min"], found["speed_max"]
+        found |= {"period": gone.time, "mean_speed": dynamics.cycle / gone.time, "multiplier": steady.multiplier}
+        found |= {"return_residual": steady.residual, "speed_fluctuation": 2.0 * (high - low) / (high + low)}
+        found |= self._slips(name, variants, found["mean_speed"], gone)
+        return gone, after, found, {"speed_fluctuation": np.ones(variants.count)}
 
     def _at_two_speeds(self, name: str, dynamics: Dynamics, gone: CoupledOutcome) -> dict[str, np.ndarray]:
         two = self.sides[frozenset(self.regimes[name].off)]
@@ -485,11 +521,16 @@ class Schedule:
         held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.sides else None
         return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
 
-    def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
+    def _slips(
+        self, name: str, variants: Variants, mean_speed: np.ndarray, gone: CoupledOutcome | None = None
+    ) -> dict[str, np.ndarray]:
+        """Mean slips of induction motors; those on a coupled shaft go at its speed."""
         scene, n, slips = self.scene, variants.numbers, {}
         for motor, action in scene.moments.items():
             if action.type == "induction_motor" and motor not in self.regimes[name].off:
                 speed = mean_speed * np.abs(motor_ratio(scene, action, n))
+                if gone is not None and action.on == coupling_of(scene)[1].shaft:
+                    speed = gone.values["shaft_mean_speed"]
                 slips[f"{motor}_slip"] = 1.0 - speed / n[f"moments.{motor}.synchronous_speed"]
         return slips
 

@@ -445,9 +445,8 @@ def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
     clutches = {name for name, coupling in scene.couplings.items() if coupling.type == "friction_clutch"}
     for name, regime in scene.regimes.items():
         if regime.type == "steady":
-            engaged = clutches - set(regime.off)
-            if scene.couplings and not engaged:
-                message = "only a clutch that holds, and isn't off, has one steady motion; use a run of some cycles"
+            if set(scene.couplings) & set(regime.off):
+                message = "with its coupling open a machine has two motions that know nothing of each other; use a run"
                 problems.append((f"regimes.{name}.type", message))
             continue
         if regime.lock_up and not clutches - set(regime.off):

@@ -43,7 +43,9 @@ def telling_summaries(scene: Scene) -> tuple[str, ...]:
         if not isinstance(regime, RunRegime):
             keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
             keys.append("multiplier")
-            if scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation:
+            fluid = any(coupling.type == "fluid_coupling" for coupling in scene.couplings.values())
+            asked = scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation
+            if asked and not fluid:
                 keys.append("flywheel")
         found += [f"{name}.{key}" for key in (*keys, *_coupling_keys(scene, regime))]
     return tuple(found)
@@ -53,7 +55,7 @@ def _coupling_keys(scene: Scene, regime: Regime) -> list[str]:
     """What is worth asking of a coupling that isn't open."""
     found: list[str] = []
     for name, coupling in scene.couplings.items():
-        if not isinstance(regime, RunRegime):
+        if not isinstance(regime, RunRegime) and coupling.type == "friction_clutch":
             found.append(f"{name}_moment_peak")
         elif name not in regime.off:
             clutch = ("slip_time", "lock_up_time", "lock_up_speed") if coupling.type == "friction_clutch" else ("slip",)

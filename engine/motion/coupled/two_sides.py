@@ -183,12 +183,15 @@ class TwoSides:
     Attributes
     ----------
     crank, shaft : Dynamics
+    is_fluid : bool
+        Whether the coupling is a fluid coupling that is not open.
     """
 
     def __init__(self, reduction: Reduction, off: frozenset[str], works: bool) -> None:
         self.scene = reduction.mechanics.scene
         self.name, self.coupling = coupling_of(self.scene)
         self.open = self.name in off
+        self.is_fluid = isinstance(self.coupling, FluidCoupling) and not self.open
         on_shaft = {name for name, moment in self.scene.moments.items() if moment.on == self.coupling.shaft}
         elsewhere = {load.action for load in reduction.loads.terms} | set(reduction.loads.motors)
         self.crank = Dynamics(reduction, off | on_shaft, works)
