@@ -391,6 +391,9 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
             problems.append((f"{at}.driver", message))
         elif element.driver is not None and scene.shafts[element.driver].inertia == 0.0:
             problems.append((f"{at}.driver", f"shafts.{element.driver}.inertia = 0: the motors' end needs inertia"))
+        carried = [n for n, m in scene.moments.items() if isinstance(m, Carried) and m.on == element.driver]
+        if carried:
+            problems.append((f"{at}.driver", f"{carried[0]!r} moves masses of its own with this shaft; name another"))
         left = sorted(_timed(scene) - off)
         if left:
             problems.append((f"{at}.off", f"{left[0]!r} depends on time: no motion repeats itself; switch it off here"))

@@ -91,7 +91,8 @@ def courses(seen: History) -> list[_Course]:
         done = {key: row[-1] for key, row in works.items()}
         time = seen.time[chosen] - seen.time[chosen][0]
         rows = (row[chosen] for row in (seen.angle, seen.speed, seen.acceleration, seen.energy))
-        reactions = {key.removesuffix(".reaction"): np.abs(row[chosen]) for key, row in seen.loads_on_pairs.items()}
+        known = {key: row for key, row in seen.loads_on_pairs.items() if np.isfinite(row).any()}
+        reactions = {key.removesuffix(".reaction"): np.abs(row[chosen]) for key, row in known.items()}
         coupled = {"shaft_speed": seen.shaft_speed[chosen], "coupling": seen.coupling_moment[chosen]}
         coupled = {key: row for key, row in coupled.items() if np.isfinite(row).any()}
         found.append(_Course(str(name), time, *rows, own, powers, works, reactions, coupled))
