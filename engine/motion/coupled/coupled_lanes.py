@@ -5,7 +5,6 @@ that what loads it is a place like the crank's, but the same throughout the step
 """
 
 from collections.abc import Callable
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -72,15 +71,8 @@ ERROR, OTHER, REACH = range(3)
 SPARE = 3
 
 
-class Joint(IntEnum):
-    """What joins the sides: nothing, a friction clutch, or a fluid."""
-
-    NONE = 0
-    CLUTCH = 1
-    FLUID = 2
-
-
-NONE, CLUTCH, BY_FLUID = (int(joint) for joint in Joint)
+# What joins the sides: nothing, a friction clutch, or a fluid.
+NONE, CLUTCH, BY_FLUID = range(3)
 
 
 class SideRoom(NamedTuple):
