@@ -341,6 +341,11 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
             for action in regime.off
             if isinstance(scene.moments.get(action), Carried)
         ]
+        if regime.type == "run" and regime.method is not None:
+            hindrance = next((words for words, there in _against_rk4(scene, left) if there), None)
+            if hindrance:
+                message = f"equal steps over the crank angle don't follow {hindrance}; leave method and steps_per_turn"
+                problems.append((f"{at}.method", message))
         taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
@@ -363,12 +368,24 @@ def _wrong_for_range(drive: CrankInput | SliderInput, name: str, regime: Regime)
     ]
     if turns and regime.end_of_range:
         problems.append((f"{at}.end_of_range", "the crank turns fully; use another end, or input.start and stop"))
+    if own == OF_SLIDER and regime.at is not None and regime.at.angles is not None:
+        problems.append((f"{at}.at.angles", "a sliding input turns no angle; give times"))
     if not turns and regime.cycles is not None:
         problems.append((f"{at}.cycles", "an input that doesn't turn fully has no cycles; use end_of_range = true"))
     place = getattr(regime, own.from_place)
     if not turns and place is not None and not min(drive.start, drive.stop) <= place <= max(drive.start, drive.stop):
         problems.append((f"{at}.{own.from_place}", "lies outside the range of the input, input.start … input.stop"))
     return problems
+
+
+def _against_rk4(scene: Scene, timed: list[str]) -> list[tuple[str, bool]]:
+    """What a run by the classical method can't have, and whether it is there."""
+    return [
+        ("an input that doesn't turn fully", getattr(scene.input, "start", None) is not None),
+        ("the two speeds of a coupling", bool(scene.couplings)),
+        ("friction in pairs", bool(scene.friction)),
+        (f"{timed[0]!r}, which depends on time" if timed else "", bool(timed)),
+    ]
 
 
 def _wrong_drives(scene: Scene) -> list[Problem]:
@@ -454,6 +471,9 @@ def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
             continue
         if regime.lock_up and not clutches - set(regime.off):
             problems.append((f"regimes.{name}.lock_up", "no friction clutch is engaged here; give another end"))
+        if regime.at is not None and scene.couplings:
+            message = "fields of a run at the two speeds of a coupling aren't kept; `sweeps export --history` has them"
+            problems.append((f"regimes.{name}.at", message))
         if regime.from_shaft_speed is not None and not scene.couplings:
             message = "no shaft has a speed of its own: the scene has no coupling; use from_speed"
             problems.append((f"regimes.{name}.from_shaft_speed", message))
