@@ -96,6 +96,7 @@ from engine.mechanism.synthesis.quick_return import (
 from engine.mechanism.synthesis.synthesis_error import SynthesisError
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history, history_fields
+from engine.motion.quantities import of_sliding as sliding_quantity
 from engine.quantities.friction import friction_in_pairs
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.quantities.reactions import acting_fields
@@ -130,7 +131,7 @@ from engine.scene.pairs import pairs as pairs_of
 from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, PlainText, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
-from engine.scene.regimes import Regime, RunRegime, SteadyRegime
+from engine.scene.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.scene.scene import Numbers as SceneNumbers
 from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure.ordering import group_links
@@ -326,12 +327,14 @@ __all__ = [
     "rotor_corrections",
     "rotor_numbers",
     "rotor_unbalances",
+    "run_keys",
     "run_through_motion",
     "scale_of",
     "scene_numbers",
     "set_threads",
     "slider_tilts",
     "sliders_of",
+    "sliding_quantity",
     "sources_digest",
     "split_on_neighbours",
     "stability_point",

@@ -77,6 +77,32 @@ def spring(stiffness: float, free_length: float, length: float) -> float:
 
 
 @scalar
+def lifting_factor(efficiency: float, direction: float, v: float) -> float:
+    """Factor of a weight behind gearing of some efficiency η: 1/η while it is lifted, η while it drives.
+
+    Parameters
+    ----------
+    efficiency : float
+        η.
+    direction : float
+        +1 where it is lifted while v > 0, -1 where while v < 0.
+    v : float
+        Velocity [m/s or rad/s].
+
+    Returns
+    -------
+    float
+        1 at rest; NaN where the velocity is not known.
+    """
+    lifted = direction * v
+    if lifted > 0.0:
+        return 1.0 / efficiency
+    if lifted < 0.0:
+        return efficiency
+    return 1.0 + v
+
+
+@scalar
 def acts_in_direction(direction: float, v: float) -> float:
     """Factor of a load that acts in one direction of motion only (cutting, not the return stroke).
 

@@ -6,15 +6,17 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on reduc
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.graph.nodes import Node
 from engine.laws.inertia_forces import inertia_offset
+from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.kinematics import Kinematics, MovingPoint
 from engine.mechanism.vectors import Vector
-from engine.scene.inertia import body_inertia, body_mass
+from engine.scene.inertia import body_inertia, body_mass, carried_inertia, carried_on
 from engine.scene.masses import replacement
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene
@@ -66,7 +68,7 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
             rotation(graph.derived(f"inertia of {name}", part.inertia, "load"), part.link)
     for name, shaft in scene.shafts.items():
         if shaft.geared_to != scene.input.link:
-            rotation(graph.number(f"shafts.{name}.inertia", "load"), name)
+            rotation(turning_inertia(kinematics, name), name)
     first_kind = graph.derived("first kind inertia", lambda n: _first_kind(kinematics, n), "load")
     return ReducedInertia(
         first_kind,
@@ -84,6 +86,8 @@ def _first_kind(kinematics: Kinematics, numbers: Numbers) -> float | np.ndarray:
         if shaft.geared_to == scene.input.link:
             ratios[name] = numbers[f"shafts.{name}.ratio"]
             total = total + numbers[f"shafts.{name}.inertia"] * ratios[name] ** 2
+    for name, ratio in ratios.items():
+        total = total + carried_inertia(scene, name, numbers) * ratio**2
     for part in kinematics.masses.values():
         mass = part.mass(numbers)
         if part.link in ratios:
@@ -181,9 +185,11 @@ def shaking(
         if part.inertia is not None:
             twist = graph.derived(f"inertia moment of mass {name}", _by_square(part.inertia), "load")
             moment.append((twist, turning(link)))
-    for name in scene.shafts:
-        path = f"shafts.{name}.inertia"
-        twist = graph.derived(f"inertia moment of shaft {name}", _by_square(lambda n, path=path: n[path]), "load")
+    own = {name: turning_inertia(kinematics, name).compute for name in scene.shafts}
+    if carried_on(scene, scene.input.link):
+        own[scene.input.link] = partial(carried_inertia, scene, scene.input.link)
+    for name, inertia in own.items():
+        twist = graph.derived(f"inertia moment of shaft {name}", _by_square(inertia), "load")
         moment.append((twist, turning(kinematics.links[name])))
     return FrameShaking(Vector(graph.combination(x), graph.combination(y)), graph.combination(moment))
 

@@ -11,6 +11,7 @@ the input moment by virtual power.
 """
 
 from collections.abc import Iterable
+from functools import partial
 
 from engine.graph.nodes import Node
 from engine.laws.friction.feedback import guide_pressing
@@ -21,6 +22,7 @@ from engine.laws.kinematics.rpr import rpr_reactions
 from engine.laws.kinematics.rrp import rrp_reactions
 from engine.laws.kinematics.rrr import rrr_reactions
 from engine.mechanism.acting import Load
+from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import Turning
 from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
@@ -30,6 +32,7 @@ from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
+from engine.scene.inertia import carried_inertia, carried_on
 from engine.scene.pairs import Pair, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
@@ -110,7 +113,12 @@ class Reactions:
             for name in self.kinematics.masses:
                 self._inertia(of_links, name)
             for name in self.scene.shafts:
-                self._rotary_inertia(of_links, name, self.graph.number(f"shafts.{name}.inertia", "load"))
+                self._rotary_inertia(of_links, name, turning_inertia(self.kinematics, name))
+            crank = self.scene.input.link
+            if carried_on(self.scene, crank):
+                own = partial(carried_inertia, self.scene, crank)
+                inertia = self.graph.derived(f"inertia of what {crank} carries", own, "load")
+                self._rotary_inertia(of_links, crank, inertia)
         for load in loads:
             # At its speed a machine runs with its brakes released; regimes apply them.
             if self.motion.given or load.role != "braking":

@@ -69,7 +69,7 @@ def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
     Parameters
     ----------
     mechanics : Mechanics
-        Of a scene whose crank turns fully.
+        Of a scene with regimes.
     """
     reduction, found = Reduction(mechanics), []
     for name, regime in mechanics.scene.regimes.items():
@@ -92,8 +92,10 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     turning = _varies(dynamics.reduction.mechanics.reduced.inertia)
     rubs = bool(dynamics.reduction.mechanics.scene.friction)
     number = _number(turning, arguments | {"φ", "ω"} if rubs else arguments)
-    couplings = dynamics.reduction.mechanics.scene.couplings if isinstance(regime, RunRegime) else {}
-    stepwise = rubs or couplings
+    couplings = dynamics.reduction.mechanics.scene.couplings
+    if not isinstance(regime, RunRegime):
+        couplings = {name: coupling for name, coupling in couplings.items() if coupling.type == "fluid_coupling"}
+    stepwise = rubs or couplings or not dynamics.reduction.has_cycle
     named = isinstance(regime, RunRegime) and regime.method is not None
     closed = isinstance(regime, RunRegime) and not (turning or stepwise or named)
     law = _law(dynamics, regime, arguments) if closed else None

@@ -19,6 +19,7 @@ from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
+NOUGHT = np.zeros(1)
 # What power comes from, and goes to.
 SOURCES = ("motors", *CHANNELS, "coupling")
 
@@ -96,8 +97,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
     asked |= {f"{name}.{field}.max" for name in scene.regimes for field in fields}
     schedule = Schedule(mechanics, asked, steps)
     every = schedule.variants(Numbers(scene_numbers(scene), {}), 1)
-    zero = np.zeros(1)
-    standing = Standing(zero, zero, zero, np.full(1, Verdict.OK, np.uint8))
+    zero, standing = np.zeros(1), schedule.at_begin(every)
     parts: list[_Part | _CoupledPart] = []
     begun = 0.0
     for name in schedule.needed:
@@ -110,10 +110,15 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
-        if isinstance(scene.regimes[name], RunRegime) and schedule.sides:
-            angle = scene.regimes[name].from_angle
+        if schedule.at_two_speeds(name):
+            angle = getattr(scene.regimes[name], "from_angle", 0.0)
             start = standing.angle[0] if angle is None else angle
-            gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
+            if name in schedule.steady:
+                _, gone, standing = schedule.settled_at_two_speeds(name, variants, standing, record=True)
+                if gone.history is None:
+                    break
+            else:
+                gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
             sides = schedule.sides[off].of(variants, np.full(1, start))
             time, turned, omega, *shaft = gone.history
             course = np.array([time + begun, start + variants.direction * turned, omega])
@@ -126,9 +131,13 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
                 records.append(_Record(along))
                 return records[-1]
 
-            _, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
-            parts.append(_Part(name, begun, records[0].along, records[0].pieces))
-            begun += records[0].pieces[-1].time[-1, 0]
+            outcome, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
+            pieces, state = records[0].pieces, outcome.state
+            if state.time[0] > pieces[-1].time[-1, 0]:
+                # It stood still until the time was over.
+                pieces.append(_instant(standing, state.time, state.turned))
+            parts.append(_Part(name, begun, records[0].along, pieces))
+            begun += pieces[-1].time[-1, 0]
         else:
             piece, standing = _one_cycle(dynamics, variants, steps, schedule.tolerance)
             along = RunFields(dynamics, variants, zero, zero, schedule.loads, off)
@@ -184,9 +193,9 @@ class _CoupledPart(NamedTuple):
     shaft: np.ndarray
 
 
-def _instant(standing: Standing) -> Piece:
-    """Where a machine stands."""
-    rows = [np.zeros((1, 1)), np.zeros((1, 1)), standing.omega[None]]
+def _instant(standing: Standing, time: np.ndarray = NOUGHT, turned: np.ndarray = NOUGHT) -> Piece:
+    """Where a machine stands, some time and angle after its run began."""
+    rows = [time[None], turned[None], standing.omega[None]]
     return Piece(*rows, np.ones(1), np.empty((0, 1)), np.full((1, 1), np.nan))
 
 

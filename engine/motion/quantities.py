@@ -6,9 +6,11 @@ import numpy as np
 
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities import inertia, reactions
-from engine.quantities.quantity import STATISTICS, Quantity
+from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
+from engine.scene.parts import CrankInput, SliderInput
+from engine.scene.regimes import Regime
 from engine.scene.scene import Scene
 
 # Sorts of power, by the channel that gives it or, of what resists, takes it.
@@ -45,6 +47,16 @@ RUN = {
     "angle": ("angle turned in {name}", "rad"),
     "final_speed": ("angular speed of the input link at the end of {name}", "rad s-1"),
 }
+# Of a run with an input that doesn't turn fully.
+WITHIN_RANGE = {
+    "final_position": ("position of the input at the end of {name}", "rad"),
+    "end_reached": ("end of its range at which the input arrives in {name}: −1 the lower, 1 the upper, 0 none", "1"),
+    "impact_energy": ("kinetic energy that the end of the range takes up in {name}", "J"),
+}
+# Of a sliding input: names, words and units that are others than a crank's.
+SLIDING = {"angle": "displacement"}
+SLIDING_WORDS = (("angular ", ""), ("angle turned", "displacement"), ("moment", "force"))
+SLIDING_UNITS = {"rad": "m", "rad s-1": "m s-1", "rad s-2": "m s-2", "N m": "N"}
 # Of a run with a coupling that isn't open; `{coupling}` is its name, `{shaft}` that of its shaft.
 COUPLED = {
     "{coupling}_heat": ("heat of {coupling} in {name}", "J"),
@@ -60,6 +72,7 @@ FLUID = {"{coupling}_slip": ("angle slipped by the angle of shaft {shaft} in {na
 # Of a steady regime, in which a clutch holds.
 _MOMENT = "{coupling}_moment_peak"
 HELD = {_MOMENT: COUPLED[_MOMENT]}
+MEAN_SPEED = {"{shaft}_mean_speed": ("mean angular speed of shaft {shaft} in {name}", "rad s-1")}
 # Of a run with a coupling, be it open.
 AT_TWO_SPEEDS = {"{shaft}_final_speed": ("angular speed of shaft {shaft} at the end of {name}", "rad s-1")}
 # What may have no value: nothing drives a machine that runs down, a clutch needn't come to hold.
@@ -121,20 +134,31 @@ class Asked(NamedTuple):
         return cls(regime, field, statistic) if field and known else cls(regime, rest, "")
 
 
-def _made(name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
+def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
+    if isinstance(scene.input, SliderInput):
+        table = {SLIDING.get(key, key): of_sliding(*row) for key, row in table.items()}
     return [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in table.items()]
+
+
+def of_sliding(words: str, unit: str) -> tuple[str, str]:
+    """Words and unit of a sliding input's motion, from those of a crank's."""
+    for of_crank, of_slider in SLIDING_WORDS:
+        words = words.replace(of_crank, of_slider)
+    return words, SLIDING_UNITS.get(unit, unit)
 
 
 def motion_summaries(scene: Scene) -> list[Quantity]:
     """Summaries of the regimes of a scene."""
     found: list[Quantity] = []
     for name, regime in scene.regimes.items():
-        found += _made(name, COMMON | (STEADY if regime.type == "steady" else RUN))
+        limited = {} if has_cycle(scene) else WITHIN_RANGE
+        found += _made(scene, name, COMMON | (STEADY if regime.type == "steady" else RUN | limited))
         found += _of_couplings(scene, name)
         if regime.type == "steady":
             motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
             found += [Quantity(f"{name}.{n}_slip", f"mean slip of motor {n} in {name}", "1") for n in motors]
-            if scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None:
+            sized = scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None
+            if sized and not _at_two_speeds(scene, regime):
                 words = (
                     f"flywheel inertia that gives the asked speed fluctuation in the true motion of {name}; where it "
                     f"is asked, the other answers of {name} are those with it"
@@ -143,12 +167,20 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
     return found
 
 
+def _at_two_speeds(scene: Scene, regime: Regime) -> bool:
+    """Whether both sides of a coupling have speeds of their own: in runs, and through a fluid coupling."""
+    fluid = any(coupling.type == "fluid_coupling" for coupling in scene.couplings.values())
+    return fluid or (regime.type == "run" and bool(scene.couplings))
+
+
 def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
     """Summaries of a run with a coupling."""
     found: list[Quantity] = []
     regime = scene.regimes[name]
     for coupling, model in scene.couplings.items():
         table = AT_TWO_SPEEDS if regime.type == "run" else HELD
+        if regime.type == "steady" and model.type == "fluid_coupling":
+            table = COUPLED | FLUID | MEAN_SPEED
         if regime.type == "run" and coupling not in regime.off:
             table = COUPLED | (CLUTCHED if model.type == "friction_clutch" else FLUID) | table
         words = {"name": name, "coupling": coupling, "shaft": model.shaft}
@@ -161,13 +193,15 @@ def _of_couplings(scene: Scene, name: str) -> list[Quantity]:
 def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
     """Fields of the regimes of one kind, "steady" or "run", of a scene."""
     found: list[Quantity] = []
+    loads = load_fields(mechanics)
     for name, regime in mechanics.scene.regimes.items():
         # At the two speeds of a coupling loads aren't known.
-        if regime.type == kind and not (kind == "run" and mechanics.scene.couplings):
-            found += _made(name, FIELDS)
+        if regime.type == kind and not _at_two_speeds(mechanics.scene, regime):
+            found += _made(mechanics.scene, name, FIELDS)
             if kind == "steady":
-                found += _made(name, {INSTANT: ("time since the crank angle 0 in {name}", "s")})
-            found += _made(name, load_fields(mechanics))
+                instant = {INSTANT: ("time since the crank angle 0 in {name}", "s")}
+                found += _made(mechanics.scene, name, instant)
+            found += [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in loads.items()]
     return found
 
 
@@ -191,7 +225,7 @@ def kept_fields(mechanics: Mechanics) -> list[Quantity]:
     axes = {f"{name}.": at.quantity.name for name, at in kept_at_of(mechanics.scene).items()}
     found = [q for q in motion_fields(mechanics, "run") if q.name.startswith(tuple(axes))]
     for prefix, axis in axes.items():
-        found += [q for q in _made(prefix[:-1], AXES) if q.name != axis]
+        found += [q for q in _made(mechanics.scene, prefix[:-1], AXES) if q.name != axis]
     return found
 
 
@@ -200,9 +234,11 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     declared = [q for part in (reactions, inertia) for q in part.declare(mechanics) if isinstance(q, Field)]
     found = {q.name: q for q in declared if q.name.rpartition(".")[2] in LOADS}
     table = {key: (q.long_name.replace(AT_UNIFORM_SPEED, ""), q.units) for key, q in found.items()}
-    table["input_moment_by_equilibrium"] = ("input moment by equilibrium of the input link, without flywheel", "N m")
+    moment, unit = ("moment", "N m") if isinstance(mechanics.scene.input, CrankInput) else ("force", "N")
+    words = f"input {moment} by equilibrium of the input link, without flywheel"
+    table["input_moment_by_equilibrium"] = (words, unit)
     if mechanics.scene.friction:
-        table["friction_moment"] = ("moment on the input that stands for friction in pairs", "N m")
+        table["friction_moment"] = (f"{moment} on the input that stands for friction in pairs", unit)
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 
 
@@ -219,9 +255,9 @@ def cycle_statistics(field: Quantity) -> list[Quantity]:
     ]
 
 
-def run_extremes(field: Quantity) -> list[Quantity]:
-    """Extremes of a field along a run, with their places and instants."""
-    units = {"_at": "rad", "_time": "s"}
+def run_extremes(field: Quantity, q: str) -> list[Quantity]:
+    """Extremes of a field along a run, with their places, in the unit `q` of the input, and instants."""
+    units = {"_at": q, "_time": "s"}
     return [
         Quantity(
             f"{field.name}.{suffix}",

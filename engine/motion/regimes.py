@@ -19,7 +19,7 @@ from engine.motion.quantities import (
     run_extremes,
 )
 from engine.motion.regimes_in_order import RegimeAnswers, Schedule
-from engine.quantities.quantity import Quantity
+from engine.quantities.quantity import InputUnits, Quantity
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
 
@@ -50,6 +50,7 @@ class Regimes:
     """
 
     def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
+        self._scene = mechanics.scene
         self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
         self.fields = {quantity.name: quantity for quantity in motion_fields(mechanics)}
         self._of_cycles, instants = frozenset(self.fields), kept_at_of(mechanics.scene)
@@ -68,7 +69,8 @@ class Regimes:
         asked = (one for one in map(Asked.of, names) if one.statistic and one.field != EFFICIENCY_NOW)
         fields = {f"{one.regime}.{one.field}" for one in asked}
         known = [s for name in fields if name in self._of_cycles for s in cycle_statistics(self.fields[name])]
-        known += [s for name in fields if name in self._along_runs for s in run_extremes(self._along_runs[name])]
+        runs, q = self._along_runs, InputUnits.of(self._scene).q
+        known += [s for name in fields if name in runs for s in run_extremes(runs[name], q)]
         found = {s.name: s for s in known}
         return {name: found[name] for name in names if name in found}
 

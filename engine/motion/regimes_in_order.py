@@ -19,7 +19,8 @@ from engine.motion.cases import case_of
 from engine.motion.closed_forms.closed_runs import run_in_closed_form
 from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds
-from engine.motion.coupled.two_sides import TwoSides
+from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
+from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
@@ -46,7 +47,8 @@ from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
-from engine.scene.regimes import RunRegime
+from engine.quantities.quantity import has_cycle
+from engine.scene.regimes import RunRegime, run_keys
 from engine.scene.scene import Numbers, SceneError
 from engine.verdicts import Verdict
 
@@ -154,10 +156,13 @@ class Schedule:
         What a step of a steady motion may miss, of the greatest work of a step.
     loads : PairLoads or None
         Loads on the pairs, where any are asked.
+    keys : RunKeys
+        Of the kind of its input.
     """
 
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
         self.scene, self.asked, self.steps = mechanics.scene, asked, steps
+        self.keys = run_keys(mechanics.scene.input)
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
         self._run_tolerance = RUN_TOLERANCE
         if accuracy is not None:
@@ -204,7 +209,9 @@ class Schedule:
         for name, regime in reversed(self.regimes.items()):
             if name in wanted or pending:
                 needed.append(name)
-                pending = isinstance(regime, RunRegime) and regime.from_speed is None
+                given = [getattr(regime, key, None) for key in (self.keys.from_speed, self.keys.from_place)]
+                own = given[0] is not None and (given[1] is not None or has_cycle(self.scene))
+                pending = isinstance(regime, RunRegime) and not own
         return needed[::-1]
 
     def answers(self, numbers: Numbers, count: int) -> RegimeAnswers:
@@ -259,29 +266,46 @@ class Schedule:
             flywheel = np.broadcast_to(numbers["flywheel.inertia"], (count,)).astype(float)
         return self.reduction.variants(numbers, direction, flywheel)
 
+    @property
+    def turns(self) -> bool:
+        """Whether the input turns fully."""
+        return self.reduction.has_cycle
+
+    def at_begin(self, variants: Variants) -> Standing:
+        """Where machines stand before their first regime: at φ = 0, or where their range begins, at rest."""
+        zero = np.zeros(variants.count)
+        low, high = self.reduction.range_of(variants.numbers, variants.count)
+        begin = zero if self.turns else np.where(variants.direction > 0.0, low, high)
+        return Standing(begin, zero, zero, np.full(variants.count, Verdict.OK, np.uint8))
+
     def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> Gone:
         """Go through the regimes."""
         count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
-        zero = np.zeros(count)
-        standing = Standing(zero, zero, zero, np.full(count, Verdict.OK, np.uint8))
+        standing = self.at_begin(next(iter(driven.values())))
         gone = Gone({}, {}, standing.verdict, {}, {}, {})
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
             hindered = self.hindered(name, dynamics, variants)
             standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
-            if isinstance(self.regimes[name], RunRegime) and self.sides:
+            if self.at_two_speeds(name) and name in self.steady:
+                going, standing, found, scale = self._steady_at_two_speeds(name, dynamics, variants, standing, half)
+                made, energy = float(steps), going.energy
+            elif self.at_two_speeds(name):
                 going, standing = self.run_at_two_speeds(name, variants, standing, half)
                 made, energy = going.turned / dynamics.cycle * steps, going.energy
                 found, scale = self._at_two_speeds(name, dynamics, going), {}
             elif isinstance(self.regimes[name], RunRegime):
                 outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
                 gone.fields.update({f"{name}.{key}": rows for key, rows in extremes.rows.items()})
-                made = outcome.state.turned / dynamics.cycle * steps
+                low, high = self.reduction.range_of(variants.numbers, variants.count)
+                made = outcome.state.turned / (high - low) * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 if self.regimes[name].method is not None:
                     gone.by_equal_steps[name] = np.stack((outcome.state.time, outcome.fastest))
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
+                found |= self._at_end(outcome, standing)
+                scale |= {"end_reached": np.zeros(count)}
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
                 found, cycle, standing = self._steady(name, dynamics, variants, standing, half)
@@ -303,9 +327,16 @@ class Schedule:
         return gone._replace(verdict=standing.verdict)
 
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
-        """Verdict on what keeps a regime from being computed at all: a brake that locks, an inertia of zero."""
+        """Verdict on what keeps a regime from being computed at all.
+
+        That is a brake that locks, an inertia of zero, a begin outside the range of the input.
+        """
         verdict = np.where(dynamics.locked(variants), Verdict.LOCKS, Verdict.OK)
-        if self.sides and isinstance(self.regimes[name], RunRegime):
+        if not self.turns and getattr(self.regimes[name], self.keys.from_place) is not None:
+            begin = self._number(name, self.keys.from_place, variants, 0.0)
+            low, high = self.reduction.range_of(variants.numbers, variants.count)
+            verdict = np.where((begin < low) | (begin > high), Verdict.OUTSIDE_LIMITS, verdict)
+        if self.at_two_speeds(name):
             bare = self.sides[frozenset(self.regimes[name].off)].without_inertia(variants)
             return np.where(bare, Verdict.NO_INERTIA, verdict).astype(np.uint8)
         # With the flywheel that is asked for there is an inertia everywhere.
@@ -366,6 +397,38 @@ class Schedule:
         angle = angle + variants.direction * gone.turned
         return gone, Standing(angle, gone.omega, standing.clock + gone.time, verdict, after)
 
+    def at_two_speeds(self, name: str) -> bool:
+        """Whether both sides of a coupling have speeds of their own in a regime: but for a clutch that holds."""
+        return bool(self.sides) and (name not in self.steady or self.sides[frozenset(self.regimes[name].off)].is_fluid)
+
+    def settled_at_two_speeds(
+        self, name: str, variants: Variants, standing: Standing, loose: bool = False, record: bool = False
+    ) -> tuple[CoupledSteady, CoupledOutcome, Standing]:
+        """Steady motion through a fluid coupling, and a cycle of it; parameters as of `run_at_two_speeds`."""
+        two, count, zero = self.sides[frozenset(self.regimes[name].off)], variants.count, np.zeros(variants.count)
+        ready = np.flatnonzero(standing.verdict == Verdict.OK)
+        sides = two.of(variants.some(ready), zero[ready])
+        steady = settled_at_two_speeds(sides, loose)
+        good = np.flatnonzero(steady.verdict == Verdict.OK)
+        # Numbers of those that have one, and NaN for the others.
+        gone = one_cycle(sides.some(good), steady.speeds[:, good], loose, record).over_all(ready[good], count)
+        verdict = standing.verdict.astype(np.uint8).copy()
+        verdict[ready] = np.where(steady.verdict == Verdict.OK, gone.verdict[ready], steady.verdict)
+        speeds, multiplier, residual = (_of_all(row, ready, count) for row in steady[1:])
+        after = Standing(zero, speeds[0], zero, verdict, CoupledStanding(speeds[1], np.full(count, np.inf)))
+        return CoupledSteady(verdict, speeds, multiplier, residual), gone, after
+
+    def _steady_at_two_speeds(
+        self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
+    ) -> tuple[CoupledOutcome, Standing, dict[str, np.ndarray], dict[str, np.ndarray]]:
+        steady, gone, after = self.settled_at_two_speeds(name, variants, standing, half)
+        found = self._at_two_speeds(name, dynamics, gone)
+        low, high = found["speed_min"], found["speed_max"]
+        found |= {"period": gone.time, "mean_speed": dynamics.cycle / gone.time, "multiplier": steady.multiplier}
+        found |= {"return_residual": steady.residual, "speed_fluctuation": 2.0 * (high - low) / (high + low)}
+        found |= self._slips(name, variants, found["mean_speed"], gone)
+        return gone, after, found, {"speed_fluctuation": np.ones(variants.count)}
+
     def _at_two_speeds(self, name: str, dynamics: Dynamics, gone: CoupledOutcome) -> dict[str, np.ndarray]:
         two = self.sides[frozenset(self.regimes[name].off)]
         found = {"time": gone.time, "angle": gone.turned, "final_speed": gone.omega}
@@ -395,14 +458,16 @@ class Schedule:
         def number(key: str, otherwise: float) -> np.ndarray:
             return self._number(name, key, variants, otherwise)
 
-        omega = number("from_speed", 0.0) if regime.from_speed is not None else standing.omega
-        angle = number("from_angle", 0.0) if regime.from_angle is not None else standing.angle
+        keys = self.keys
+        omega = number(keys.from_speed, 0.0) if getattr(regime, keys.from_speed) is not None else standing.omega
+        angle = number(keys.from_place, 0.0) if getattr(regime, keys.from_place) is not None else standing.angle
         ends = Ends(
             number("cycles", np.inf) * dynamics.cycle,
             number("time", np.inf),
-            number("speed", np.inf),
+            number(keys.speed, np.inf),
             regime.rest is True,
             number("at_most", np.inf) * dynamics.cycle,
+            regime.end_of_range is True,
         )
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         part = variants.some(ready)
@@ -429,10 +494,19 @@ class Schedule:
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time
-        after = Standing(
-            angle + variants.direction * turned, outcome.state.omega, standing.clock + time, verdict.astype(np.uint8)
-        )
-        return outcome, extremes, after
+        # An end of the range stops what arrives there.
+        omega = np.where(outcome.arrived != 0, 0.0, outcome.state.omega)
+        angle = angle + variants.direction * turned
+        return outcome, extremes, Standing(angle, omega, standing.clock + time, verdict.astype(np.uint8))
+
+    def _at_end(self, outcome: RunOutcome, standing: Standing) -> dict[str, np.ndarray]:
+        """Where an input that doesn't turn fully ends a run, and with which energy it arrives at a stop."""
+        if self.turns:
+            return {}
+        taken = np.where(outcome.arrived != 0, outcome.ended, 0.0)
+        arrived = outcome.arrived.astype(float)
+        found = {"final_position": standing.angle, "end_reached": arrived, "impact_energy": taken}
+        return found | {"displacement": outcome.state.turned}
 
     def _stepping(self, name: str) -> Stepping:
         steps = self.regimes[name].steps_per_turn
@@ -458,7 +532,8 @@ class Schedule:
             instants = RunInstants(along, kept, self.instants[name])
             observers.append(instants)
         outcome = run_to_end(Progress(dynamics, part, *begin, ends, steps, half, observers, self._stepping(name)))
-        found = seen.answers(asked, dynamics.cycle / steps) if asked else FieldAnswers({}, {}, {}, {})
+        low, high = self.reduction.range_of(part.numbers, part.count)
+        found = seen.answers(asked, (high - low) / steps) if asked else FieldAnswers({}, {}, {}, {})
         if kept:
             instants.finish(outcome)
             found = found._replace(rows=instants.rows)
@@ -518,11 +593,16 @@ class Schedule:
         held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.sides else None
         return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
 
-    def _slips(self, name: str, variants: Variants, mean_speed: np.ndarray) -> dict[str, np.ndarray]:
+    def _slips(
+        self, name: str, variants: Variants, mean_speed: np.ndarray, gone: CoupledOutcome | None = None
+    ) -> dict[str, np.ndarray]:
+        """Mean slips of induction motors; those on a coupled shaft go at its speed."""
         scene, n, slips = self.scene, variants.numbers, {}
         for motor, action in scene.moments.items():
             if action.type == "induction_motor" and motor not in self.regimes[name].off:
                 speed = mean_speed * np.abs(motor_ratio(scene, action, n))
+                if gone is not None and action.on == coupling_of(scene)[1].shaft:
+                    speed = gone.values["shaft_mean_speed"]
                 slips[f"{motor}_slip"] = 1.0 - speed / n[f"moments.{motor}.synchronous_speed"]
         return slips
 
@@ -584,7 +664,7 @@ def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     state = type(outcome.state)(*(_of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
-    names = ("slowest", "fastest", "peak", "started", "ended")
+    names = ("slowest", "fastest", "peak", "started", "ended", "arrived")
     rest = {name: _of_all(getattr(outcome, name), ready, count) for name in names}
     return RunOutcome(verdict, state, **rest)
 

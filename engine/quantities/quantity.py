@@ -41,6 +41,16 @@ class InputUnits(NamedTuple):
             return cls("rad", "kg m2", "N m", "rad-1")
         return cls("m", "kg", "N", "m-1")
 
+    @property
+    def speed(self) -> str:
+        """Of the input's speed."""
+        return f"{self.q} s-1"
+
+    @property
+    def acceleration(self) -> str:
+        """Of the input's acceleration."""
+        return f"{self.q} s-2"
+
 
 def has_cycle(scene: Scene) -> bool:
     """Whether the input turns fully, so that there is a cycle to close."""

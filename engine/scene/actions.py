@@ -9,14 +9,30 @@ counter-clockwise. `acts` limits an action to the part of the cycle in which its
 "harmful" (losses).
 """
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from engine.laws.motor_characteristics import nameplate_trouble
 from engine.laws.tables import TableError, make_table
 from engine.scene.formulas.by_formula import ByFormula, FormulaText
-from engine.scene.parts import FRAME, Angle, AngularSpeed, Length, Name, Number, Part, Time, quantity
+from engine.scene.parts import (
+    FRAME,
+    STANDARD_GRAVITY,
+    Acceleration,
+    Angle,
+    AngularSpeed,
+    Area,
+    Density,
+    Length,
+    Mass,
+    Name,
+    Number,
+    Part,
+    Time,
+    quantity,
+)
 
 Force = quantity("force")
 Moment = quantity("moment")
@@ -305,6 +321,66 @@ class TorsionSpring(Part):
     free_angle: Angle = 0.0
 
 
+class Carried(Part):
+    """Masses that a drum or wheel on the crank or on a shaft moves along a straight way, at the speed of its rim.
+
+    With `forwards` the way that the drum turns as they go forward is said: up, where the way rises.
+    """
+
+    masses: ClassVar[tuple[str, ...]] = ("mass",)
+    radius: ClassVar[str] = "drum_radius"
+    on: Name
+    forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
+    gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
+    role: Role = "useful"
+
+
+class HoistMoment(Carried):
+    """A load on the rope of a drum: its weight m g r, and its mass as the inertia m r².
+
+    `efficiency` is that of all between the load and the drum: lifting takes m g r/η, lowering gives back m g r η.
+    """
+
+    type: Literal["hoist"]
+    mass: Annotated[Mass, Field(ge=0)]
+    drum_radius: Annotated[Length, Field(gt=0)]
+    efficiency: Annotated[Number, Field(gt=0, le=1)] = 1.0
+
+
+class VehicleMoment(Carried):
+    """A vehicle on its driven wheels: rolling resistance f m g cos α, slope m g sin α, drag ½ ρ c A v², inertia m r².
+
+    `rolling` is the coefficient f, `slope` the angle α, positive where it rises forwards; `drag_area` is c A of the
+    body, in air of the density `air_density`.
+    """
+
+    radius: ClassVar[str] = "wheel_radius"
+    type: Literal["vehicle"]
+    mass: Annotated[Mass, Field(ge=0)]
+    wheel_radius: Annotated[Length, Field(gt=0)]
+    rolling: Annotated[Number, Field(ge=0)] = 0.0
+    slope: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
+    drag_area: Annotated[Area, Field(ge=0)] = 0.0
+    air_density: Annotated[Density, Field(ge=0)] = 1.204
+
+
+class ConveyorMoment(Carried):
+    """A belt conveyor on its drum: friction C f (m_b + m_l) g cos δ, lift m_l g sin δ, inertia (m_b + m_l) r².
+
+    `load_mass` m_l lies on the belt, `belt_mass` m_b counts the belt and what turns of its idlers; `friction` is the
+    coefficient f, `length_coefficient` C what the ends of a short conveyor add to it, `incline` the angle δ.
+    """
+
+    masses: ClassVar[tuple[str, ...]] = ("load_mass", "belt_mass")
+    type: Literal["conveyor"]
+    load_mass: Annotated[Mass, Field(ge=0)]
+    belt_mass: Annotated[Mass, Field(ge=0)] = 0.0
+    drum_radius: Annotated[Length, Field(gt=0)]
+    friction: Annotated[Number, Field(ge=0)] = 0.0
+    length_coefficient: Annotated[Number, Field(ge=1)] = 1.0
+    incline: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
+
+
 class DCMotor(Part):
     """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
 
@@ -382,6 +458,9 @@ MomentAction = Annotated[
     | DiscBrake
     | BandBrake
     | TorsionSpring
+    | HoistMoment
+    | VehicleMoment
+    | ConveyorMoment
     | DCMotor
     | InductionMotor,
     Field(discriminator="type"),

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from engine.scene.actions import Carried
 from engine.scene.scene import Scene
 
 Value = float | np.ndarray
@@ -84,6 +85,20 @@ def body_mass(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
     if body.mass is not None:
         return numbers[f"bodies.{name}.mass"]
     return numbers[f"bodies.{name}.density"] * _volume(body.shape.type, f"bodies.{name}.shape", numbers)
+
+
+def carried_inertia(scene: Scene, link: str, numbers: Mapping[str, Value]) -> Value:
+    """Inertia m r² of all that hoists, vehicles and conveyors on a link move with it [kg·m²], for every variant."""
+    total = 0.0
+    for name, load in carried_on(scene, link).items():
+        radius = numbers[f"moments.{name}.{load.radius}"]
+        total = total + sum(numbers[f"moments.{name}.{mass}"] for mass in load.masses) * radius**2
+    return total
+
+
+def carried_on(scene: Scene, link: str) -> dict[str, Carried]:
+    """Hoists, vehicles and conveyors on a link, by name."""
+    return {n: moment for n, moment in scene.moments.items() if isinstance(moment, Carried) and moment.on == link}
 
 
 def body_inertia(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:

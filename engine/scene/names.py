@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
-from engine.scene.actions import DCMotor, InductionMotor, Tabled, TorsionSpring
-from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
+from engine.scene.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
+from engine.scene.parts import FRAME, CrankInput, SliderInput, Sliding, Yoke
+from engine.scene.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.scene.scene import Scene, SceneError
 
 Problem = tuple[str, str]
@@ -263,6 +264,11 @@ def _wrong_moments(scene: Scene) -> list[Problem]:
             problems.append(
                 (path, f"a motor drives the crank or a shaft geared to it, not {moment.on!r}; allowed: {allowed}")
             )
+        elif isinstance(moment, Carried) and moment.on not in {*turning, *scene.shafts}:
+            allowed = ", ".join(sorted({*turning, *scene.shafts})) or "none: add a shaft to [shafts]"
+            problems.append(
+                (path, f"a {moment.type} is on the crank or on a shaft, not on {moment.on!r}; allowed: {allowed}")
+            )
         elif moment.on in still:
             problems.append((path, f"{moment.on!r} doesn't turn: a moment on it does no work; name a turning link"))
         elif isinstance(moment, TorsionSpring) and moment.on in loose:
@@ -323,8 +329,6 @@ def _timed(scene: Scene) -> set[str]:
 
 def _wrong_regimes(scene: Scene) -> list[Problem]:
     drive, problems = scene.input, []
-    if scene.regimes and not (isinstance(drive, CrankInput) and drive.start is None):
-        return [("regimes", "true motion needs a crank that turns fully; leave regimes, or input.start and input.stop")]
     timed = _timed(scene)
     for name, regime in scene.regimes.items():
         at = f"regimes.{name}"
@@ -332,6 +336,11 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
+        problems += [
+            (f"{at}.off", f"the mass of {action!r} always goes along: it can't be off")
+            for action in regime.off
+            if isinstance(scene.moments.get(action), Carried)
+        ]
         if regime.type == "run" and regime.method is not None:
             hindrance = next((words for words, there in _against_rk4(scene, left) if there), None)
             if hindrance:
@@ -340,12 +349,39 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
+        problems += _wrong_for_range(drive, name, regime)
+    return problems
+
+
+def _wrong_for_range(drive: CrankInput | SliderInput, name: str, regime: Regime) -> list[Problem]:
+    """What of a regime has no meaning for its input: one that turns fully, one that doesn't, one that slides."""
+    at, turns = f"regimes.{name}", isinstance(drive, CrankInput) and drive.start is None
+    if regime.type == "steady":
+        message = "an input that doesn't turn fully has no cycle, so no steady motion; use type = 'run'"
+        return [] if turns else [(f"{at}.type", message)]
+    own = run_keys(drive)
+    other, kind = (OF_SLIDER, "a sliding input") if own == OF_CRANK else (OF_CRANK, "a crank")
+    problems = [
+        (f"{at}.{key}", f"belongs to {kind}; use {right}")
+        for key, right in zip(other, own, strict=True)
+        if getattr(regime, key) is not None
+    ]
+    if turns and regime.end_of_range:
+        problems.append((f"{at}.end_of_range", "the crank turns fully; use another end, or input.start and stop"))
+    if own == OF_SLIDER and regime.at is not None and regime.at.angles is not None:
+        problems.append((f"{at}.at.angles", "a sliding input turns no angle; give times"))
+    if not turns and regime.cycles is not None:
+        problems.append((f"{at}.cycles", "an input that doesn't turn fully has no cycles; use end_of_range = true"))
+    place = getattr(regime, own.from_place)
+    if not turns and place is not None and not min(drive.start, drive.stop) <= place <= max(drive.start, drive.stop):
+        problems.append((f"{at}.{own.from_place}", "lies outside the range of the input, input.start … input.stop"))
     return problems
 
 
 def _against_rk4(scene: Scene, timed: list[str]) -> list[tuple[str, bool]]:
     """What a run by the classical method can't have, and whether it is there."""
     return [
+        ("an input that doesn't turn fully", getattr(scene.input, "start", None) is not None),
         ("the two speeds of a coupling", bool(scene.couplings)),
         ("friction in pairs", bool(scene.friction)),
         (f"{timed[0]!r}, which depends on time" if timed else "", bool(timed)),
@@ -372,6 +408,9 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
             problems.append((f"{at}.driver", message))
         elif element.driver is not None and scene.shafts[element.driver].inertia == 0.0:
             problems.append((f"{at}.driver", f"shafts.{element.driver}.inertia = 0: the motors' end needs inertia"))
+        carried = [n for n, m in scene.moments.items() if isinstance(m, Carried) and m.on == element.driver]
+        if carried:
+            problems.append((f"{at}.driver", f"{carried[0]!r} moves masses of its own with this shaft; name another"))
         left = sorted(_timed(scene) - off)
         if left:
             problems.append((f"{at}.off", f"{left[0]!r} depends on time: no motion repeats itself; switch it off here"))
@@ -394,6 +433,9 @@ def _wrong_couplings(scene: Scene) -> list[Problem]:
         elif shaft not in geared:
             allowed = ", ".join(sorted(geared)) or "none: add one to [shafts]"
             problems.append((path, f"a coupling joins the crank to a shaft geared to it; such are: {allowed}"))
+        elif scene.regimes and scene.input.start is not None:
+            message = "motion at two speeds needs a crank that turns fully; leave it, or input.start and input.stop"
+            problems.append((f"couplings.{name}", message))
         elif scene.shafts[shaft].pivot is not None:
             problems.append((path, f"shaft {shaft!r} has a pivot and carries points; behind a coupling it can't"))
         problems += [
@@ -423,9 +465,8 @@ def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
     clutches = {name for name, coupling in scene.couplings.items() if coupling.type == "friction_clutch"}
     for name, regime in scene.regimes.items():
         if regime.type == "steady":
-            engaged = clutches - set(regime.off)
-            if scene.couplings and not engaged:
-                message = "only a clutch that holds, and isn't off, has one steady motion; use a run of some cycles"
+            if set(scene.couplings) & set(regime.off):
+                message = "with its coupling open a machine has two motions that know nothing of each other; use a run"
                 problems.append((f"regimes.{name}.type", message))
             continue
         if regime.lock_up and not clutches - set(regime.off):

@@ -5,7 +5,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import SENTENCES, CrankInput, History, InputUnits, Machine, Scene, Verdict, has_cycle, history
+from engine import (
+    SENTENCES,
+    CrankInput,
+    History,
+    InputUnits,
+    Machine,
+    Scene,
+    Verdict,
+    has_cycle,
+    history,
+    sliding_quantity,
+)
 from sweeps.report.regime_words import failure_text
 from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
@@ -157,10 +168,12 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
     rows = _between(seen, times)
     channels = {f"{channel}_moment": row for channel, row in seen.load_moments.items()}
     values = rows | {name: np.interp(times, seen.time, row) for name, row in channels.items()}
-    about = {
+    about = _OF_HISTORY | {
         name: ("N m", f"moment of what is {name.removesuffix('_moment')}, reduced to the input") for name in channels
     }
-    about = _OF_HISTORY | about
+    if not isinstance(scene.input, CrankInput):
+        about = {name: sliding_quantity(words, unit)[::-1] for name, (unit, words) in about.items()}
+        about["angle"] = ("m", "displacement of the input")
     units, long_names = ({name: pair[i] for name, pair in about.items()} for i in (0, 1))
     return Readings("time", times, values, units, long_names, failed)
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import SENTENCES, History, RunRegime, Scene, Verdict, history
+from engine import SENTENCES, History, InputUnits, RunRegime, Scene, Verdict, has_cycle, history, run_keys
 from sweeps.text.engineer_units import quantity_text
 
 # Verdicts that only a motion gets.
@@ -18,6 +18,8 @@ MOTION_VERDICTS = (
 STEPS = 240
 # A run abandoned after at least this many cycles was still moving; the history of a longer one may be cut.
 MANY_CYCLES = 1000
+# So near to an end of its range, as a share of it, an input is there.
+_AT_END = 1e-9
 
 
 def regime_words(scene: Scene, name: str) -> str:
@@ -31,29 +33,46 @@ def regime_words(scene: Scene, name: str) -> str:
     regime = scene.regimes[name]
     doing = "the motion that repeats itself every cycle"
     if isinstance(regime, RunRegime):
-        doing = f"run from {_begin(scene, name, regime)} {_end(regime)}"
+        doing = f"run from {_begin(scene, name, regime)} {_end(scene, regime)}"
     return doing + (f"; off: {', '.join(regime.off)}" if regime.off else "")
 
 
 def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
-    before = list(scene.regimes)[: list(scene.regimes).index(name)]
+    before, keys, units = list(scene.regimes)[: list(scene.regimes).index(name)], run_keys(scene.input), _units(scene)
     begin = f"where {before[-1]} ended" if before else "rest"
-    if regime.from_speed is not None:
-        begin = "rest" if regime.from_speed == 0 else quantity_text(regime.from_speed, "rad s-1")
+    speed, place = getattr(regime, keys.from_speed), getattr(regime, keys.from_place)
+    if speed is not None:
+        begin = "rest" if speed == 0 else quantity_text(speed, units.speed)
     if regime.from_shaft_speed is not None:
         shaft = next(iter(scene.couplings.values())).shaft
         begin += f", {shaft} from {quantity_text(regime.from_shaft_speed, 'rad s-1')}"
-    return begin + ("" if regime.from_angle is None else f" at φ = {quantity_text(regime.from_angle, 'rad')}")
+    return begin + ("" if place is None else f" at {_symbol(scene)} = {quantity_text(place, units.q)}")
 
 
-def _end(regime: RunRegime) -> str:
+def _units(scene: Scene) -> InputUnits:
+    return InputUnits.of(scene)
+
+
+def _symbol(scene: Scene) -> str:
+    """Of the input's position."""
+    return "φ" if _units(scene).q == "rad" else "q"
+
+
+def _end(scene: Scene, regime: RunRegime) -> str:
     if regime.cycles is not None:
         return f"for {regime.cycles:g} cycle{'' if regime.cycles == 1 else 's'}"
     if regime.lock_up:
         return "until the clutch holds"
     if regime.time is not None:
         return f"for {quantity_text(regime.time, 's')}"
-    return "to rest" if regime.rest else f"until {quantity_text(regime.speed, 'rad s-1')}"
+    if regime.end_of_range:
+        return "to an end of its range"
+    return "to rest" if regime.rest else f"until {quantity_text(_asked_speed(scene, regime), _units(scene).speed)}"
+
+
+def _asked_speed(scene: Scene, regime: RunRegime) -> float | None:
+    """Speed at which a run ends."""
+    return getattr(regime, run_keys(scene.input).speed)
 
 
 # Where a motion fails
@@ -92,16 +111,20 @@ def _stands(scene: Scene, seen: History) -> str:
     way = math.copysign(1.0, scene.input.speed)
     drive = way * float(seen.motor_moment[-1] + seen.load_moments["driving"][-1])
     loads = -way * float(sum(row[-1] for channel, row in seen.load_moments.items() if channel != "driving"))
-    place = f"φ = {quantity_text(float(seen.angle[-1]) % (2 * math.pi), 'rad')}"
+    units, at = _units(scene), float(seen.angle[-1])
+    place = f"{_symbol(scene)} = {quantity_text(at % (2 * math.pi) if has_cycle(scene) else at, units.q)}"
     after = f"comes to rest at {place} after {quantity_text(float(seen.time[-1]), 's')}" if seen.time[-1] > 0 else ""
-    moments = f"{quantity_text(drive, 'N m')} drive it there, {quantity_text(loads, 'N m')} hold it (on the crank)"
-    mend = "a stronger motor, a lower load, or another begin (from_angle, from_speed) helps"
+    pair, keys = (quantity_text(moment, units.moment) for moment in (drive, loads)), run_keys(scene.input)
+    moments = "{} drive it there, {} hold it (on the {})".format(*pair, "crank" if units.q == "rad" else "input")
+    mend = f"a stronger motor, a lower load, or another begin ({keys.from_place}, {keys.from_speed}) helps"
     return f"the machine {after or f'does not start at {place}'}: {moments}; {mend}"
 
 
 def _no_end(scene: Scene, name: str, seen: History) -> str:
     """What a run does instead of ending."""
     regime, key, chosen = scene.regimes[name], f"regimes.{name}", seen.regime == name
+    if not has_cycle(scene):
+        return _no_end_in_range(scene, regime, seen)
     turn = 2 * math.pi * scene.input.revolutions
     angle, speed = np.abs(seen.angle[chosen] - seen.angle[chosen][0]), np.abs(seen.speed[chosen])
     last = speed[angle >= angle[-1] - turn]
@@ -126,6 +149,21 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     if regime.rest:
         return f"it doesn't come to rest: {goes}; switch off what drives it, brake it, or raise {key}.at_most"
     return f"{key}.at_most comes before its end: {goes}; raise it"
+
+
+def _no_end_in_range(scene: Scene, regime: RunRegime, seen: History) -> str:
+    """What a run of an input that doesn't turn fully does instead of ending."""
+    units, drive = _units(scene), scene.input
+    angle, at, speed = seen.angle[seen.regime == seen.regime[-1]], float(seen.angle[-1]), float(seen.speed[-1])
+    place, pace = f"{_symbol(scene)} = {quantity_text(at, units.q)}", quantity_text(abs(speed), units.speed)
+    asked = _asked_speed(scene, regime)
+    reach = abs(drive.stop - drive.start)
+    if asked is not None and min(abs(at - drive.start), abs(at - drive.stop)) <= _AT_END * reach:
+        wanted = quantity_text(asked, units.speed)
+        return f"it arrives at an end of its range, {place}, with {pace}, before the speed of {wanted} is reached"
+    span = " … ".join(quantity_text(float(a), units.q) for a in (angle.min(), angle.max()))
+    mend = "end it after a time, or change what drives and loads it"
+    return f"it moves between {_symbol(scene)} = {span} and never comes to its end (last at {pace}); {mend}"
 
 
 # Names by regime

@@ -7,8 +7,10 @@ import numpy as np
 from engine import (
     SENTENCES,
     Brake,
+    InputUnits,
     Scene,
     Verdict,
+    has_cycle,
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
@@ -163,7 +165,9 @@ def _only_text(result: SweepResult) -> str:
 
 
 def _cycle_words(scene: Scene) -> str:
-    speed = quantity_text(abs(scene.input.speed), "rad s-1")
+    speed = quantity_text(abs(scene.input.speed), InputUnits.of(scene).speed)
+    if not has_cycle(scene):
+        return f"over its range, uniformly at {speed}"
     braked = any(isinstance(moment, Brake) for moment in scene.moments.values())
     return f"cycle at {speed}, driven by a constant moment, everything acting{' but brakes' if braked else ''}"
 

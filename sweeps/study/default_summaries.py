@@ -1,6 +1,17 @@
 """What is asked of a machine where a study names nothing, and what is worth asking of its regimes."""
 
-from engine import ACCURACY_SUMMARIES, Machine, Mechanics, Regime, RunRegime, Scene, made_ready
+from engine import (
+    ACCURACY_SUMMARIES,
+    CrankInput,
+    Machine,
+    Mechanics,
+    Regime,
+    RunRegime,
+    Scene,
+    has_cycle,
+    made_ready,
+    run_keys,
+)
 
 
 def default_summaries(scene: Scene) -> tuple[str, ...]:
@@ -23,14 +34,18 @@ def telling_summaries(scene: Scene) -> tuple[str, ...]:
     """The informative summaries of all regimes: works only of what acts, no speed that the scene prescribes."""
     loads, found = Mechanics(scene).loads, []
     for name, regime in scene.regimes.items():
-        keys = _run_keys(regime) if isinstance(regime, RunRegime) else ["mean_speed", *_SPEEDS, "speed_fluctuation"]
+        keys = ["mean_speed", *_SPEEDS, "speed_fluctuation"]
+        if isinstance(regime, RunRegime):
+            keys = _run_keys(scene, regime)
         motors = [motor for motor in loads.motors if motor not in regime.off]
         roles = {term.role for term in loads.terms if term.action not in regime.off}
         keys += _work_keys(bool(motors), roles)
         if not isinstance(regime, RunRegime):
             keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
             keys.append("multiplier")
-            if scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation:
+            fluid = any(coupling.type == "fluid_coupling" for coupling in scene.couplings.values())
+            asked = scene.flywheel is not None and scene.flywheel.inertia is None and scene.flywheel.speed_fluctuation
+            if asked and not fluid:
                 keys.append("flywheel")
         found += [f"{name}.{key}" for key in (*keys, *_coupling_keys(scene, regime))]
     return tuple(found)
@@ -40,7 +55,7 @@ def _coupling_keys(scene: Scene, regime: Regime) -> list[str]:
     """What is worth asking of a coupling that isn't open."""
     found: list[str] = []
     for name, coupling in scene.couplings.items():
-        if not isinstance(regime, RunRegime):
+        if not isinstance(regime, RunRegime) and coupling.type == "friction_clutch":
             found.append(f"{name}_moment_peak")
         elif name not in regime.off:
             clutch = ("slip_time", "lock_up_time", "lock_up_speed") if coupling.type == "friction_clutch" else ("slip",)
@@ -51,9 +66,11 @@ def _coupling_keys(scene: Scene, regime: Regime) -> list[str]:
 _SPEEDS = ("speed_min", "speed_max")
 
 
-def _run_keys(regime: RunRegime) -> list[str]:
-    given = regime.rest or regime.speed is not None
-    return ["time", "angle", *(() if given else ("final_speed", *_SPEEDS))]
+def _run_keys(scene: Scene, regime: RunRegime) -> list[str]:
+    given = regime.rest or getattr(regime, run_keys(scene.input).speed) is not None
+    keys = ["time", "angle" if isinstance(scene.input, CrankInput) else "displacement"]
+    keys += [] if given else ["final_speed", *_SPEEDS]
+    return keys if has_cycle(scene) else [*keys, "final_position", "end_reached", "impact_energy"]
 
 
 def _work_keys(has_motors: bool, roles: set[str]) -> list[str]:

@@ -335,6 +335,62 @@ def test_fluid_coupling_driven_backwards__takes_its_pump_for_turbine():
     assert found["go.motor_shaft_final_speed"] == pytest.approx(RATIO * end[1], rel=1e-9)
 
 
+def fluid(scene: dict) -> dict:
+    """A sample machine with its motor behind a fluid coupling."""
+    made = coupled(scene)
+    made["couplings"] = {"fluid": FLUID}
+    return made
+
+
+STEADY = "mean_speed motor_shaft_mean_speed fluid_slip fluid_heat fluid_moment_peak multiplier speed_fluctuation"
+STEADY += " period motor_work work_residual return_residual"
+
+
+def test_steady_motion_through_a_fluid__balances_motor_and_load():
+    """Under a constant load both speeds are constant, the motor's by its line and the crank's by the slip."""
+    found = ask(fluid(rotor({"work": steady("dc load")})), of("work", STEADY))
+    factor, load = 1e-3 * 860.0 * 0.2**5 * RATIO**3, 2.0
+    motor = 100.0 / RATIO * (1.0 - load / (RATIO * MOMENTS["dc"]["stall_moment"]))
+    crank = motor - load / (factor * motor)
+    assert found["work.motor_shaft_mean_speed"] == pytest.approx(RATIO * motor, rel=1e-9)
+    assert found["work.mean_speed"] == pytest.approx(crank, rel=1e-9)
+    assert found["work.fluid_slip"] == pytest.approx(1.0 - crank / motor, rel=1e-9)
+    assert found["work.fluid_heat"] == pytest.approx(2.0 * math.pi * load * (motor / crank - 1.0), rel=1e-9)
+    assert found["work.fluid_moment_peak"] == pytest.approx(load / RATIO, rel=1e-9)
+    assert abs(found["work.work_residual"]) < 1e-10
+    # Of the linear equations of small disturbances over the time of a cycle, at constant load, in the crank's angle.
+    own = RATIO**2 * SHAFT_INERTIA
+    fall = RATIO**2 * MOMENTS["dc"]["stall_moment"] / 100.0
+    a, b = -factor * motor, factor * (2.0 * motor - crank)
+    rates = np.linalg.eigvals([[a / 0.4, b / 0.4], [-a / own, -(b + fall) / own]])
+    expected = math.exp(max(rates.real) * 2.0 * math.pi / crank)
+    # What steps miss by what the cycles begin apart: 1e-9 over 3e-4.
+    assert found["work.multiplier"] == pytest.approx(expected, abs=1e-5)
+
+
+def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
+    """What is left of a disturbance after a cycle is 1e-9 of it here, so that three of them forget their begin."""
+    to_it = {"early": run("dc oil load", from_speed=9.0, cycles=3.0), "last": run("dc oil load", cycles=1.0)}
+    scene = fluid(slider_crank({**to_it, "work": steady("dc oil load")}))
+    names = "speed_min speed_max fluid_heat motor_work fluid_slip fluid_moment_peak"
+    found = ask(scene, f"{of('work', names)} {of('last', names)} work.return_residual work.multiplier")
+    assert found.status == [Verdict.OK]
+    assert abs(found["work.multiplier"]) < 1e-6
+    for name in names.split():
+        figure = found.figure(f"work.{name}") + found.figure(f"last.{name}")
+        assert abs(found[f"work.{name}"] - found[f"last.{name}"]) <= figure + 1e-9 * abs(found[f"work.{name}"]), name
+    assert found["work.return_residual"] < 1e-9
+    seen = history(Scene.model_validate(fluid(slider_crank({"work": steady("dc oil load")}))))
+    assert seen.verdict == Verdict.OK
+    assert (seen.shaft_speed > RATIO * seen.speed).all()
+    assert np.ptp(seen.angle) == pytest.approx(2.0 * math.pi, rel=1e-12)
+
+
+def test_load_beyond_what_a_fluid_drives__stalls():
+    scene, varied = fluid(rotor({"work": steady("dc load")})), {"moments.load.moment": [-2.0, -2000.0]}
+    assert ask(scene, "work.mean_speed", varied=varied).status == [Verdict.OK, Verdict.STALLS]
+
+
 # What is refused
 
 

@@ -13,6 +13,7 @@ from engine.laws.elementary import power
 from engine.laws.loads import acts_in_direction, constant_against_motion
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.brakes import braking_moment
+from engine.mechanism.actions.carried_masses import carried_characteristics
 from engine.mechanism.actions.formulas import formula_characteristics
 from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.actions.tables import tabled
@@ -27,7 +28,7 @@ _Action = actions.ForceAction | actions.MomentAction
 def characteristics(
     kinematics: Kinematics, action: _Action, at: str, along: Along, time: Node
 ) -> Iterator[Characteristic]:
-    """How large a force or moment is; one by a formula is several, each with a power of the speed of its own.
+    """How large a force or moment is; one by a formula, or of carried masses, is several, by powers of the speed.
 
     Parameters
     ----------
@@ -45,6 +46,8 @@ def characteristics(
     if isinstance(action, (actions.FormulaForce, actions.FormulaMoment)):
         factor = kinematics.graph.held(acts)
         yield from formula_characteristics(kinematics, LoadFormula(action, at), along, factor, time)
+    elif isinstance(action, actions.Carried):
+        yield from carried_characteristics(kinematics, action, at, along)
     else:
         yield _characteristic(kinematics, action, at, along, acts, time)
 

@@ -105,6 +105,7 @@ def _outcome(balance: MotionEquation, omega: np.ndarray, motion: Motion) -> RunO
         motion.peak,
         0.5 * balance.inertia * omega**2,
         0.5 * balance.inertia * motion.omega**2,
+        np.zeros(count, int),
     )
 
 
@@ -112,5 +113,5 @@ def _take(outcome: RunOutcome, who: np.ndarray, other: RunOutcome) -> None:
     """Put the outcome of some variants in its place."""
     for mine, new in zip(outcome.state, other.state, strict=True):
         mine[..., who] = new
-    for name in ("verdict", "slowest", "fastest", "peak", "started", "ended"):
+    for name in ("verdict", "slowest", "fastest", "peak", "started", "ended", "arrived"):
         getattr(outcome, name)[who] = getattr(other, name)

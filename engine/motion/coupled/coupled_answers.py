@@ -94,6 +94,7 @@ def run_coupled(
     heat = state[HEAT]
     with np.errstate(all="ignore"):
         slip = np.where(state[SHAFT] == 0.0, 0.0, state[SLIPPED] / np.abs(state[SHAFT]))
+        mean = state[SHAFT] / runs.time
     drives = (sides.crank.variants.drive, sides.shaft.variants.drive)
     # Motors are on one of the two sides alone.
     peaks = [greatest_moment(d, low, high) for d, low, high in zip(drives, runs.lows, runs.highs, strict=True)]
@@ -109,9 +110,10 @@ def run_coupled(
         "coupling_lock_up_time": runs.lock_time,
         "coupling_lock_up_speed": runs.lock_speed,
         "shaft_final_speed": ratio * state[SHAFT_SPEED],
+        "shaft_mean_speed": ratio * mean,
     }
     most = np.maximum(np.maximum(started, ended), begun + after + np.abs(heat))
-    history = None if runs.notes is None else np.stack(runs.notes, axis=1)[:, :, 0]
+    history = None if not runs.notes else np.stack(runs.notes, axis=1)[:, :, 0]
     return CoupledOutcome(
         runs.verdict,
         state[CRANK],

@@ -342,7 +342,7 @@ class CoupledRuns:
         )
         lost = live & ~taken & ~beyond & (h < 1e-14 * np.maximum(time, 1e-300)) & (h < 1e-14)
         self.verdict[who[lost]], self.done[who[lost]] = Verdict.NOT_FINITE, True
-        ended, kind = self._ended(who, sides, joined, step, time, goal, np.flatnonzero(taken))
+        ended, kind = self._ended(who, sides, joined, step, time, np.flatnonzero(taken))
         kind = np.where(taken & (kind < 0) & (past >= -LANDED), AT_JUMP, kind)
         at_once = taken & (kind >= 0) & (ended < NO_STEP) & (self.attempts[who] < MOST_ATTEMPTS)
         self.pace[who[at_once]] = h[at_once] * SHRINK
@@ -365,7 +365,6 @@ class CoupledRuns:
         joined: Joined,
         step: CoupledStep,
         time: np.ndarray,
-        goal: np.ndarray,
         taken: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """At which share of a step each variant comes to a place that ends it, and what it is; −1 where to none."""
@@ -375,17 +374,18 @@ class CoupledRuns:
         lanes[BREAKS_LOOSE] = taken[turns & (joined.mode[taken] == TOGETHER)]
         lanes[AT_JUMP] = taken[:0]
         lanes[SETS_OFF] = taken[~turns | (joined.shaft_way[taken] == 0.0)]
+        looked = [(step.at(np.full(who.size, x)), time + x * step.length) for x in LOOKS[1:]]
         for what, every in lanes.items():
             if not every.size:
                 continue
-            place = self._place(what, who, sides, joined, step, time, goal, every)
-            above = np.array([place(np.full(every.size, x)) > 0.0 for x in LOOKS[1:]])
+            beyond = self._place(what, who, sides, joined, every)
+            above = np.array([beyond(moving[:, every], now[every]) > 0.0 for moving, now in looked])
             met = np.flatnonzero(above.any(axis=0))
             if not met.size:
                 continue
             sub, first = every[met], above[:, met].argmax(axis=0)
             begin, end = np.array(LOOKS)[first], np.array(LOOKS)[first + 1]
-            place = self._place(what, who, sides, joined, step, time, goal, sub)
+            place = self._along(self._place(what, who, sides, joined, sub), step.some(sub), time[sub])
             root = np.where(place(begin) >= 0.0, begin, regula_falsi(place, begin, end))
             sooner = (root < share[sub]) | ((kind[sub] < 0) & (root <= share[sub]))
             share[sub], kind[sub] = np.where(sooner, root, share[sub]), np.where(sooner, what, kind[sub])
@@ -397,13 +397,10 @@ class CoupledRuns:
         who: np.ndarray,
         sides: CoupledSides,
         joined: Joined,
-        step: CoupledStep,
-        time: np.ndarray,
-        goal: np.ndarray,
         sub: np.ndarray,
-    ) -> Callable[[np.ndarray], np.ndarray]:
-        """How far motion is beyond a place that ends a step, by the share of it; of the variants `sub`."""
-        who, joined, step, time, goal = who[sub], joined.some(sub), step.some(sub), time[sub], goal[sub]
+    ) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+        """How far motion is beyond a place that ends a step, by angles and speeds and the time; of variants `sub`."""
+        who, joined = who[sub], joined.some(sub)
         ends, way = self.ends.some(who), joined.crank_way
         if what in (BREAKS_LOOSE, SETS_OFF):
             sides = sides.some(sub)
@@ -424,7 +421,14 @@ class CoupledRuns:
             ),
             SETS_OFF: lambda m, now: self._push_off(sides, joined, m, now),
         }
-        return lambda share: places[what](step.at(share), time + share * step.length)
+        return places[what]
+
+    @staticmethod
+    def _along(
+        place: Callable[[np.ndarray, np.ndarray], np.ndarray], step: CoupledStep, time: np.ndarray
+    ) -> Callable[[np.ndarray], np.ndarray]:
+        """How far motion is beyond a place, by the share of a step."""
+        return lambda share: place(step.at(share), time + share * step.length)
 
     def _push_off(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """By how much the moments on a standing side exceed what holds it."""
@@ -458,11 +462,12 @@ class CoupledRuns:
         mine = who[taken]
         self.attempts[mine] = 0
         self.state[:, mine], self.time[mine] = step.end[:, taken], (time + step.length)[taken]
-        speeds = np.array([step.at(np.full(who.size, x))[[CRANK_SPEED, SHAFT_SPEED]] for x in SPEED_LOOKS])
+        everywhere = [step.at(np.full(who.size, x)) for x in SPEED_LOOKS]
+        speeds = np.array([moving[[CRANK_SPEED, SHAFT_SPEED]] for moving in everywhere])
         low, high = -greatest_between(-speeds), greatest_between(speeds)
         self.lows[:, mine] = np.fmin(self.lows[:, mine], low[:, taken])
         self.highs[:, mine] = np.fmax(self.highs[:, mine], high[:, taken])
-        looks = [step.at(np.full(who.size, x)) for x in LOOKS]
+        looks = [everywhere[SPEED_LOOKS.index(x)] for x in LOOKS]
         instants = [time + x * step.length for x in LOOKS]
         between = [coupling_pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]
         standing = (joined.mode == TOGETHER) & (joined.crank_way == 0.0)

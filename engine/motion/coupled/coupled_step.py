@@ -6,11 +6,18 @@ they move as one, and T follows. Every stage evaluates the machine at the angles
 
 from typing import NamedTuple
 
+import numba
 import numpy as np
+from numba import types
 
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.motion.coupled.coupled_lanes import BY_FLUID, CLUTCH, NONE, found_rows, new_both_room, step_of_both
 from engine.motion.coupled.two_sides import CoupledSides
+from engine.motion.moments.at_speed import Drive
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
-from engine.motion.steppers.tableaux import DENSE_PARTS, part_at
+from engine.motion.steppers.places import form_of, source_of
+from engine.motion.steppers.tableaux import DENSE_PARTS
 
 # How the sides are joined: held together, slipping forwards (the shaft is faster) or backwards, free of each other, or
 # by a fluid.
@@ -57,10 +64,6 @@ class Pull(NamedTuple):
         Of the coupling on the crank [N·m]; of sides held together what it takes.
     crank, shaft : ndarray
         Accelerations [rad/s²].
-    motors : ndarray
-        Moment of the motors [N·m].
-    powers : ndarray (sorts, variants)
-        Of the motors and of each channel [W].
     rate : ndarray
         How fast moments pull speeds together, about [1/s].
     """
@@ -68,8 +71,6 @@ class Pull(NamedTuple):
     moment: np.ndarray
     crank: np.ndarray
     shaft: np.ndarray
-    motors: np.ndarray
-    powers: np.ndarray
     rate: np.ndarray
 
 
@@ -103,18 +104,8 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
         moment = np.where(holds, shaft - own * together, joined.mode * capacity)
     first = np.where(holds, together, (crank + moment) / inertia) * (joined.crank_way != 0.0)
     second = np.where(holds, together, (shaft - moment) / own) * (joined.shaft_way != 0.0)
-    motors = of_crank.motors[0] + of_shaft.motors[0]
-    powers = [np.concatenate((m.motors, m.loads[:, 0])) * w for m, w in ((of_crank, w1), (of_shaft, w2))]
     rate = np.abs(of_crank.slope[0] - w1 * rows.inertia_phi[0]) / inertia + np.abs(of_shaft.slope[0]) / own
-    return Pull(moment, first, second, motors, powers[0] + powers[1], rate)
-
-
-def _rates(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rates of all rows of a state, and the moment of the coupling."""
-    found, slip = coupling_pull(sides, joined, moving, time), moving[SHAFT_SPEED] - moving[CRANK_SPEED]
-    slip = np.where(joined.mode == TOGETHER, 0.0, slip)
-    rows = (moving[CRANK_SPEED], found.crank, moving[SHAFT_SPEED], found.shaft)
-    return np.stack((*rows, found.moment * slip, np.abs(slip), found.motors**2, *found.powers)), found.moment
+    return Pull(moment, first, second, rate)
 
 
 class CoupledStep(NamedTuple):
@@ -147,7 +138,11 @@ class CoupledStep(NamedTuple):
 
     def at(self, share: np.ndarray) -> np.ndarray:
         """Angles and speeds, (4, variants), at a share of the step of each variant."""
-        return self.begin[:MOVING] + sum(self.parts[i] * part_at(i, share) for i in range(DENSE_PARTS))
+        # p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + …, nested.
+        factors, found = (share, 1.0 - share), self.parts[-1]
+        for i in range(DENSE_PARTS - 1, 0, -1):
+            found = self.parts[i - 1] + factors[i % 2] * found
+        return self.begin[:MOVING] + share * found
 
 
 def coupled_step(
@@ -173,23 +168,38 @@ def coupled_step(
     tolerance : float
         What may be missed, as a share of the angles turned and of the speeds or their changes.
     """
-    method = ORDER_EIGHT
-    slopes, moments = np.empty((method.dense_stages, *state.shape)), np.empty((method.dense_stages, time.size))
-    ahead = np.where(joined.crank_way < 0.0, -1.0, 1.0)
+    dynamics, crank, own = sides.crank.dynamics, sides.crank, sides.crank.variants
+    form, other = form_of(dynamics, len(own.drive.kloss)), form_of(sides.shaft.dynamics, len(_drive_of(sides).kloss))
+    source, tabulation, coupling = source_of(dynamics, form), dynamics.reduction.tabulation, sides.coupling
+    facing = np.where(joined.crank_way < 0.0, -1.0, 1.0)
+    numbers = crank.parameters_facing(facing)
+    moving = (joined.crank_way != 0.0, joined.shaft_way != 0.0)
+    given = [crank.start, own.direction, own.flywheel, state[CRANK], state[CRANK_SPEED], state[SHAFT_SPEED]]
+    given += [joined.clock + time, length, facing, goal, joined.mode, *moving, joined.engaged + time, coupling.fluid]
+    parts = [numbers, own.drive.rows, own.drive.exponents, _drive_of(sides).rows, _drive_of(sides).exponents]
+    parts += [sides.shaft.place(other, joined.shaft_way), coupling.times, coupling.capacity, np.array(given, float)]
+    parts = [np.require(part, requirements="CW") for part in parts]
+    joint = BY_FLUID if sides.is_fluid else NONE if sides.open else CLUTCH
+    breaks, pieces = (np.array([0.0, 1.0]), np.zeros((1, 1)))
+    if coupling.coefficient is not None:
+        breaks, pieces = coupling.coefficient.x, np.ascontiguousarray(coupling.coefficient.c)
+    found = np.empty((found_rows(form), time.size))
 
-    def stage(s: int, moving: np.ndarray) -> None:
-        moving[CRANK] = ahead * np.fmin(ahead * moving[CRANK], ahead * goal)
-        slopes[s], moments[s] = _rates(sides, joined, moving, time + method.shares[method.place_of[s]] * length)
+    def arguments() -> tuple:
+        room = new_both_room(form, other, numbers.shape[0], source.target.size, coupling.times.shape[0])
+        laws = dynamics.channel_of_laws, sides.shaft.dynamics.channel_of_laws
+        fill, by = tabulation.function("curves_at"), (tolerance, joint, breaks, pieces)
+        return fill, source, ORDER_EIGHT, form, other, *laws, *by, *parts, found, room
 
-    for s in range(method.dense_stages):
-        stage(s, state[:MOVING] + length * np.tensordot(method.matrix[s, :s], slopes[:s, :MOVING], 1))
-    own = slopes[: method.stages]
-    end = state + length * np.tensordot(method.weights, own, 1)
-    fine, coarse = (length * np.tensordot(w, own[:, :MOVING], 1) for w in (method.less_fine, method.less_coarse))
-    with np.errstate(all="ignore"):
-        error = fine**2 / np.sqrt(fine**2 + 0.01 * coarse**2)
-        speeds = np.abs(state[:MOVING]) * np.array([0.0, 1.0, 0.0, 1.0])[:, None]
-        allowed = np.maximum(np.abs(length * own[:, :MOVING]).max(axis=0), speeds)
-        missed = np.where(fine == 0.0, 0.0, error / (tolerance * allowed)).max(axis=0)
-    parts = length * np.tensordot(method.parts, slopes[:, :MOVING], 1)
-    return CoupledStep(state, end, length, missed, parts, moments[[0, method.stages]])
+    if not step_of_both.overloads:
+        kinds = (numba.typeof(part) for part in arguments()[1:])
+        prepare(step_of_both, [types.intp, types.intp, FILLS_TILE, *kinds])
+    spread(step_of_both, -(-time.size // LANES), arguments)
+    rows = state.shape[0]
+    polynomials = found[rows + 1 : -2].reshape(MOVING, DENSE_PARTS, time.size).swapaxes(0, 1)
+    return CoupledStep(state, state + found[:rows], length, found[rows], polynomials, found[-2:])
+
+
+def _drive_of(sides: CoupledSides) -> Drive:
+    """Motors on the shaft's side."""
+    return sides.shaft.variants.drive

@@ -12,8 +12,9 @@ from scipy.interpolate import PPoly
 from engine.laws.couplings import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.coupling_models import Coupling, FluidCoupling, FrictionClutch
-from engine.motion.moments.at_speed import Moments
+from engine.motion.moments.at_speed import POLYNOMIAL, Moments
 from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
+from engine.motion.steppers.places import INVERSE, LOADS, Form
 from engine.motion.steppers.time_form import TimeForm
 from engine.scene.scene import Numbers, Scene
 
@@ -130,6 +131,19 @@ class ShaftSide(NamedTuple):
         rows = Rows(*(np.where(facing < 0.0, back, forth) for forth, back in fields))
         return self.dynamics.moments(self.variants, rows, omega[None])
 
+    def place(self, form: Form, way: np.ndarray) -> np.ndarray:
+        """Rows of a place, (width, variants), with what loads the shaft moving forward or backwards."""
+        fields = zip(self.forwards, self.backwards, strict=True)
+        rows = Rows(*(np.where(way < 0.0, back, forth) for forth, back in fields))
+        loads, found = rows.loads[:, :, 0], np.zeros((form.width, way.size))
+        found[INVERSE] = 2.0 / self.inertia
+        found[LOADS : LOADS + POLYNOMIAL] = loads.sum(axis=0)
+        for law, power in enumerate(rows.powers[:, 0]):
+            found[LOADS + POLYNOMIAL + law] = power
+        if form.channels > 1:
+            found[LOADS + POLYNOMIAL + form.laws : -1] = loads.reshape(-1, way.size)
+        return found
+
     def some(self, who: np.ndarray) -> "ShaftSide":
         """Of some of the variants, by index."""
         ways = (Rows(*(part[..., who] for part in rows)) for rows in (self.forwards, self.backwards))
@@ -183,12 +197,15 @@ class TwoSides:
     Attributes
     ----------
     crank, shaft : Dynamics
+    is_fluid : bool
+        Whether the coupling is a fluid coupling that is not open.
     """
 
     def __init__(self, reduction: Reduction, off: frozenset[str], works: bool) -> None:
         self.scene = reduction.mechanics.scene
         self.name, self.coupling = coupling_of(self.scene)
         self.open = self.name in off
+        self.is_fluid = isinstance(self.coupling, FluidCoupling) and not self.open
         on_shaft = {name for name, moment in self.scene.moments.items() if moment.on == self.coupling.shaft}
         elsewhere = {load.action for load in reduction.loads.terms} | set(reduction.loads.motors)
         self.crank = Dynamics(reduction, off | on_shaft, works)

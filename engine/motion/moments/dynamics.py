@@ -106,7 +106,6 @@ class Reduction:
     Parameters
     ----------
     mechanics : Mechanics
-        With a crank that turns fully.
 
     Attributes
     ----------
@@ -121,6 +120,8 @@ class Reduction:
     tabulation : Tabulation
         Of these.
     landmarks : Landmarks
+    has_cycle : bool
+        Whether the input turns fully.
     """
 
     def __init__(self, mechanics: Mechanics) -> None:
@@ -139,13 +140,25 @@ class Reduction:
         functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
         self.tabulation = Tabulation(functions)
         judged = [(action, row) for row, (action, _) in enumerate(self.keys, 2)]
-        turns = mechanics.scene.input.revolutions
+        self.has_cycle = mechanics.has_cycle
+        turns = mechanics.scene.input.revolutions if self.has_cycle else 1
         self.landmarks = Landmarks(self.tabulation, terms, judged, turns)
 
     @property
     def cycle(self) -> float:
-        """Period of everything but time [rad]."""
-        return 2.0 * np.pi * self.mechanics.scene.input.revolutions
+        """Period of everything but time [rad]; infinite where the input doesn't turn fully."""
+        return 2.0 * np.pi * self.mechanics.scene.input.revolutions if self.has_cycle else np.inf
+
+    def range_of(self, numbers: Numbers, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Least and greatest position of the input, (variants,) each [rad, or m of a sliding input]; 0 … 2π of a turn.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        count : int
+        """
+        ends = [np.broadcast_to(end.compute(numbers), (count,)) for end in (self.mechanics.first, self.mechanics.last)]
+        return np.minimum(*ends).astype(float), np.maximum(*ends).astype(float)
 
     def depends_on_time(self, key: tuple[str, float | str]) -> bool:
         """Whether the moment of a key does."""
@@ -181,11 +194,15 @@ class Reduction:
         target = np.full(len(self.keys) + 2, -1)
         target[:2] = 0, 1
         sums = Sums(target, 2, np.zeros(target.size, bool), variants.direction)
-        step = self.cycle / LOOKED_AT
-        places = np.broadcast_to(step * np.arange(LOOKED_AT)[:, None], (LOOKED_AT, variants.count))
+        low, high = self.range_of(variants.numbers, variants.count)
+        step = (high - low) / LOOKED_AT
+        places = low + step * np.arange(LOOKED_AT + (not self.has_cycle))[:, None]
         inertia, _ = self.curves(variants, places, None, sums)
-        around = step * inertia.argmin(axis=0)
-        bottom = regula_falsi(lambda q: self.curves(variants, q[None], None, sums)[1, 0], around - step, around + step)
+        around = low + step * inertia.argmin(axis=0)
+        before, after = around - step, around + step
+        if not self.has_cycle:
+            before, after = np.maximum(before, low), np.minimum(after, high)
+        bottom = regula_falsi(lambda q: self.curves(variants, q[None], None, sums)[1, 0], before, after)
         least = np.fmin(self.curves(variants, bottom[None], None, sums)[0, 0], inertia.min(axis=0))
         # An inertia that is taken away counts as a negative flywheel.
         return least + variants.flywheel <= NO_INERTIA * inertia.max(axis=0)

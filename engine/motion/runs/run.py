@@ -1,8 +1,8 @@
 """A run: motion from a given state until an angle, a time, a speed, or rest.
 
-While the machine moves briskly the energy form carries it over a grid of nodes; near rest, backwards, and where a
-moment depends on time, the form in time does. Every variant goes its own way between the two. Ends are met exactly:
-the last step is shortened until the wanted angle, time or speed is reached.
+While the machine moves briskly the energy form carries it over a grid of nodes; near rest, backwards, where a moment
+depends on time, and where the input doesn't turn fully, the form in time does. Every variant goes its own way between
+the two. Ends are met exactly: the last step is shortened until the wanted angle, time or speed is reached.
 """
 
 import numpy as np
@@ -65,12 +65,13 @@ def _run(runs: Progress) -> RunOutcome:
         greatest_moment(runs.variants.drive, runs.slowest, runs.fastest),
         started,
         runs.energy(),
+        runs.arrived,
     )
 
 
 def _brisk(runs: Progress, who: np.ndarray) -> np.ndarray:
     """Which variants move forward with so much energy that it lasts for a radian, whatever acts on them."""
-    if runs.dynamics.timed or runs.dynamics.friction is not None:
+    if runs.dynamics.timed or runs.dynamics.friction is not None or not runs.dynamics.reduction.has_cycle:
         return np.zeros(who.size, bool)
     state, way = runs.part(who), np.where(runs.facing[who] < 0.0, -1.0, 1.0)
     rows, moments = runs.form(who).at(state.turned, state.omega, state.time + runs.clock[who], way)

@@ -68,13 +68,13 @@ class RunExtremes:
                 self._pause[side, i, those] = near[more]
                 self._bound[side, i, who] = np.fmax(self._bound[side, i, who], beyond)
 
-    def answers(self, asked: Iterable[Asked], spacing: float) -> FieldAnswers:
+    def answers(self, asked: Iterable[Asked], spacing: np.ndarray) -> FieldAnswers:
         """What is asked, of all variants.
 
         Parameters
         ----------
         asked : iterable of Asked
-        spacing : float
+        spacing : ndarray (variants,)
             Of the nodes [rad].
         """
         found, cycle = FieldAnswers({}, {}, {}, {}), self.fields.dynamics.cycle
@@ -87,9 +87,10 @@ class RunExtremes:
             values = {"min": low, "max": high, "range": high - low, "peak": peak}
             missed = dict.fromkeys(values, beyond)
             for side, end in enumerate(("min", "max")):
-                values[f"{end}_at"] = np.mod(start + way * self._turned[side, i], cycle)
+                place = start + way * self._turned[side, i]
+                values[f"{end}_at"] = np.mod(place, cycle) if np.isfinite(cycle) else place
                 values[f"{end}_time"] = self._time[side, i]
-                missed[f"{end}_at"], missed[f"{end}_time"] = np.full(way.size, spacing), self._pause[side, i]
+                missed[f"{end}_at"], missed[f"{end}_time"] = spacing, self._pause[side, i]
             found.values[key], found.missed[key], found.scales[key] = values[statistic], missed[statistic], peak
         return found
 

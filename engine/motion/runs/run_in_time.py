@@ -30,8 +30,8 @@ CLOSELY = 0.1
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # Widths of jumps that are gone through in one step [rad]; how far beyond a break a step may go, of the way to it.
 ACROSS, BEYOND = 4.0 * JUMP, 1.02
-# Of the ends that a step in time may meet, the first and the last.
-REST, BREAK = 0, 4
+# Of the ends that a step in time may meet, the first and the last two.
+REST, RANGE, BREAK = 0, 4, 5
 
 
 def set_off(runs: Progress, who: np.ndarray) -> None:
@@ -39,6 +39,8 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
     if not who.size:
         return
     runs.facing[who] = runs.form(who).at_rest(runs.absolute(runs.part(who), who))
+    # An end of its range holds what is pressed against it.
+    runs.facing[who[runs.ahead(who) <= 0.0]] = 0.0
     stays = who[runs.facing[who] == 0.0]
     begun = runs.state.turned[stays] != 0.0
     if runs.ends.rest:
@@ -83,7 +85,7 @@ def step(runs: Progress, who: np.ndarray) -> None:
     if runs.observers and kept.any():
         before, own = (State(*(x[..., kept] for x in one)) for one in (state, after))
         form, within = runs.form(who[kept]), _within(runs, who[kept], before, facing[kept], goal[kept])
-        piece = piece_in_time(form, before, own, runs.clock[who[kept]], facing[kept], runs.spacing, within)
+        piece = piece_in_time(form, before, own, runs.clock[who[kept]], facing[kept], runs.spacing[who[kept]], within)
         runs.see(who[kept], piece)
     runs.slowest[who[kept]] = np.minimum(runs.slowest[who[kept]], slowest[kept])
     runs.fastest[who[kept]] = np.maximum(runs.fastest[who[kept]], fastest[kept])
@@ -123,7 +125,8 @@ def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
 
 def _span(runs: Progress, who: np.ndarray) -> np.ndarray:
     """Time over which a formula over time is followed from the begin of a run on."""
-    cycle = runs.dynamics.cycle / np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))[who]
+    speed = np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))
+    cycle = (runs.spacing * runs.steps / speed)[who]
     last = np.fmax.reduce(runs.variants.instants[:, who], axis=0, initial=-np.inf)
     return np.fmin(runs.ends.time[who], np.fmax(last - runs.clock[who], MOST_CYCLES * cycle))
 
@@ -155,10 +158,11 @@ def _good_step(
     """A step that misses little enough, and its length, no more than the longest."""
     facing, h = runs.facing[who], runs.pace[who]
     if np.isinf(h).any():
-        h = np.where(np.isinf(h), form.first_step(state, runs.spacing, facing), h)
+        h = np.where(np.isinf(h), form.first_step(state, runs.spacing[who], facing), h)
     speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
     with np.errstate(all="ignore"):
         farthest = np.fmin(runs.farthest_step, CLOSELY * (2.0 if runs.half else 1.0) if runs.observers else np.inf)
+        farthest = farthest * runs.reach[who]
         h = np.fmin(np.fmin(h, farthest / speed), longest)
         # Through a jump at once.
         across = (ahead < ACROSS) & (speed * h > ahead)
@@ -187,25 +191,30 @@ def _good_step(
 
 
 def _next_break(runs: Progress, who: np.ndarray, turned: np.ndarray, facing: np.ndarray) -> np.ndarray:
-    """Angle turned at the next edge of a break of the moments: no step goes across one."""
+    """Angle turned at the next edge of a break of the moments, or at the end of the range: no step goes across one."""
     angles, cycle = runs.variants.breaks.angles[:, who], runs.dynamics.cycle
+    end = np.where(facing < 0.0, *runs.bounds[:, who])
     if not angles.size:
-        return facing * np.inf
+        return end
     here = runs.start[who] + runs.variants.direction[who] * turned
-    ahead = np.mod(runs.variants.direction[who] * facing * (angles - here), cycle)
-    edges = np.concatenate((ahead - JUMP, ahead + JUMP, ahead - cycle + JUMP))
-    edges = np.where(edges > 0.1 * JUMP, edges, np.inf)
-    return turned + facing * np.nan_to_num(edges, nan=np.inf).min(axis=0)
+    ahead = runs.variants.direction[who] * facing * (angles - here)
+    edges = np.concatenate((ahead - JUMP, ahead + JUMP))
+    if np.isfinite(cycle):
+        ahead = np.mod(ahead, cycle)
+        edges = np.concatenate((ahead - JUMP, ahead + JUMP, ahead - cycle + JUMP))
+    edges = np.nan_to_num(np.where(edges > 0.1 * JUMP, edges, np.inf), nan=np.inf)
+    return facing * np.fmin((turned * facing) + edges.min(axis=0), facing * end)
 
 
 def _overshoot(runs: Progress, state: State, who: np.ndarray, facing: np.ndarray, goal: np.ndarray) -> np.ndarray:
-    """How far a state is beyond rest, the end angle, the speed above and below, and a break; (5, variants)."""
+    """How far a state is beyond rest, end angle, speed above and below, end of the range, a break; (6, variants)."""
     return np.array(
         [
             -state.omega * facing,
             state.turned - runs.ends.turned[who],
             state.omega - runs.above[who],
             runs.below[who] - state.omega,
+            (state.turned - np.where(facing < 0.0, *runs.bounds[:, who])) * facing,
             (state.turned - goal) * facing,
         ]
     )
@@ -239,7 +248,8 @@ def _first_end(
 def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
     """What follows from an end that was met: the run is over, or the machine turns round."""
     ended = runs.state.time[who] >= runs.ends.time[who] * (1.0 - 1e-15)
-    runs.done[who[ended | ((which > REST) & (which < BREAK))]] = True
+    runs.done[who[ended | ((which > REST) & (which < RANGE))]] = True
+    runs.arrive(who[(which == RANGE) | ((which != REST) & ~runs.done[who] & (runs.ahead(who) <= 0.0))])
     rest = who[which == REST]
     forward = runs.facing[rest] > 0.0
     runs.state.omega[rest] = 0.0
@@ -265,7 +275,7 @@ def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
     """Note where machines turn round; those that come no farther forward than the last time never will."""
     turned = runs.state.turned[rest]
     runs.turned_round[rest] = turned
-    again = forward & (turned <= runs.farthest[rest] + SAME_SWING)
+    again = forward & (turned <= runs.farthest[rest] + SAME_SWING * runs.reach[rest])
     runs.farthest[rest[forward]] = turned[forward]
     _give_up_endless(runs, rest[again])
 

@@ -17,7 +17,8 @@ TOLERANCE, FARTHEST_STEP = 1e-10, 0.25 * np.pi
 class Ends(NamedTuple):
     """Where runs end, (variants,): angle turned from the run's begin [rad], time [s], speed [rad/s]; inf for never.
 
-    `rest` says whether the run ends at rest; `most_turned` [rad] is where it is given up.
+    `rest` says whether the run ends at rest, `arrival` whether only at an end of the input's range; `most_turned` [rad]
+    is where it is given up.
     """
 
     turned: np.ndarray
@@ -25,6 +26,7 @@ class Ends(NamedTuple):
     speed: np.ndarray
     rest: bool
     most_turned: np.ndarray
+    arrival: bool = False
 
 
 class RunOutcome(NamedTuple):
@@ -39,6 +41,8 @@ class RunOutcome(NamedTuple):
         Least and greatest speed [rad/s], greatest moment of the motors by magnitude [N·m].
     started, ended : ndarray
         Kinetic energy at begin and end [J].
+    arrived : ndarray of int
+        At which end of its range the input arrived: −1 at the lower one, 1 at the upper one, 0 at none.
     """
 
     verdict: np.ndarray
@@ -48,6 +52,7 @@ class RunOutcome(NamedTuple):
     peak: np.ndarray
     started: np.ndarray
     ended: np.ndarray
+    arrived: np.ndarray
 
 
 class Stepping(NamedTuple):
@@ -104,7 +109,15 @@ class Progress:
     pace : ndarray
         Length of the next step in time [s]; infinite where nothing is known yet.
     tolerance, farthest_step : float
-        What a step may miss, as a share; how far it may turn [rad].
+        What a step may miss, as a share; how far it may turn, of `reach`.
+    reach : ndarray
+        What counts as a radian: one, or where the input doesn't turn fully its range by 2π.
+    spacing : ndarray
+        How far apart the places are that are looked at.
+    bounds : ndarray (2, variants)
+        Angle turned at the ends of the input's range, behind and ahead; infinite where it turns fully.
+    arrived : ndarray of int
+        As of `RunOutcome`, so far.
     classical : bool
         As of `Stepping`.
     facing : ndarray
@@ -130,8 +143,14 @@ class Progress:
     ) -> None:
         self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
         self.ends, self.steps, self.half, self.observers = ends, steps, half, observers
-        self.spacing = dynamics.cycle / steps
         count, channels = variants.count, len(dynamics.channels)
+        low, high = dynamics.reduction.range_of(variants.numbers, count)
+        self.spacing = (high - low) / steps
+        self.reach, self.bounds = np.ones(count), np.array([[-np.inf], [np.inf]]) * np.ones(count)
+        if not dynamics.reduction.has_cycle:
+            self.reach = (high - low) / (2.0 * np.pi)
+            self.bounds = np.sort(variants.direction * (np.array([low, high]) - start), axis=0)
+        self.arrived = np.zeros(count, int)
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
@@ -147,6 +166,22 @@ class Progress:
         self.facing = np.sign(self.state.omega)
         self.done |= ends.speed == omega
         self.turned_round, self.farthest = np.zeros(count), np.full(count, np.nan)
+        self.arrive(np.flatnonzero((self.facing != 0.0) & (self.ahead(np.arange(count)) <= 0.0)))
+
+    def ahead(self, who: np.ndarray) -> np.ndarray:
+        """How far it is to the end of the input's range, the way that some variants face."""
+        (low, high), turned = self.bounds[:, who], self.state.turned[who]
+        return np.where(self.facing[who] < 0.0, turned - low, high - turned)
+
+    def arrive(self, who: np.ndarray) -> None:
+        """End the runs of some variants at the end of the range that they face."""
+        way = np.where(self.facing[who] < 0.0, -1, 1)
+        self.state.turned[who] = np.where(way < 0, *self.bounds[:, who])
+        self.arrived[who] = way * self.variants.direction[who].astype(int)
+        self.done[who] = True
+        if not (self.ends.arrival or self.ends.rest):
+            early = np.isfinite(self.ends.speed[who]) | np.isfinite(self.ends.turned[who])
+            self.verdict[who[early]] = Verdict.NO_END
 
     def energy(self) -> np.ndarray:
         """Kinetic energy now [J]."""

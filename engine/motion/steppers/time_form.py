@@ -149,9 +149,7 @@ class TimeForm:
         dynamics, own = self.dynamics, self.variants
         form = form_of(dynamics, len(own.drive.kloss))
         source, tabulation = source_of(dynamics, form), dynamics.reduction.tabulation
-        parameters = own.parameters
-        if (facing < 0.0).any():
-            parameters = np.where(facing > 0.0, parameters, self._mirror().parameters)
+        parameters = self.parameters_facing(facing)
         given = np.array(
             [self.start, own.direction, own.flywheel, state.turned, state.omega, state.time, h, facing, goal], float
         )
@@ -174,6 +172,12 @@ class TimeForm:
         works = state.works + np.concatenate((found[MOTOR : MOTOR + 1], found[FOUND:]))
         after = State(found[AFTER], found[OMEGA_AFTER], state.time + h, works, state.squares + found[SQUARES])
         return Step(after, found[MISSED], found[SLOWEST], found[FASTEST])
+
+    def parameters_facing(self, facing: np.ndarray) -> np.ndarray:
+        """Numbers of the rows, (numbers, variants), for machines that move forward or backwards."""
+        if not (facing < 0.0).any():
+            return self.variants.parameters
+        return np.where(facing > 0.0, self.variants.parameters, self._mirror().parameters)
 
     def _rubbing(self, facing: np.ndarray) -> tuple[TileFunction, Rubbing, np.ndarray, int]:
         """Functions, source, numbers (numbers, variants) and curves of the friction in pairs; here there is none."""

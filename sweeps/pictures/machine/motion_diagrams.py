@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from engine import History, Machine, Scene, SteadyRegime, Verdict
+from engine import History, InputUnits, Machine, Scene, SteadyRegime, Verdict
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, house_style, new_figure, save
 from sweeps.report.regime_words import failure_text
@@ -91,7 +91,8 @@ def courses(seen: History) -> list[_Course]:
         done = {key: row[-1] for key, row in works.items()}
         time = seen.time[chosen] - seen.time[chosen][0]
         rows = (row[chosen] for row in (seen.angle, seen.speed, seen.acceleration, seen.energy))
-        reactions = {key.removesuffix(".reaction"): np.abs(row[chosen]) for key, row in seen.loads_on_pairs.items()}
+        known = {key: row for key, row in seen.loads_on_pairs.items() if np.isfinite(row).any()}
+        reactions = {key.removesuffix(".reaction"): np.abs(row[chosen]) for key, row in known.items()}
         coupled = {"shaft_speed": seen.shaft_speed[chosen], "coupling": seen.coupling_moment[chosen]}
         coupled = {key: row for key, row in coupled.items() if np.isfinite(row).any()}
         found.append(_Course(str(name), time, *rows, own, powers, works, reactions, coupled))
@@ -136,9 +137,11 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     reactions = [part.reactions for part in parts]
     count = 5 if reactions[0] else 4
     axes = figure.subplots(count, len(parts), sharex="col", squeeze=False, width_ratios=widths)
+    units = InputUnits.of(scene)
+    speed, load = ("ω", "M") if units.q == "rad" else ("v", "F")
     rows = (
-        ("ω", "rad s-1", [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
-        ("M", "N m", [part.acting | _only(part.coupled, "coupling") for part in parts]),
+        (speed, units.speed, [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
+        (load, units.moment, [part.acting | _only(part.coupled, "coupling") for part in parts]),
         ("P", "W", [part.powers for part in parts]),
         ("E, W", "J", [{"energy": part.energy} | part.works for part in parts]),
         ("R", "N", reactions),

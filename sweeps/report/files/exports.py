@@ -155,13 +155,14 @@ def history_table(
             message = f"{name!r} is no load that a history keeps; {did_you_mean(name, known)}"
             raise InputError(scene.title or "scene", [(None, "--columns", message)])
     seen = history(scene, steps, fields)
-    of_loads = {f"{channel}_moment": (moment, "N m") for channel, moment in seen.load_moments.items()}
+    of_input = InputUnits.of(scene)
+    of_loads = {f"{channel}_moment": (moment, of_input.moment) for channel, moment in seen.load_moments.items()}
     columns = {
         "time": (seen.time, "s"),
-        "angle": (seen.angle, "rad"),
-        "speed": (seen.speed, "rad s-1"),
-        "acceleration": (seen.acceleration, "rad s-2"),
-        "motor_moment": (seen.motor_moment, "N m"),
+        "angle" if of_input.q == "rad" else "displacement": (seen.angle, of_input.q),
+        "speed": (seen.speed, of_input.speed),
+        "acceleration": (seen.acceleration, of_input.acceleration),
+        "motor_moment": (seen.motor_moment, of_input.moment),
         **of_loads,
         "energy": (seen.energy, "J"),
     }

@@ -1,0 +1,95 @@
+"""Hoists, vehicles and belt conveyors as nodes: what the masses that they move load their drum or wheel with.
+
+Their speed is r ω of the drum or wheel, so that a force F along their way is the moment F r, and a mass m the inertia
+m r². Sources: M. Mitschke and H. Wallentowitz, Dynamik der Kraftfahrzeuge (driving resistances); DIN 22101 (belt
+conveyors: main resistances by an overall coefficient of friction f and a coefficient C of secondary ones).
+"""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+
+from engine.graph.nodes import Node
+from engine.laws.loads import constant_against_motion, lifting_factor
+from engine.mechanism.acting import Characteristic
+from engine.mechanism.actions.paths import Along, input_sense
+from engine.mechanism.kinematics import Kinematics
+from engine.scene.actions import Carried, ConveyorMoment, HoistMoment
+from engine.scene.inertia import carried_inertia, carried_on
+from engine.scene.scene import Numbers
+
+_Value = float | np.ndarray
+_WAYS = {"counter-clockwise": 1.0, "clockwise": -1.0}
+
+
+def carried_characteristics(kinematics: Kinematics, load: Carried, at: str, along: Along) -> Iterator[Characteristic]:
+    """What carried masses load their drum or wheel with.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    load : Carried
+    at : str
+        Its path in the scene.
+    along : Along
+        Motion of the drum or wheel.
+    """
+    graph, way = kinematics.graph, _WAYS[load.forwards]
+    against = graph.held(along.switch(constant_against_motion, 1.0))
+
+    def number(words: str, value: Callable[[Numbers], _Value]) -> Node:
+        return graph.derived(f"{words} of {at}", value, "load")
+
+    if isinstance(load, HoistMoment):
+        weight = number("moment of the weight", lambda n: n[f"{at}.mass"] * n[f"{at}.gravity"] * n[f"{at}.drum_radius"])
+        efficiency = graph.number(f"{at}.efficiency", "load")
+        factor = along.switch(lifting_factor, efficiency, way * input_sense(kinematics))
+        yield Characteristic(weight, -way * graph.held(factor))
+        return
+    rubs, lifts = _conveyed(at) if isinstance(load, ConveyorMoment) else _driven(at)
+    yield Characteristic(number("moment of friction", lambda n: rubs(n) * np.sign(n["input.speed"])), against)
+    yield Characteristic(number("moment of the slope", lifts), graph.constant(-way))
+    if not isinstance(load, ConveyorMoment):
+        drag = number("moment of the air", partial(_air_drag, at))
+        yield Characteristic(drag, against * (along.velocity * along.velocity), 2)
+
+
+def _driven(at: str) -> tuple[Callable[[Numbers], _Value], Callable[[Numbers], _Value]]:
+    """Moments of a vehicle's rolling resistance, and of the slope."""
+
+    def weight(n: Numbers) -> _Value:
+        return n[f"{at}.mass"] * n[f"{at}.gravity"] * n[f"{at}.wheel_radius"]
+
+    return (
+        lambda n: n[f"{at}.rolling"] * weight(n) * np.cos(n[f"{at}.slope"]),
+        lambda n: weight(n) * np.sin(n[f"{at}.slope"]),
+    )
+
+
+def _conveyed(at: str) -> tuple[Callable[[Numbers], _Value], Callable[[Numbers], _Value]]:
+    """Moments of a conveyor's friction, and of what it lifts."""
+
+    def arm(n: Numbers) -> _Value:
+        return n[f"{at}.gravity"] * n[f"{at}.drum_radius"]
+
+    def friction(n: Numbers) -> _Value:
+        pressed = (n[f"{at}.load_mass"] + n[f"{at}.belt_mass"]) * np.cos(n[f"{at}.incline"])
+        return n[f"{at}.length_coefficient"] * n[f"{at}.friction"] * pressed * arm(n)
+
+    return friction, lambda n: n[f"{at}.load_mass"] * np.sin(n[f"{at}.incline"]) * arm(n)
+
+
+def _air_drag(at: str, n: Numbers) -> _Value:
+    """Moment ½ ρ c A v² r at unit speed of the wheel, times the square of the input's."""
+    force = 0.5 * n[f"{at}.air_density"] * n[f"{at}.drag_area"]
+    return force * n[f"{at}.wheel_radius"] ** 3 * n["input.speed"] * np.abs(n["input.speed"])
+
+
+def turning_inertia(kinematics: Kinematics, shaft: str) -> Node:
+    """Inertia of a shaft, with m r² of what it carries."""
+    scene, own = kinematics.scene, f"shafts.{shaft}.inertia"
+    if not carried_on(scene, shaft):
+        return kinematics.graph.number(own, "load")
+    words = f"inertia of shaft {shaft} with what it carries"
+    return kinematics.graph.derived(words, lambda n: n[own] + carried_inertia(scene, shaft, n), "load")

@@ -1,0 +1,156 @@
+"""Steady motion at two speeds, through a fluid coupling: the speeds of both sides that come back after a cycle.
+
+They are the fixed point of the map from one cycle of the crank to the next, by Newton's method; the derivatives of the
+map are differences of cycles that begin a little faster and slower. It starts from the speeds at which the mean moments
+over a cycle are in balance.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
+from engine.motion.coupled.coupled_run import CoupledEnds
+from engine.motion.coupled.two_sides import CoupledSides
+from engine.motion.settled.steady import no_load_speed
+from engine.verdicts import Verdict
+
+# Speeds come back to so much of themselves; where steps keep them from it, to so much, if nothing is gained any more.
+RETURNED, NEARLY = 1e-10, 1e-7
+MOST_ROUNDS = 40
+# Share of a speed by which cycles begin faster and slower: what it bends and what steps miss weigh about the same.
+APART = 3e-4
+# Greatest change of a speed at once, of itself.
+FARTHEST = 0.3
+# A disturbance that neither grows nor fades, to so much, leaves the speed undecided.
+UNDECIDED = 1e-6
+# Speeds, of the no-load speed, and crank angles at which mean moments are looked at.
+SPEEDS, PLACES, HIGHEST = 96, 64, 1.3
+
+
+class CoupledSteady(NamedTuple):
+    """Steady motion at two speeds; arrays (variants,).
+
+    Attributes
+    ----------
+    verdict : ndarray of uint8
+    speeds : ndarray (2, variants)
+        Of the crank and of the shaft at φ = 0, reduced to the crank [rad/s].
+    multiplier : ndarray
+        By which the largest of small disturbances grows from cycle to cycle.
+    residual : ndarray
+        Relative difference of the speeds after a cycle.
+    """
+
+    verdict: np.ndarray
+    speeds: np.ndarray
+    multiplier: np.ndarray
+    residual: np.ndarray
+
+
+def settled_at_two_speeds(sides: CoupledSides, loose: bool) -> CoupledSteady:
+    """Find the steady motion of machines with a fluid coupling.
+
+    Parameters
+    ----------
+    sides : CoupledSides
+        From φ = 0 on.
+    loose : bool
+        Whether steps may miss more, for comparison.
+    """
+    count = sides.count
+    # A cycle from the speeds themselves, and from either of them a little higher and lower.
+    begun = np.array([[1.0, 1.0 + APART, 1.0 - APART, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0 + APART, 1.0 - APART]])
+    ways = begun.shape[1]
+    every = sides.some(np.tile(np.arange(count), ways)) if count else sides
+    with np.errstate(all="ignore"):
+        verdict, x = _in_balance(sides)
+    good, multiplier = x.copy(), np.full(count, np.nan)
+    residual, pending = np.full(count, np.inf), np.flatnonzero(verdict == Verdict.OK)
+    for _ in range(MOST_ROUNDS):
+        if not pending.size:
+            break
+        who = (pending + count * np.arange(ways)[:, None]).ravel()
+        start = (begun[:, :, None] * x[:, None, pending]).reshape(2, -1)
+        gone = one_cycle(every.some(who), start, loose)
+        after = np.array([gone.omega, gone.shaft_omega]).reshape(2, ways, -1)
+        went = (gone.verdict == Verdict.OK).reshape(ways, -1)
+        here = x[:, pending]
+        slopes = np.stack([(after[:, i] - after[:, i + 1]) / (2.0 * APART * here[i // 2]) for i in (1, 3)], axis=1)
+        off = np.abs(after[:, 0] - here).max(axis=0) / np.abs(here).max(axis=0)
+        whole = went.all(axis=0) & np.isfinite(slopes).all(axis=(0, 1))
+        growth, change, undecided = _newton(np.where(whole, slopes, 0.0), after[:, 0] - here)
+        settled = whole & ((off <= RETURNED) | ((off <= NEARLY) & (off >= 0.5 * residual[pending])))
+        residual[pending] = np.where(whole, off, residual[pending])
+        multiplier[pending] = np.where(whole, growth, multiplier[pending])
+        limit = np.abs(change / here).max(axis=0) / FARTHEST
+        change = change / np.maximum(limit, 1.0)
+        good[:, pending] = np.where(whole, here, good[:, pending])
+        # Where a cycle isn't come through, back half of the way to where one was.
+        ahead = np.where(whole, here + change, 0.5 * (here + good[:, pending]))
+        x[:, pending] = np.where(settled, here, ahead)
+        verdict[pending[whole & undecided & ~settled]] = Verdict.ANY_SPEED
+        never = ~whole & (good[:, pending] == here).all(axis=0)
+        verdict[pending[never]] = gone.verdict.reshape(ways, -1).max(axis=0)[never]
+        pending = pending[~settled & ~(whole & undecided) & ~never]
+    slower = pending[x[0, pending] < good[0, pending]]
+    verdict[pending], verdict[slower] = Verdict.RUNS_AWAY, Verdict.STALLS
+    return CoupledSteady(verdict, x, multiplier, residual)
+
+
+def one_cycle(sides: CoupledSides, speeds: np.ndarray, loose: bool, record: bool = False) -> CoupledOutcome:
+    """A cycle of the crank from φ = 0 on.
+
+    Parameters
+    ----------
+    sides : CoupledSides
+    speeds : ndarray (2, variants)
+        Of the crank and of the shaft at its begin, reduced to the crank [rad/s].
+    loose, record
+        As of `run_coupled`.
+    """
+    zero, never = np.zeros(sides.count), np.full(sides.count, np.inf)
+    cycle = np.full(sides.count, sides.crank.dynamics.cycle)
+    ends = CoupledEnds(cycle, never, never, False, False, never)
+    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, loose, record)
+
+
+def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Greatest multiplier, the change of both speeds that makes the map's fixed point, and whether there is none."""
+    (a, b), (c, d) = slopes
+    (p, q), det = (1.0 - a, 1.0 - d), (1.0 - a) * (1.0 - d) - b * c
+    change = np.array([q * off[0] + b * off[1], c * off[0] + p * off[1]]) / det
+    half, root = 0.5 * (a + d), np.sqrt((0.25 * (a - d) ** 2 + b * c).astype(complex))
+    growth = np.maximum(np.abs(half + root), np.abs(half - root))
+    return growth, change, np.abs(det) <= UNDECIDED * (np.abs(p * q) + np.abs(b * c) + UNDECIDED)
+
+
+def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
+    """Verdicts, and the greatest speeds of both sides, (2, variants), at which mean moments are in balance."""
+    crank, shaft, count = sides.crank, sides.shaft, sides.count
+    (own, on_crank), (_, on_shaft) = tops = [no_load_speed(side.variants) for side in (crank, shaft)]
+    top = HIGHEST * np.where(on_crank | on_shaft, np.fmax(*(top * driven for top, driven in tops)), own)
+    speeds = top * np.linspace(1.0, 1.0 / SPEEDS, SPEEDS)[:, None]
+    turned = np.broadcast_to(np.linspace(0.0, crank.dynamics.cycle, PLACES, endpoint=False)[:, None], (PLACES, count))
+    rows = crank.dynamics.rows(crank.variants, crank.variants.direction * turned)
+    of_shaft = np.array([shaft.moments(speed, np.ones(count)).total[0] for speed in speeds])
+    left, others = np.empty((SPEEDS, count)), np.empty((SPEEDS, count))
+    for k, speed in enumerate(speeds):
+        mean = crank.dynamics.moments(crank.variants, rows, np.broadcast_to(speed, turned.shape)).total.mean(axis=0)
+        passed = sides.coupling.fluid_moment(np.broadcast_to(speed, speeds.shape), speeds)
+        others[k] = _highest_balance(speeds, of_shaft - passed)
+        left[k] = mean + sides.coupling.fluid_moment(speed, others[k])
+    found = _highest_balance(speeds, left)
+    verdict = np.where(np.isfinite(found), Verdict.OK, np.where(left[0] > 0.0, Verdict.RUNS_AWAY, Verdict.STALLS))
+    other = np.array([np.interp(found[v], speeds[::-1, v], others[::-1, v]) for v in range(count)]).reshape(count)
+    return verdict.astype(np.uint8), np.array([found, other])
+
+
+def _highest_balance(speeds: np.ndarray, moments: np.ndarray) -> np.ndarray:
+    """The greatest of falling speeds (speeds, variants) below which moments begin to drive; NaN where none do."""
+    drives = (moments[1:] >= 0.0) & (moments[:-1] < 0.0)
+    at, lane = drives.argmax(axis=0), np.arange(moments.shape[1])
+    low, high = moments[at + 1, lane], moments[at, lane]
+    share = np.where(low > high, low / (low - high), 0.0)
+    found = speeds[at + 1, lane] + share * (speeds[at, lane] - speeds[at + 1, lane])
+    return np.where(drives.any(axis=0), found, np.nan)

@@ -1,0 +1,179 @@
+"""Hoists, vehicles and conveyors on the shafts of a machine, by closed forms of their run-up and coast-down."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Machine, Scene, SceneError, Verdict
+
+GRAVITY, INERTIA, DRUM, WHEEL = 9.81, 0.4, -0.2, 0.5
+NUMBERS = {
+    "bodies.ram.mass": 0.0,
+    "moments.pull.moment": 0.0,
+    "moments.rope.mass": 0.0,
+    "moments.rope.efficiency": 1.0,
+    "moments.car.mass": 0.0,
+    "moments.car.rolling": 0.0,
+    "moments.car.slope": 0.0,
+    "moments.car.drag_area": 0.0,
+    "moments.belt.load_mass": 0.0,
+    "moments.belt.belt_mass": 0.0,
+    "moments.belt.friction": 0.0,
+    "moments.belt.incline": 0.0,
+}
+SCENE = {
+    "gravity": 0.0,
+    "points": {"O": {"x": 0.0, "y": 0.0}},
+    "guides": {"way": {"angle": 0.0}},
+    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 6.0},
+    "groups": {
+        "drive": {
+            "type": "RRP",
+            "inner": "B",
+            "first": {"link": "rod", "joint": "A", "length": 0.2},
+            "second": {"link": "ram", "guide": "way"},
+        }
+    },
+    "shafts": {
+        "drum": {"geared_to": "crank", "ratio": DRUM, "inertia": 3.0},
+        "wheel": {"geared_to": "crank", "ratio": WHEEL},
+    },
+    "bodies": {"disc": {"link": "crank", "mass": 0.0, "inertia": INERTIA}, "ram": {"link": "ram", "mass": 0.0}},
+    "moments": {
+        "pull": {"type": "constant", "on": "crank", "moment": 0.0, "role": "driving"},
+        "rope": {
+            "type": "hoist",
+            "on": "drum",
+            "forwards": "clockwise",
+            "mass": 0.0,
+            "drum_radius": 0.3,
+            "gravity": GRAVITY,
+        },
+        "car": {"type": "vehicle", "on": "wheel", "mass": 0.0, "wheel_radius": 0.2, "gravity": GRAVITY},
+        "belt": {"type": "conveyor", "on": "crank", "load_mass": 0.0, "drum_radius": 0.15, "gravity": GRAVITY},
+    },
+    "regimes": {
+        "go": {"type": "run", "from_speed": 0.0, "time": 0.7},
+        "stop": {"type": "run", "off": ["pull"], "from_speed": 5.0, "rest": True},
+        "back": {"type": "run", "off": ["pull"], "from_speed": 0.0, "time": 0.5},
+    },
+}
+OWN = INERTIA + DRUM**2 * 3.0
+# Runs miss 1e-10 a step, of a few dozen steps.
+TOLERANCE = 1e-8
+
+
+@pytest.fixture(scope="module")
+def evaluate():
+    """What is asked of the machine with some numbers: its inertia constant, for closed forms, or as for any machine."""
+    scene, machines = Scene.model_validate(SCENE), {}
+
+    def found(names, stepwise=False, **numbers):
+        numbers = {key.replace("__", "."): value for key, value in numbers.items()}
+        key = tuple(names), stepwise
+        if key not in machines:
+            varied = [path for path in NUMBERS if stepwise or path != "bodies.ram.mass"]
+            machines[key] = Machine(scene, list(names), varied=varied)
+        machine = machines[key]
+        values = {path: np.array([numbers.get(path, NUMBERS[path])]) for path in machine.varied}
+        outcome = machine.evaluate(values)
+        return Verdict(outcome.status[0]), np.array([outcome.summaries[name][0] for name in names])
+
+    return found
+
+
+GO = ("go.final_speed", "go.angle", "go.driving_work", "go.useful_work", "go.energy_change")
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.booleans(), st.floats(1.0, 300.0), st.floats(0.3, 1.0), st.floats(1.01, 5.0))
+def test_hoist__is_lifted_at_constant_acceleration(evaluate, stepwise, mass, efficiency, times):
+    # Against its weight of m g r on the drum, through the drum's gearing, by a share more than that.
+    weight = mass * GRAVITY * 0.3 * abs(DRUM) / efficiency
+    numbers = {"moments__pull__moment": times * weight, "moments__rope__mass": mass}
+    status, found = evaluate(GO, stepwise, **numbers, moments__rope__efficiency=efficiency)
+    inertia = OWN + DRUM**2 * mass * 0.3**2
+    speed = (times - 1.0) * weight / inertia * 0.7
+    angle = 0.35 * speed
+    expected = [speed, angle, times * weight * angle, weight * angle, 0.5 * inertia * speed**2]
+    assert status == Verdict.OK
+    # Moments that nearly balance carry their rounding, and what a step misses, so many times as much.
+    np.testing.assert_allclose(found, expected, rtol=TOLERANCE / (times - 1.0))
+
+
+@pytest.mark.parametrize("stepwise", [False, True])
+def test_hoist__drives_less_where_it_is_lowered_than_it_takes_to_lift_it(evaluate, stepwise):
+    names = ("stop.time", "stop.angle", "back.final_speed", "back.useful_work")
+    numbers = {"moments__rope__mass": 50.0, "moments__rope__efficiency": 0.6}
+    status, found = evaluate(names, stepwise, **numbers)
+    weight, inertia = 50.0 * GRAVITY * 0.3 * abs(DRUM), OWN + DRUM**2 * 50.0 * 0.3**2
+    slows, falls = weight / 0.6 / inertia, 0.6 * weight / inertia
+    expected = [5.0 / slows, 12.5 / slows, -falls * 0.5, -0.6 * weight * 0.125 * falls]
+    assert status == Verdict.OK
+    np.testing.assert_allclose(found, expected, rtol=TOLERANCE)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.booleans(), st.floats(10.0, 2000.0), st.floats(0.0, 0.05), st.floats(-0.02, 0.1), st.floats(0.1, 20.0))
+def test_vehicle__runs_up_by_tanh_and_coasts_down_by_tan(evaluate, stepwise, mass, rolling, slope, area):
+    force = mass * GRAVITY * (rolling * math.cos(slope) + math.sin(slope))
+    hold, inertia = force * 0.2 * WHEEL, OWN + WHEEL**2 * mass * 0.2**2
+    drag, pull = 0.5 * 1.204 * area * (0.2 * WHEEL) ** 3, abs(hold) + 20.0
+    numbers = {"mass": mass, "rolling": rolling, "slope": slope, "drag_area": area}
+    numbers = {f"moments__car__{key}": value for key, value in numbers.items()}
+    status, found = evaluate(GO[:2], stepwise, moments__pull__moment=pull, **numbers)
+    most, pace = math.sqrt((pull - hold) / drag), math.sqrt((pull - hold) * drag) / inertia
+    assert status == Verdict.OK
+    # The logarithm of the hyperbolic cosine near 1 rounds by as much as it is smaller than 1.
+    spread = math.log(math.cosh(pace * 0.7))
+    expected = [most * math.tanh(pace * 0.7), inertia / drag * spread]
+    np.testing.assert_allclose(found, expected, rtol=TOLERANCE + 1e-15 / spread)
+    if hold > 0.1:
+        _, found = evaluate(("stop.time", "stop.angle"), stepwise, **numbers)
+        late = inertia / math.sqrt(hold * drag) * math.atan(5.0 * math.sqrt(drag / hold))
+        way = 0.5 * inertia / drag * math.log1p(25.0 * drag / hold)
+        np.testing.assert_allclose(found, [late, way], rtol=TOLERANCE)
+
+
+@pytest.mark.parametrize("stepwise", [False, True])
+def test_conveyor__takes_friction_and_lift(evaluate, stepwise):
+    numbers = {"load_mass": 80.0, "belt_mass": 30.0, "friction": 0.03, "incline": 0.2}
+    numbers = {f"moments__belt__{key}": value for key, value in numbers.items()}
+    status, found = evaluate(("stop.time", "stop.useful_work", "stop.energy_change"), stepwise, **numbers)
+    moment = 0.15 * GRAVITY * (0.03 * 110.0 * math.cos(0.2) + 80.0 * math.sin(0.2))
+    inertia = OWN + 110.0 * 0.15**2
+    assert status == Verdict.OK
+    np.testing.assert_allclose(found, [5.0 * inertia / moment, 12.5 * inertia, -12.5 * inertia], rtol=TOLERANCE)
+
+
+def test_carried_masses__are_in_the_reduced_inertia_and_in_equilibrium():
+    scene = Scene.model_validate(SCENE | {"regimes": {}})
+    names = ["required_drive_moment", "input_moment_disagreement"]
+    varied = ["moments.rope.mass", "moments.car.mass", "moments.belt.load_mass", "bodies.ram.mass"]
+    machine = Machine(scene, names, ["reduced_inertia"], varied)
+    outcome = machine.evaluate(dict(zip(varied, np.array([[50.0], [40.0], [30.0], [2.0]]), strict=True)))
+    least = OWN + DRUM**2 * 50.0 * 0.3**2 + WHEEL**2 * 40.0 * 0.2**2 + 30.0 * 0.15**2
+    # At its dead centres the ram has no share in it.
+    assert outcome.fields["reduced_inertia"][0].min() == pytest.approx(least, rel=1e-12)
+    assert outcome.summaries["required_drive_moment"][0] == pytest.approx(50.0 * GRAVITY * 0.3 * abs(DRUM), rel=1e-12)
+    # A share of the greatest moment.
+    assert outcome.summaries["input_moment_disagreement"][0] < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("moment", "off", "path", "mend"),
+    [
+        ({"on": "rod"}, [], "moments.rope.on", "allowed: crank, drum, wheel"),
+        ({}, ["rope"], "regimes.go.off", "always goes along"),
+    ],
+)
+def test_what_has_no_meaning__is_refused_in_words(moment, off, path, mend):
+    moments = SCENE["moments"] | {"rope": SCENE["moments"]["rope"] | moment}
+    regimes = {"go": SCENE["regimes"]["go"] | {"off": off}}
+    with pytest.raises((SceneError, ValueError)) as error:
+        Machine(Scene.model_validate(SCENE | {"moments": moments, "regimes": regimes}))
+    assert path in str(error.value)
+    assert mend in str(error.value)
