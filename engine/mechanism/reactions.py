@@ -26,11 +26,12 @@ from engine.mechanism.assembly import Turning
 from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
+from engine.mechanism.higher_pairs.cam_forces import cam_forces
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
-from engine.scene.pairs import Pair, pairs, pairs_of_group
+from engine.scene.pairs import Pair, follower_pair, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
 
@@ -85,6 +86,8 @@ class Reactions:
                 self._group(element.name)
             elif element.kind == "free group":
                 self._free_group(kinematics.free[element.name])
+            elif element.kind == "cam":
+                self._cam(element.name)
             elif element.kind == "shaft":
                 self._shaft(element.name)
         self._input()
@@ -233,6 +236,19 @@ class Reactions:
         given = [part for load in loads for part in (*load.force, load.moment)]
         found = self.graph.apply(law, *given, *geometry)
         return [found[0:2], found[2:4], found[4:6]]
+
+    def _cam(self, name: str) -> None:
+        """The contact of a cam holds up its follower against all that acts on it, and what guides it takes the rest."""
+        follower, found = self.scene.cams[name].follower, cam_forces(self.kinematics, name, self._loads)
+        at, force = self.kinematics.cams[name], found.contact * self.kinematics.cams[name].normal
+        self.variables |= {f"{name}.contact_force": found.contact, f"{name}.closing_force": found.closing}
+        self._loads.push(follower.link, self.kinematics.at_rest(at.contact), force)
+        self._loads.push(self.scene.cams[name].on, self.kinematics.at_rest(at.contact), -force)
+        pair, left = follower_pair(self.scene, name), self._loads.total(follower.link)
+        if pair.kind == "revolute":
+            self._revolute(pair, -left.force)
+        else:
+            self._prismatic(pair, -left.force.dot(self.kinematics.links[follower.link].u.normal), -left.moment)
 
     def _shaft(self, name: str) -> None:
         """Gears balance the moments on a shaft, load its driver by the ratio, and leave the rest to the frame."""

@@ -12,6 +12,8 @@ from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
 
 Problem = tuple[str, str]
+# Turns that texts give as quotients are whole within this.
+_WHOLE = 1e-9
 
 
 def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
@@ -74,6 +76,8 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
         define(links, name, f"links.{name}")
     for name in scene.shafts:
         define(links, name, f"shafts.{name}")
+    for name, cam in scene.cams.items():
+        define(links, cam.follower.link, f"cams.{name}.follower.link")
     for name in scene.points:
         define(points, name, f"points.{name}")
     for name, link in scene.links.items():
@@ -82,7 +86,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
                 define(points, joint, f"links.{name}.joints")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
-    for table in ("forces", "moments", "springs", "cylinders", "couplings", "elements"):
+    for table in ("cams", "forces", "moments", "springs", "cylinders", "couplings", "elements"):
         for name in getattr(scene, table):
             define({}, name, f"{table}.{name}")
     if problems:
@@ -116,6 +120,10 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
         if shaft.pivot is not None:
             refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    for name, cam in scene.cams.items():
+        refs.append((f"cams.{name}.on", "link", cam.on))
+        kind = "guide" if cam.translating else "pivot"
+        refs.append((f"cams.{name}.follower.{kind}", kind.replace("pivot", "point"), getattr(cam.follower, kind)))
     refs += [(f"couplings.{name}.shaft", "link", coupling.shaft) for name, coupling in scene.couplings.items()]
     for name, force in scene.forces.items():
         refs.append((f"forces.{name}.on", "point", force.on))
@@ -157,6 +165,7 @@ def sliders(scene: Scene) -> tuple[str, ...]:
         if group.type in ("RPR", "RPP"):
             found.append(group.first.link)
     found += [name for name, link in scene.links.items() if link.guide is not None]
+    found += [cam.follower.link for cam in scene.cams.values() if cam.translating]
     return tuple(found)
 
 
@@ -175,7 +184,7 @@ def joint_owners(scene: Scene) -> dict[str, str]:
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
+    checks = (_off_the_frame, _wrong_shafts, _wrong_cams, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
     checks += (_open_tables, _wrong_regimes, _wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
@@ -188,6 +197,7 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
     on_frame = {name for name, point in scene.points.items() if point.link == FRAME}
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
     pivots += [(f"shafts.{n}.pivot", s.pivot) for n, s in scene.shafts.items() if s.pivot is not None]
+    pivots += [(f"cams.{n}.follower.pivot", c.follower.pivot) for n, c in scene.cams.items() if not c.translating]
     pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
     problems = [
         (path, f"{name!r} is not on the frame; " + did_you_mean(name, on_frame))
@@ -215,6 +225,38 @@ def _wrong_shafts(scene: Scene) -> list[Problem]:
                 (f"shafts.{name}.geared_to", "a shaft can't be geared to a sliding input; name a turning link")
             )
     return problems
+
+
+def _wrong_cams(scene: Scene) -> list[Problem]:
+    problems, drive = [], scene.input
+    carriers = {n: scene.shafts[n].ratio for n in _geared_to_input(scene) if scene.shafts[n].pivot is not None}
+    carriers |= {drive.link: 1.0} if isinstance(drive, CrankInput) else {}
+    taken = {*scene.groups, *scene.links, *scene.points, *scene.regimes}
+    for name, cam in scene.cams.items():
+        at = f"cams.{name}"
+        if name in taken:
+            problems.append((at, f"the name {name!r} is already taken; choose another"))
+        if cam.translating and scene.guides[cam.follower.guide].link != FRAME:
+            message = f"{cam.follower.guide!r} is on a moving link; a cam's follower slides on a guide of the frame"
+            problems.append((f"{at}.follower.guide", message))
+        if cam.on not in carriers:
+            allowed = ", ".join(sorted(carriers)) or "none, as the input slides"
+            message = f"a cam sits on the crank or on a shaft with a pivot that is geared to it; such are: {allowed}"
+            problems.append((f"{at}.on", message))
+        elif drive.start is None and not _is_whole(carriers[cam.on] * drive.revolutions):
+            message = (
+                f"{cam.on!r} makes {abs(carriers[cam.on] * drive.revolutions):g} turns in a cycle of "
+                f"{drive.revolutions} of the crank, and the cam's motion doesn't close: give another ratio or "
+                "other input.revolutions"
+            )
+            problems.append((f"{at}.on", message))
+        if any(coupling.shaft == cam.on for coupling in scene.couplings.values()):
+            problems.append((f"{at}.on", f"shaft {cam.on!r} turns at a speed of its own, by a coupling; name another"))
+    return problems
+
+
+def _is_whole(number: float) -> bool:
+    return abs(number - round(number)) <= _WHOLE
 
 
 def _loose_shafts(scene: Scene) -> set[str]:
@@ -248,6 +290,7 @@ def _still_links(scene: Scene) -> set[str]:
         for name, link in scene.links.items():
             if link.guide is not None and scene.guides[link.guide].link in still:
                 found.add(name)
+        found |= {cam.follower.link for cam in scene.cams.values() if cam.translating}
         grown, still = found != still, found
     return still
 
@@ -332,7 +375,7 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
-        taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
+        taken = {*scene.groups, *scene.links, *scene.points, *scene.elements, *scene.cams}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
     return problems

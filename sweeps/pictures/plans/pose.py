@@ -59,6 +59,12 @@ class MachineCycle:
                 f"plans are drawn of dyads alone, and {', '.join(scene.links)} are free links: leave out what asks for "
                 "plans; their reactions are fields, such as 'LINK.JOINT.reaction_x'"
             )
+        if scene.cams:
+            driven = ", ".join(cam.follower.link for cam in scene.cams.values())
+            raise PictureError(
+                f"plans are drawn of dyads alone, and cams drive {driven}: leave out what asks for plans; forces are "
+                "fields, such as 'CAM.contact_force'"
+            )
         self.scene, self._values = scene, dict(values or {})
         self.motion = DrawnMotion(scene, values)
         self.numbers = self.motion.numbers
