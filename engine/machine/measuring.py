@@ -47,6 +47,8 @@ CLOSELY = 1e-9
 FINELY = 1e-12
 # What may be left of a margin against jamming, unless an accuracy is asked: three digits of it say all.
 LOOSELY = 1e-4
+# Positions at which curves that switch something are looked at over a cycle of up to two turns, and in each turn more.
+SCANNED, SCANNED_PER_TURN = 36, 18
 # Tolerance of curves that panels needn't be made shorter for.
 ANY = 1e30
 
@@ -214,6 +216,7 @@ class Measuring:
             speeds=[self._fluctuations.index(self._cycle_of(s.steady).fluctuation) for s in self._speeds],
             averages=[self._place_of(a) for a in self._averages],
             spaced=[self._place_of(s) for s in self._spaced],
+            scan=SCANNED + SCANNED_PER_TURN * max(0, getattr(self.mechanics.scene.input, "revolutions", 1) - 2),
             intervals=self._grid[0],
             positions=self._grid[1],
             arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],

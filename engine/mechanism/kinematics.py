@@ -124,10 +124,14 @@ class Kinematics(Assembly):
         shaft, driver = self.scene.shafts[name], self.links[self.scene.shafts[name].geared_to]
         ratio = self.number(f"shafts.{name}.ratio")
         w, e = ratio * driver.w, ratio * driver.e
+        if shaft.carrier is not None:
+            # By Willis: relative to the carrier both turn as the wheels of a common train.
+            carrier = self.links[shaft.carrier]
+            w, e = carrier.w + ratio * (driver.w - carrier.w), self.graph.zero
         if shaft.pivot is None:
             nowhere = self.links[FRAME]
             self.links[name] = Turning(nowhere.origin, nowhere.u, w, e)
             return
-        angle = ratio * self.graph.q + self.number(f"shafts.{name}.phase")
+        angle = w * self.graph.q + self.number(f"shafts.{name}.phase")
         self.links[name] = Turning(self.points[shaft.pivot], Vector(*self.graph.apply(direction_of, angle)), w, e)
         self.links[name].called(name)

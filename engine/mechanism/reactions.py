@@ -2,7 +2,7 @@
 
 By d'Alembert inertia forces join the forces that act on a link; each group is then in equilibrium under its own loads
 and what later groups leave on it. The last step is the input link: the reaction of its pivot or guide, and the moment
-or force that drives it. Gears carry moments alone: forces between teeth depend on how they are cut.
+or force that drives it. Gears carry moments alone unless the pressure angle of their teeth is given.
 
 Friction in pairs acts back within its own group, and on what comes after it in this order.
 
@@ -27,6 +27,7 @@ from engine.mechanism.friction import Components, Settled, pressing_in_group, ru
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.higher_pairs.cam_forces import cam_forces
+from engine.mechanism.higher_pairs.mesh import mesh_of
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
@@ -251,14 +252,31 @@ class Reactions:
             self._prismatic(pair, -left.force.dot(self.kinematics.links[follower.link].u.normal), -left.moment)
 
     def _shaft(self, name: str) -> None:
-        """Gears balance the moments on a shaft, load its driver by the ratio, and leave the rest to the frame."""
+        """Gears balance the moments on a shaft, load its driver by the ratio, and what carries both by the rest."""
         shaft, load = self.scene.shafts[name], self._loads.total(name)
+        if shaft.pressure_angle is not None:
+            self._in_mesh(name, load)
+            return
         moment = load.moment
         if shaft.pivot is not None:
             moment = moment + self._in_pivot(name, load)
         passed = self.graph.number(f"shafts.{name}.ratio") * moment
         self._loads.twist(shaft.geared_to, passed)
-        self._loads.twist(FRAME, moment - passed)
+        self._loads.twist(shaft.carrier or FRAME, moment - passed)
+
+    def _in_mesh(self, name: str, load: Wrench) -> None:
+        """Teeth balance the moments on a shaft by a force at the pitch point, and push both wheels apart."""
+        shaft, found = self.scene.shafts[name], mesh_of(self.kinematics, name)
+        tangential = load.moment / found.radius
+        # What pushes apart has the magnitude of what turns, and bends where that changes its sign.
+        apart = abs(tangential) * found.slope
+        self.graph.bends(apart, tangential)
+        force = -(tangential * found.across) + apart * found.away
+        at = self.kinematics.at_rest(found.pitch_point)
+        self._loads.push(name, at, force)
+        self._loads.push(shaft.geared_to, at, -force)
+        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        self._in_pivot(name, self._loads.total(name))
 
     def _in_pivot(self, name: str, load: Wrench) -> Node:
         """Register the reaction of a pivot on the frame; the moment of its friction."""

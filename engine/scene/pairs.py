@@ -131,6 +131,12 @@ def friction_problems(scene: Scene) -> list[Problem]:
             message = f"{friction.pair!r} is a pair of a free link: friction is computed in pairs of dyads alone"
             problems.append((f"{path}.pair", message))
             continue
+        if getattr(scene.shafts.get(friction.pair), "pressure_angle", None) is not None:
+            message = (
+                f"forces between the teeth of {friction.pair!r} and friction in its pivot aren't computed together"
+            )
+            problems.append((f"{path}.pair", f"{message}: leave out one, or shafts.{friction.pair}.pressure_angle"))
+            continue
         if friction.pair.partition(".")[0] in scene.cams:
             message = f"{friction.pair!r} holds a cam's follower: friction isn't computed there; leave it out"
             problems.append((f"{path}.pair", message))

@@ -45,9 +45,10 @@ def structure_text(scene: Scene) -> str:
     if scene.input is None:
         return "none; machine elements alone"
     free = order_groups(scene).free_groups.values()
-    cams = len(scene.cams)
-    links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + cams
-    pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + cams
+    planets = [(name, shaft) for name, shaft in scene.shafts.items() if shaft.carrier is not None]
+    touching = len(scene.cams) + len(planets)
+    links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + touching
+    pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
     lines = [f"input {scene.input.link} ({scene.input.type})"]
     lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
     lines += [
@@ -58,8 +59,9 @@ def structure_text(scene: Scene) -> str:
         f"cam {name} on {cam.on}: {cam.follower.type} follower {cam.follower.link}, {cam.follower.contact}"
         for name, cam in scene.cams.items()
     ]
-    higher = (" − p₂", f" − {cams}") if cams else ("", "")
-    lines.append(f"W = 3n − 2p₁{higher[0]} = 3·{links} − 2·{pairs}{higher[1]} = {3 * links - 2 * pairs - cams}")
+    lines += [f"planet {name} on {shaft.carrier}, geared to {shaft.geared_to}" for name, shaft in planets]
+    higher = (" − p₂", f" − {touching}") if touching else ("", "")
+    lines.append(f"W = 3n − 2p₁{higher[0]} = 3·{links} − 2·{pairs}{higher[1]} = {3 * links - 2 * pairs - touching}")
     return "\n".join(lines)
 
 

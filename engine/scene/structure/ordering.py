@@ -93,7 +93,7 @@ def _ordered(scene: Scene) -> _Ordering:
         for name, shaft in scene.shafts.items():
             if (
                 name not in known_links
-                and shaft.geared_to in known_links
+                and {shaft.geared_to, shaft.carrier or FRAME} <= known_links
                 and (shaft.pivot is None or shaft.pivot in points)
             ):
                 known_links.add(name)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from engine import FRAME
-from sweeps.pictures.drawing.cams import follower_guides
+from sweeps.pictures.drawing.higher_pairs import follower_guides
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
 
@@ -30,7 +30,7 @@ def frame_parts(m: DrawnMotion) -> list[Primitive]:
                 found += hatched(*ends, r)
     found += follower_guides(m)
     for name, shaft in scene.shafts.items():
-        if shaft.pivot is not None:
+        if shaft.pivot is not None and shaft.carrier is None:
             found += _gearing(
                 *(m.points[p][0] for p in (scene.input.pivot, shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
             )

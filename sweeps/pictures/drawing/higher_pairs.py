@@ -1,7 +1,8 @@
-"""Cams that drive a mechanism and their followers, as they are drawn at a position."""
+"""Cams that drive a mechanism, their followers, and planets, as they are drawn at a position."""
 
 import numpy as np
 
+from engine import FRAME
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive, hatched, line
 
@@ -50,6 +51,21 @@ def follower_guides(m: DrawnMotion) -> list[Primitive]:
             bush = place + _bush(m, name) * u
             for side in (1, -1):
                 found += hatched(*(bush + r * u * (side * 1.2j - side * half) for half in (HALF_BUSH, -HALF_BUSH)), r)
+    return found
+
+
+def planet_circles(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Pitch circles of planets at a node, and of the wheels that they are geared to."""
+    found = []
+    for name, shaft in m.scene.shafts.items():
+        if shaft.carrier is not None:
+            on = shaft.carrier if shaft.geared_to == FRAME else shaft.geared_to
+            centre, other = (complex(m.axes(link)[0][k]) for link in (name, on))
+            ratio = m.numbers[f"shafts.{name}.ratio"]
+            radius = abs(centre - other) / abs(ratio - 1.0)
+            found += [
+                Primitive("pitch", "circle", (c,), r) for c, r in ((centre, radius), (other, abs(ratio) * radius))
+            ]
     return found
 
 
