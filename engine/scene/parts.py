@@ -462,8 +462,8 @@ class Shaft(Part):
     A shaft geared to the crank may have a `pivot` on the frame; it is then a link like another, at the angle
     ratio·φ + `phase`, and can carry points and bodies. A planet has a `carrier`, the crank or a shaft with a pivot: its
     own pivot is a point of that, and it is geared to the crank, such a shaft, or the frame, whose wheel lies about the
-    carrier's pivot; its `ratio` is that of the speeds relative to the carrier (negative: external teeth), and `phase` its
-    angle at the crank angle 0. With the `pressure_angle` of its teeth the forces between them are part of reactions.
+    carrier's pivot; its `ratio` is that of the speeds relative to the carrier (negative: external teeth), and `phase`
+    its angle at the crank angle 0. With the `pressure_angle` of its teeth, forces between them are part of reactions.
     """
 
     geared_to: Name
