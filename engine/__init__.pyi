@@ -63,6 +63,7 @@ from engine.governors.governor_curves import (
 from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
 from engine.higher_pairs.cams.cam_elements import CamElement
+from engine.higher_pairs.cams.driving_cams import DrivingCam
 from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
@@ -173,6 +174,7 @@ __all__ = [
     "DimensionMark",
     "DriveCycle",
     "DriveRun",
+    "DrivingCam",
     "ElementsAlone",
     "Engine",
     "EngineElement",

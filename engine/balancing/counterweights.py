@@ -228,7 +228,7 @@ def _probes(
     bodies = {f"probe{i}": Body(link=link, mass=0.0, x=x, y=y) for i, (link, x, y) in enumerate(at)}
     bare = {name: shaft.model_copy(update={"inertia": 0.0}) for name, shaft in scene.shafts.items()}
     kept = {"points": scene.points, "guides": scene.guides, "groups": scene.groups, "balance": scene.balance}
-    kept |= {"links": scene.links, "near": scene.near}
+    kept |= {"links": scene.links, "near": scene.near, "cams": scene.cams}
     probes = Scene(input=scene.input).model_copy(update={**kept, "shafts": bare, "bodies": bodies})
     masses = np.eye(len(at))
     return probes, {f"bodies.{name}.mass": masses[i] for i, name in enumerate(bodies)}

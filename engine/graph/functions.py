@@ -78,7 +78,8 @@ class Functions(NamedTuple):
     memory : ndarray
         All tables.
     looks : int
-        How many times events are to be looked at: twice where some of them depend on ends of others.
+        How many times events are to be looked at: twice where some of them depend on numbers of the cycle, such as ends
+        of others.
     """
 
     text: str
@@ -249,7 +250,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
         tuple((places[c.curve], rows[c.level]) for c in plan.crossings),
         {node: i for i, node in enumerate(plan.curves)},
         np.concatenate([np.zeros(0), *graph.tables]) if graph.tables else np.zeros(1),
-        2 if _of_kind(plan.event_nodes, Found) else 1,
+        2 if any(node.stage == Stage.CYCLE for node in reached(plan.event_nodes)) else 1,
     )
 
 

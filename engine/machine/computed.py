@@ -67,11 +67,15 @@ def _reaction(mechanics: Mechanics, pair: Pair) -> tuple[Node, ...]:
 
 def _kind(mechanics: Mechanics, group: str) -> str:
     """Type of a dyad; class of a group of free links."""
+    if group in mechanics.scene.cams:
+        return "cam"
     free = mechanics.structure.free_groups.get(group)
     return mechanics.scene.groups[group].type if free is None else f"class {free.group_class}"
 
 
 def _links(mechanics: Mechanics, group: str) -> tuple[str, ...]:
+    if group in mechanics.scene.cams:
+        return (mechanics.scene.cams[group].follower.link,)
     if group in mechanics.structure.free_groups:
         return mechanics.structure.free_groups[group].links
     parts = mechanics.scene.groups[group]

@@ -31,7 +31,7 @@ def assembly_ranges(scene: Scene, positions: int = 7200) -> list[AssemblyRange]:
         One range over the whole cycle if the input turns (or slides) freely; empty if nothing assembles. A range
         that runs through φ = 0 of a full circle is given with a negative start.
     """
-    fields = [f"{group}.transmission" for group in (*scene.groups, *order(scene).free_groups)]
+    fields = [f"{group}.transmission" for group in (*scene.groups, *order(scene).free_groups, *scene.cams)]
     machine = Machine(scene, fields=fields, positions=positions)
     outcome = machine.evaluate({})
     whole = np.ones(machine.nodes.size, bool)

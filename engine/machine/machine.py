@@ -118,6 +118,10 @@ class Machine:
         told = [path for path in self.varied if path.startswith("near.")]
         if told:
             raise AskError(f"{told[0]} tells the scene's assembly mode, which all variants keep; vary another number")
+        turning = {f"shafts.{cam.on}.ratio": name for name, cam in scene.cams.items()}
+        told = [path for path in self.varied if path in turning]
+        if told:
+            raise AskError(f"{told[0]} turns cam {turning[told[0]]!r}, whose cycle must close; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)
@@ -473,7 +477,8 @@ class Machine:
                 at[hidden] = k
                 where = np.where(hidden, broken[lost], place)
                 self._blame(outcome, keep[lost[here]], Verdict.CANNOT_ASSEMBLE, group, where[here])
-        self._blame_jams(outcome, keep, table, answers)
+        for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
+            self._blame_margins(outcome, keep, table, answers, verdict)
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 
@@ -490,24 +495,25 @@ class Machine:
                 here = whole & (verdict == code)
                 self._blame(outcome, keep[here], code, group, at[here])
 
-    def _blame_jams(self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> None:
-        """Give the verdict on variants in which a group jams."""
-        margins = answers.least_margins()
-        jams = np.zeros(keep.size, bool)
-        for margin, _ in margins.values():
-            jams |= margin <= 0.0
-        jams = np.flatnonzero(jams & (outcome.status[keep] == Verdict.OK))
-        if not jams.size:
+    def _blame_margins(
+        self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, verdict: Verdict
+    ) -> None:
+        """Give a verdict on variants in which one of its margins doesn't stay positive."""
+        margins = [margin for margin in self.measuring.margins if margin.verdict == verdict]
+        least = [answers.least_of(margin) for margin in margins]
+        fails = np.any([margin <= 0.0 for margin, _ in least], axis=0) if margins else np.zeros(keep.size, bool)
+        fails = np.flatnonzero(fails & (outcome.status[keep] == Verdict.OK))
+        if not fails.size:
             return
-        fields = self._filling([self.measuring.margins[group] for group in margins], np.dtype(float))
-        at, place = first_failure(fields, table[:, jams], self._ends, lambda values: ~(values > 0.0))
-        for k, (group, (margin, least_at)) in enumerate(margins.items()):
-            # One that jams between positions alone is known by the least margin.
-            hidden = (at < 0) & (margin[jams] <= 0.0)
+        fields = self._filling([margin.curve for margin in margins], np.dtype(float))
+        at, place = first_failure(fields, table[:, fails], self._ends, lambda values: ~(values > 0.0))
+        for k, (margin, (value, least_at)) in enumerate(zip(margins, least, strict=True)):
+            # One that fails between positions alone is known by the least margin.
+            hidden = (at < 0) & (value[fails] <= 0.0)
             here = (at == k) | hidden
             at[hidden] = k
-            where = np.where(hidden, least_at[jams], place)
-            self._blame(outcome, keep[jams[here]], Verdict.JAMS, group, where[here])
+            where = np.where(hidden, least_at[fails], place)
+            self._blame(outcome, keep[fails[here]], verdict, margin.group, where[here])
 
     def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
         outcome.status[who] = verdict

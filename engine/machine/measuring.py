@@ -7,6 +7,7 @@ the plan of the cycle that measures them; its answers are put back in their plac
 import dataclasses
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,6 +39,7 @@ from engine.quantities.expressions import (
     measurements,
 )
 from engine.scene.scene import Numbers
+from engine.verdicts import Verdict
 
 # What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
 CLOSELY = 1e-9
@@ -45,8 +47,18 @@ CLOSELY = 1e-9
 FINELY = 1e-12
 # What may be left of a margin against jamming, unless an accuracy is asked: three digits of it say all.
 LOOSELY = 1e-4
+# Positions at which curves that switch something are looked at over a cycle of up to two turns, and in each turn more.
+SCANNED, SCANNED_PER_TURN = 36, 18
 # Tolerance of curves that panels needn't be made shorter for.
 ANY = 1e30
+
+
+class Margin(NamedTuple):
+    """A curve that stays positive in a machine that works; where it doesn't, the verdict, and the group to blame."""
+
+    group: str
+    verdict: Verdict
+    curve: Node
 
 
 class Measuring:
@@ -74,8 +86,8 @@ class Measuring:
         Structural groups that take part, in the order of the scene.
     curves : list of Node
         All that is computed at a position.
-    margins : dict of str to Node
-        Margin against jamming of each group on whose friction something depends.
+    margins : list of Margin
+        Against jamming of groups on whose friction something depends, at cams that take part.
     """
 
     def __init__(
@@ -103,13 +115,14 @@ class Measuring:
         curves += [node for f in self._followed for node in _parts(f)]
         ends = [a for a in of[StrokeEnd] if a.coordinate.stage == Stage.POSITION]
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
-        self.groups = self._taking_part([*curves, *fields, *elsewhere, *(a.coordinate for a in of[StrokeEnd])])
+        parts = [*curves, *fields, *elsewhere, *(a.coordinate for a in of[StrokeEnd])]
+        self.margins = [*self._against_jamming([*curves, *fields]), *self._at_cams(parts)]
+        self.groups = self._taking_part([*parts, *(margin.curve for margin in self.margins)])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
-        self.margins = self._margins([*curves, *fields])
         # Pressing forces stop being finite where a group jams first.
-        settlings = mechanics.reactions.settlings if self.margins else {}
-        pressing = [settlings[group].pressing[0] for group in self.margins]
-        curves = list(dict.fromkeys([*curves, *self._sines, *self.margins.values(), *pressing]))
+        jamming = [margin.group for margin in self.margins if margin.verdict == Verdict.JAMS]
+        pressing = [mechanics.reactions.settlings[group].pressing[0] for group in jamming]
+        curves = list(dict.fromkeys([*curves, *self._sines, *(m.curve for m in self.margins), *pressing]))
         self._kinks = mechanics.graph.kinks_behind(curves)
         curves = list(dict.fromkeys([*curves, *self._kinks]))
         self._beside = [*self._kinks, *pressing]
@@ -137,13 +150,30 @@ class Measuring:
         kinematics = self.mechanics.kinematics
         return tuple(g for g in kinematics.sines if behind.intersection(kinematics.solution(g)))
 
-    def _margins(self, nodes: Iterable[Node]) -> dict[str, Node]:
+    def _against_jamming(self, nodes: Iterable[Node]) -> list[Margin]:
         """Margins against jamming of the groups on whose friction some nodes depend."""
         if not self.mechanics.scene.friction:
-            return {}
+            return []
         behind = set(reached(nodes))
-        settlings = self.mechanics.reactions.settlings
-        return {g: s.margin for g, s in settlings.items() if behind.intersection((s.margin, *s.margin.operands))}
+        settled = self.mechanics.reactions.settlings.items()
+        return [
+            Margin(group, Verdict.JAMS, s.margin)
+            for group, s in settled
+            if behind.intersection((s.margin, *s.margin.operands))
+        ]
+
+    def _at_cams(self, nodes: Iterable[Node]) -> list[Margin]:
+        """What must stay positive at the cams on which some nodes depend."""
+        kinematics, found = self.mechanics.kinematics, []
+        for name in self._taking_part(nodes) if kinematics.cams else ():
+            if name not in kinematics.cams:
+                continue
+            found += [Margin(name, Verdict.UNDERCUT, curve) for curve in kinematics.cams[name].undercut]
+            if self.mechanics.scene.cams[name].closure == "spring":
+                force = self.mechanics.reactions.variables[f"{name}.contact_force"]
+                # Where nothing has a mass and nothing acts, nothing is said of forces.
+                found += [Margin(name, Verdict.LIFTS_OFF, force)] if force.stage == Stage.POSITION else []
+        return found
 
     def _plan(self, of: dict[type, list], extremes: list[Extreme | ExtremePosition], accuracy: float | None) -> None:
         f = self.functions
@@ -152,8 +182,8 @@ class Measuring:
         sides: dict[Node, int] = {}
         for asked in extremes:
             sides[asked.curve] = sides.get(asked.curve, 0) | _SIDES[asked.sense]
-        for margin in self.margins.values():
-            sides[margin] = sides.get(margin, 0) | LEAST
+        for margin in self.margins:
+            sides[margin.curve] = sides.get(margin.curve, 0) | LEAST
         magnitudes = dict.fromkeys([*(a.curve for a in of[LeastMagnitude]), *self._sines])
         self._extremes = [*sides.items(), *((c, LEAST_MAGNITUDE) for c in magnitudes)]
         self._works = [*(w.moment for w in self._followed if isinstance(w, Work))]
@@ -186,6 +216,7 @@ class Measuring:
             speeds=[self._fluctuations.index(self._cycle_of(s.steady).fluctuation) for s in self._speeds],
             averages=[self._place_of(a) for a in self._averages],
             spaced=[self._place_of(s) for s in self._spaced],
+            scan=SCANNED + SCANNED_PER_TURN * max(0, getattr(self.mechanics.scene.input, "revolutions", 1) - 2),
             intervals=self._grid[0],
             positions=self._grid[1],
             arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],
@@ -200,7 +231,7 @@ class Measuring:
         found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
         found += [node for force, square in self._arcs for node in (*force, square)]
         found += [node for f in self._followed for node in _parts(f)]
-        return {*found, *self._sines, *self.margins.values()}
+        return {*found, *self._sines, *(margin.curve for margin in self.margins)}
 
     def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
         """The steady cycle of which a result is asked."""
@@ -218,7 +249,7 @@ class Measuring:
         """What may be left of a curve beyond its series."""
         if curve in unresolved:
             return ANY
-        if curve in self.margins.values() and accuracy is None:
+        if accuracy is None and any(m.curve is curve and m.verdict == Verdict.JAMS for m in self.margins):
             return LOOSELY
         asked = CLOSELY if accuracy is None else min(1e-2 * accuracy, 1e-4)
         return min(asked, FINELY) if curve in self._sines else asked
@@ -364,11 +395,10 @@ class MeasuredCycles:
             found.append((least.value - least.error, place))
         return found
 
-    def least_margins(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Of each group with friction the least margin against jamming and the position there."""
-        least, places = self.outcome.extremes.least, self.outcome.extremes.least_at
-        rows = {group: self._row(margin) for group, margin in self._m.margins.items()}
-        return {group: (least[k].value, places[k].value) for group, k in rows.items()}
+    def least_of(self, margin: Margin) -> tuple[np.ndarray, np.ndarray]:
+        """Least value of a margin and the position there."""
+        k = self._row(margin.curve)
+        return self.outcome.extremes.least[k].value, self.outcome.extremes.least_at[k].value
 
     def _row(self, curve: Node) -> int:
         """Row of the extremes of a curve."""

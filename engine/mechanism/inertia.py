@@ -56,7 +56,8 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
         inertia.append((own, link.w * link.w))
         slope.append((own, link.w * link.e))
 
-    uniform = {scene.input.link} | {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
+    about_frame = {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
+    uniform = {scene.input.link} | about_frame
     for name, part in kinematics.masses.items():
         if part.link in uniform:
             continue
@@ -66,8 +67,8 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
         slope.append((mass, centre.v.dot(centre.a)))
         if part.inertia is not None:
             rotation(graph.derived(f"inertia of {name}", part.inertia, "load"), part.link)
-    for name, shaft in scene.shafts.items():
-        if shaft.geared_to != scene.input.link:
+    for name in scene.shafts:
+        if name not in about_frame:
             rotation(turning_inertia(kinematics, name), name)
     first_kind = graph.derived("first kind inertia", lambda n: _first_kind(kinematics, n), "load")
     return ReducedInertia(
@@ -83,7 +84,7 @@ def _first_kind(kinematics: Kinematics, numbers: Numbers) -> float | np.ndarray:
     scene, total = kinematics.scene, 0.0
     ratios = {scene.input.link: 1.0} if isinstance(scene.input, CrankInput) else {}
     for name, shaft in scene.shafts.items():
-        if shaft.geared_to == scene.input.link:
+        if shaft.geared_to == scene.input.link and shaft.carrier is None:
             ratios[name] = numbers[f"shafts.{name}.ratio"]
             total = total + numbers[f"shafts.{name}.inertia"] * ratios[name] ** 2
     for name, ratio in ratios.items():

@@ -8,6 +8,7 @@ from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.groups.free import FreeMotion, add_free_group
+from engine.mechanism.higher_pairs.cam_motion import CamMotion, add_cam
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
@@ -34,6 +35,7 @@ class Kinematics(Assembly):
         Bodies and the point masses that stand for bodies, those of one link joined.
     free : dict of str to FreeMotion
         Groups of free links.
+    cams : dict of str to CamMotion
     """
 
     def __init__(self, scene: Scene, structure: Structure, graph: Graph, varied: frozenset[str]) -> None:
@@ -41,6 +43,7 @@ class Kinematics(Assembly):
         self.varied = varied
         self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
         self.free: dict[str, FreeMotion] = {}
+        self.cams: dict[str, CamMotion] = {}
         # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
         for name, point in scene.points.items():
             if point.link == FRAME:
@@ -51,6 +54,7 @@ class Kinematics(Assembly):
         add = {
             "input": self._input,
             "shaft": self._shaft,
+            "cam": self._cam,
             "group": lambda name: GROUPS[scene.groups[name].type](self, name),
             "free group": lambda name: self._free_group(structure.free_groups[name]),
             "point": self._point,
@@ -113,14 +117,21 @@ class Kinematics(Assembly):
         turns = isinstance(drive, CrankInput) and drive.start is None
         self.free[group.name] = add_free_group(self, group, input_span(self.scene, self.graph), turns)
 
+    def _cam(self, name: str) -> None:
+        self.cams[name] = add_cam(self, name)
+
     def _shaft(self, name: str) -> None:
         shaft, driver = self.scene.shafts[name], self.links[self.scene.shafts[name].geared_to]
         ratio = self.number(f"shafts.{name}.ratio")
         w, e = ratio * driver.w, ratio * driver.e
+        if shaft.carrier is not None:
+            # By Willis: relative to the carrier both turn as the wheels of a common train.
+            carrier = self.links[shaft.carrier]
+            w, e = carrier.w + ratio * (driver.w - carrier.w), self.graph.zero
         if shaft.pivot is None:
             nowhere = self.links[FRAME]
             self.links[name] = Turning(nowhere.origin, nowhere.u, w, e)
             return
-        angle = ratio * self.graph.q + self.number(f"shafts.{name}.phase")
+        angle = w * self.graph.q + self.number(f"shafts.{name}.phase")
         self.links[name] = Turning(self.points[shaft.pivot], Vector(*self.graph.apply(direction_of, angle)), w, e)
         self.links[name].called(name)

@@ -2,7 +2,7 @@
 
 By d'Alembert inertia forces join the forces that act on a link; each group is then in equilibrium under its own loads
 and what later groups leave on it. The last step is the input link: the reaction of its pivot or guide, and the moment
-or force that drives it. Gears carry moments alone: forces between teeth depend on how they are cut.
+or force that drives it. Gears carry moments alone unless the pressure angle of their teeth is given.
 
 Friction in pairs acts back within its own group, and on what comes after it in this order.
 
@@ -28,12 +28,14 @@ from engine.mechanism.assembly import Turning
 from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
+from engine.mechanism.higher_pairs.cam_forces import cam_forces
+from engine.mechanism.higher_pairs.mesh import mesh_of
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.scene.inertia import carried_inertia, carried_on
-from engine.scene.pairs import Pair, pairs, pairs_of_group
+from engine.scene.pairs import Pair, follower_pair, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
 
@@ -88,6 +90,8 @@ class Reactions:
                 self._group(element.name)
             elif element.kind == "free group":
                 self._free_group(kinematics.free[element.name])
+            elif element.kind == "cam":
+                self._cam(element.name)
             elif element.kind == "shaft":
                 self._shaft(element.name)
         self._input()
@@ -242,15 +246,45 @@ class Reactions:
         found = self.graph.apply(law, *given, *geometry)
         return [found[0:2], found[2:4], found[4:6]]
 
+    def _cam(self, name: str) -> None:
+        """The contact of a cam holds up its follower against all that acts on it, and what guides it takes the rest."""
+        follower, found = self.scene.cams[name].follower, cam_forces(self.kinematics, name, self._loads)
+        at, force = self.kinematics.cams[name], found.contact * self.kinematics.cams[name].normal
+        self.variables |= {f"{name}.contact_force": found.contact, f"{name}.closing_force": found.closing}
+        self._loads.push(follower.link, self.kinematics.at_rest(at.contact), force)
+        self._loads.push(self.scene.cams[name].on, self.kinematics.at_rest(at.contact), -force)
+        pair, left = follower_pair(self.scene, name), self._loads.total(follower.link)
+        if pair.kind == "revolute":
+            self._revolute(pair, -left.force)
+        else:
+            self._prismatic(pair, -left.force.dot(self.kinematics.links[follower.link].u.normal), -left.moment)
+
     def _shaft(self, name: str) -> None:
-        """Gears balance the moments on a shaft, load its driver by the ratio, and leave the rest to the frame."""
+        """Gears balance the moments on a shaft, load its driver by the ratio, and what carries both by the rest."""
         shaft, load = self.scene.shafts[name], self._loads.total(name)
+        if shaft.pressure_angle is not None:
+            self._in_mesh(name, load)
+            return
         moment = load.moment
         if shaft.pivot is not None:
             moment = moment + self._in_pivot(name, load)
         passed = self.graph.number(f"shafts.{name}.ratio") * moment
         self._loads.twist(shaft.geared_to, passed)
-        self._loads.twist(FRAME, moment - passed)
+        self._loads.twist(shaft.carrier or FRAME, moment - passed)
+
+    def _in_mesh(self, name: str, load: Wrench) -> None:
+        """Teeth balance the moments on a shaft by a force at the pitch point, and push both wheels apart."""
+        shaft, found = self.scene.shafts[name], mesh_of(self.kinematics, name)
+        tangential = load.moment / found.radius
+        # What pushes apart has the magnitude of what turns, and bends where that changes its sign.
+        apart = abs(tangential) * found.slope
+        self.graph.bends(apart, tangential)
+        force = -(tangential * found.across) + apart * found.away
+        at = self.kinematics.at_rest(found.pitch_point)
+        self._loads.push(name, at, force)
+        self._loads.push(shaft.geared_to, at, -force)
+        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        self._in_pivot(name, self._loads.total(name))
 
     def _in_pivot(self, name: str, load: Wrench) -> Node:
         """Register the reaction of a pivot on the frame; the moment of its friction."""

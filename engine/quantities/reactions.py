@@ -33,6 +33,8 @@ def declare(mechanics: Mechanics) -> Declared:
         if pair.kind == "revolute":
             for link in (pair.link, pair.other):
                 yield from _load_direction(m, pair, link)
+    for field in tooth_force_fields(m.scene):
+        yield _variable(m, *field)
     on_frame = "of all that the machine does to its frame, drive included"
     yield _variable(m, "frame.reaction_x", f"x component of the force {on_frame}", "N")
     yield _variable(m, "frame.reaction_y", f"y component of the force {on_frame}", "N")
@@ -54,7 +56,7 @@ def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "") 
 def _fields_of(m: Mechanics, pair: Pair) -> Declared:
     other = pair.other if pair.other == "frame" else f"link {pair.other}"
     force = f"force on link {pair.link} from {other} in {pair.place}"
-    if pair.name in m.scene.shafts:
+    if pair.name in m.scene.shafts and m.scene.shafts[pair.name].pressure_angle is None:
         force += " (without forces between teeth)"
     yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N", "R_x")
     yield _variable(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N", "R_y")
@@ -85,6 +87,18 @@ def acting_fields(scene: Scene) -> list[Quantity]:
     driving = (Brake, DCMotor, InductionMotor)
     acting = {name: moment.on for name, moment in scene.moments.items() if not isinstance(moment, driving)}
     return found + [Quantity(f"{n}.acting_moment", f"moment {n} on link {on}", "N m") for n, on in acting.items()]
+
+
+def tooth_force_fields(scene: Scene) -> list[Quantity]:
+    """Forces between the teeth of shafts whose pressure angle is given."""
+    found = []
+    for name, shaft in scene.shafts.items():
+        if shaft.pressure_angle is not None:
+            where = f"between the teeth of {name} and of what it is geared to"
+            words = f"tangential force {where}: the moment of what acts on {name} over its pitch radius"
+            found.append(Quantity(f"{name}.tangential_force", words, "N", "F_t"))
+            found.append(Quantity(f"{name}.radial_force", f"force {where} that pushes them apart", "N", "F_r"))
+    return found
 
 
 def _checks(m: Mechanics) -> Declared:

@@ -245,6 +245,9 @@ def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None
         found |= {drive.pivot: origin, drive.pin: ("input.length", None)} if crank else {drive.point: origin}
     if link in scene.shafts and scene.shafts[link].pivot is not None:
         found[scene.shafts[link].pivot] = origin
+    found |= {
+        cam.follower.pivot: origin for cam in scene.cams.values() if cam.follower.link == link and not cam.translating
+    }
     for name, group in scene.groups.items():
         for side in ("first", "second"):
             part = getattr(group, side)

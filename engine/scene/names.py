@@ -8,11 +8,13 @@ from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
 from engine.scene.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
-from engine.scene.parts import FRAME, CrankInput, SliderInput, Sliding, Yoke
+from engine.scene.parts import FRAME, CrankInput, Shaft, SliderInput, Sliding, Yoke
 from engine.scene.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.scene.scene import Scene, SceneError
 
 Problem = tuple[str, str]
+# Turns that texts give as quotients are whole within this.
+_WHOLE = 1e-9
 
 
 def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
@@ -75,6 +77,8 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
         define(links, name, f"links.{name}")
     for name in scene.shafts:
         define(links, name, f"shafts.{name}")
+    for name, cam in scene.cams.items():
+        define(links, cam.follower.link, f"cams.{name}.follower.link")
     for name in scene.points:
         define(points, name, f"points.{name}")
     for name, link in scene.links.items():
@@ -83,7 +87,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
                 define(points, joint, f"links.{name}.joints")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
-    for table in ("forces", "moments", "springs", "cylinders", "couplings", "elements"):
+    for table in ("cams", "forces", "moments", "springs", "cylinders", "couplings", "elements"):
         for name in getattr(scene, table):
             define({}, name, f"{table}.{name}")
     if problems:
@@ -115,8 +119,14 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
             refs.append((f"{table}.{name}.link", "link", part.link))
     for name, shaft in scene.shafts.items():
         refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
+        if shaft.carrier is not None:
+            refs.append((f"shafts.{name}.carrier", "link", shaft.carrier))
         if shaft.pivot is not None:
             refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    for name, cam in scene.cams.items():
+        refs.append((f"cams.{name}.on", "link", cam.on))
+        kind = "guide" if cam.translating else "pivot"
+        refs.append((f"cams.{name}.follower.{kind}", kind.replace("pivot", "point"), getattr(cam.follower, kind)))
     refs += [(f"couplings.{name}.shaft", "link", coupling.shaft) for name, coupling in scene.couplings.items()]
     for name, force in scene.forces.items():
         refs.append((f"forces.{name}.on", "point", force.on))
@@ -158,6 +168,7 @@ def sliders(scene: Scene) -> tuple[str, ...]:
         if group.type in ("RPR", "RPP"):
             found.append(group.first.link)
     found += [name for name, link in scene.links.items() if link.guide is not None]
+    found += [cam.follower.link for cam in scene.cams.values() if cam.translating]
     return tuple(found)
 
 
@@ -176,19 +187,35 @@ def joint_owners(scene: Scene) -> dict[str, str]:
 
 def misplaced(scene: Scene) -> list[Problem]:
     """Everything that hangs on something that can't carry it."""
-    checks = (_off_the_frame, _wrong_shafts, _wrong_bodies, _wrong_moments, _no_stroke, _no_cycle)
+    checks = (
+        _off_the_frame,
+        _wrong_shafts,
+        _open_shafts,
+        _wrong_cams,
+        _wrong_bodies,
+        _wrong_moments,
+        _no_stroke,
+        _no_cycle,
+    )
     checks += (_open_tables, _wrong_regimes, _wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
 
 def _geared_to_input(scene: Scene) -> set[str]:
-    return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link}
+    return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
+
+
+def _turning_evenly(scene: Scene) -> set[str]:
+    """Links whose angle is a multiple of the crank's: the crank, and shafts with pivots."""
+    return {n for n, s in scene.shafts.items() if s.pivot is not None} | {scene.input.link}
 
 
 def _off_the_frame(scene: Scene) -> list[Problem]:
     on_frame = {name for name, point in scene.points.items() if point.link == FRAME}
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
-    pivots += [(f"shafts.{n}.pivot", s.pivot) for n, s in scene.shafts.items() if s.pivot is not None]
+    fixed = {n: s.pivot for n, s in scene.shafts.items() if s.pivot is not None and s.carrier is None}
+    pivots += [(f"shafts.{n}.pivot", pivot) for n, pivot in fixed.items()]
+    pivots += [(f"cams.{n}.follower.pivot", c.follower.pivot) for n, c in scene.cams.items() if not c.translating]
     pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
     problems = [
         (path, f"{name!r} is not on the frame; " + did_you_mean(name, on_frame))
@@ -205,17 +232,126 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
 def _wrong_shafts(scene: Scene) -> list[Problem]:
     problems, geared = [], _geared_to_input(scene)
     for name, shaft in scene.shafts.items():
+        if shaft.carrier is not None:
+            problems += _wrong_planet(scene, name, shaft)
+            continue
         if shaft.geared_to == FRAME:
             problems.append((f"shafts.{name}.geared_to", "a shaft can't be geared to 'frame'; name a turning link"))
         if shaft.pivot is not None and name not in geared:
             problems.append(
                 (f"shafts.{name}.pivot", "only a shaft geared to the input crank can carry points; leave pivot out")
             )
+        if shaft.pressure_angle is not None and (shaft.pivot is None or shaft.ratio == 1.0):
+            lacks = "a pivot; give pivot" if shaft.pivot is None else "another ratio than 1, that of a belt"
+            problems.append((f"shafts.{name}.pressure_angle", f"its teeth have no place without {lacks}"))
         if name in geared and not isinstance(scene.input, CrankInput):
             problems.append(
                 (f"shafts.{name}.geared_to", "a shaft can't be geared to a sliding input; name a turning link")
             )
     return problems
+
+
+def _turns_of(scene: Scene, link: str) -> float:
+    """Turns of the crank, of a shaft with a pivot, or of the frame for each turn of the crank."""
+    if link in (FRAME, scene.input.link):
+        return float(link != FRAME)
+    shaft = scene.shafts[link]
+    carrier = _turns_of(scene, shaft.carrier or FRAME)
+    return carrier + shaft.ratio * (_turns_of(scene, shaft.geared_to) - carrier)
+
+
+def _open_shafts(scene: Scene) -> list[Problem]:
+    """Shafts on which joints or guides of groups lie, and that don't come back to where they were in a cycle."""
+    drive = scene.input
+    if not isinstance(drive, CrankInput) or drive.start is not None or _wrong_shafts(scene):
+        return []
+    hung = [part for group in scene.groups.values() for part in (group.first, group.second)]
+    points = {part.joint for part in hung if hasattr(part, "joint")}
+    points |= {joint for link in scene.links.values() for joint in link.joints}
+    guides = {part.guide for part in hung if hasattr(part, "guide")} | {link.guide for link in scene.links.values()}
+    bearing = {part.link for name, part in scene.points.items() if name in points}
+    bearing |= {part.link for name, part in scene.guides.items() if name in guides}
+    problems = []
+    for name in sorted(bearing & (_turning_evenly(scene) - {drive.link})):
+        turns = _turns_of(scene, name) * drive.revolutions
+        if not _is_whole(turns):
+            message = (
+                f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and what hangs on it "
+                "doesn't come back to its place: set input.revolutions to the denominator of its ratio to the crank"
+            )
+            problems.append((f"shafts.{name}.ratio", message))
+    return problems
+
+
+def _wrong_planet(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
+    at, even = f"shafts.{name}", _turning_evenly(scene) - {name}
+    if not isinstance(scene.input, CrankInput):
+        return [(f"{at}.carrier", "the input slides: planets are carried by a crank or a shaft; leave carrier out")]
+    if shaft.pivot is None:
+        return [(f"{at}.pivot", "is missing: a planet turns about a point of its carrier; name it")]
+    if shaft.carrier not in even:
+        return [
+            (f"{at}.carrier", f"a crank or a shaft with a pivot carries planets; {did_you_mean(shaft.carrier, even)}")
+        ]
+    if shaft.geared_to not in even | {FRAME}:
+        known = did_you_mean(shaft.geared_to, even | {FRAME})
+        return [(f"{at}.geared_to", f"a planet is geared to the frame, the crank or a shaft with a pivot; {known}")]
+    on = scene.input.link if shaft.pivot == scene.input.pin else getattr(scene.points.get(shaft.pivot), "link", None)
+    if on != shaft.carrier:
+        return [
+            (f"{at}.pivot", f"{shaft.pivot!r} is no point of the carrier {shaft.carrier!r}; name one of its points")
+        ]
+    if shaft.geared_to not in (FRAME, shaft.carrier) and not _on_one_axis(scene, shaft):
+        message = f"{shaft.geared_to!r} isn't about the axis of {shaft.carrier!r}, and not on it: the distance changes"
+        return [(f"{at}.geared_to", f"{message}; put their pivots in one place, or name another wheel")]
+    if shaft.geared_to == shaft.carrier:
+        return [(f"{at}.geared_to", f"{shaft.carrier!r} carries the planet, and can't be geared to it; name a wheel")]
+    if shaft.ratio == 1.0:
+        return [(f"{at}.ratio", "1 is no ratio of two wheels whose axes lie apart; leave the planet out, or change it")]
+    return []
+
+
+def _on_one_axis(scene: Scene, planet: Shaft) -> bool:
+    """Whether a planet's wheel keeps its distance from that which it is geared to."""
+    if getattr(scene.shafts.get(planet.geared_to), "carrier", None) == planet.carrier:
+        return True
+    pivots = [
+        scene.points[scene.input.pivot if link == scene.input.link else scene.shafts[link].pivot]
+        for link in (planet.geared_to, planet.carrier)
+    ]
+    return pivots[0] == pivots[1]
+
+
+def _wrong_cams(scene: Scene) -> list[Problem]:
+    problems, drive = [], scene.input
+    carriers = {n: scene.shafts[n].ratio for n in _geared_to_input(scene) if scene.shafts[n].pivot is not None}
+    carriers |= {drive.link: 1.0} if isinstance(drive, CrankInput) else {}
+    taken = {*scene.groups, *scene.links, *scene.points, *scene.regimes}
+    for name, cam in scene.cams.items():
+        at = f"cams.{name}"
+        if name in taken:
+            problems.append((at, f"the name {name!r} is already taken; choose another"))
+        if cam.translating and scene.guides[cam.follower.guide].link != FRAME:
+            message = f"{cam.follower.guide!r} is on a moving link; a cam's follower slides on a guide of the frame"
+            problems.append((f"{at}.follower.guide", message))
+        if cam.on not in carriers:
+            allowed = ", ".join(sorted(carriers)) or "none, as the input slides"
+            message = f"a cam sits on the crank or on a shaft with a pivot that is geared to it; such are: {allowed}"
+            problems.append((f"{at}.on", message))
+        elif drive.start is None and not _is_whole(carriers[cam.on] * drive.revolutions):
+            message = (
+                f"{cam.on!r} makes {abs(carriers[cam.on] * drive.revolutions):g} turns in a cycle of "
+                f"{drive.revolutions} of the crank, and the cam's motion doesn't close: give another ratio or "
+                "other input.revolutions"
+            )
+            problems.append((f"{at}.on", message))
+        if any(coupling.shaft == cam.on for coupling in scene.couplings.values()):
+            problems.append((f"{at}.on", f"shaft {cam.on!r} turns at a speed of its own, by a coupling; name another"))
+    return problems
+
+
+def _is_whole(number: float) -> bool:
+    return abs(number - round(number)) <= _WHOLE
 
 
 def _loose_shafts(scene: Scene) -> set[str]:
@@ -249,6 +385,7 @@ def _still_links(scene: Scene) -> set[str]:
         for name, link in scene.links.items():
             if link.guide is not None and scene.guides[link.guide].link in still:
                 found.add(name)
+        found |= {cam.follower.link for cam in scene.cams.values() if cam.translating}
         grown, still = found != still, found
     return still
 
@@ -346,7 +483,7 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
             if hindrance:
                 message = f"equal steps over the crank angle don't follow {hindrance}; leave method and steps_per_turn"
                 problems.append((f"{at}.method", message))
-        taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
+        taken = {*scene.groups, *scene.links, *scene.points, *scene.elements, *scene.cams}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
         problems += _wrong_for_range(drive, name, regime)

@@ -13,7 +13,9 @@ OF_GUIDES = ("form", "vee_angle", "length")
 
 
 class Pair(NamedTuple):
-    """A pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`, or a shaft's pivot.
+    """A lower pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`, a shaft's pivot.
+
+    A cam's follower is held in `CAM.guide` or `CAM.pivot`.
 
     Attributes
     ----------
@@ -65,7 +67,15 @@ def pairs(scene: Scene) -> list[Pair]:
     found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
     for name in scene.groups:
         found += pairs_of_group(scene, name)
-    return found + free_pairs(scene)
+    return [*found, *free_pairs(scene), *(follower_pair(scene, name) for name in scene.cams)]
+
+
+def follower_pair(scene: Scene, cam: str) -> Pair:
+    """The pair in which the frame holds a cam's follower."""
+    follower = scene.cams[cam].follower
+    if follower.type == "translating":
+        return _on_guide(scene, f"{cam}.guide", follower.link, follower.guide)
+    return _joint(scene, f"{cam}.pivot", follower.link, follower.pivot)
 
 
 def free_pairs(scene: Scene) -> list[Pair]:
@@ -119,6 +129,16 @@ def friction_problems(scene: Scene) -> list[Problem]:
             problems.append((f"{path}.pair", message))
         if known[friction.pair].link in scene.links:
             message = f"{friction.pair!r} is a pair of a free link: friction is computed in pairs of dyads alone"
+            problems.append((f"{path}.pair", message))
+            continue
+        if getattr(scene.shafts.get(friction.pair), "pressure_angle", None) is not None:
+            message = (
+                f"forces between the teeth of {friction.pair!r} and friction in its pivot aren't computed together"
+            )
+            problems.append((f"{path}.pair", f"{message}: leave out one, or shafts.{friction.pair}.pressure_angle"))
+            continue
+        if friction.pair.partition(".")[0] in scene.cams:
+            message = f"{friction.pair!r} holds a cam's follower: friction isn't computed there; leave it out"
             problems.append((f"{path}.pair", message))
             continue
         first.setdefault(friction.pair, name)

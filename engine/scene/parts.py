@@ -108,6 +108,10 @@ def _not_at_rest(speed: float) -> float:
     return speed
 
 
+# Turns of the crank in a cycle: more would be looked at too coarsely.
+MOST_REVOLUTIONS = 24
+
+
 class CrankInput(Part):
     """Rotating input link: a crank from a pivot on the frame to a pin; the generalised coordinate is its angle.
 
@@ -120,7 +124,7 @@ class CrankInput(Part):
     pin: Name
     length: Annotated[Length, Field(gt=0)]
     speed: AngularSpeed
-    revolutions: Literal[1, 2] = 1
+    revolutions: Annotated[int, Field(ge=1, le=MOST_REVOLUTIONS)] = 1
     start: Angle | None = None
     stop: Angle | None = None
 
@@ -455,12 +459,17 @@ class Balance(Part):
 class Shaft(Part):
     """A shaft geared to a link that turns about the frame: its speed is `ratio` times that link's (negative: reversed).
 
-    A shaft geared to the crank may have a pivot on the frame; it is then a link like another, at the angle
-    ratio·φ + phase, and can carry points and bodies.
+    A shaft geared to the crank may have a `pivot` on the frame; it is then a link like another, at the angle
+    ratio·φ + `phase`, and can carry points and bodies. A planet has a `carrier`, the crank or a shaft with a pivot: its
+    own pivot is a point of that, and it is geared to the crank, such a shaft, or the frame, whose wheel lies about the
+    carrier's pivot; its `ratio` is that of the speeds relative to the carrier (negative: external teeth), and `phase`
+    its angle at the crank angle 0. With the `pressure_angle` of its teeth, forces between them are part of reactions.
     """
 
     geared_to: Name
     ratio: Number
+    carrier: Name | None = None
+    pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
     pivot: Name | None = None
     phase: Angle = 0.0

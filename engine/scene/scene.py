@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
+from engine.higher_pairs.cams.driving_cams import DrivingCam
 from engine.motion.coupled.coupling_models import Coupling
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
@@ -72,6 +73,7 @@ class Scene(Part):
     links: dict[Name, FreeLink] = {}
     near: dict[Name, Near] = {}
     shafts: dict[Name, Shaft] = {}
+    cams: dict[Name, DrivingCam] = {}
     couplings: dict[Name, Coupling] = {}
     bodies: dict[Name, Body] = {}
     forces: dict[Name, ForceAction] = {}

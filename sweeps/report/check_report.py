@@ -45,15 +45,23 @@ def structure_text(scene: Scene) -> str:
     if scene.input is None:
         return "none; machine elements alone"
     free = order_groups(scene).free_groups.values()
-    links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free)
-    pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free)
+    planets = [(name, shaft) for name, shaft in scene.shafts.items() if shaft.carrier is not None]
+    touching = len(scene.cams) + len(planets)
+    links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + touching
+    pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
     lines = [f"input {scene.input.link} ({scene.input.type})"]
     lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
     lines += [
         f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {', '.join(g.links[:-1])} and {g.links[-1]}"
         for g in free
     ]
-    lines.append(f"W = 3n − 2p₁ = 3·{links} − 2·{pairs} = {3 * links - 2 * pairs}")
+    lines += [
+        f"cam {name} on {cam.on}: {cam.follower.type} follower {cam.follower.link}, {cam.follower.contact}"
+        for name, cam in scene.cams.items()
+    ]
+    lines += [f"planet {name} on {shaft.carrier}, geared to {shaft.geared_to}" for name, shaft in planets]
+    higher = (" − p₂", f" − {touching}") if touching else ("", "")
+    lines.append(f"W = 3n − 2p₁{higher[0]} = 3·{links} − 2·{pairs}{higher[1]} = {3 * links - 2 * pairs - touching}")
     return "\n".join(lines)
 
 

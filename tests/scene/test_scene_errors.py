@@ -193,7 +193,7 @@ start alone | "60 rpm" | "60 rpm"\nstart = "0 deg" | [input] | input | start and
 stop before start | "60 rpm" | "60 rpm"\nstart = "9 deg"\nstop = "0 deg" | [input] | input
     | stop must be greater than start
 flywheel without a cycle | "60 rpm" | "60 rpm"\nstart = "0 deg"\nstop = "9 deg" | [flywheel] | flywheel | turns fully
-revolutions | "60 rpm" | "60 rpm"\nrevolutions = 3 | revolutions | input.revolutions | 3 | 1 or 2
+revolutions | "60 rpm" | "60 rpm"\nrevolutions = 0 | revolutions | input.revolutions | 0 | at least 1
 mode | inner = "C" | inner = "C"\nmode = 0 | mode = 0 | groups.press.mode | 1 or -1
 text for a table | {link = "ram", guide = "way"} | "ram" | second = "ram" | groups.press.second | table
 list of tables | [input] | [[input]] | [[input]] | input | expected a table of keys

@@ -15,8 +15,10 @@ from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import TEMPLATES, template_text, templates
 
 TEMPLATE_NAMES = (
+    "cam_roller_follower",
     "crank_shaper",
     "four_bar",
+    "geared_five_bar",
     "offset_slider_crank",
     "press_with_motor",
     "scotch_yoke",
@@ -51,6 +53,7 @@ ELEMENT_STUDY_NAMES = (
 )
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
+HIGHER_PAIR_STUDY_NAMES = ("geared_five_bar", "valve_gear")
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi
 
@@ -256,6 +259,7 @@ def as_it_is(name):
 
 def test_studies__are_the_six_with_one_question_each_and_those_of_elements_and_motion():
     named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
+    named += HIGHER_PAIR_STUDY_NAMES
     assert tuple(bundled_studies()) == tuple(sorted(named))
     for name in STUDY_NAMES:
         assert study(name).question.count("?") == 1

@@ -11,7 +11,7 @@ from numba import types
 
 from engine.compiling.running import prepare
 from engine.elements.element_laws import ElementResult, Given, LawOfArrays
-from engine.higher_pairs.cams.cam_elements import CamElement, DwellSection, RiseSection
+from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.higher_pairs.cams.cam_extremes import (
     ACCELERATION_JUMP,
     ANSWERS,
@@ -32,13 +32,13 @@ from engine.higher_pairs.cams.cam_places import (
     ROLLER,
     WIDTH,
 )
+from engine.higher_pairs.cams.motion_programs import DwellSection, RiseSection
 from engine.higher_pairs.cams.pieces import (
-    DWELL,
-    LAW_KINDS,
     PIECE_NUMBERS,
     PIECES_OF_A_SECTION,
     cut_table,
 )
+from engine.laws.cams.motion_laws import DWELL, LAW_KINDS
 from engine.laws.cams.profiles import pressure_of_lines
 from engine.laws.tables import make_table
 from engine.verdicts import Verdict

@@ -40,7 +40,6 @@ from engine.higher_pairs.cams.cam_places import (
 from engine.higher_pairs.cams.pieces import (
     BETA,
     DIRECTION,
-    DWELL,
     FROM,
     KIND,
     ORIGIN,
@@ -50,6 +49,7 @@ from engine.higher_pairs.cams.pieces import (
     cut_sections,
     motion_in,
 )
+from engine.laws.cams.motion_laws import DWELL
 from engine.verdicts import Verdict
 
 LAST = 16

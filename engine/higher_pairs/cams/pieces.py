@@ -9,49 +9,28 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.laws.cams.motion_laws import (
-    Motion,
-    cycloidal_motion,
-    harmonic_motion,
-    modified_sine,
-    modified_trapezoid,
-    parabolic_motion,
-    polynomial_345,
-    polynomial_4567,
-    uniform_motion,
-)
+from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, Motion, unit_motion
 from engine.laws.tables import Table
 
 KIND, ORIGIN, BETA, FROM, TO, START, STROKE, C3, C2, C1, DIRECTION, FREE = range(12)
 PIECE_NUMBERS = 12
-DWELL, UNIFORM, PARABOLIC, HARMONIC, CYCLOIDAL, P345, P4567, SINE, TRAPEZOID, CUBIC = range(10)
-LAW_KINDS = {
-    "uniform": UNIFORM,
-    "parabolic": PARABOLIC,
-    "harmonic": HARMONIC,
-    "cycloidal": CYCLOIDAL,
-    "3-4-5": P345,
-    "4-5-6-7": P4567,
-    "modified sine": SINE,
-    "modified trapezoid": TRAPEZOID,
-}
+# Beside the kinds of `motion_laws`: a cubic of a table.
+CUBIC = 9
 # The most pieces that a law consists of.
 PIECES_OF_A_SECTION = 5
 TURN = 2.0 * math.pi
 # Shares of a turn, or of a stroke, by which sums of a variant's sections may miss their end.
 MISSED = 1e-9
+_BREAKS = np.ones((CUBIC, PIECES_OF_A_SECTION + 1))
+_BREAKS[:, 0] = 0.0
+for _kind in LAW_KINDS.values():
+    _BREAKS[_kind, 1 : 1 + len(LAW_BREAKS.get(_kind, ()))] = LAW_BREAKS.get(_kind, ())
 
 
 @routine
 def break_of(kind: int, k: int) -> float:
     """Place on the unit interval where the pieces of a law of this kind meet; 1 after the last."""
-    if kind == PARABOLIC and k == 1:
-        return 0.5
-    if kind == SINE and k in (1, 2):
-        return 0.125 if k == 1 else 0.875
-    if kind == TRAPEZOID and 1 <= k <= 4:
-        return 0.25 * k - 0.125
-    return 0.0 if k == 0 else 1.0
+    return _BREAKS[kind, k]
 
 
 @routine
@@ -152,23 +131,7 @@ def motion_in(pieces: np.ndarray, i: int, u: float) -> Motion:
             6.0 * c3 * u + 2.0 * c2,
             6.0 * c3,
         )
-    held = 0.5 * (pieces[i, FROM] + pieces[i, TO])
-    if kind == UNIFORM:
-        found = uniform_motion(u)
-    elif kind == PARABOLIC:
-        found = parabolic_motion(u, held)
-    elif kind == HARMONIC:
-        found = harmonic_motion(u)
-    elif kind == CYCLOIDAL:
-        found = cycloidal_motion(u)
-    elif kind == P345:
-        found = polynomial_345(u)
-    elif kind == P4567:
-        found = polynomial_4567(u)
-    elif kind == SINE:
-        found = modified_sine(u, held)
-    else:
-        found = modified_trapezoid(u, held)
+    found = unit_motion(kind, u, 0.5 * (pieces[i, FROM] + pieces[i, TO]))
     h, rate = pieces[i, STROKE], 1.0 / pieces[i, BETA]
     return pieces[i, START] + h * found[0], h * rate * found[1], h * rate**2 * found[2], h * rate**3 * found[3]
 

@@ -9,9 +9,26 @@ Source: R. L. Norton, Cam Design and Manufacturing Handbook (double-dwell functi
 
 import math
 
+import numpy as np
+
 from engine.compiling.decorators import scalar
 
 Motion = tuple[float, float, float, float]
+
+# Kinds of motion in a section, as compiled code counts them, and the names that texts have for the laws.
+DWELL, UNIFORM, PARABOLIC, HARMONIC, CYCLOIDAL, P345, P4567, SINE, TRAPEZOID = range(9)
+LAW_KINDS = {
+    "uniform": UNIFORM,
+    "parabolic": PARABOLIC,
+    "harmonic": HARMONIC,
+    "cycloidal": CYCLOIDAL,
+    "3-4-5": P345,
+    "4-5-6-7": P4567,
+    "modified sine": SINE,
+    "modified trapezoid": TRAPEZOID,
+}
+# Where, inside the unit interval, the expressions meet of which a law is made.
+LAW_BREAKS = {PARABOLIC: (0.5,), SINE: (0.125, 0.875), TRAPEZOID: (0.125, 0.375, 0.625, 0.875)}
 
 
 @scalar
@@ -126,3 +143,74 @@ def _half_trapezoid(u: float, held: float) -> Motion:
         peak * c,
         -peak * w * s,
     )
+
+
+@scalar
+def unit_motion(kind: float, u: float, held: float) -> Motion:
+    """Motion by any of the laws.
+
+    Parameters
+    ----------
+    kind : float
+        One of the kinds above; zero throughout for a dwell.
+    u : float
+    held : float
+        Place by which laws made of several expressions stay in one of them.
+    """
+    if kind == DWELL:
+        return 0.0 * u, 0.0, 0.0, 0.0
+    if kind == UNIFORM:
+        return uniform_motion(u)
+    if kind == PARABOLIC:
+        return parabolic_motion(u, held)
+    if kind == HARMONIC:
+        return harmonic_motion(u)
+    if kind == CYCLOIDAL:
+        return cycloidal_motion(u)
+    if kind == P345:
+        return polynomial_345(u)
+    if kind == P4567:
+        return polynomial_4567(u)
+    if kind == SINE:
+        return modified_sine(u, held)
+    return modified_trapezoid(u, held)
+
+
+# Numbers of a section in a table that `section_at` looks through.
+SECTION_NUMBERS = 5
+
+
+@scalar
+def section_at(
+    memory: np.ndarray, begin: int, apart: int, sections: float, turned: float
+) -> tuple[float, float, float, float, float]:
+    """The section of a cam's turn that holds at an angle.
+
+    Parameters
+    ----------
+    memory, begin, apart
+        A table of numbers: of each section, in order, those returned, its beginning in the first turn.
+    sections : float
+        How many there are.
+    turned : float
+        Angle of the cam, in any turn [rad].
+
+    Returns
+    -------
+    start : float
+        Where the section begins, in the turn of the angle [rad].
+    angle : float
+        Over which it goes [rad].
+    before, stroke : float
+        Displacement at its beginning, and how far the follower moves in it.
+    kind : float
+        Of its law.
+    """
+    turns = 2.0 * math.pi * math.floor(turned * (0.5 / math.pi))
+    x, at = turned - turns, begin
+    for k in range(1, int(sections)):
+        row = begin + SECTION_NUMBERS * k * apart
+        if memory[row] <= x:
+            at = row
+    two, four = 2 * apart, 4 * apart
+    return memory[at] + turns, memory[at + apart], memory[at + two], memory[at + two + apart], memory[at + four]

@@ -105,6 +105,49 @@ def flat_face_support(distance: float, psi: float, s1: float, s2: float, sense: 
     return distance * s + (p2 * turn - p1 * turned) / turn**3, distance * c / turn
 
 
+@scalar
+def least_face_angle(base_radius: float, distance: float) -> float:
+    """Angle ψ₀ of a flat face through its pivot that touches the base circle; NaN where the pivot lies inside it."""
+    return math.asin(base_radius / distance)
+
+
+@scalar
+def curvature_of_pitch(x: float, y: float, x1: float, y1: float, x2: float, y2: float, sense: float) -> float:
+    """Curvature of the pitch curve, positive where it is convex; a place component by component."""
+    return pitch_curvature((x, y, x1, y1, x2, y2), sense)
+
+
+@scalar
+def contact_normal(x: float, y: float, x1: float, y1: float, sense: float) -> tuple[float, float]:
+    """Unit normal of the pitch curve, from the cam to its follower.
+
+    With the place w of the roller's centre it is w − sense · (y', −x'), of unit length: square to the velocity that the
+    centre has relative to the cam.
+
+    Parameters
+    ----------
+    x, y, x1, y1 : float
+        Place of the centre from the cam's axis, and its derivative by the cam's angle.
+    sense : float
+        1 where the cam turns counter-clockwise, −1 where clockwise.
+    """
+    nx, ny = x - sense * y1, y + sense * x1
+    per_length = 1.0 / math.sqrt(nx * nx + ny * ny)
+    return nx * per_length, ny * per_length
+
+
+@scalar
+def sliding_face_transmission(height: float) -> float:
+    """Quality of transmission of a flat face that slides: 1, its pressure angle being zero; NaN below the axis."""
+    return 1.0 if height > 0.0 else math.nan
+
+
+@scalar
+def swinging_face_transmission(psi: float, s1: float, sense: float) -> float:
+    """Quality of transmission of a flat face through its pivot: 0 where the contact comes there, or to infinity."""
+    return math.cos(psi) * (1.0 + sense * s1)
+
+
 def pressure_of_lines(curved_force: np.ndarray, modulus: np.ndarray, width: np.ndarray) -> np.ndarray:
     """Greatest pressure by Hertz between cylinders of one material in contact along a line.
 

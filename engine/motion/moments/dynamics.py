@@ -36,6 +36,8 @@ NO_INERTIA = 1e-18
 POLYNOMIAL_ORDERS = (0, 1, 2)
 # Friction in pairs, as what jumps where a pair changes the direction of its motion; no action has such a name.
 IN_PAIRS = "friction in pairs"
+# The derivative of the inertia, as what jumps where the acceleration of a cam's follower does.
+OF_INERTIA = "inertia of followers"
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 
@@ -134,7 +136,7 @@ class Reduction:
             moments[key] = graph.combination(own)
         self.keys = [key for key, moment in moments.items() if moment is not graph.zero]
         self.nodes = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
-        terms = [*self.loads.terms, *_reversals(mechanics)]
+        terms = [*self.loads.terms, *_reversals(mechanics), *_jerks(mechanics)]
         watched = [load.characteristic for load in terms]
         title = "A machine in motion."
         functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
@@ -227,6 +229,14 @@ def _reversals(mechanics: Mechanics) -> list[Load]:
     return found
 
 
+def _jerks(mechanics: Mechanics) -> list[Load]:
+    """What inertia jumps with where sections of cams meet, as a load of that size; it is there whatever acts."""
+    if not mechanics.scene.cams:
+        return []
+    one, slope, grip = mechanics.graph.one, mechanics.reduced.slope, Grip(mechanics.scene.input.link, None, None)
+    return [Load(OF_INERTIA, one, slope, grip, one, slope, None, 0)]
+
+
 class Dynamics:
     """The equation of motion of a machine with some of its actions at work.
 
@@ -255,8 +265,8 @@ class Dynamics:
         # Of what acts: its row of the reduction, its channel and its order.
         acting = [(i, key) for i, key in enumerate(reduction.keys) if key[0] not in off]
         self.active = frozenset(load.action for load in loads.terms if load.action not in off)
-        if friction is not None:
-            self.active |= {IN_PAIRS}
+        self.active |= {IN_PAIRS} if friction is not None else set()
+        self.active |= {OF_INERTIA} if scene.cams else set()
         self.timed = any(reduction.depends_on_time(key) for _, key in acting)
         # Whether a moment may change at any time.
         formulas = load_formulas(scene)

@@ -25,7 +25,7 @@ from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_n
 
 
 class Element(NamedTuple):
-    """A step of the ordering: `kind` is "input", "shaft", "group", "free group", "point" or "guide"."""
+    """A step of the ordering: `kind` is "input", "shaft", "cam", "group", "free group", "point" or "guide"."""
 
     kind: str
     name: str
@@ -93,11 +93,17 @@ def _ordered(scene: Scene) -> _Ordering:
         for name, shaft in scene.shafts.items():
             if (
                 name not in known_links
-                and shaft.geared_to in known_links
+                and {shaft.geared_to, shaft.carrier or FRAME} <= known_links
                 and (shaft.pivot is None or shaft.pivot in points)
             ):
                 known_links.add(name)
                 elements.append(Element("shaft", name))
+                grown = True
+        for name, cam in scene.cams.items():
+            held = cam.follower.guide in guides if cam.translating else cam.follower.pivot in points
+            if cam.follower.link not in known_links and cam.on in known_links and held:
+                known_links.add(cam.follower.link)
+                elements.append(Element("cam", name))
                 grown = True
         for name, group in scene.groups.items():
             if Element("group", name) in elements:
@@ -144,7 +150,7 @@ def _free_problems(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
         if outer == {FRAME}:
             words = f"{', '.join(group.links)} hang on the frame alone, so they can't move (W = 3·{n} − 2·{p} = 0)"
             problems.append((at, f"over-constrained: {words}; hang one of them on a moving link"))
-        if name in {*scene.groups, *scene.links, *scene.points, *scene.regimes}:
+        if name in {*scene.groups, *scene.links, *scene.points, *scene.regimes, *scene.cams}:
             problems.append((at, f"the name {name!r} is that of the group found here; call what has it otherwise"))
     on_links = {point for point, link in ordering.points.items() if link in moving}
     for point in scene.near:
@@ -163,6 +169,10 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
         problems.append(
             (f"shafts.{shafts[0]}.geared_to", f"gears that nothing drives: {chain}; gear one to a link that moves")
         )
+    cams = [name for name in scene.cams if Element("cam", name) not in elements]
+    if cams:
+        message = "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft"
+        problems.append((f"cams.{cams[0]}.on", message))
     waiting = [name for name in scene.groups if Element("group", name) not in elements]
     if waiting:
         lacks = {
@@ -225,4 +235,5 @@ def order(scene: Scene) -> Structure:
 def _moving_links(scene: Scene) -> tuple[str, ...]:
     pivoted = [name for name, shaft in scene.shafts.items() if shaft.pivot is not None]
     in_groups = (link for name in scene.groups for link in group_links(scene, name))
-    return (scene.input.link, *pivoted, *in_groups, *scene.links)
+    followers = (cam.follower.link for cam in scene.cams.values())
+    return (scene.input.link, *pivoted, *in_groups, *scene.links, *followers)

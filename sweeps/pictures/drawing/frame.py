@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from engine import FRAME
+from sweeps.pictures.drawing.higher_pairs import follower_guides
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
 
@@ -27,8 +28,9 @@ def frame_parts(m: DrawnMotion) -> list[Primitive]:
             for side in (1, -1):
                 ends = [bush + r * along * (side * 1.2j - side * half) for half in (4, -4)]
                 found += hatched(*ends, r)
+    found += follower_guides(m)
     for name, shaft in scene.shafts.items():
-        if shaft.pivot is not None:
+        if shaft.pivot is not None and shaft.carrier is None:
             found += _gearing(
                 *(m.points[p][0] for p in (scene.input.pivot, shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
             )

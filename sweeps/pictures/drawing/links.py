@@ -2,6 +2,7 @@
 
 from engine import FRAME
 from sweeps.pictures.drawing.frame import bush_at
+from sweeps.pictures.drawing.higher_pairs import cam_shapes, planet_circles
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, line, link_shape, weld, zigzag
 
@@ -25,7 +26,7 @@ def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primi
     boxes = [box(m.axes(s.link)[0][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
     spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
     springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
-    return [*under, *boxes, *plates], [*over, *springs, *joints(m, k)]
+    return [*under, *boxes, *plates], [*planet_circles(m, k), *cam_shapes(m, k), *over, *springs, *joints(m, k)]
 
 
 def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:

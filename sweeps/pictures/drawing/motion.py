@@ -12,6 +12,7 @@ from engine import (
     FRAME,
     SENTENCES,
     CrankInput,
+    DrivingCam,
     Hinged,
     Machine,
     Scene,
@@ -54,6 +55,10 @@ class DrawnMotion:
         Crank angles [rad] or displacements of a sliding input [m].
     points : dict of str to complex ndarray (nodes,)
     slides : dict of str to ndarray (nodes,)
+    contacts : dict of str to complex ndarray (nodes,)
+        Where cams touch their followers.
+    profiles : dict of str to complex ndarray (points,)
+        Of cams, in the axes of the links that they sit on: closed where the cam makes a turn.
     radius : float
         Radius of a hinge, which scales all symbols [m].
 
@@ -73,7 +78,10 @@ class DrawnMotion:
         moving.append(input_point(scene))
         fields = [f"{n}.{axis}" for n in moving for axis in "xy"] + [f"{n}.slide" for n in structure.sliders]
         free = [name for name, link in scene.links.items() if link.guide is None]
+        free += [cam.follower.link for cam in scene.cams.values() if not cam.translating]
+        free += [name for name, shaft in scene.shafts.items() if shaft.carrier is not None]
         fields += [f"{n}.angle" for n in free]
+        fields += [f"{n}.contact_{axis}" for n in scene.cams for axis in "xy"]
         machine = Machine(scene, fields=fields, varied=values, positions=POSITIONS)
         outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
         self.numbers = SceneNumbers(scene_numbers(scene), values)
@@ -94,8 +102,10 @@ class DrawnMotion:
         if not np.isfinite(sum(self.points.values())).any():
             verdict = SENTENCES[Verdict(int(outcome.status[0]))]
             raise PictureError(f"this mechanism can't be drawn at any position: {verdict}")
+        self.contacts = {n: rows[f"{n}.contact_x"] + 1j * rows[f"{n}.contact_y"] for n in scene.cams}
         self.links = (*structure.links, FRAME)
         self.axes, self.guide = cache(self._axes), cache(self._guide)
+        self.profiles = {name: self._profile(name) for name in scene.cams}
         self.sliders = tuple(self._sliders())
         self.radius = self._radius()
 
@@ -135,11 +145,19 @@ class DrawnMotion:
             return self.points[drive.pivot], np.exp(1j * self.q)
         if link == drive.link:
             return self.points[drive.point], self.guide(drive.guide)[1]
+        if link in self.scene.shafts and self.scene.shafts[link].carrier is not None:
+            return self.points[self.scene.shafts[link].pivot], self._turned[link]
         if link in self.scene.shafts:
             ratio, phase = self.numbers[f"shafts.{link}.ratio"], self.numbers[f"shafts.{link}.phase"]
             return self.points[self.scene.shafts[link].pivot], np.exp(1j * (ratio * self.q + phase))
         if link in self.scene.links:
             return self._free_axes(link)
+        if link in self._followers:
+            follower = self._followers[link].follower
+            if follower.type == "oscillating":
+                return self.points[follower.pivot], self._turned[link]
+            place, along = self.guide(follower.guide)
+            return place + self.slides[link] * along, along
         name, part = self._part(link)
         group = self.scene.groups[name]
         if isinstance(part, Hinged):
@@ -155,6 +173,16 @@ class DrawnMotion:
         arm = self.points[group.first.joint] - self.points[part.joint]
         slide = self.slides[group.first.link]
         return self.points[part.joint], _unit(arm / (slide + 1j * self.numbers[f"groups.{name}.second.offset"]))
+
+    def _profile(self, name: str) -> np.ndarray:
+        """Profile of a cam over a turn of it, or as far as it turns."""
+        place, along = self.axes(self.scene.cams[name].on)
+        profile = (self.contacts[name] - place) / along
+        turns = abs(np.unwrap(np.angle(along))[-1] - np.angle(along[0])) / math.tau
+        if not has_cycle(self.scene) and turns < 1.0:
+            return profile
+        count = round(profile.size / max(1.0, round(turns)))
+        return np.append(profile[:count], profile[:1])
 
     def _free_axes(self, link: str) -> tuple[np.ndarray, np.ndarray]:
         """Axes of a free link: from one of its points, or from the guide that it slides on."""
@@ -190,7 +218,7 @@ class DrawnMotion:
 
     def _radius(self) -> float:
         """Radius of a hinge: a share of the whole, smaller where links are short."""
-        cloud = np.concatenate([*self.points.values(), *self._stems()])
+        cloud = np.concatenate([*self.points.values(), *self._stems(), *self.contacts.values()])
         cloud = cloud[np.isfinite(cloud)]
         whole = abs(np.ptp(cloud.real) + 1j * np.ptp(cloud.imag))
         lengths = [v for path, v in self.numbers.items() if path.endswith(".length") and path[:6] != "bodies"]
@@ -217,6 +245,8 @@ class DrawnMotion:
             found = [self.scene.shafts[link].pivot]
         elif link in self.scene.links:
             found = list(self.scene.links[link].joints)
+        elif link in self._followers:
+            found = [] if self._followers[link].translating else [self._followers[link].follower.pivot]
         elif link != FRAME:
             name, part = self._part(link)
             inner = isinstance(part, (Hinged, Sliding))
@@ -225,11 +255,17 @@ class DrawnMotion:
         return found + [n for n, p in self.scene.points.items() if p.link == link]
 
     @property
+    def _followers(self) -> dict[str, DrivingCam]:
+        """Cams by the links that they drive."""
+        return {cam.follower.link: cam for cam in self.scene.cams.values()}
+
+    @property
     def hinges(self) -> set[str]:
         """Points that are revolute pairs."""
         drive = self.scene.input
         found = {drive.pivot} if isinstance(drive, CrankInput) else set()
         found |= {s.pivot for s in self.scene.shafts.values() if s.pivot is not None}
+        found |= {cam.follower.pivot for cam in self.scene.cams.values() if not cam.translating}
         for group in self.scene.groups.values():
             found |= {p.joint for p in (group.first, group.second) if hasattr(p, "joint")}
             found |= {group.inner} if hasattr(group, "inner") else set()

@@ -63,7 +63,8 @@ def reaction_pictures(
     path : Path
         As for `plan_pictures`.
     fields : collection of str
-        Names of fields; nothing is drawn where none is of a pair's reaction, or where the scene has free links.
+        Names of fields; nothing is drawn where none is of a pair's reaction, or where the scene has free
+        links, cams or planets.
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
 
@@ -72,7 +73,8 @@ def reaction_pictures(
     list of Path
         The files made.
     """
-    known = {pair.name for pair in pairs_of(scene)} if not scene.links else set()
+    higher = scene.cams or any(s.carrier or s.pressure_angle is not None for s in scene.shafts.values())
+    known = {pair.name for pair in pairs_of(scene)} if not (scene.links or higher) else set()
     asked = {name.rpartition(".reaction")[0] for name in fields} & known
     return _reactions(MachineCycle(scene, values), path, asked) if asked else []
 

@@ -59,6 +59,18 @@ class MachineCycle:
                 f"plans are drawn of dyads alone, and {', '.join(scene.links)} are free links: leave out what asks for "
                 "plans; their reactions are fields, such as 'LINK.JOINT.reaction_x'"
             )
+        if scene.cams:
+            driven = ", ".join(cam.follower.link for cam in scene.cams.values())
+            raise PictureError(
+                f"plans are drawn of dyads alone, and cams drive {driven}: leave out what asks for plans; forces are "
+                "fields, such as 'CAM.contact_force'"
+            )
+        geared = [n for n, s in scene.shafts.items() if s.carrier is not None or s.pressure_angle is not None]
+        if geared:
+            raise PictureError(
+                f"plans are drawn without planets and forces between teeth, and {geared[0]} has them: leave out what "
+                "asks for plans; forces are fields, such as 'SHAFT.reaction_x'"
+            )
         self.scene, self._values = scene, dict(values or {})
         self.motion = DrawnMotion(scene, values)
         self.numbers = self.motion.numbers

@@ -1,0 +1,1 @@
+"""Higher pairs inside a mechanism: cams that drive links of it."""

@@ -1,0 +1,132 @@
+"""The motion program of a cam as nodes: displacement of the follower over the cam's angle, and its derivatives.
+
+The section, or the piece of a table, that holds in the middle of a panel holds throughout it; panels end where sections
+meet, and the expressions of their laws.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.graph.nodes import Graph, Node, Number
+from engine.higher_pairs.cams.driving_cams import DrivingCam
+from engine.higher_pairs.cams.motion_programs import DwellSection, RiseSection
+from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, section_at, unit_motion
+from engine.laws.tables import in_memory, make_table, table_segment
+from engine.scene.scene import Numbers
+
+TURN = 2.0 * math.pi
+# Shares of a turn, or of a stroke, by which sums of a variant's sections may miss their end.
+MISSED = 1e-9
+
+
+class Displacement(NamedTuple):
+    """Displacement of a follower [m or rad] and its first two derivatives by the cam's angle."""
+
+    s: Node
+    s1: Node
+    s2: Node
+
+
+class Sections(NamedTuple):
+    """Sections of a turn with the numbers of some variants: lists of float or ndarray (variants,), one for each."""
+
+    begin: list[float | np.ndarray]
+    angle: list[float | np.ndarray]
+    before: list[float | np.ndarray]
+    stroke: list[float | np.ndarray]
+
+
+def add_program(graph: Graph, cam: DrivingCam, at: str, turned: Node, turns: range) -> Displacement:
+    """Displacement of a follower over the angle of its cam.
+
+    Parameters
+    ----------
+    graph : Graph
+    cam : DrivingCam
+    at : str
+        Where it stands in the scene.
+    turned : Node
+        Angle of the cam from the beginning of its first section [rad], growing with the input.
+    turns : range
+        Turns of the cam, counted from there, in which the input's range lies.
+    """
+    return _tabled(graph, cam, turned, turns) if cam.table is not None else _by_sections(graph, cam, at, turned, turns)
+
+
+def sections_of(cam: DrivingCam, at: str, numbers: Numbers) -> Sections:
+    """Sections of a cam; the angles NaN where they don't make a turn that ends where it begins.
+
+    Parameters
+    ----------
+    cam : DrivingCam
+    at : str
+        Where it stands in the scene.
+    numbers : Numbers
+    """
+    key = "lift" if cam.translating else "swing"
+    given = {n: numbers[f"{at}.sections.{n}.angle"] for n, s in cam.sections.items() if s.angle is not None}
+    missing = TURN - sum(given.values())
+    is_open = len(given) < len(cam.sections)
+    whole = missing > 0.0 if is_open else np.abs(missing) <= MISSED * TURN
+    found, begin, before, greatest = Sections([], [], [], []), 0.0, 0.0, 0.0
+    for name, section in cam.sections.items():
+        stroke = 0.0
+        if isinstance(section, RiseSection):
+            stroke = numbers[f"{at}.sections.{name}.{key}"]
+        elif not isinstance(section, DwellSection):
+            stroke = -before if cam.stroke_of(section) is None else -numbers[f"{at}.sections.{name}.{key}"]
+        angle = given.get(name, missing)
+        for row, value in zip(found, (begin, angle, before, stroke), strict=True):
+            row.append(value)
+        begin, before = begin + angle, before + stroke
+        greatest = np.maximum(greatest, before)
+        whole = whole & (before >= -MISSED * greatest)
+    whole = whole & (np.abs(before) <= MISSED * greatest)
+    return found._replace(angle=[np.where(whole, angle, np.nan) for angle in found.angle])
+
+
+def _by_sections(graph: Graph, cam: DrivingCam, at: str, turned: Node, turns: range) -> Displacement:
+    laws = [DWELL if isinstance(s, DwellSection) else LAW_KINDS[s.law] for s in cam.sections.values()]
+
+    def number(k: int, part: str) -> Number:
+        return graph.derived(f"{at} section {k} {part}", lambda n: getattr(sections_of(cam, at, n), part)[k])
+
+    rows: list[Number] = []
+    for k, law in enumerate(laws):
+        rows += [number(k, part) for part in Sections._fields]
+        rows.append(graph.derived(f"{at} section {k} law", lambda n, law=law: float(law)))
+        for inside in (0.0, *LAW_BREAKS.get(law, ())):
+            for turn in turns:
+                graph.switches(turned, graph.one, _level(graph, cam, at, (k, inside, turn)))
+    table = graph.number_table(f"{at} sections", rows)
+    begin, angle, before, stroke, kind = (
+        graph.held(part) for part in graph.apply(section_at, table, float(len(laws)), turned)
+    )
+    u, rate = (turned - begin) / angle, graph.one / angle
+    shape, slope, bend, _ = graph.apply(unit_motion, kind, u, graph.held(u))
+    return Displacement(before + stroke * shape, stroke * rate * slope, stroke * (rate * rate) * bend)
+
+
+def _level(graph: Graph, cam: DrivingCam, at: str, place: tuple[int, float, int]) -> Number:
+    """Angle of the cam at which a section, or an expression of its law, begins in one of the turns."""
+    k, inside, turn = place
+
+    def angle(numbers: Numbers) -> float | np.ndarray:
+        found = sections_of(cam, at, numbers)
+        return found.begin[k] + inside * found.angle[k] + TURN * turn
+
+    return graph.derived(f"{at} section {k} at {inside} in turn {turn}", angle)
+
+
+def _tabled(graph: Graph, cam: DrivingCam, turned: Node, turns: range) -> Displacement:
+    motion = cam.table
+    table = make_table(motion.over_angle, motion.rows, motion.interpolation, TURN)
+    for row in table.breaks[:-1]:
+        for turn in turns:
+            graph.switches(turned, graph.one, graph.constant(row + TURN * turn))
+    offset = graph.store(in_memory(table))
+    left, c3, c2, c1, c0 = (graph.held(part) for part in graph.apply(table_segment, graph.memory, offset, turned))
+    t = turned - left
+    return Displacement(((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1, 6.0 * c3 * t + 2.0 * c2)

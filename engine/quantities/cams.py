@@ -1,0 +1,64 @@
+"""Cams that drive a mechanism: displacement of the follower, pressure angle, profile, forces of contact."""
+
+from collections.abc import Callable
+
+from engine.graph.nodes import Node
+from engine.laws.elementary import angle_of
+from engine.mechanism.mechanics import Mechanics
+from engine.quantities.quantity import Quantity
+from engine.quantities.register import Declared, Field
+from engine.scene.scene import Scene
+
+
+def cam_force_fields(scene: Scene) -> list[Quantity]:
+    """Forces between the cams of a scene and their followers."""
+    found = []
+    for name, cam in scene.cams.items():
+        pressed = "force along its guide" if cam.translating else "moment about its pivot"
+        where = f"between cam {name} and {cam.follower.link}"
+        touching = ", positive where they press on each other" if cam.closure == "spring" else ""
+        found.append(Quantity(f"{name}.contact_force", f"force {where}, along the normal{touching}", "N", "N"))
+        words = f"{pressed} that presses {cam.follower.link} on cam {name}, inertia included"
+        found.append(Quantity(f"{name}.closing_force", words, "N" if cam.translating else "N m", "P"))
+    return found
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Fields of every cam of the mechanism."""
+    m, scene = mechanics, mechanics.scene
+    for name, cam in scene.cams.items():
+        motion, flat = m.kinematics.cams[name], cam.follower.contact == "flat"
+        unit = "m" if cam.translating else "rad"
+        words = f"displacement of {cam.follower.link} by cam {name}"
+        yield Field(f"{name}.displacement", words, unit, _known(motion.displacement), "s")
+        if not flat:
+            words = f"pressure angle of cam {name}, positive where the normal leans as it does on a rise"
+            yield Field(
+                f"{name}.pressure_angle",
+                words,
+                "rad",
+                lambda c=motion: m.graph.apply(angle_of, c.along, c.across),
+                "α",
+            )
+        words = f"quality of transmission of cam {name}: the cosine of its pressure angle where it has a roller or edge"
+        yield Field(f"{name}.transmission", words, "1", _known(m.kinematics.sines[name]))
+        for axis, node in zip("xy", motion.contact, strict=True):
+            words = f"{axis} coordinate of the contact of cam {name} with {cam.follower.link}"
+            yield Field(f"{name}.contact_{axis}", words, "m", _known(node))
+        words = f"curvature of the profile of cam {name} at the contact, positive where it is convex"
+        yield Field(f"{name}.curvature", words, "m-1", _known(motion.curvature), "κ")
+        if motion.undercut:
+            of = "the base radius" if flat else "that of the pitch curve"
+            words = f"radius of curvature of the profile of cam {name} over {of}: undercut where it is zero"
+            yield Field(f"{name}.undercut_margin", words, "1", _known(motion.undercut[0]))
+        if motion.face is not None:
+            words = f"distance of the contact with cam {name} from the origin of {cam.follower.link}, along its face"
+            yield Field(f"{name}.face_contact", words, "m", _known(motion.face))
+    for field in cam_force_fields(scene):
+        yield Field(
+            field.name, field.long_name, field.units, lambda n=field.name: m.reactions.variables[n], field.symbol
+        )
+
+
+def _known(node: Node) -> Callable[[], Node]:
+    return lambda: node

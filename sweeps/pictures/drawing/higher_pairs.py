@@ -1,0 +1,76 @@
+"""Cams that drive a mechanism, their followers, and planets, as they are drawn at a position."""
+
+import numpy as np
+
+from engine import FRAME
+from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.symbols import Primitive, hatched, line
+
+# In radii of a hinge: what a follower's bush lies beyond its roller and its stroke, and half its length; how far a flat
+# face reaches beyond the contact.
+CLEAR, HALF_BUSH, BEYOND = 7.0, 4.0, 3.0
+
+
+def cam_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Profiles of the cams at a node, with rollers, faces and the stems of followers that slide."""
+    found = []
+    for name, cam in m.scene.cams.items():
+        place, along = m.axes(cam.on)
+        found.append(line(*(place[k] + m.profiles[name] * along[k])))
+        origin, u = (values[k] for values in m.axes(cam.follower.link))
+        if cam.translating:
+            top = m.guide(cam.follower.guide)[0][k] + (_bush(m, name) + (HALF_BUSH + 1.5) * m.radius) * u
+            low = m.range_of(cam.follower.link)[0]
+            found.append(line(origin, top + (m.slides[cam.follower.link][k] - low) * u))
+        found += _touching(m, name, k, origin, u)
+    return found
+
+
+def _touching(m: DrawnMotion, name: str, k: int, origin: complex, u: complex) -> list[Primitive]:
+    """What of a follower touches its cam."""
+    follower, at = m.scene.cams[name].follower, f"cams.{name}.follower"
+    if follower.contact == "flat":
+        across = -1j * u if follower.type == "translating" else u
+        reach = ((m.contacts[name] - m.axes(follower.link)[0]) / (across / u * m.axes(follower.link)[1])).real
+        low, high = np.nanmin(reach) - BEYOND * m.radius, np.nanmax(reach) + BEYOND * m.radius
+        return [line(origin + (low if follower.type == "translating" else 0.0) * across, origin + high * across)]
+    centre = origin if follower.type == "translating" else origin + m.numbers[f"{at}.arm"] * u
+    arm = [] if follower.type == "translating" else [line(origin, centre)]
+    if follower.contact == "knife edge":
+        return arm
+    rim = Primitive("links", "circle", (complex(centre),), m.numbers[f"{at}.roller_radius"], "paper")
+    return [*arm, rim, Primitive("joints", "circle", (complex(centre),), 0.55 * m.radius, "solid")]
+
+
+def follower_guides(m: DrawnMotion) -> list[Primitive]:
+    """Bushes of the frame in which followers slide."""
+    found, r = [], m.radius
+    for name, cam in m.scene.cams.items():
+        if cam.translating:
+            place, u = (complex(values[0]) for values in m.guide(cam.follower.guide))
+            bush = place + _bush(m, name) * u
+            for side in (1, -1):
+                found += hatched(*(bush + r * u * (side * 1.2j - side * half) for half in (HALF_BUSH, -HALF_BUSH)), r)
+    return found
+
+
+def planet_circles(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Pitch circles of planets at a node, and of the wheels that they are geared to."""
+    found = []
+    for name, shaft in m.scene.shafts.items():
+        if shaft.carrier is not None:
+            on = shaft.carrier if shaft.geared_to == FRAME else shaft.geared_to
+            centre, other = (complex(m.axes(link)[0][k]) for link in (name, on))
+            ratio = m.numbers[f"shafts.{name}.ratio"]
+            radius = abs(centre - other) / abs(ratio - 1.0)
+            found += [
+                Primitive("pitch", "circle", (c,), r) for c, r in ((centre, radius), (other, abs(ratio) * radius))
+            ]
+    return found
+
+
+def _bush(m: DrawnMotion, name: str) -> float:
+    """Where along its guide a follower is held: beyond its stroke."""
+    follower = m.scene.cams[name].follower
+    roller = m.numbers[f"cams.{name}.follower.roller_radius"] if follower.contact == "roller" else 0.0
+    return m.range_of(follower.link)[1] + roller + CLEAR * m.radius

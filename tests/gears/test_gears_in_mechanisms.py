@@ -1,0 +1,186 @@
+"""Planets and geared cranks inside mechanisms: known curves, Willis, 50 digits, and what must balance."""
+
+import math
+
+import numpy as np
+import pytest
+from commands import said
+from driving_cams import changed
+from geared_links import CARDAN, FIVE_BAR, TRAIN
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mpmath import mp
+
+from engine import Machine, Scene, SceneError, Verdict
+from engine.scene.structure.ordering import order
+
+EPS = np.finfo(float).eps
+BALANCE = ("input_moment_disagreement", "equilibrium_residual")
+
+
+def asked(data: dict, fields: list[str], varied: dict | None = None, positions: int = 24):
+    varied = varied or {}
+    machine = Machine(Scene.model_validate(data), BALANCE, fields, list(varied), positions)
+    return machine, machine.evaluate(varied)
+
+
+def test_cardan_circles__draw_a_straight_line_of_twice_the_crank_to_either_side():
+    machine, outcome = asked(CARDAN, ["P.x", "P.y", "planet.angle", "ram.velocity"])
+    assert outcome.status[0] == Verdict.OK
+    phi, omega = machine.nodes, 4 * math.pi
+    # Angles up to 2π carry its rounding.
+    np.testing.assert_allclose(outcome.fields["P.x"][0], 0.1 * np.cos(phi), atol=8 * EPS)
+    np.testing.assert_allclose(outcome.fields["P.y"][0], 0.0, atol=8 * EPS)
+    np.testing.assert_allclose(outcome.fields["planet.angle"][0], -phi, atol=16 * EPS)
+    np.testing.assert_allclose(outcome.fields["ram.velocity"][0], -0.1 * omega * np.sin(phi), atol=30 * EPS * omega)
+    assert outcome.summaries[BALANCE[0]][0] < 1e-14
+    assert outcome.summaries[BALANCE[1]][0] < 1e-14
+
+
+def test_planets__turn_as_willis_says():
+    """ω_p = ω_h + (z_s/z_p)(ω_h − ω_s) on the outside of a sun, ω_h − (z_r/z_p) ω_h inside a ring that stands."""
+    _, outcome = asked(TRAIN, ["moon.angle_phi", "planet.angle_phi", "tip.x", "reduced_inertia"])
+    planet, moon = 1 - 24 / 30 * (3 - 1), 1 - 84 / 30
+    np.testing.assert_allclose(outcome.fields["planet.angle_phi"][0], planet, rtol=4 * EPS)
+    np.testing.assert_allclose(outcome.fields["moon.angle_phi"][0], moon, rtol=4 * EPS)
+    # Of the moon's centre, off its axis by 0.02 m at the angle θ − φ to the arm.
+    angle = 1.0 + (moon - 1.0) * 2 * math.pi * np.arange(24) / 24
+    square = 0.05**2 + (0.02 * moon) ** 2 + 2 * 0.05 * 0.02 * moon * np.cos(angle)
+    inertia = 0.002 * 9 + 0.003 * planet**2 + 0.0004 * moon**2 + 0.5 * square
+    np.testing.assert_allclose(outcome.fields["reduced_inertia"][0], inertia, rtol=40 * EPS)
+    assert outcome.summaries[BALANCE[0]][0] < 1e-13
+    assert outcome.summaries[BALANCE[1]][0] < 1e-13
+
+
+def exact_five_bar(phi: float, ratio: float) -> tuple:
+    """Joint of the rods and its first two derivatives, by the implicit equations |B − A|² = a², |B − D|² = b²."""
+    phi, ratio = mp.mpf(phi), mp.mpf(ratio)
+
+    def joint(q: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
+        a = mp.matrix([mp.mpf(0.05) * mp.cos(q), mp.mpf(0.05) * mp.sin(q)])
+        angle = ratio * q + 1
+        d = mp.matrix([mp.mpf(0.18) + mp.mpf(0.04) * mp.cos(angle), mp.mpf(0.04) * mp.sin(angle)])
+        apart = mp.norm(d - a)
+        along = (apart**2 + mp.mpf(0.15) ** 2 - mp.mpf(0.16) ** 2) / (2 * apart)
+        height = mp.sqrt(mp.mpf(0.15) ** 2 - along**2)
+        u = (d - a) / apart
+        return a[0] + along * u[0] - height * u[1], a[1] + along * u[1] + height * u[0]
+
+    return tuple(mp.diff(lambda q, axis=axis: joint(q)[axis], phi, n) for axis in (0, 1) for n in (0, 1, 2))
+
+
+@pytest.mark.parametrize("ratio", [1, -1, 2])
+def test_geared_five_bar__moves_as_50_digits_say(ratio):
+    fields = [f"B.{axis}{rate}" for axis in "xy" for rate in ("", "_phi", "_phiphi")]
+    data = changed(FIVE_BAR, shafts__second__ratio=ratio, shafts__second__pressure_angle="20 deg" if ratio < 0 else 0.3)
+    if ratio == 1:
+        del data["shafts"]["second"]["pressure_angle"]
+    machine, outcome = asked(data, fields)
+    assert outcome.status[0] == Verdict.OK
+    with mp.workdps(50):
+        for k in (0, 5, 16):
+            true = [float(v) for v in exact_five_bar(machine.nodes[k], ratio)]
+            found = [outcome.fields[name][0][k] for name in fields]
+            # Ratio 2 doubles what an angle's rounding does, and squares it in the second derivative.
+            np.testing.assert_allclose(found, true, atol=400 * EPS * max(np.abs(true)))
+    assert outcome.summaries[BALANCE[0]][0] < 1e-13
+    assert outcome.summaries[BALANCE[1]][0] < 1e-13
+
+
+def test_forces_between_teeth__turn_the_shaft_and_load_both_bearings():
+    """A moment M on a shaft a = 0.18 m away: F_t = M/r, r = a/(1 + 2), and F_r = F_t tan α apart, in both bearings."""
+    data = changed(FIVE_BAR, gravity=0, groups={}, bodies={}, points__D=None)
+    data["shafts"]["second"] |= {"ratio": -2, "pressure_angle": "20 deg"}
+    data["moments"] = {"load": {"type": "constant", "on": "second", "moment": "9 N m"}}
+    names = ["second.tangential_force", "second.radial_force", "second.reaction_x", "second.reaction_y"]
+    names += ["input.reaction_x", "input.reaction_y", "input_moment_by_equilibrium"]
+    _, outcome = asked(data, names)
+    pull = 9 / 0.06
+    apart = pull * math.tan(math.radians(20))
+    found = {name: outcome.fields[name][0][3] for name in names}
+    # The moment is counter-clockwise: at the pitch point, left of it, the shaft presses down, and is held up.
+    expected = {
+        "second.radial_force": apart,
+        "second.reaction_x": -apart,
+        "second.reaction_y": -pull,
+        "input.reaction_x": apart,
+        "input.reaction_y": pull,
+        "input_moment_by_equilibrium": 18.0,
+    }
+    assert abs(found["second.tangential_force"]) == pytest.approx(pull, rel=8 * EPS)
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, rel=16 * EPS), name
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.sampled_from([-4.0, -1.0, 2.0, 3.0, -7.0]), st.floats(0.01, 0.3), st.floats(0.0, 1.2), st.floats(-6.0, 6.0),
+    st.floats(1.0, 900.0),
+)  # fmt: skip
+def test_any_planet__balances(ratio, carrier, pressure, phase, speed):
+    varied = {
+        "shafts.planet.ratio": ratio,
+        "input.length": carrier,
+        "shafts.planet.pressure_angle": pressure,
+        "shafts.planet.phase": phase,
+        "input.speed": speed,
+    }
+    outcome = HYPOCYCLOID.evaluate({path: np.array([value]) for path, value in varied.items()})
+    assert outcome.status[0] == Verdict.OK
+    one, other = (outcome.fields[name][0] for name in HYPOCYCLOID.asked_fields[:2])
+    forces = sum(np.abs(outcome.fields[name][0]) for name in HYPOCYCLOID.asked_fields[2:])
+    # The greatest moments that cancel are those of the forces about the crank's axis.
+    size = (np.abs(one) + forces * carrier * (1 + abs(ratio))).max()
+    np.testing.assert_allclose(one, other, atol=100 * EPS * size)
+
+
+HYPOCYCLOID = Machine(
+    Scene.model_validate(changed(CARDAN, groups={}, guides={}, bodies__ram_body=None, gravity="9.81 m/s2")),
+    fields=["input_moment_by_equilibrium", "input_moment_by_power", "input.reaction", "planet.reaction"],
+    varied=[
+        *("shafts.planet.ratio", "input.length", "shafts.planet.pressure_angle", "shafts.planet.phase"),
+        "input.speed",
+    ],
+    positions=24,
+)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"shafts__planet__pivot": "O"}, "'O' is no point of the carrier 'crank'"),
+        ({"shafts__planet__pivot": None}, "a planet turns about a point of its carrier"),
+        ({"shafts__planet__carrier": "rod"}, "gears that nothing drives"),
+        ({"shafts__planet__ratio": 1}, "axes lie apart"),
+        ({"shafts__planet__geared_to": "crank"}, "'crank' carries the planet"),
+        (
+            {
+                "points__C": {"x": 0.2, "y": 0},
+                "shafts__far": {"geared_to": "crank", "ratio": 2, "pivot": "C"},
+                "shafts__planet__geared_to": "far",
+            },
+            "the distance changes",
+        ),
+        ({"shafts__planet__ratio": 1.5}, "'planet' makes -0.5 turns in a cycle of 1 of the crank"),
+        ({"shafts__planet__carrier": None}, "'A' is not on the frame"),
+        ({"friction": {"f": {"pair": "planet", "coefficient": 0.1, "diameter": 0.01}}}, "aren't computed together"),
+    ],
+)
+def test_wrong_planets__are_refused_in_words(changes, told):
+    with pytest.raises(SceneError) as caught:
+        order(Scene.model_validate(changed(CARDAN, **changes)))
+    assert told in str(caught.value)
+
+
+def test_cycle_of_a_five_bar__closes_after_the_denominator_of_its_ratio():
+    data = changed(FIVE_BAR, shafts__second__ratio="-3/2")
+    with pytest.raises(SceneError, match=r"makes -1\.5 turns in a cycle of 1"):
+        order(Scene.model_validate(data))
+    order(Scene.model_validate(changed(data, input__revolutions=2)))
+
+
+def test_planets__are_told_and_drawn(tmp_path):
+    scene, picture = tmp_path / "geared_five_bar.toml", tmp_path / "five.png"
+    said("new", "geared_five_bar", "--out", str(scene))
+    said("plot", str(scene), "--out", str(picture))
+    assert picture.stat().st_size > 10_000

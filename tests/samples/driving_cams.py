@@ -1,0 +1,73 @@
+"""Machines with cams in them, as data of a scene."""
+
+from copy import deepcopy
+
+SECTIONS = {
+    "out": {"type": "rise", "law": "modified sine", "angle": "100 deg", "lift": "20 mm"},
+    "rest": {"type": "dwell", "angle": "40 deg"},
+    "back": {"type": "return", "law": "modified trapezoid", "angle": "110 deg"},
+    "low": {"type": "dwell"},
+}
+# By half turns the harmonic law is the motion of an eccentric circle.
+CIRCLE = {
+    "up": {"type": "rise", "law": "harmonic", "angle": "180 deg", "lift": "40 mm"},
+    "down": {"type": "return", "law": "harmonic"},
+}
+CRANK = {"type": "crank", "pivot": "O", "pin": "A", "length": "20 mm", "speed": "300 rpm"}
+SLIDING = {
+    "gravity": "9.81 m/s2",
+    "points": {"O": {"x": 0, "y": 0}, "top": {"x": "5 mm", "y": "200 mm"}, "end": {"link": "tappet", "x": 0, "y": 0}},
+    "guides": {"way": {"x": "5 mm", "angle": "90 deg"}},
+    "input": CRANK,
+    "cams": {
+        "cam": {
+            "on": "crank",
+            "base_radius": "30 mm",
+            "sections": SECTIONS,
+            "follower": {
+                "type": "translating", "link": "tappet", "guide": "way", "contact": "roller", "roller_radius": "8 mm",
+            },
+        }
+    },
+    "bodies": {"own": {"link": "tappet", "mass": "0.5 kg"}},
+    "springs": {"closing": {"between": ["top", "end"], "stiffness": "8 N/mm", "free_length": "190 mm"}},
+}  # fmt: skip
+SWINGING = {
+    "points": {"O": {"x": 0, "y": 0}, "Q": {"x": "70 mm", "y": "40 mm"}, "C": {"x": "-150 mm", "y": 0}},
+    "input": CRANK | {"pivot": "C"},
+    "shafts": {"camshaft": {"geared_to": "crank", "ratio": -2, "pivot": "O", "phase": "20 deg"}},
+    "cams": {
+        "cam": {
+            "on": "camshaft",
+            "begin": "25 deg",
+            "base_radius": "30 mm",
+            "sections": {
+                "out": {"type": "rise", "law": "cycloidal", "angle": "100 deg", "swing": "14 deg"},
+                "rest": {"type": "dwell", "angle": "40 deg"},
+                "back": {"type": "return", "law": "4-5-6-7", "angle": "110 deg"},
+                "low": {"type": "dwell"},
+            },
+            "follower": {
+                "type": "oscillating", "link": "arm", "pivot": "Q", "contact": "roller", "roller_radius": "8 mm",
+                "arm": "70 mm", "mode": -1,
+            },
+        }
+    },
+    "bodies": {"own": {"link": "arm", "mass": "0.4 kg", "x": "30 mm", "inertia": "0.002 kg m2"}},
+    "moments": {"spring": {"type": "torsion_spring", "on": "arm", "stiffness": "20 N m/rad", "free_angle": "300 deg"}},
+}  # fmt: skip
+
+
+def changed(data: dict, **paths: object) -> dict:
+    """A copy of a scene with values put at paths, their parts joined by two underscores; None takes a key away."""
+    data = deepcopy(data)
+    for path, value in paths.items():
+        *way, last = path.split("__")
+        part = data
+        for key in way:
+            part = part.setdefault(key, {})
+        if value is None:
+            part.pop(last, None)
+        else:
+            part[last] = deepcopy(value)
+    return data
