@@ -183,6 +183,7 @@ class Schedule:
         friction = PairLoads(mechanics, [FRICTION_MOMENT]) if scene.friction else None
         self.dynamics = {off: Dynamics(self.reduction, off, works, friction) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
+        self._refuse_equal_steps()
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
@@ -196,6 +197,19 @@ class Schedule:
     def nodes(self) -> list[Node]:
         """All that the motion and the loads asked of it are computed from at a position."""
         return [*self.reduction.nodes, *(self.loads.nodes if self.loads else ())]
+
+    def _refuse_equal_steps(self) -> None:
+        """See that runs by a method that they name go over the crank angle."""
+        for name in self.needed:
+            regime = self.regimes[name]
+            if name in self.steady or regime.method is None:
+                continue
+            timed = self.dynamics[frozenset(regime.off)].timed
+            there = {"the two speeds of a coupling": bool(self.sides), "friction in pairs": bool(self.scene.friction)}
+            hindrances = [words for words, found in (there | {"moments that depend on time": timed}).items() if found]
+            if hindrances:
+                message = f"equal steps over the crank angle don't follow {hindrances[0]}; leave method, steps_per_turn"
+                raise SceneError([(f"regimes.{name}.method", message)])
 
     def _needed(self) -> list[str]:
         """Regimes that are asked, and those that they begin from."""

@@ -332,24 +332,10 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
-        if regime.type == "run" and regime.method is not None:
-            hindrance = next((words for words, there in _against_rk4(scene, left) if there), None)
-            if hindrance:
-                message = f"equal steps over the crank angle don't follow {hindrance}; leave method and steps_per_turn"
-                problems.append((f"{at}.method", message))
         taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
     return problems
-
-
-def _against_rk4(scene: Scene, timed: list[str]) -> list[tuple[str, bool]]:
-    """What a run by the classical method can't have, and whether it is there."""
-    return [
-        ("the two speeds of a coupling", bool(scene.couplings)),
-        ("friction in pairs", bool(scene.friction)),
-        (f"{timed[0]!r}, which depends on time" if timed else "", bool(timed)),
-    ]
 
 
 def _wrong_drives(scene: Scene) -> list[Problem]:
