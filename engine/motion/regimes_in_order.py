@@ -55,8 +55,8 @@ from engine.verdicts import Verdict
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
 # A step of a run, whose errors nothing takes back.
 SURER_IN_RUNS = 0.01
-# Runs by equal steps whose time or speed at the end change by more with steps of twice the length tell nothing.
-TELLS_NOTHING = 0.1
+# Runs by equal steps whose time, angle or speed at the end change by more with steps of twice the length tell nothing.
+TELLS_NOTHING = 0.01
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
 # Variants in steady motion that go together: blocks of many, and few enough for a cache.
@@ -73,6 +73,8 @@ DOUBT = 16 * np.finfo(float).eps
 # What of the ends of runs each variant has its own of.
 PER_VARIANT = ("turned", "time", "speed", "most_turned")
 TURN = 2.0 * np.pi
+# What is told by the least and the greatest speed.
+EXTREMES_OF_SPEED = ("speed_min", "speed_max", "motor_moment_peak")
 # Crank angle [rad], speed [rad/s] and time on the clock [s] at the begin of runs.
 Begin = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -123,8 +125,8 @@ class Gone(NamedTuple):
         Magnitude that each value's rounding is a share of, where not its own.
     missed : dict of str to ndarray (variants,)
         How far extremes between nodes may be beyond those at nodes.
-    by_equal_steps : dict of str to ndarray (2, variants)
-        Time [s] and greatest speed [rad/s] of the runs by steps of one length.
+    by_equal_steps : dict of str to ndarray (3, variants)
+        Angle turned [rad], speed at the end [rad/s] and time [s] of the runs by steps of one length.
     """
 
     values: dict[str, np.ndarray]
@@ -229,9 +231,9 @@ class Schedule:
         numbers : Numbers
         count : int
         """
-        # Runs keep tables over the steps of a cycle.
-        runs = any((name not in self.steady and not self.sides) or self.fields[name] for name in self.needed)
-        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if runs else TOGETHER
+        # What is looked at is tabled over the steps of a cycle.
+        looked_at = any(self.fields[name] for name in self.needed)
+        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if looked_at else TOGETHER
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
         # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
         width = -(-count // pieces)
@@ -294,7 +296,7 @@ class Schedule:
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 if self.regimes[name].method is not None:
-                    gone.by_equal_steps[name] = np.stack((outcome.state.time, outcome.fastest))
+                    gone.by_equal_steps[name] = np.stack(outcome.state[:3])
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
@@ -450,7 +452,10 @@ class Schedule:
 
     def _stepping(self, name: str) -> Stepping:
         steps = self.regimes[name].steps_per_turn
-        return Stepping(self._run_tolerance) if steps is None else Stepping(farthest=TURN / steps, classical=True)
+        extremes = not {f"{name}.{key}" for key in EXTREMES_OF_SPEED}.isdisjoint(self.asked)
+        if steps is None:
+            return Stepping(self._run_tolerance, extremes=extremes)
+        return Stepping(farthest=TURN / steps, classical=True, extremes=extremes)
 
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
         """Fields along a run."""

@@ -29,7 +29,7 @@ from reference import reference
 from engine.compiling.threads import set_threads
 
 HERE = Path(__file__).parent
-VARIANTS, CHECKED, ROUNDS = 2048, 256, 7
+VARIANTS, CHECKED, ROUNDS = 2048, 128, 5
 TARGETS = tuple(10.0**-k for k in range(4, 10))
 QUANTITIES = ("ω", "t")
 # Below this, rounding of float64 is what differs.

@@ -168,7 +168,8 @@ def prepare_plain(case: Case, batch: Batch, steps: float, compiled: Callable) ->
 
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-15)
-STEPS = (16, 32, 64, 128, 256)
+STEPS = (16, 64, 256)
+LANE_STEPS = (8, 16, 32, 64, 128, 256, 512)
 FEW_STEPS = (4, 6, 8, 12, 16, 24, 32, 48, 64)
 PEERS = (
     Peer("heyoka.py batch", TOLERANCES, prepare_heyoka),
@@ -177,6 +178,6 @@ PEERS = (
     Peer("SciPy LSODA", TOLERANCES[:-2], partial(prepare_scipy, method="LSODA", lband=1, uband=0)),
     Peer("RK4 in time", STEPS, partial(prepare_plain, compiled=plain_in_time)),
     Peer("RK4 over φ", STEPS, partial(prepare_plain, compiled=plain_over_angle)),
-    Peer("RK4 over φ, lanes", (8, *STEPS), partial(prepare_lanes, tableau=RK4)),
+    Peer("RK4 over φ, lanes", LANE_STEPS, partial(prepare_lanes, tableau=RK4)),
     Peer("RK8 over φ, lanes", FEW_STEPS, partial(prepare_lanes, tableau=RK8)),
 )
