@@ -385,6 +385,9 @@ def plot_result(
     with house_style():
         figure = new_figure(180, 110)
         _choose(figure, data, x, y, colour, best, minimise)
+        if data.chosen_of:
+            words = f"{data.status.size} of {data.chosen_of} variants, chosen evenly, and the best"
+            figure.suptitle(words, fontsize=7, color=GREY)
     save(figure, path)
     return figure
 

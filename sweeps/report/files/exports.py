@@ -63,7 +63,8 @@ def result_table(path: Path, where: str | None = None) -> DataTable:
     errors = [f"{name}_error" for name in result.summaries]
     named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
     others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
-    columns = {name: result.columns[name][chosen] for name in (*named, *others) if name in result.columns}
+    found = result.taken(chosen)
+    columns = {name: found[name] for name in (*named, *others) if name in found}
     return DataTable({"variant": chosen} | columns, dict(result.units), result.description.title)
 
 
