@@ -57,8 +57,8 @@ from engine.verdicts import Verdict
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
 # A step of a run, whose errors nothing takes back.
 SURER_IN_RUNS = 0.01
-# Runs by equal steps whose time or speed at the end change by more with steps of twice the length tell nothing.
-TELLS_NOTHING = 0.1
+# Runs by equal steps whose time, angle or speed at the end change by more with steps of twice the length tell nothing.
+TELLS_NOTHING = 0.01
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
 # Variants in steady motion that go together: blocks of many, and few enough for a cache.
@@ -75,6 +75,8 @@ DOUBT = 16 * np.finfo(float).eps
 # What of the ends of runs each variant has its own of.
 PER_VARIANT = ("turned", "time", "speed", "most_turned")
 TURN = 2.0 * np.pi
+# What is told by the least and the greatest speed.
+EXTREMES_OF_SPEED = ("speed_min", "speed_max", "motor_moment_peak")
 # Crank angle [rad], speed [rad/s] and time on the clock [s] at the begin of runs.
 Begin = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -125,8 +127,8 @@ class Gone(NamedTuple):
         Magnitude that each value's rounding is a share of, where not its own.
     missed : dict of str to ndarray (variants,)
         How far extremes between nodes may be beyond those at nodes.
-    by_equal_steps : dict of str to ndarray (2, variants)
-        Time [s] and greatest speed [rad/s] of the runs by steps of one length.
+    by_equal_steps : dict of str to ndarray (3, variants)
+        Angle turned [rad], speed at the end [rad/s] and time [s] of the runs by steps of one length.
     """
 
     values: dict[str, np.ndarray]
@@ -188,6 +190,7 @@ class Schedule:
         friction = PairLoads(mechanics, [FRICTION_MOMENT]) if scene.friction else None
         self.dynamics = {off: Dynamics(self.reduction, off, works, friction) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
+        self._refuse_equal_steps()
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
@@ -201,6 +204,24 @@ class Schedule:
     def nodes(self) -> list[Node]:
         """All that the motion and the loads asked of it are computed from at a position."""
         return [*self.reduction.nodes, *(self.loads.nodes if self.loads else ())]
+
+    def _refuse_equal_steps(self) -> None:
+        """See that runs by a method that they name go over the crank angle."""
+        for name in self.needed:
+            regime = self.regimes[name]
+            if name in self.steady or regime.method is None:
+                continue
+            timed = self.dynamics[frozenset(regime.off)].timed
+            there = {
+                "an input that doesn't turn fully": not has_cycle(self.scene),
+                "the two speeds of a coupling": bool(self.sides),
+                "friction in pairs": bool(self.scene.friction),
+                "moments that depend on time": timed,
+            }
+            hindrances = [words for words, found in there.items() if found]
+            if hindrances:
+                message = f"equal steps over the crank angle don't follow {hindrances[0]}; leave method, steps_per_turn"
+                raise SceneError([(f"regimes.{name}.method", message)])
 
     def _needed(self) -> list[str]:
         """Regimes that are asked, and those that they begin from."""
@@ -222,9 +243,9 @@ class Schedule:
         numbers : Numbers
         count : int
         """
-        # Runs keep tables over the steps of a cycle.
-        runs = any((name not in self.steady and not self.sides) or self.fields[name] for name in self.needed)
-        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if runs else TOGETHER
+        # What is looked at is tabled over the steps of a cycle.
+        looked_at = any(self.fields[name] for name in self.needed)
+        together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if looked_at else TOGETHER
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
         # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
         width = -(-count // pieces)
@@ -302,7 +323,7 @@ class Schedule:
                 made = outcome.state.turned / (high - low) * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 if self.regimes[name].method is not None:
-                    gone.by_equal_steps[name] = np.stack((outcome.state.time, outcome.fastest))
+                    gone.by_equal_steps[name] = np.stack(outcome.state[:3])
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
                 found |= self._at_end(outcome, standing)
                 scale |= {"end_reached": np.zeros(count)}
@@ -510,7 +531,10 @@ class Schedule:
 
     def _stepping(self, name: str) -> Stepping:
         steps = self.regimes[name].steps_per_turn
-        return Stepping(self._run_tolerance) if steps is None else Stepping(farthest=TURN / steps, classical=True)
+        extremes = not {f"{name}.{key}" for key in EXTREMES_OF_SPEED}.isdisjoint(self.asked)
+        if steps is None:
+            return Stepping(self._run_tolerance, extremes=extremes)
+        return Stepping(farthest=TURN / steps, classical=True, extremes=extremes)
 
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
         """Fields along a run."""

@@ -478,11 +478,6 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
             for action in regime.off
             if isinstance(scene.moments.get(action), Carried)
         ]
-        if regime.type == "run" and regime.method is not None:
-            hindrance = next((words for words, there in _against_rk4(scene, left) if there), None)
-            if hindrance:
-                message = f"equal steps over the crank angle don't follow {hindrance}; leave method and steps_per_turn"
-                problems.append((f"{at}.method", message))
         taken = {*scene.groups, *scene.links, *scene.points, *scene.elements, *scene.cams}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
@@ -513,16 +508,6 @@ def _wrong_for_range(drive: CrankInput | SliderInput, name: str, regime: Regime)
     if not turns and place is not None and not min(drive.start, drive.stop) <= place <= max(drive.start, drive.stop):
         problems.append((f"{at}.{own.from_place}", "lies outside the range of the input, input.start … input.stop"))
     return problems
-
-
-def _against_rk4(scene: Scene, timed: list[str]) -> list[tuple[str, bool]]:
-    """What a run by the classical method can't have, and whether it is there."""
-    return [
-        ("an input that doesn't turn fully", getattr(scene.input, "start", None) is not None),
-        ("the two speeds of a coupling", bool(scene.couplings)),
-        ("friction in pairs", bool(scene.friction)),
-        (f"{timed[0]!r}, which depends on time" if timed else "", bool(timed)),
-    ]
 
 
 def _wrong_drives(scene: Scene) -> list[Problem]:

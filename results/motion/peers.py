@@ -39,14 +39,11 @@ class Peer(NamedTuple):
         Tolerances, or steps per revolution.
     prepare : callable
         Given (case, batch, setting), the function of a slice of variants that returns ω and t, (2, variants).
-    in_threads : bool
-        Whether two threads can use both cores; two processes otherwise.
     """
 
     name: str
     settings: tuple[float, ...]
     prepare: Callable[[Case, Batch, float], Callable[[slice], np.ndarray]]
-    in_threads: bool
 
 
 def inertia(case: Case, batch: Batch, edge: int) -> np.ndarray:
@@ -171,15 +168,16 @@ def prepare_plain(case: Case, batch: Batch, steps: float, compiled: Callable) ->
 
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-15)
-STEPS = (16, 32, 64, 128, 256, 512)
+STEPS = (16, 64, 256)
+LANE_STEPS = (8, 16, 32, 64, 128, 256, 512)
 FEW_STEPS = (4, 6, 8, 12, 16, 24, 32, 48, 64)
 PEERS = (
-    Peer("heyoka.py batch", TOLERANCES, prepare_heyoka, in_threads=False),
-    Peer("SciPy DOP853", TOLERANCES[:-1], partial(prepare_scipy, method="DOP853"), in_threads=False),
+    Peer("heyoka.py batch", TOLERANCES, prepare_heyoka),
+    Peer("SciPy DOP853", TOLERANCES[:-1], partial(prepare_scipy, method="DOP853")),
     # A variant's time depends on its own energy alone: the Jacobian is banded.
-    Peer("SciPy LSODA", TOLERANCES[:-2], partial(prepare_scipy, method="LSODA", lband=1, uband=0), in_threads=False),
-    Peer("RK4 in time", STEPS, partial(prepare_plain, compiled=plain_in_time), in_threads=True),
-    Peer("RK4 over φ", STEPS, partial(prepare_plain, compiled=plain_over_angle), in_threads=True),
-    Peer("RK4 over φ, lanes", (8, *STEPS), partial(prepare_lanes, tableau=RK4), in_threads=True),
-    Peer("RK8 over φ, lanes", FEW_STEPS, partial(prepare_lanes, tableau=RK8), in_threads=True),
+    Peer("SciPy LSODA", TOLERANCES[:-2], partial(prepare_scipy, method="LSODA", lband=1, uband=0)),
+    Peer("RK4 in time", STEPS, partial(prepare_plain, compiled=plain_in_time)),
+    Peer("RK4 over φ", STEPS, partial(prepare_plain, compiled=plain_over_angle)),
+    Peer("RK4 over φ, lanes", LANE_STEPS, partial(prepare_lanes, tableau=RK4)),
+    Peer("RK8 over φ, lanes", FEW_STEPS, partial(prepare_lanes, tableau=RK8)),
 )

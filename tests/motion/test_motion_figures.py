@@ -44,7 +44,7 @@ def test_error_figures__hold_for_nearly_all_of_200_random_machines(monkeypatch):
     machines = random_machines(200, 7)
     scene = slider_crank(REGIMES)
     found = ask(scene, " ".join(NAMES), 120, varied=machines)
-    monkeypatch.setattr("engine.motion.runs.run_progress.TOLERANCE", 1e-13)
+    monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", 1e-13)
     monkeypatch.setattr("engine.motion.regimes_in_order.TOLERANCE", 1e-12)
     exact = ask(scene, " ".join(NAMES), 120, varied=machines)
     sound = np.array([a == b == Verdict.OK for a, b in zip(found.status, exact.status, strict=True)])

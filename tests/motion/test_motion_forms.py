@@ -9,6 +9,8 @@ import pytest
 from motion_scenes import ask, reduced, run, slider_crank
 from mpmath import mp
 
+from engine.motion.regimes_in_order import Schedule
+from engine.motion.runs.run_progress import Stepping
 from engine.motion.steppers.radau import ORDER_NINE
 
 REFERENCE = json.loads((Path(__file__).parents[1] / "oracles" / "motion_reference.json").read_text())
@@ -70,7 +72,7 @@ def steps_and_errors(name: str, more: str, monkeypatch: pytest.MonkeyPatch) -> d
     """Relative errors by tolerance, within their figures."""
     errors = {"omega": [], "time": []}
     for tolerance in TOLERANCES:
-        monkeypatch.setattr("engine.motion.runs.run_progress.TOLERANCE", tolerance)
+        monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", tolerance)
         found = three_turns(name, 120, more)
         for key, seen in errors.items():
             true = float(REFERENCE[name][key])
@@ -101,11 +103,11 @@ def test_implicit_steps__as_mpmath_at_30_digits_within_figures(name, monkeypatch
 @pytest.mark.parametrize("more", ["", " nothing"], ids=["energy form", "time form"])
 def test_steps_of_equal_length__order_8(more, monkeypatch):
     # Nothing is refused: steps are as long as they may be.
-    monkeypatch.setattr("engine.motion.runs.run_progress.TOLERANCE", 1e25)
     monkeypatch.setattr("engine.motion.runs.run_in_time.GROW", 1.0)
     errors = []
     for length in (math.pi / 8, math.pi / 16):
-        monkeypatch.setattr("engine.motion.runs.run_progress.FARTHEST_STEP", length)
+        equal = Stepping(tolerance=1e25, farthest=length)
+        monkeypatch.setattr(Schedule, "_stepping", lambda self, name, equal=equal: equal)
         found = three_turns("dc", round(2 * math.pi / length), more)
         errors.append(abs(found["omega"] / float(REFERENCE["dc"]["omega"]) - 1.0))
     assert math.log2(errors[0] / errors[1]) > 7.0, errors

@@ -145,7 +145,7 @@ def _carried(
     def arguments() -> tuple:
         room = new_going_room(form, part.parameters.shape[0], edges.shape[0], source.target.size, method)
         fill, laws = tabulation.function("curves_at"), dynamics.channel_of_laws
-        return fill, source, method, form, laws, cycle, *given, record, found, room
+        return fill, source, method, form, laws, cycle, *given, record, found, runs.extremes, room
 
     if not go_on_to_end.overloads:
         kinds = (numba.typeof(x) for x in arguments()[1:])

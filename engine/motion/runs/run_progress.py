@@ -66,11 +66,14 @@ class Stepping(NamedTuple):
         How far a step may turn [rad].
     classical : bool
         Whether all steps over the angle are of that length, by the classical method of order four.
+    extremes : bool
+        Whether the least and the greatest speed are looked for within steps, too.
     """
 
     tolerance: float = TOLERANCE
     farthest: float = FARTHEST_STEP
     classical: bool = False
+    extremes: bool = True
 
 
 ADAPTIVE = Stepping()
@@ -118,7 +121,7 @@ class Progress:
         Angle turned at the ends of the input's range, behind and ahead; infinite where it turns fully.
     arrived : ndarray of int
         As of `RunOutcome`, so far.
-    classical : bool
+    classical, extremes : bool
         As of `Stepping`.
     facing : ndarray
         +1 or −1, the way that a machine moves in time, 0 where it stands.
@@ -158,7 +161,7 @@ class Progress:
         # For comparison, steps of nearly twice the length.
         self.tolerance = stepping.tolerance * (2.0**6 if half else 1.0)
         self.farthest_step = stepping.farthest * (2.0 if half else 1.0)
-        self.classical = stepping.classical
+        self.classical, self.extremes = stepping.classical, stepping.extremes
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)

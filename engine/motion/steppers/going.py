@@ -276,19 +276,23 @@ def go_on_to_end(
     asked: np.ndarray,
     record: np.ndarray,
     found: np.ndarray,
+    extremes: bool,
     room: GoingRoom,
 ) -> None:
     """Carry the blocks begin … end − 1 of variants to their ends.
 
     `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + channels, variants) receives what is
-    found; `record` (3, nodes, variants) as of `settle`, at `asked` angles turned in the first cycle.
+    found, with least and greatest speed where `extremes` are wanted; `record` (3, nodes, variants) as of `settle`, at
+    `asked` angles turned in the first cycle.
     """
     drive, exponents = in_lanes(room.drive), in_lanes(room.exponents)
     edges, sides, given = in_lanes(room.edges), in_lanes(room.sides), in_lanes(room.given)
     state, steps, places = in_lanes(room.state), in_lanes(room.steps), in_lanes(room.places)
     stages, works, parts = in_lanes(room.stages), in_lanes(room.works), in_lanes(room.parts)
     numbers, position, tile, width, count = room.numbers, room.position, room.tile, form.width, every_edge.shape[0]
-    packed, row, count_of_places = in_lanes(room.packed), width * (method.stages - 1), method.shares.shape[0]
+    packed, row, within = in_lanes(room.packed), width * (method.stages - 1), extremes or asked.shape[0] > 0
+    # Places of the polynomial within a step come last.
+    count_of_places = method.shares.shape[0] if within or method.implicit else method.stages
     for b in range(begin, end):
         first = b * LANES
         own = min(LANES, found.shape[1] - first)
@@ -369,28 +373,30 @@ def go_on_to_end(
                     for lane in range(wide):
                         before = works[3 * form.channels + channel, lane]
                         works[channel, lane] = works[channel, lane] if step[lane] > 0.0 else before
-            make_stages(
-                method.stages,
-                method.dense_stages,
-                wide,
-                method,
-                form,
-                drive,
-                exponents,
-                places,
-                0,
-                state[E],
-                step,
-                stages,
-            )
-            make_polynomial(wide, method, step, stages, ROW_OF[MOMENT], parts, ROW_OF[0])
-            if asked.shape[0] > 0:
-                for s in range(method.stages, method.dense_stages):
-                    for lane in range(wide):
-                        stages[SLOWNESS + s, lane] = 1.0 / stages[SPEED + s, lane]
-                make_polynomial(wide, method, step, stages, ROW_OF[SLOWNESS], parts, ROW_OF[DENSE_PARTS])
-                record_within(method.implicit, first, own, asked, record, 0, False, steps, state, stages, parts)
-            look_for_extremes(wide, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
+            if within:
+                make_stages(
+                    method.stages,
+                    method.dense_stages,
+                    wide,
+                    method,
+                    form,
+                    drive,
+                    exponents,
+                    places,
+                    0,
+                    state[E],
+                    step,
+                    stages,
+                )
+                make_polynomial(wide, method, step, stages, ROW_OF[MOMENT], parts, ROW_OF[0])
+                if asked.shape[0] > 0:
+                    for s in range(method.stages, method.dense_stages):
+                        for lane in range(wide):
+                            stages[SLOWNESS + s, lane] = 1.0 / stages[SPEED + s, lane]
+                    make_polynomial(wide, method, step, stages, ROW_OF[SLOWNESS], parts, ROW_OF[DENSE_PARTS])
+                    record_within(method.implicit, first, own, asked, record, 0, False, steps, state, stages, parts)
+                if extremes:
+                    look_for_extremes(wide, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
             for lane in range(wide):
                 taken = step[lane] > 0.0
                 state[E, lane] = state[E_AFTER, lane] if taken else state[E, lane]

@@ -1,0 +1,91 @@
+"""Runs by the classical method of order four: its order, its error figure, where it is refused, what it is called."""
+
+import numpy as np
+import pytest
+from motion_scenes import ask, rotor, run, slider_crank
+from numpy.polynomial import Polynomial
+
+from engine import Machine, Scene, Verdict
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.cases import regime_text
+from engine.motion.steppers.classical import ORDER_FOUR
+
+ASKED = "go.time go.final_speed"
+
+
+def gone(steps: int | None, **changes: dict):
+    named = {} if steps is None else {"method": "rk4", "steps_per_turn": steps}
+    at = {"times": "0 s to 0.25 s, 6"}
+    scene = slider_crank({"go": run("dc gravity", from_speed=20.0, cycles=3.0, at=at, **named)}, **changes)
+    return ask(scene, ASKED, 120, "go.speed")
+
+
+def test_tableau__meets_the_eight_conditions_of_order_four():
+    # Butcher's conditions: Σb, Σbc, Σbc², Σb A c, Σbc³, Σb c A c, Σb A c², Σb A A c.
+    b, a = ORDER_FOUR.weights, ORDER_FOUR.matrix[:4, :4]
+    c = ORDER_FOUR.shares[ORDER_FOUR.place_of[:4]]
+    assert a.sum(axis=1) == pytest.approx(c, abs=1e-16)
+    found = [b.sum(), b @ c, b @ c**2, b @ a @ c, b @ c**3, b @ (c * (a @ c)), b @ a @ c**2, b @ a @ a @ c]
+    assert found == pytest.approx([1, 1 / 2, 1 / 3, 1 / 6, 1 / 4, 1 / 8, 1 / 12, 1 / 24], abs=1e-15)
+
+
+def test_error__falls_with_the_fourth_power_and_stays_within_its_figure():
+    exact, sure = gone(None), {}
+    for steps in (16, 32, 64, 128):
+        found = gone(steps)
+        for name in ASKED.split():
+            error = abs(found[name] - exact[name])
+            assert error <= found.figure(name) + exact.figure(name), (steps, name)
+            # It is what steps of twice the length change: sixteen times the error, were these as short as that.
+            assert found.figure(name) <= 200.0 * error + exact.figure(name), (steps, name)
+            sure.setdefault(name, []).append(error / exact[name])
+        rows, right = found.fields["go.speed"][0], exact.fields["go.speed"][0]
+        assert np.abs(rows - right).max() <= found.figure("go.speed") + exact.figure("go.speed")
+    for name, errors in sure.items():
+        order = Polynomial.fit(np.log2([16, 32, 64, 128]), np.log2(errors), 1).convert().coef[1]
+        assert -5.0 < order < -3.8, (name, errors)
+
+
+def test_closed_form__is_left_where_a_method_is_named():
+    # ω = ω₀(1 − e^(−t/T)) after 1 s, with T = I ω₀/M₀ = 2 s.
+    named = {"method": "rk4", "steps_per_turn": 32}
+    scene = rotor({"go": run("dc", from_speed=20.0, time=1.0, **named)})
+    found = ask(scene, ASKED)
+    true = 100.0 - 80.0 * np.exp(-0.5)
+    assert 0.0 < abs(found["go.final_speed"] - true) <= found.figure("go.final_speed")
+    assert regime_text(Mechanics(Scene.model_validate(scene)))[0][2] == "energy form, by rk4 in 32 steps a turn"
+
+
+def test_start__near_rest_steps_go_in_time():
+    def start(**named):
+        return ask(slider_crank({"go": run("dc gravity", from_speed=0.0, cycles=1.0, **named)}), ASKED)
+
+    found, exact = start(method="rk4", steps_per_turn=128), start()
+    for name in ASKED.split():
+        assert abs(found[name] - exact[name]) <= found.figure(name) + exact.figure(name)
+        assert found[name] == pytest.approx(exact[name], rel=1e-6)
+
+
+def test_steep_motor__gets_a_verdict_and_as_short_steps_as_it_needs():
+    # λ = M₀/(ω₀² I) per radian, I some 0.022 kg·m²: 90 for 2e4 N·m; steps of more than 2.785/λ blow up.
+    assert gone(64, dc={"stall_moment": 2e4}).status == [Verdict.TOO_COARSE]
+    short, exact = gone(2048, dc={"stall_moment": 2e4}), gone(None, dc={"stall_moment": 2e4})
+    for name in ASKED.split():
+        assert abs(short[name] - exact[name]) <= short.figure(name) + exact.figure(name)
+        assert short[name] == pytest.approx(exact[name], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("regime", "words"),
+    [
+        ({"only": "dc", "cycles": 1.0, "method": "rk4"}, "go together"),
+        ({"only": "dc", "cycles": 1.0, "steps_per_turn": 64}, "go together"),
+        ({"only": "dc", "cycles": 1.0, "method": "rk5", "steps_per_turn": 64}, "'rk4'"),
+        ({"only": "dc", "cycles": 1.0, "method": "rk4", "steps_per_turn": 4}, "greater than or equal to 8"),
+        ({"only": "by_time", "cycles": 1.0, "method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),
+    ],
+)
+def test_nonsense__is_refused_in_words(regime, words):
+    only = regime.pop("only")
+    with pytest.raises(ValueError, match=words):
+        Machine(Scene.model_validate(rotor({"go": run(only, from_speed=1.0, **regime)})), ["go.time"])
