@@ -117,10 +117,6 @@ def friction_problems(scene: Scene) -> list[Problem]:
         if friction.pair in first:
             message = f"{friction.pair!r} has its friction already in friction.{first[friction.pair]}; keep one"
             problems.append((f"{path}.pair", message))
-        if known[friction.pair].link in scene.links:
-            message = f"{friction.pair!r} is a pair of a free link: friction is computed in pairs of dyads alone"
-            problems.append((f"{path}.pair", message))
-            continue
         first.setdefault(friction.pair, name)
         problems += _wrong_keys(path, friction, known[friction.pair])
     return problems
