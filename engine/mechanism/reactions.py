@@ -24,14 +24,13 @@ from engine.mechanism.acting import Load
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning
 from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
-from engine.mechanism.groups.closure_of_free import joint_of
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
-from engine.scene.pairs import Pair, pairs, pairs_of_group
+from engine.scene.pairs import Pair, joint_of, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
 

@@ -78,6 +78,11 @@ def free_pairs(scene: Scene) -> list[Pair]:
     return found
 
 
+def joint_of(pair: Pair) -> str:
+    """Name of the joint of a revolute pair of a free link."""
+    return pair.name.removeprefix(f"{pair.link}.")
+
+
 def pairs_of_group(scene: Scene, name: str) -> tuple[Pair, Pair, Pair]:
     """First, inner and second pair of a group."""
     group = scene.groups[name]

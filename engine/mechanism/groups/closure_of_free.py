@@ -15,7 +15,7 @@ from typing import NamedTuple
 from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.vectors import Vector
-from engine.scene.pairs import Pair
+from engine.scene.pairs import Pair, joint_of
 from engine.scene.structure.free_groups import Cutting, FreeGroup, cutting_of
 
 
@@ -339,11 +339,6 @@ class ClosureOfFree:
             return first, second
         second = second + 2.0 * _total(first) + arm
         return [f + arm if k == turns else f for k, f in enumerate(first)], second
-
-
-def joint_of(pair: Pair) -> str:
-    """Name of the joint of a revolute pair."""
-    return pair.name.removeprefix(f"{pair.link}.")
 
 
 def _far(link: str, pair: Pair) -> str:

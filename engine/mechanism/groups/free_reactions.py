@@ -11,11 +11,11 @@ from collections.abc import Mapping
 
 from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, MovingPoint, Turning
-from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, joint_of
+from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector
-from engine.scene.pairs import Pair
+from engine.scene.pairs import Pair, joint_of
 
 # Components of a reaction: x and y in a joint, normal force and moment in a guide.
 PairForce = tuple[Node, Node]
