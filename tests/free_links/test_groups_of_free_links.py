@@ -264,5 +264,3 @@ def test_free_links_that_are_dyads__agree_with_the_dyads():
     for name, own in same.items():
         expected = one.fields[name][0]
         assert other.fields[own][0] == pytest.approx(expected, abs=1e-12 * np.abs(expected).max()), name
-
-
