@@ -51,6 +51,7 @@ ELEMENT_STUDY_NAMES = (
 )
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
+FREE_LINK_STUDY_NAMES = ("triad_dwell",)
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi
 
@@ -256,6 +257,7 @@ def as_it_is(name):
 
 def test_studies__are_the_six_with_one_question_each_and_those_of_elements_and_motion():
     named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
+    named += FREE_LINK_STUDY_NAMES
     assert tuple(bundled_studies()) == tuple(sorted(named))
     for name in STUDY_NAMES:
         assert study(name).question.count("?") == 1
