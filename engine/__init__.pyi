@@ -127,7 +127,7 @@ from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
 from engine.scene.names import did_you_mean, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
-from engine.scene.pairs import Pair, bearer_of, holder_of
+from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of
 from engine.scene.pairs import pairs as pairs_of
 from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, PlainText, Sliding, Yoke
 from engine.scene.parts import Number as PlainNumber
@@ -135,6 +135,7 @@ from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.scene.scene import Numbers as SceneNumbers
 from engine.scene.scene import Scene, SceneError, scene_numbers
+from engine.scene.structure.free_groups import FreeGroup
 from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
@@ -183,6 +184,7 @@ __all__ = [
     "ExpressionError",
     "ExpressionTree",
     "FormulaNumber",
+    "FreeGroup",
     "GearTrain",
     "Governor",
     "GovernorCurves",
@@ -301,6 +303,7 @@ __all__ = [
     "is_compiling",
     "is_excited",
     "joined_by_and",
+    "joint_of",
     "joint_owners",
     "load_change",
     "made_engine",

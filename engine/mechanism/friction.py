@@ -12,7 +12,17 @@ import numpy as np
 from engine.elements.element_laws import BUSHES
 from engine.graph.nodes import Node
 from engine.laws.friction.coefficients import GAUSS, stribeck
-from engine.laws.friction.settled import GUIDE, JOURNAL, settled_one, settled_three, settled_two
+from engine.laws.friction.feedback import change_of
+from engine.laws.friction.settled import (
+    GUIDE,
+    JOURNAL,
+    bearing,
+    margin_against_jamming,
+    settled_one,
+    settled_three,
+    settled_two,
+    unless_jammed,
+)
 from engine.laws.senses import sense
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.input_motion import InputMotion
@@ -23,6 +33,8 @@ from engine.scene.pairs import Pair, pairs
 from engine.scene.scene import Numbers
 
 _SETTLED = {1: settled_one, 2: settled_two, 3: settled_three}
+# Passes over more pairs than these laws take; theirs are as many.
+_PASSES = 6
 # Components of a reaction: x and y of a journal's, normal force and moment of a guide's.
 Components = tuple[Node, Node]
 
@@ -105,19 +117,63 @@ def pressing_in_group(
     Parameters
     ----------
     rubs : sequence of Rub
-        One to three.
+        One at least.
     free : sequence of (Node, Node)
         Reaction in each pair without friction in the group.
     backs : sequence of sequence of (Node, Node)
         [i][j]: what a newton that presses in pair j adds to the reaction in pair i.
     """
     graph = rubs[0].drag.graph
+    if len(rubs) not in _SETTLED:
+        return _settled_by_elimination(rubs, free, backs)
     known: list[Node | float] = []
     for rub, reaction, row in zip(rubs, free, backs, strict=True):
         known += [rub.kind, rub.edge, *reaction]
         known += [component for back in row for component in back]
     *pressing, margin, residual = graph.apply(_SETTLED[len(rubs)], *known)
     return Settled(tuple(pressing), margin, residual)
+
+
+def _settled_by_elimination(
+    rubs: Sequence[Rub], free: Sequence[Components], backs: Sequence[Sequence[Components]]
+) -> Settled:
+    """The passes of `engine.laws.friction.settled` over any number of pairs, one equation after another."""
+    graph = rubs[0].drag.graph
+    old, pressing, determinants = (), [graph.zero] * len(rubs), []
+    for _ in range(_PASSES):
+        old, rows, forces, lengths = pressing, [], [], []
+        for i, (rub, reaction, row) in enumerate(zip(rubs, free, backs, strict=True)):
+            x, y = (sum((back[axis] * n for back, n in zip(row, old, strict=True)), reaction[axis]) for axis in (0, 1))
+            p, q, r = graph.apply(bearing, rub.kind, rub.edge, x, y)
+            rows.append([(r if i == j else graph.zero) - (p * back[0] + q * back[1]) for j, back in enumerate(row)])
+            forces.append(p * reaction[0] + q * reaction[1])
+            lengths.append(r)
+        pressing, determinant = _eliminated(rows, forces, lengths)
+        determinants.append(determinant)
+    change = sum((abs(new - n) for new, n in zip(pressing, old, strict=True)), graph.zero)
+    residual = graph.apply(change_of, change, sum((abs(n) for n in pressing), graph.zero))
+    margin = graph.apply(margin_against_jamming, determinants[0], determinants[-1], residual)
+    return Settled(tuple(graph.apply(unless_jammed, n, margin) for n in pressing), margin, residual)
+
+
+def _eliminated(rows: list[list[Node]], forces: list[Node], lengths: Sequence[Node]) -> tuple[list[Node], Node]:
+    """Pressing forces from the equations of a pass, and their determinant over the lengths of the reactions.
+
+    Pivots stand on the diagonal: each is the margin that the pairs up to it leave, times a length.
+    """
+    graph, count = forces[0].graph, len(forces)
+    determinant = graph.one
+    for k in range(count):
+        determinant = determinant * (rows[k][k] / lengths[k])
+        for i in range(k + 1, count):
+            share = rows[i][k] / rows[k][k]
+            rows[i] = [entry - share * above for entry, above in zip(rows[i], rows[k], strict=True)]
+            forces[i] = forces[i] - share * forces[k]
+    found: list[Node] = []
+    for k in reversed(range(count)):
+        known = sum((a * n for a, n in zip(rows[k][k + 1 :], found, strict=True)), graph.zero)
+        found.insert(0, (forces[k] - known) / rows[k][k])
+    return found, determinant
 
 
 def _rub(kinematics: Kinematics, motion: InputMotion, pair: Pair, path: str, friction: PairFriction, rate: Node) -> Rub:

@@ -10,7 +10,7 @@ Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on kinet
 the input moment by virtual power.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 
 from engine.graph.nodes import Node
@@ -24,7 +24,7 @@ from engine.laws.kinematics.rrr import rrr_reactions
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.actions.characteristics import input_sense
-from engine.mechanism.assembly import Turning
+from engine.mechanism.assembly import MovingPoint, Turning
 from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
@@ -35,12 +35,14 @@ from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.scene.inertia import carried_inertia, carried_on
-from engine.scene.pairs import Pair, follower_pair, pairs, pairs_of_group
+from engine.scene.pairs import Pair, follower_pair, joint_of, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
 
 # What friction causes in each kind of pair, as the names of fields have it.
 _FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force"}
+# Reactions in the pairs of a group from what acts on its links.
+Solve = Callable[[Mapping[str, Wrench]], Sequence[Components]]
 
 
 class Reactions:
@@ -170,11 +172,22 @@ class Reactions:
 
     # Pairs
 
-    def _revolute(self, pair: Pair, force: Vector) -> None:
-        """Register the reaction of a revolute pair; what carries an outer pair bears the opposite."""
+    def _revolute(self, pair: Pair, force: Vector, within: Collection[str]) -> None:
+        """Register the reaction of a revolute pair; a link beyond the group bears its part."""
         self._in_joint(pair, force)
-        if not pair.name.endswith(".inner"):
-            self._loads.push(pair.other, self.kinematics.links[pair.link].origin, -force)
+        for link, sign in self._beyond(pair, within):
+            self._loads.push(link, self._place(pair), sign * force)
+
+    def _beyond(self, pair: Pair, within: Collection[str]) -> list[tuple[str, float]]:
+        """Links of a pair beyond a group, each with the sign by which it bears what acts on the pair's own link."""
+        sides = ((pair.link, 1.0), (pair.other, -1.0))
+        return [(link, sign) for link, sign in sides if link not in within]
+
+    def _place(self, pair: Pair) -> MovingPoint:
+        """Where a pair's reaction acts: in its joint, or in the origin of what slides."""
+        if pair.kind == "revolute" and pair.link in self.scene.links:
+            return self.kinematics.points[joint_of(pair)]
+        return self.kinematics.links[pair.link].origin
 
     def _in_joint(self, pair: Pair, force: Vector) -> None:
         link, other = (self.kinematics.links[name] for name in (pair.link, pair.other))
@@ -184,49 +197,46 @@ class Reactions:
         found = {"_x": force.x, "_y": force.y, "_along": own.x, "_across": own.y, "": force.length}
         self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
 
-    def _prismatic(self, pair: Pair, normal: Node, moment: Node) -> None:
-        """Register the reaction of a prismatic pair; what carries an outer pair bears the opposite."""
-        force = self._on_guide(pair, normal, moment)
-        if not pair.name.endswith(".inner"):
-            self._loads.push(pair.other, self.kinematics.links[pair.link].origin, -force)
-            self._loads.twist(pair.other, -moment)
-
-    def _on_guide(self, pair: Pair, normal: Node, moment: Node) -> Vector:
+    def _prismatic(self, pair: Pair, normal: Node, moment: Node, within: Collection[str]) -> None:
+        """Register the reaction of a prismatic pair; a link beyond the group bears its part."""
         link = self.kinematics.links[pair.link]
         force = normal * link.u.normal
         found = {"": normal, "_x": force.x, "_y": force.y, "_moment": moment}
         self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
-        return force
+        for name, sign in self._beyond(pair, within):
+            self._loads.push(name, link.origin, sign * force)
+            self._loads.twist(name, sign * moment)
 
     # Groups, last first, then what turns on the frame
 
     def _group(self, name: str) -> None:
         group = self.scene.groups[name]
-        loads = tuple(self._loads.total(part.link) for part in (group.first, group.second))
-        found = self._with_friction(name, self._solved(name, loads))
-        for pair, reaction in zip(pairs_of_group(self.scene, name), found, strict=True):
-            if pair.kind == "revolute":
-                self._revolute(pair, Vector(*reaction))
-            else:
-                self._prismatic(pair, *reaction)
-        unloaded = {part.link for part, load in zip((group.first, group.second), loads, strict=True) if load.is_nothing}
-        for pair in pairs_of_group(self.scene, name):
-            self._kinks(pair, unloaded)
+        links = (group.first.link, group.second.link)
+        self._balanced(name, links, pairs_of_group(self.scene, name), lambda loads: self._solved(name, loads))
 
     def _free_group(self, motion: FreeMotion) -> None:
         group = motion.closure.group
-        unloaded = {link for link in group.links if self._loads.total(link).is_nothing}
-        found = free_reactions(self.kinematics, motion, self._loads)
-        for pair in group.pairs:
+
+        def solved(loads: Mapping[str, Wrench]) -> list[Components]:
+            found = free_reactions(self.kinematics, motion, loads)
+            return [found[pair.name] for pair in group.pairs]
+
+        self._balanced(group.name, group.links, group.pairs, solved)
+
+    def _balanced(self, name: str, links: Sequence[str], around: Sequence[Pair], solved: Solve) -> None:
+        """Register the reactions in a group's pairs; what it hangs on bears its part."""
+        loads = {link: self._loads.total(link) for link in links}
+        for pair, reaction in zip(around, self._with_friction(name, links, around, solved, loads), strict=True):
             if pair.kind == "revolute":
-                self._in_joint(pair, Vector(*found[pair.name]))
+                self._revolute(pair, Vector(*reaction), links)
             else:
-                self._on_guide(pair, *found[pair.name])
-        for pair in group.pairs:
+                self._prismatic(pair, *reaction, links)
+        unloaded = {link for link, load in loads.items() if load.is_nothing}
+        for pair in around:
             self._kinks(pair, unloaded)
 
-    def _solved(self, name: str, loads: tuple[Wrench, Wrench]) -> list[Components]:
-        """Reactions in the three pairs of a group, two components of each."""
+    def _solved(self, name: str, loads: Mapping[str, Wrench]) -> list[Components]:
+        """Reactions in the three pairs of a dyad, two components of each."""
         group, k, number = self.scene.groups[name], self.kinematics, self.kinematics.number
         one, two = k.links[group.first.link], k.links[group.second.link]
         match group.type:
@@ -242,7 +252,7 @@ class Reactions:
                 law, geometry = prp_reactions, (*one.u, *two.u)
             case "RPP":
                 law, geometry = rpp_reactions, (*two.u, *one.u, k.slides[group.first.link].d)
-        given = [part for load in loads for part in (*load.force, load.moment)]
+        given = [part for load in loads.values() for part in (*load.force, load.moment)]
         found = self.graph.apply(law, *given, *geometry)
         return [found[0:2], found[2:4], found[4:6]]
 
@@ -289,8 +299,8 @@ class Reactions:
     def _in_pivot(self, name: str, load: Wrench) -> Node:
         """Register the reaction of a pivot on the frame; the moment of its friction."""
         pair = self._pairs[name]
-        self._revolute(pair, -load.force)
-        friction = self._rubbed(pair, self.variables[f"{name}.reaction"])
+        self._revolute(pair, -load.force, {pair.link})
+        friction = self._rubbed(pair, self.variables[f"{name}.reaction"], {pair.link})
         self._kinks(pair, frozenset())
         return friction
 
@@ -303,11 +313,11 @@ class Reactions:
             self._loads.twist(FRAME, total)
         else:
             normal, turning = load.force.cross(link.u), -load.moment
-            self._prismatic(pair, normal, turning)
+            self._prismatic(pair, normal, turning, {pair.link})
             friction = self.graph.zero
             if "input" in self._rubs:
                 edge = self._rubs["input"].edge
-                friction = self._rubbed(pair, self.graph.apply(guide_pressing, normal, turning, edge))
+                friction = self._rubbed(pair, self.graph.apply(guide_pressing, normal, turning, edge), {pair.link})
                 self._kinks(pair, frozenset())
             needed = -(load.force.dot(link.u) + friction)
             self._loads.push(FRAME, link.origin, -needed * link.u)
@@ -315,13 +325,20 @@ class Reactions:
 
     # Friction
 
-    def _with_friction(self, name: str, free: list[Components]) -> list[Components]:
-        """Reactions in a group from those without its friction, and from what each of its rubbing pairs adds."""
-        around = pairs_of_group(self.scene, name)
+    def _with_friction(
+        self,
+        name: str,
+        links: Sequence[str],
+        around: Sequence[Pair],
+        solved: Solve,
+        loads: Mapping[str, Wrench],
+    ) -> Sequence[Components]:
+        """Reactions in a group: those without its friction, and what each of its rubbing pairs adds."""
+        free = solved(loads)
         rubbing = [(i, pair) for i, pair in enumerate(around) if pair.name in self._rubs]
         if not rubbing:
             return free
-        backs = [self._solved(name, self._for_a_newton(name, pair)) for _, pair in rubbing]
+        backs = [solved(self._for_a_newton(pair, links)) for _, pair in rubbing]
         settled = pressing_in_group(
             [self._rubs[pair.name] for _, pair in rubbing],
             [free[i] for i, _ in rubbing],
@@ -331,7 +348,7 @@ class Reactions:
         named(settled.margin, f"{name} margin")
         named(settled.residual, f"{name} residual")
         for (_, pair), pressing in zip(rubbing, settled.pressing, strict=True):
-            self._rubbed(pair, named(pressing, f"{pair.name} pressing"))
+            self._rubbed(pair, named(pressing, f"{pair.name} pressing"), links)
         return [
             tuple(
                 sum((back[i][axis] * n for back, n in zip(backs, settled.pressing, strict=True)), free[i][axis])
@@ -340,36 +357,31 @@ class Reactions:
             for i in range(len(around))
         ]
 
-    def _for_a_newton(self, name: str, pair: Pair) -> tuple[Wrench, Wrench]:
+    def _for_a_newton(self, pair: Pair, links: Sequence[str]) -> dict[str, Wrench]:
         """Loads on the links of a group by friction in one of its pairs, for each newton that presses."""
-        group, links = self.scene.groups[name], self.kinematics.links
-        one, two = group.first.link, group.second.link
-        drag, link, loads = self._rubs[pair.name].drag, links[pair.link], LinkLoads(self.kinematics)
-        other = two if pair.name.endswith(".inner") else None
-        if pair.kind == "revolute":
-            loads.twist(pair.link, drag)
-            if other is not None:
-                loads.twist(other, -drag)
-        else:
-            loads.push(pair.link, link.origin, drag * link.u)
-            if other is not None:
-                loads.push(other, link.origin, -drag * link.u)
-        return loads.total(one), loads.total(two)
+        loads = LinkLoads(self.kinematics)
+        self._rub_on(loads, pair, ((pair.link, 1.0), (pair.other, -1.0)), self._rubs[pair.name].drag)
+        return {link: loads.total(link) for link in links}
 
-    def _rubbed(self, pair: Pair, pressing: Node) -> Node:
-        """Friction on a pair's link by its pressing force; what carries an outer pair bears the opposite."""
+    def _rub_on(self, loads: LinkLoads, pair: Pair, sides: Iterable[tuple[str, float]], friction: Node) -> None:
+        """Load sides of a pair, each with its sign, by friction on the pair's link."""
+        link = self.kinematics.links[pair.link]
+        for name, sign in sides:
+            if pair.kind == "revolute":
+                loads.twist(name, sign * friction)
+            else:
+                loads.push(name, link.origin, (sign * friction) * link.u)
+
+    def _rubbed(self, pair: Pair, pressing: Node, within: Collection[str]) -> Node:
+        """Friction on a pair's link by its pressing force; a link beyond the group bears its part."""
         if pair.name not in self._rubs:
             return self.graph.zero
-        rub, link = self._rubs[pair.name], self.kinematics.links[pair.link]
+        rub = self._rubs[pair.name]
         self._pressing[pair.name] = pressing
         friction = rub.drag * pressing
         self.variables[f"{pair.name}.{_FRICTION[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
-        if not pair.name.endswith(".inner"):
-            if pair.kind == "revolute":
-                self._loads.twist(pair.other, -friction)
-            else:
-                self._loads.push(pair.other, link.origin, -friction * link.u)
+        self._rub_on(self._loads, pair, self._beyond(pair, within), friction)
         return friction
 
     def _kinks(self, pair: Pair, unloaded: Iterable[str]) -> None:

@@ -88,6 +88,11 @@ def free_pairs(scene: Scene) -> list[Pair]:
     return found
 
 
+def joint_of(pair: Pair) -> str:
+    """Name of the joint of a revolute pair of a free link."""
+    return pair.name.removeprefix(f"{pair.link}.")
+
+
 def pairs_of_group(scene: Scene, name: str) -> tuple[Pair, Pair, Pair]:
     """First, inner and second pair of a group."""
     group = scene.groups[name]
@@ -127,10 +132,6 @@ def friction_problems(scene: Scene) -> list[Problem]:
         if friction.pair in first:
             message = f"{friction.pair!r} has its friction already in friction.{first[friction.pair]}; keep one"
             problems.append((f"{path}.pair", message))
-        if known[friction.pair].link in scene.links:
-            message = f"{friction.pair!r} is a pair of a free link: friction is computed in pairs of dyads alone"
-            problems.append((f"{path}.pair", message))
-            continue
         if getattr(scene.shafts.get(friction.pair), "pressure_angle", None) is not None:
             message = (
                 f"forces between the teeth of {friction.pair!r} and friction in its pivot aren't computed together"

@@ -1,99 +1,211 @@
-"""Random triads: tables of seeds against paths of steps 64 times as short.
+"""Random triads: tables of seeds against paths ten times finer, followed with 50 digits.
 
-    python results/groups/mode_campaign.py 500
+    python results/groups/mode_campaign.py 10000 modes.txt
 
-Each scene is a crank and a plate on three bars with random lengths; each of its modes at the first position is followed
-over a turn, with the steps that machines take and with short ones. Both must end alike: at the same place where modes
-meet, back where they began, or on another mode; and where both go on, the plate's angles must agree.
+Each scene is a crank and a plate on three bars with random lengths; its modes at the first position are followed over a
+turn by the steps that machines take, 64 halved where they aren't proved, and by 640 steps with 50 digits of other
+equations (`exact_triads`). Both must end alike: back where they began, on another mode, or where modes meet; and
+wherever both go on, the directions of the plate and of a bar must agree. The counts are written anew after every
+hundred modes.
 """
 
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from decimal import Decimal
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from exact_triads import ExactPath, ExactTriad, Pose, followed_exactly
 
 from engine import Scene
+from engine.laws.kinematics.seeds import PROVES
 from engine.mechanism.groups.seed_tables import SEEDS, SeedTables
 from engine.mechanism.groups.seed_walk import walk_seeds
 from engine.mechanism.mechanics import Mechanics
+from engine.scene.scene import Numbers, scene_numbers
+from engine.scene.structure.free_groups import cutting_of
 
-# How many short steps stand for one of a table.
-FINER = 64
+# How many steps of 50 digits stand for one of a table.
+FINER = 10
+# Starts from which the modes of a scene are looked for, and corrections of each.
+_STARTS, _CORRECTIONS = 24, 40
+_BARS = {"rod": ("A", "B"), "lower": ("P", "C"), "upper": ("Q", "D")}
+# Directions that differ by more belong to different modes.
+_APART = 1e-6
 
 
 class Followed(NamedTuple):
-    """A mode followed over a turn: how it ends, and how far coarse and fine steps are apart."""
+    """A mode followed over a turn.
+
+    Attributes
+    ----------
+    ends, exact_ends : str
+        How the table's path and the exact one end.
+    apart : float
+        How far cosines and sines are apart at most, where both go on.
+    place_apart : float
+        How far the places are apart where modes meet [rad]; NaN where they don't.
+    """
 
     ends: str
-    fine_ends: str
+    exact_ends: str
     apart: float
     place_apart: float
 
 
-def random_triad(random: np.random.Generator) -> Scene:
+def random_numbers(count: int, seed: int) -> dict[str, np.ndarray]:
+    """Lengths and places of random plates on three bars, by the paths of `triad_scene`."""
+    random = np.random.default_rng(seed)
+    angles = np.sort(random.uniform(0.0, 2.0 * np.pi, (count, 3)), axis=1)
+    found = {}
+    for name, angle in zip("BCD", angles.T, strict=True):
+        found |= {f"points.{name}.x": 0.1 * np.cos(angle), f"points.{name}.y": 0.1 * np.sin(angle)}
+    found |= {f"points.{name}.{axis}": random.uniform(-0.4, 0.4, count) for name in "PQ" for axis in "xy"}
+    found |= {f"links.{name}.length": random.uniform(0.1, 0.4, count) for name in _BARS}
+    return found | {"input.length": random.uniform(0.02, 0.08, count)}
+
+
+def triad_scene() -> Scene:
     """A crank and a plate on three bars."""
-    angles = np.sort(random.uniform(0.0, 2.0 * np.pi, 3))
-    corners = {
-        name: {"link": "plate", "x": 0.1 * np.cos(angle), "y": 0.1 * np.sin(angle)}
-        for name, angle in zip("BCD", angles, strict=True)
-    }
-    lengths = random.uniform(0.1, 0.4, 3)
-    frame = {n: dict(zip("xy", random.uniform(-0.4, 0.4, 2), strict=True)) for n in "PQ"}
-    joints = (("A", "B"), ("P", "C"), ("Q", "D"))
-    bars = zip(("rod", "lower", "upper"), joints, lengths, strict=True)
+    points = {"O": (0.0, 0.0), "P": (0.3, -0.1), "Q": (0.25, 0.3)}
+    corners = {"B": (0.0, 0.0), "C": (0.12, 0.0), "D": (0.06, 0.08)}
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0.0, "y": 0.0}, **frame, **corners},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": random.uniform(0.02, 0.08), "speed": 1.0},
-            "links": {"plate": {}, **{n: {"joints": list(j), "length": length} for n, j, length in bars}},
+            "points": {n: {"x": x, "y": y} for n, (x, y) in points.items()}
+            | {n: {"link": "plate", "x": x, "y": y} for n, (x, y) in corners.items()},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.03, "speed": 1.0},
+            "links": {"plate": {}, **{n: {"joints": list(j), "length": 0.2} for n, j in _BARS.items()}},
         }
     )
 
 
-def followed(tables: SeedTables) -> Iterator[Followed]:
-    """Every mode of a scene."""
-    modes = tables.modes
-    if not modes:
-        return
-    table = np.repeat(tables._table(tables._own, tables._functions), len(modes), axis=1)
-    start, sines = np.array([m.unknowns for m in modes]).T, np.array([m.transmission for m in modes])
-    given = (*tables._compiled, tables._functions, tables._given_rows, tables._slides, table, start, sines)
-    coarse, fine = (walk_seeds(*given, steps, True) for steps in (SEEDS, SEEDS * FINER))
-    rows = coarse[0].reshape(SEEDS + 1, tables.width, -1), fine[0].reshape(SEEDS * FINER + 1, tables.width, -1)[::FINER]
-    angles = [0, 1, 3, 4]
-    for k in range(len(modes)):
-        ends = [_end(path[1][k], path[2][k]) for path in (coarse, fine)]
-        both = np.isfinite(rows[0][:, angles, k]).all(axis=1) & np.isfinite(rows[1][:, angles, k]).all(axis=1)
-        apart = float(np.abs(rows[0][both][:, angles, k] - rows[1][both][:, angles, k]).max())
-        yield Followed(*ends, apart, abs(float(coarse[1][k] - fine[1][k])))
+def modes_of(tables: SeedTables, table: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Modes at the first position: the scene of each, and its unknowns."""
+    scenes = table.shape[1]
+    wide, q = np.repeat(table, _STARTS, axis=1), np.zeros(scenes * _STARTS)
+    angle = np.random.default_rng(seed).uniform(-np.pi, np.pi, (2, q.size))
+    unknowns = np.array([np.cos(angle[0]), np.sin(angle[0]), np.cos(angle[1]), np.sin(angle[1])])
+    with np.errstate(all="ignore"):
+        for _ in range(_CORRECTIONS):
+            found = tables._at(wide, unknowns, q)
+            unknowns = tables._moved(unknowns, np.clip(found[:2], -0.5, 0.5))
+        found = tables._at(wide, unknowns, q)
+        proved = (found[6] <= PROVES) & (np.abs(found[:2]) < 1e-9).all(axis=0)
+    owner = np.repeat(np.arange(scenes), _STARTS)[proved]
+    rounded = np.column_stack([owner, np.round(unknowns[:, proved].T, 6) + 0.0])
+    _, first = np.unique(rounded, axis=0, return_index=True)
+    return owner[first], np.ascontiguousarray(unknowns[:, proved][:, first])
 
 
-def _end(lost_at: float, closes: bool) -> str:
-    if not np.isnan(lost_at):
-        return "lost"
-    return "closed" if closes else "other mode"
+def exact_triad(numbers: dict[str, np.ndarray], i: int) -> ExactTriad:
+    """One of the random scenes with the same numbers to all digits."""
+
+    def pair(name: str) -> tuple[Decimal, Decimal]:
+        return tuple(Decimal(float(numbers[f"points.{name}.{axis}"][i])) for axis in "xy")
+
+    lengths = tuple(Decimal(float(numbers[f"links.{name}.length"][i])) for name in _BARS)
+    return ExactTriad(
+        tuple(map(pair, "BCD")), tuple(map(pair, "PQ")), lengths, Decimal(float(numbers["input.length"][i]))
+    )
 
 
-def campaign(scenes: int, seed: int = 1) -> list[Followed]:
+def pose_of(triad: ExactTriad, directions: dict[str, tuple[float, float]]) -> Pose:
+    """The plate where its direction and that of one bar put it at the first position."""
+    (bar,) = set(directions) - {"plate"}
+    i = list(_BARS).index(bar)
+    (c, s), (bar_c, bar_s) = (tuple(map(Decimal, map(float, directions[name]))) for name in ("plate", bar))
+    x, y = ((triad.crank, Decimal(0)), *triad.pivots)[i]
+    u, v = triad.corners[i]
+    return Pose(x + triad.lengths[i] * bar_c - (c * u - s * v), y + triad.lengths[i] * bar_s - (s * u + c * v), c, s)
+
+
+def directions_of(triad: ExactTriad, path: ExactPath, bar: str) -> np.ndarray:
+    """Directions of the plate and of a bar at the seeds of a table, (seeds, 4)."""
+    i, found = list(_BARS).index(bar), []
+    for k, pose in enumerate(path.poses[::FINER]):
+        turn = 2.0 * np.pi * k / SEEDS
+        pin = float(triad.crank) * np.cos(turn), float(triad.crank) * np.sin(turn)
+        x, y = (pin, *(tuple(map(float, pivot)) for pivot in triad.pivots))[i]
+        (u, v), (px, py, c, s) = map(float, triad.corners[i]), map(float, pose)
+        length = float(triad.lengths[i])
+        found.append((c, s, (px + c * u - s * v - x) / length, (py + s * u + c * v - y) / length))
+    return np.array(found)
+
+
+def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
     """Every mode of so many random scenes."""
-    random, found = np.random.default_rng(seed), []
-    for _ in range(scenes):
-        (tables,) = Mechanics(random_triad(random)).kinematics.seed_tables.values()
-        found += followed(tables)
-    return found
+    scene = triad_scene()
+    (tables,) = Mechanics(scene).kinematics.seed_tables.values()
+    numbers = random_numbers(scenes, seed)
+    table = tables._table(Numbers(scene_numbers(scene), numbers), tables._functions)
+    owner, start = modes_of(tables, table, seed)
+    table = np.ascontiguousarray(table[:, owner])
+    sines = tables._at(table, start, np.zeros(owner.size))[-2]
+    seeds, lost_at, closes = walk_seeds(
+        *tables._compiled,
+        tables._functions,
+        tables._given_rows,
+        tables._slides,
+        table,
+        start,
+        sines,
+        SEEDS,
+        True,
+    )
+    rows = seeds.reshape(SEEDS + 1, tables.width, -1)
+    placed = [name for name, _ in cutting_of(tables.group).placed]
+    columns = {name: (3 * i, 3 * i + 1) for i, name in enumerate(placed)}
+    (bar,) = set(placed) - {"plate"}
+    for k, i in enumerate(owner):
+        triad = exact_triad(numbers, i)
+        begin = {name: tuple(rows[0, list(at), k]) for name, at in columns.items()}
+        path = followed_exactly(triad, pose_of(triad, begin), SEEDS * FINER)
+        exact = directions_of(triad, path, bar)
+        own = rows[: len(exact), [*columns["plate"], *columns[bar]], k]
+        both = np.isfinite(own).all(axis=1)
+        apart = float(np.abs(own[both] - exact[both]).max())
+        if path.lost_at is not None:
+            exact_ends = "lost"
+        else:
+            exact_ends = "closed" if np.abs(exact[-1] - exact[0]).max() < _APART else "other mode"
+        ends = "lost" if not np.isnan(lost_at[k]) else "closed" if closes[k] else "other mode"
+        place = abs(lost_at[k] - 2.0 * np.pi * float(path.lost_at)) if path.lost_at is not None else np.nan
+        yield Followed(ends, exact_ends, apart, float(place))
+
+
+def table_of(scenes: int, found: list[Followed]) -> str:
+    """The counts as a table."""
+    ends = Counter(f.ends for f in found)
+    same = [f for f in found if f.ends == f.exact_ends]
+    lost = [f.place_apart for f in same if f.ends == "lost"]
+    changed = sum(f.apart > _APART for f in found)
+    return "\n".join(
+        [
+            f"| random triads | {scenes} |",
+            f"| modes followed | {len(found)} |",
+            "| back where they began · meet another mode and end · come back on another mode | "
+            f"{ends['closed']} · {ends['lost']} · {ends['other mode']} |",
+            f"| ends that differ from those of 50 digits | {len(found) - len(same)} |",
+            f"| modes changed on the way | {changed} |",
+            f"| greatest difference of a cosine or sine | {max(f.apart for f in found):.1e} |",
+            f"| greatest difference of the place where modes meet | {max(lost, default=0.0):.1e} rad |",
+        ]
+    )
 
 
 def main() -> None:
-    """Tell how the modes end."""
-    found = campaign(int(sys.argv[1]) if len(sys.argv) > 1 else 100)
-    same = [f for f in found if f.ends == f.fine_ends]
-    print(f"{len(found)} modes followed; they end {dict(Counter(f.ends for f in found))}")
-    print(f"ends that differ from those of finer steps: {len(found) - len(same)}")
-    print(f"greatest difference of a cosine or sine: {max(f.apart for f in found):.1e}")
-    lost = [f.place_apart for f in same if f.ends == "lost"]
-    print(f"greatest difference of the place where modes meet: {max(lost, default=0.0):.1e} rad")
+    """Write how the modes end."""
+    scenes, to = int(sys.argv[1]), Path(sys.argv[2])
+    found: list[Followed] = []
+    for one in campaign(scenes):
+        found.append(one)
+        if one.ends != one.exact_ends or one.apart > _APART:
+            print(f"mode {len(found)}: {one}", flush=True)
+        if len(found) % 100 == 0:
+            to.write_text(table_of(scenes, found) + "\n")
+    to.write_text(table_of(scenes, found) + "\n\nDone.\n")
 
 
 if __name__ == "__main__":

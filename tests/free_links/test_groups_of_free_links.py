@@ -1,12 +1,11 @@
 """Groups of free links: found by themselves, solved as 50 digits say, in the mode that the scene tells."""
 
-import copy
 import math
 
 import numpy as np
 import pytest
 from commands import said
-from free_link_scenes import KINDS, four_sided, free_link_scene, six_sided, triad_data
+from free_link_scenes import KINDS, dyads_twice, four_sided, free_link_scene, six_sided, triad_data
 from link_coordinates import LinkCoordinates
 
 from engine import AskError, Machine, Near, Scene, SceneError, Verdict, assembly_modes
@@ -244,38 +243,7 @@ def test_place_that_tells_the_mode__is_not_varied():
 
 
 def test_free_links_that_are_dyads__agree_with_the_dyads():
-    data = {
-        "gravity": 9.81,
-        "points": {"O": {"x": 0, "y": 0}, "D": {"x": 0.22, "y": 0}, "E": {"link": "coupler", "x": 0.1, "y": 0.05}},
-        "guides": {"way": {"x": 0.0, "y": 0.25, "angle": 0.2}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.06, "speed": "120 rpm"},
-        "bodies": {
-            "coupler_body": {"link": "coupler", "mass": 0.6, "x": 0.1, "inertia": 0.002},
-            "rocker_body": {"link": "rocker", "mass": 0.6, "x": 0.1, "inertia": 0.002},
-            "ram_body": {"link": "ram", "mass": 1.2},
-        },
-    }
-    dyads, free = copy.deepcopy(data), copy.deepcopy(data)
-    dyads["groups"] = {
-        "swing": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "coupler", "joint": "A", "length": 0.2},
-            "second": {"link": "rocker", "joint": "D", "length": 0.14},
-        },
-        "press": {
-            "type": "RRP",
-            "inner": "F",
-            "first": {"link": "rod", "joint": "E", "length": 0.25},
-            "second": {"link": "ram", "guide": "way"},
-        },
-    }
-    free["links"] = {
-        "coupler": {"joints": ["A", "B"], "length": 0.2},
-        "rocker": {"joints": ["D", "B"], "length": 0.14},
-        "rod": {"joints": ["E", "F"], "length": 0.25},
-        "ram": {"joints": ["F"], "guide": "way"},
-    }
+    dyads, free = dyads_twice()
     same = {
         "rocker.angle": "rocker.angle",
         "rocker.angle_phiphi": "rocker.angle_phiphi",
@@ -290,8 +258,6 @@ def test_free_links_that_are_dyads__agree_with_the_dyads():
         "reduced_moment": "reduced_moment",
     }
     one = Machine(Scene.model_validate(dyads), fields=same, positions=16).evaluate({})
-    b = Machine(Scene.model_validate(dyads), fields=["B.x", "B.y", "F.x", "F.y"], positions=8).evaluate({}).fields
-    free["near"] = {p: {"x": float(b[f"{p}.x"][0][0]), "y": float(b[f"{p}.y"][0][0])} for p in "BF"}
     scene = Scene.model_validate(free)
     assert [group.group_class for group in order(scene).free_groups.values()] == [2, 2]
     other = Machine(scene, fields=same.values(), positions=16).evaluate({})

@@ -13,6 +13,7 @@ from engine.graph.nodes import (
     LawResult,
     Node,
     Number,
+    NumberTable,
     Operation,
     Position,
     Sum,
@@ -68,6 +69,8 @@ class GraphValues:
                 return {"q": lambda: q, "cos_q": lambda: np.cos(q), "sin_q": lambda: np.sin(q)}[node.which]()
             case TableMemory():
                 return self.memory
+            case NumberTable():
+                return np.array(operands, float).ravel(), 0, 1
             case Held():
                 return operands[0]
             case Found():
@@ -84,8 +87,12 @@ class GraphValues:
 
     @staticmethod
     def _applied(node: Application, operands: list) -> np.ndarray | tuple:
-        leading = [o for n, o in zip(node.operands, operands, strict=True) if isinstance(n, TableMemory)]
-        rest = np.broadcast_arrays(*operands[len(leading) :])
+        # Tables come first among a law's arguments, one of numbers as three of them.
+        leading, first = [], 0
+        for n, o in zip(node.operands, operands, strict=True):
+            leading += [o] if isinstance(n, TableMemory) else o if isinstance(n, NumberTable) else []
+            first += isinstance(n, (TableMemory, NumberTable))
+        rest = np.broadcast_arrays(*operands[first:])
         return np.vectorize(lambda *x: node.law(*leading, *x))(*rest)
 
     def _end(self, node: Found) -> float:

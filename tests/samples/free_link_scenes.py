@@ -118,3 +118,54 @@ def free_link_scene(kind: str) -> Scene:
     """One of the scenes, in a mode that goes all through a turn."""
     data = KINDS[kind]()
     return Scene.model_validate(data | {"near": _WHOLE.get(kind, data["near"])})
+
+
+# Pairs of `dyads_twice` as those of its free links, with the sign of what acts on the link that names them.
+AS_FREE_LINKS = {
+    "input": ("input", 1.0),
+    "swing.first": ("coupler.A", 1.0),
+    "swing.inner": ("rocker.B", -1.0),
+    "swing.second": ("rocker.D", 1.0),
+    "press.first": ("rod.E", 1.0),
+    "press.inner": ("ram.F", -1.0),
+    "press.second": ("ram.way", 1.0),
+}
+
+
+def dyads_twice() -> tuple[dict, dict]:
+    """A press of two dyads, given as groups and as free links."""
+    data = {
+        "gravity": 9.81,
+        "points": {"O": {"x": 0, "y": 0}, "D": {"x": 0.22, "y": 0}, "E": {"link": "coupler", "x": 0.1, "y": 0.05}},
+        "guides": {"way": {"x": 0.0, "y": 0.25, "angle": 0.2}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.06, "speed": "120 rpm"},
+        "bodies": {
+            "coupler_body": {"link": "coupler", "mass": 0.6, "x": 0.1, "inertia": 0.002},
+            "rocker_body": {"link": "rocker", "mass": 0.6, "x": 0.1, "inertia": 0.002},
+            "ram_body": {"link": "ram", "mass": 1.2},
+        },
+    }
+    dyads, free = copy.deepcopy(data), copy.deepcopy(data)
+    dyads["groups"] = {
+        "swing": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "coupler", "joint": "A", "length": 0.2},
+            "second": {"link": "rocker", "joint": "D", "length": 0.14},
+        },
+        "press": {
+            "type": "RRP",
+            "inner": "F",
+            "first": {"link": "rod", "joint": "E", "length": 0.25},
+            "second": {"link": "ram", "guide": "way"},
+        },
+    }
+    free["links"] = {
+        "coupler": {"joints": ["A", "B"], "length": 0.2},
+        "rocker": {"joints": ["D", "B"], "length": 0.14},
+        "rod": {"joints": ["E", "F"], "length": 0.25},
+        "ram": {"joints": ["F"], "guide": "way"},
+    }
+    # Where the dyads have their inner joints at the first position.
+    free["near"] = {"B": {"x": 0.204, "y": 0.139}, "F": {"x": 0.253, "y": 0.301}}
+    return dyads, free

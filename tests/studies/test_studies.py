@@ -54,6 +54,7 @@ ELEMENT_STUDY_NAMES = (
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 HIGHER_PAIR_STUDY_NAMES = ("geared_five_bar", "valve_gear")
+FREE_LINK_STUDY_NAMES = ("triad_dwell",)
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi
 
@@ -259,7 +260,7 @@ def as_it_is(name):
 
 def test_studies__are_the_six_with_one_question_each_and_those_of_elements_and_motion():
     named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
-    named += HIGHER_PAIR_STUDY_NAMES
+    named += HIGHER_PAIR_STUDY_NAMES + FREE_LINK_STUDY_NAMES
     assert tuple(bundled_studies()) == tuple(sorted(named))
     for name in STUDY_NAMES:
         assert study(name).question.count("?") == 1

@@ -58,8 +58,8 @@ def settled_one(*pair: float) -> tuple[float, float, float]:
     old, _ = _pass_of_one(pair, n)
     n, determinant = _pass_of_one(pair, old)
     residual = change_of(abs(n - old), abs(n))
-    margin = _margin(first, determinant, residual)
-    return _unless_jammed(n, margin), margin, residual
+    margin = margin_against_jamming(first, determinant, residual)
+    return unless_jammed(n, margin), margin, residual
 
 
 @scalar
@@ -85,8 +85,8 @@ def settled_two(*pairs: float) -> tuple[float, float, float, float]:
     old1, old2, _ = _pass_of_two(one, two, n1, n2)
     n1, n2, determinant = _pass_of_two(one, two, old1, old2)
     residual = change_of(abs(n1 - old1) + abs(n2 - old2), abs(n1) + abs(n2))
-    margin = _margin(first, determinant, residual)
-    return _unless_jammed(n1, margin), _unless_jammed(n2, margin), margin, residual
+    margin = margin_against_jamming(first, determinant, residual)
+    return unless_jammed(n1, margin), unless_jammed(n2, margin), margin, residual
 
 
 @scalar
@@ -101,22 +101,27 @@ def settled_three(*pairs: float) -> tuple[float, float, float, float, float]:
     n1, n2, n3, determinant = _pass_of_three(one, two, three, old1, old2, old3)
     change = abs(n1 - old1) + abs(n2 - old2) + abs(n3 - old3)
     residual = change_of(change, abs(n1) + abs(n2) + abs(n3))
-    margin = _margin(first, determinant, residual)
+    margin = margin_against_jamming(first, determinant, residual)
     return (
-        _unless_jammed(n1, margin),
-        _unless_jammed(n2, margin),
-        _unless_jammed(n3, margin),
+        unless_jammed(n1, margin),
+        unless_jammed(n2, margin),
+        unless_jammed(n3, margin),
         margin,
         residual,
     )
 
 
 @scalar
-def _bearing(kind: float, edge: float, x: float, y: float) -> tuple[float, float, float]:
+def bearing(kind: float, edge: float, x: float, y: float) -> tuple[float, float, float]:
     """Direction (p, q) of a reaction (x, y) and its length r: (p x + q y)/r is what presses.
 
     A journal's direction is the reaction itself: the equations are multiplied by r, which saves divisions. It presses
     with nothing where there is no reaction.
+
+    Parameters
+    ----------
+    kind, edge, x, y : float
+        As for `settled_one`.
     """
     if kind == JOURNAL:
         reaction = math.sqrt(x * x + y * y)
@@ -129,7 +134,7 @@ def _bearing(kind: float, edge: float, x: float, y: float) -> tuple[float, float
 def _pass_of_one(pair: _One, n: float) -> tuple[float, float]:
     """Pressing force and determinant from the pressing force of the pass before."""
     kind, edge, x, y, x1, y1 = pair
-    p, q, r = _bearing(kind, edge, x + x1 * n, y + y1 * n)
+    p, q, r = bearing(kind, edge, x + x1 * n, y + y1 * n)
     determinant = r - p * x1 - q * y1
     return (p * x + q * y) / determinant, determinant / r
 
@@ -138,7 +143,7 @@ def _pass_of_one(pair: _One, n: float) -> tuple[float, float]:
 def _row_of_two(pair: _Two, n1: float, n2: float) -> tuple[float, float, float, float]:
     """Equation r n_i = back1 n1 + back2 n2 + force of a pair."""
     kind, edge, x, y, x1, y1, x2, y2 = pair
-    p, q, r = _bearing(kind, edge, x + x1 * n1 + x2 * n2, y + y1 * n1 + y2 * n2)
+    p, q, r = bearing(kind, edge, x + x1 * n1 + x2 * n2, y + y1 * n1 + y2 * n2)
     return r, p * x1 + q * y1, p * x2 + q * y2, p * x + q * y
 
 
@@ -158,7 +163,7 @@ def _pass_of_two(one: _Two, two: _Two, n1: float, n2: float) -> tuple[float, flo
 @scalar
 def _row_of_three(pair: _Three, n1: float, n2: float, n3: float) -> tuple[float, float, float, float, float]:
     kind, edge, x, y, x1, y1, x2, y2, x3, y3 = pair
-    p, q, r = _bearing(kind, edge, x + x1 * n1 + x2 * n2 + x3 * n3, y + y1 * n1 + y2 * n2 + y3 * n3)
+    p, q, r = bearing(kind, edge, x + x1 * n1 + x2 * n2 + x3 * n3, y + y1 * n1 + y2 * n2 + y3 * n3)
     return r, p * x1 + q * y1, p * x2 + q * y2, p * x3 + q * y3, p * x + q * y
 
 
@@ -184,14 +189,22 @@ def _pass_of_three(
 
 
 @scalar
-def _margin(first: float, determinant: float, residual: float) -> float:
+def margin_against_jamming(first: float, determinant: float, residual: float) -> float:
     """Margin against jamming: the determinant of the last pass; 0 where the pressing forces never settle.
 
     It is NaN only where the determinant of the first pass is, because the reactions without friction aren't known.
+
+    Parameters
+    ----------
+    first, determinant : float
+        Of the first and of the last pass.
+    residual : float
+        Change of the pressing forces in the last pass, as a share of them all.
     """
     return determinant if residual <= UNSETTLED else 0.0 * first
 
 
 @scalar
-def _unless_jammed(n: float, margin: float) -> float:
+def unless_jammed(n: float, margin: float) -> float:
+    """A pressing force; NaN where the margin against jamming is nothing but rounding."""
     return n if margin > JAMMED else math.nan

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.vectors import Vector
-from engine.scene.pairs import Pair
+from engine.scene.pairs import Pair, joint_of
 from engine.scene.structure.free_groups import Cutting, FreeGroup, cutting_of
 
 
@@ -254,9 +254,21 @@ class ClosureOfFree:
 
     # Bounds for the proof
 
-    def bounds(self, unknowns: Sequence[Unknown], misses: Sequence[Miss]) -> tuple[list[list[Node]], list[Node]]:
-        """Of each equation bounds of its first derivatives, and of the sum of all its second ones."""
+    def bounds(
+        self, unknowns: Sequence[Unknown], misses: Sequence[Miss], within: Node
+    ) -> tuple[list[list[Node]], list[Node]]:
+        """Of each equation bounds of its first derivatives at these unknowns, and of the sum of all its second ones.
+
+        Parameters
+        ----------
+        unknowns : sequence of Direction or Slide
+        misses : sequence of Miss
+            What the equations miss there.
+        within : Node
+            How far from these the bounds of second derivatives hold [rad, or shares of the group's size].
+        """
         graph, count = self.graph, len(unknowns)
+        links = self.placed(unknowns)
         nothing = Reach((graph.zero,) * count, graph.zero)
         turns: dict[str, int | None] = {}
         origins: dict[str, tuple[Reach, Vector]] = {}
@@ -270,7 +282,7 @@ class ClosureOfFree:
             turns[name] = turns.get(other)
             guide = self.slider_guide(pair)
             r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
-            arm = abs(unknown.d) + abs(self.offset(pair.link)) + r.length
+            arm = abs(unknown.d) + self.size * within + abs(self.offset(pair.link)) + r.length
             base, place = origins.get(other, (nothing, self._zero))
             reach = _turned_by(base, turns[name], arm + place.length)
             first = tuple(f + self.size if k == i else f for k, f in enumerate(reach.first))
@@ -284,13 +296,14 @@ class ClosureOfFree:
                 first = [a + b for a, b in zip(one.first, two.first, strict=True)]
                 total, length = _total(first), self.bar(cut).length
                 # At most: what the equation misses is half the difference of the squares of distance and length.
-                distance = length + abs(miss.r) * (graph.one / length)
+                distance = length + abs(miss.r) * (graph.one / length) + total * within
                 first = [reach * length for reach in first]
                 found.append((first, total * total + (one.second + two.second) * distance))
                 continue
-            carrier = _far(cut.name, cut.other)
+            carrier, point = _far(cut.name, cut.other), self.joint_on(links, _far(cut.name, cut.one), joint_of(cut.one))
             base, place = origins.get(carrier, (nothing, self._zero))
-            found.append(self._reach_beside(one, base, turns.get(carrier), place.length + self._guide_arm(cut.other)))
+            arm = (point.r - _at(links[carrier], place).r).length
+            found.append(self._reach_beside(one, base, turns.get(carrier), arm, within))
         for pair in self.cutting.cut_pairs:
             if pair.kind == "revolute":
                 one, two = (
@@ -305,18 +318,13 @@ class ClosureOfFree:
             found.append((first, 4.0 * self.size))
             one = origins.get(pair.link, (nothing, self._zero))[0]
             base, place = origins.get(pair.other, (nothing, self._zero))
-            found.append(self._reach_beside(one, base, of_line, place.length + self._guide_arm(pair)))
+            arm = (links[pair.link].origin.r - _at(links[pair.other], place).r).length
+            found.append(self._reach_beside(one, base, of_line, arm, within))
         return [first for first, _ in found], [second for _, second in found]
 
     @property
     def _zero(self) -> Vector:
         return self.assembly.nowhere
-
-    def _guide_arm(self, pair: Pair) -> Node:
-        """How far from its carrier's origin a slider may be: the guide's point and the size of the group."""
-        guide = self.slider_guide(pair)
-        r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
-        return r.length + 2.0 * self.size
 
     def _reach_of_joint(
         self,
@@ -331,19 +339,16 @@ class ClosureOfFree:
         base, place = origins[link]
         return _turned_by(base, turns[link], (self.local(link, joint) - place).length)
 
-    def _reach_beside(self, point: Reach, base: Reach, turns: int | None, arm: Node) -> tuple[list[Node], Node]:
-        """Bounds of the distance of a point from a line that turns with an unknown."""
+    def _reach_beside(
+        self, point: Reach, base: Reach, turns: int | None, arm: Node, within: Node
+    ) -> tuple[list[Node], Node]:
+        """Bounds of the distance of a point from a line that turns with an unknown, at an arm from where it turns."""
         first = [a + b for a, b in zip(point.first, base.first, strict=True)]
         second = point.second + base.second
         if turns is None:
             return first, second
-        second = second + 2.0 * _total(first) + arm
+        second = second + 2.0 * _total(first) + (arm + _total(first) * within)
         return [f + arm if k == turns else f for k, f in enumerate(first)], second
-
-
-def joint_of(pair: Pair) -> str:
-    """Name of the joint of a revolute pair."""
-    return pair.name.removeprefix(f"{pair.link}.")
 
 
 def _far(link: str, pair: Pair) -> str:

@@ -203,8 +203,9 @@ def with_rates(closure: ClosureOfFree, places: Sequence[Place], beside: Linearis
 def certificate(closure: ClosureOfFree, places: Sequence[Place], beside: Linearised, deltas: Sequence[Node]) -> Node:
     """H of the theorem of Newton and Kantorovich: no more than ½ proves a root beside these values."""
     graph = closure.graph
-    _, second = closure.bounds([_at_rest(closure, place) for place in places], beside.misses)
-    steps = [abs(delta) for delta in deltas]
+    step = _greatest(graph, [abs(delta) for delta in deltas])
+    # Where h is no more than ½ the root is no farther than twice the first correction.
+    _, second = closure.bounds([_at_rest(closure, place) for place in places], beside.misses, step + step)
     changes = []
     for row in beside.inverse.rows:
         terms = [abs(entry) * bound for entry, bound in zip(row, second, strict=True)]
@@ -212,7 +213,7 @@ def certificate(closure: ClosureOfFree, places: Sequence[Place], beside: Lineari
         for term in terms[1:]:
             total = total + term
         changes.append(total)
-    return _greatest(graph, steps) * _greatest(graph, changes)
+    return step * _greatest(graph, changes)
 
 
 def _greatest(graph: object, nodes: Sequence[Node]) -> Node:
@@ -227,7 +228,7 @@ def transmission(closure: ClosureOfFree, places: Sequence[Place], beside: Linear
 
     Of a dyad RRR this is the sine of the transmission angle.
     """
-    first, _ = closure.bounds([_at_rest(closure, place) for place in places], beside.misses)
+    first, _ = closure.bounds([_at_rest(closure, place) for place in places], beside.misses, closure.graph.zero)
     greatest = closure.graph.one
     for row in first:
         square = row[0] * row[0]

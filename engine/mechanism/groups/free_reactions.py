@@ -7,19 +7,21 @@ the loops and Q the work of all loads for each unknown. Then the chain is taken 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on the kinetostatics of groups of class III.
 """
 
+from collections.abc import Mapping
+
 from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, MovingPoint, Turning
-from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, joint_of
+from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector
-from engine.scene.pairs import Pair
+from engine.scene.pairs import Pair, joint_of
 
 # Components of a reaction: x and y in a joint, normal force and moment in a guide.
 PairForce = tuple[Node, Node]
 
 
-def free_reactions(assembly: Assembly, motion: FreeMotion, loads: LinkLoads) -> dict[str, PairForce]:
+def free_reactions(assembly: Assembly, motion: FreeMotion, loads: Mapping[str, Wrench]) -> dict[str, PairForce]:
     """Reactions on the links that name the pairs, by the pairs' names.
 
     Parameters
@@ -27,10 +29,13 @@ def free_reactions(assembly: Assembly, motion: FreeMotion, loads: LinkLoads) -> 
     assembly : Assembly
     motion : FreeMotion
         Of the group.
-    loads : LinkLoads
-        All that acts on the group's links; what the group hands on to other links is added.
+    loads : mapping of str to Wrench
+        All that acts on each of the group's links.
     """
-    return _Balance(assembly, motion, loads).reactions
+    on_links = LinkLoads(assembly)
+    for link, load in loads.items():
+        on_links.add(link, load)
+    return _Balance(assembly, motion, on_links).reactions
 
 
 class _Balance:

@@ -209,7 +209,9 @@ class SeedTables:
             return ()
         nodes = [node for point in self._points.values() for node in point]
         title = f"Points of the group {self.group.name}."
-        of_points = functions_at(nodes[0].graph, title, *self._span, nodes, numbers=[n for g in self._given for n in g])
+        of_points = functions_at(
+            self._curves[0].graph, title, *self._span, nodes, numbers=[n for g in self._given for n in g]
+        )
         module = load_printed(of_points.text)
         compiled = TileFunction(module.curves_at), TileFunction(module.levels)
         rows = np.array([of_points.rows[node] for nodes in self._given for node in nodes], np.int64)
@@ -254,9 +256,12 @@ class SeedTables:
             It has several, and `near` tells none of them.
         """
         if self.modes and not any(mode.chosen for mode in self.modes):
+            words = f"{', '.join(self.group.links)} have {len(self.modes)} assembly modes at the first position"
+            if not self._points:
+                mend = f'points.NAME = {{ link = "{self.group.links[0]}", x = 0, y = 0 }}'
+                raise SceneError([("near", f"{words}, and they have no point that could tell which: give them {mend}")])
             point = max(self._points, key=lambda name: _least_distance([m.points[name] for m in self.modes]))
             listed = "; ".join(f"({x:.4g} m, {y:.4g} m)" for x, y in (mode.points[point] for mode in self.modes))
-            words = f"{', '.join(self.group.links)} have {len(self.modes)} assembly modes at the first position"
             mend = f'near.{point} = {{ x = "…", y = "…" }}'
             told = "and what near tells is as far from two of them" if self.scene.near else "and nothing tells which"
             raise SceneError([("near", f"{words}, {told}: give {mend}; {point} may lie at {listed}")])

@@ -18,7 +18,7 @@ from engine.scene.names import (
     references,
     sliders,
 )
-from engine.scene.pairs import friction_problems
+from engine.scene.pairs import friction_problems, pairs
 from engine.scene.parts import FRAME, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
 from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
@@ -141,6 +141,36 @@ def _check_movable(scene: Scene, points: dict[str, str], guides: dict[str, str])
     return problems
 
 
+def _sliding_loops(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
+    """Groups of free links with a loop of sliding pairs alone.
+
+    Links on either side of a sliding pair keep their directions to each other; around such a loop this is said once
+    too often, so that the pairs hold less than their number tells.
+    """
+    side: dict[str, str] = {}
+
+    def root(link: str) -> str:
+        while link in side:
+            link = side[link]
+        return link
+
+    in_groups = {pair.name: name for name, group in ordering.free_groups.items() for pair in group.pairs}
+    problems = []
+    sliding = [pair for pair in pairs(scene) if pair.kind == "prismatic"]
+    for pair in sorted(sliding, key=lambda pair: pair.name in in_groups):
+        one, other = root(pair.link), root(pair.other)
+        if one != other:
+            side[one] = other
+        elif pair.name in in_groups:
+            links = ", ".join(ordering.free_groups[in_groups[pair.name]].links)
+            words = (
+                f"{links} have a loop of sliding pairs alone, which {pair.name} closes: its links can't turn against "
+            )
+            words += "each other, so its pairs hold less than W = 0 counts; replace one of these pairs by a joint"
+            problems.append((f"links.{pair.link}.guide", words))
+    return problems
+
+
 def _free_problems(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
     """Groups of free links that can't move, names they would take, and places told of points that they don't have."""
     problems, moving = [], {link for group in ordering.free_groups.values() for link in group.links}
@@ -224,7 +254,7 @@ def order(scene: Scene) -> Structure:
     problems += why_not_grouped(scene, ordering.links)
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
-        problems += _free_problems(scene, ordering)
+        problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)
     if not problems:
         problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:

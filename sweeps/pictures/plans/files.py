@@ -46,7 +46,7 @@ def plan_pictures(
     pose = cycle.at(at)
     made = [_saved(kinematic_sheet(pose, which), path, which) for which in ("velocity", "acceleration")]
     if revolute_pairs(cycle):
-        parts = (scene.input.link, *scene.groups)
+        parts = (scene.input.link, *cycle.groups)
         made += [_saved(force_sheet(pose, part), path, f"forces_{part}") for part in parts]
         made += _reactions(cycle, path, {pair.name for pair in pairs_of(scene)})
     return made
@@ -63,8 +63,7 @@ def reaction_pictures(
     path : Path
         As for `plan_pictures`.
     fields : collection of str
-        Names of fields; nothing is drawn where none is of a pair's reaction, or where the scene has free
-        links, cams or planets.
+        Names of fields; nothing is drawn where none is of a pair's reaction, or where the scene has cams or planets.
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
 
@@ -74,7 +73,7 @@ def reaction_pictures(
         The files made.
     """
     higher = scene.cams or any(s.carrier or s.pressure_angle is not None for s in scene.shafts.values())
-    known = {pair.name for pair in pairs_of(scene)} if not (scene.links or higher) else set()
+    known = {pair.name for pair in pairs_of(scene)} if not higher else set()
     asked = {name.rpartition(".reaction")[0] for name in fields} & known
     return _reactions(MachineCycle(scene, values), path, asked) if asked else []
 

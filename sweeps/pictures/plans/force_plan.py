@@ -42,12 +42,12 @@ def force_polygon(pose: Pose, of: str) -> list[DrawnLoad]:
     PictureError
         There is no such group or link, or forces have no value at this position.
     """
-    if of in pose.scene.groups:
+    if of in pose.cycle.groups:
         loads = group_loads(pose, of)
     else:
         links = loads_on_links(pose)
         if of not in links:
-            known = did_you_mean(of, [*pose.scene.groups, *links])
+            known = did_you_mean(of, [*pose.cycle.groups, *links])
             raise PictureError(f"force plan: {of!r} is neither a group nor a moving link of this scene; {known}")
         loads = sorted((load for load in links[of] if not load.is_moment), key=lambda load: load.pair != "")
     if not np.isfinite([load.force for load in loads]).all():

@@ -102,8 +102,9 @@ def link_figure(m: DrawnMotion, link: str, k: int) -> list[Primitive]:
     found = link_shape(places, r)
     for group in m.scene.groups.values():
         found = [*_sliding_part(m, group, link, k), *found]
-    if link == m.scene.input.link and len(places) == 1:
-        found.append(box(places[0], complex(m.axes(link)[1][k]), HALF_LENGTH * r, HALF_HEIGHT * r))
+    slides = link in m.scene.links and m.scene.links[link].guide is not None
+    if slides or (link == m.scene.input.link and len(places) == 1):
+        found.append(box(complex(m.axes(link)[0][k]), complex(m.axes(link)[1][k]), HALF_LENGTH * r, HALF_HEIGHT * r))
     hinges = [n for n in m.members(link) if n in m.hinges]
     others = [n for n in m.members(link) if n not in m.hinges]
     found += [Primitive("joints", "circle", (complex(m.points[n][k]),), r, "paper", n) for n in hinges]

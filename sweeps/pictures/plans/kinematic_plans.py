@@ -88,7 +88,7 @@ def velocity_lines(pose: Pose, plan: VectorPlan) -> list[str]:
 def acceleration_lines(pose: Pose, plan: VectorPlan) -> list[str]:
     """Values of a plan of accelerations, line by line."""
     steps = [step for leg in plan.legs if len(leg.steps) > 1 for step in leg.steps]
-    parts = [f"{step.text} = {abs(step.vector):.4g} m/s²" for step in steps if step.vector]
+    parts = [f"{step.text} = {abs(step.vector):.4g} m/s²" for step in steps if step.vector and step.text]
     return [*_values(plan, "a", "m/s²"), *parts, *_turns(pose, r"\varepsilon", 1, "rad/s²")]
 
 

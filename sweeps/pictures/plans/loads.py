@@ -22,6 +22,7 @@ from engine import (
     friction_in_pairs,
     guide_edge_forces,
     holder_of,
+    joint_of,
     pairs_of,
     slider_tilts,
 )
@@ -86,7 +87,7 @@ def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
 
 
 def group_loads(pose: Pose, name: str) -> list[DrawnLoad]:
-    """What acts on the two links of a group together: all but its inner pair, what its first pair does last.
+    """What acts on the links of a group together: all but its inner pairs, what its first pair does last.
 
     Parameters
     ----------
@@ -94,12 +95,15 @@ def group_loads(pose: Pose, name: str) -> list[DrawnLoad]:
     name : str
         A group.
     """
-    group, loads = pose.scene.groups[name], loads_on_links(pose)
-    both = [load for part in (group.first, group.second) for load in loads[part.link]]
-    both = [load for load in both if not load.is_moment]
-    outer = [load for side in ("second", "first") for load in both if load.pair == f"{name}.{side}"]
-    own = {f"{name}.first", f"{name}.inner", f"{name}.second"}
-    return [load for load in both if load.pair not in own] + outer
+    links, loads = pose.cycle.groups[name], loads_on_links(pose)
+    forces = [load for link in links for load in loads[link] if not load.is_moment]
+    if name in pose.scene.groups:
+        own, outer = {f"{name}.{side}" for side in ("first", "inner", "second")}, [f"{name}.second", f"{name}.first"]
+    else:
+        around = pose.cycle.structure.free_groups[name].pairs
+        own, outer = {p.name for p in around}, [p.name for p in around if not {p.link, p.other} <= set(links)]
+    rest = [load for load in forces if load.pair not in own]
+    return rest + [load for pair in outer for load in forces if load.pair == pair]
 
 
 class _Collector:
@@ -173,9 +177,11 @@ class _Collector:
             self._in_guide(pair, force, at)
             self._both(pair, "F", friction * self.pose.direction(pair.link), at, before=r"\mathrm{f}")
             return
-        if pair.name.endswith(".inner"):
+        if pair.name.endswith(".inner") and pair.link not in self.pose.scene.links:
             group = self.pose.scene.groups[pair.name.removesuffix(".inner")]
             at = complex(self.pose.motion.points[group.inner][self.k])
+        elif pair.link in self.pose.scene.links:
+            at = complex(self.pose.motion.points[joint_of(pair)][self.k])
         if friction and force:
             self._both(pair, "R", force, at - 1j * force * friction / abs(force) ** 2, at)
         else:

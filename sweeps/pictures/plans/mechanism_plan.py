@@ -1,5 +1,7 @@
 """The mechanism at one position, to a scale of drawing, its points named and its links numbered."""
 
+from collections.abc import Sequence
+
 from matplotlib.axes import Axes
 
 from engine import FRAME
@@ -7,13 +9,14 @@ from sweeps.pictures.drawing import bounds, figures
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
-from sweeps.pictures.style import BLUE
+from sweeps.pictures.plans.special_points import SpecialPoint
+from sweeps.pictures.style import BLUE, GREY
 
 # Radius of a hinge on paper [mm], as far as links are long enough for it.
 HINGE = 0.85
 
 
-def mechanism_plan(pose: Pose, ax: Axes) -> Paper:
+def mechanism_plan(pose: Pose, ax: Axes, special: Sequence[SpecialPoint] = ()) -> Paper:
     """Draw the mechanism to scale.
 
     Parameters
@@ -21,14 +24,21 @@ def mechanism_plan(pose: Pose, ax: Axes) -> Paper:
     pose : Pose
     ax : matplotlib.axes.Axes
         Of the size on paper that they will keep.
+    special : sequence of SpecialPoint, optional
+        Those that are to be drawn; what lies farther from the mechanism than it is wide is left out.
     """
     motion = pose.motion
     whole = _figures(pose)
-    paper = _laid_out(ax, whole)
+    near = _near(special, whole)
+    paper = _laid_out(ax, whole, near)
     usual = motion.radius
     motion.radius = min(max(usual, HINGE * paper.per_mm), 2.2 * usual)
     whole = _figures(pose)
-    paper = _laid_out(ax, whole)
+    paper = _laid_out(ax, whole, near)
+    for point in near:
+        for bar in point.bars:
+            paper.line([complex(motion.points[bar.outer][pose.k]), point.place], GREY, 0.4, (0, (4, 2)))
+        paper.dot(point.place, f"${subscript(point.name)}$")
     paper.figures(whole)
     for joint in whole:
         if joint.layer == "joints" and joint.text:
@@ -48,10 +58,17 @@ def _figures(pose: Pose) -> list:
     return [p for p in drawn if p.kind != "text"]
 
 
-def _laid_out(ax: Axes, drawn: list) -> Paper:
+def _near(special: Sequence[SpecialPoint], drawn: list) -> list[SpecialPoint]:
+    low_x, low_y, high_x, high_y = bounds(drawn)
+    low, high = complex(low_x, low_y), complex(high_x, high_y)
+    return [point for point in special if abs(point.place - (low + high) / 2) < 1.5 * abs(high - low)]
+
+
+def _laid_out(ax: Axes, drawn: list, special: Sequence[SpecialPoint]) -> Paper:
     ax.clear()
     low_x, low_y, high_x, high_y = bounds(drawn)
-    return Paper(ax, [complex(low_x, low_y), complex(high_x, high_y)], margin=5.0)
+    cloud = [complex(low_x, low_y), complex(high_x, high_y), *(point.place for point in special)]
+    return Paper(ax, cloud, margin=5.0)
 
 
 def _number(paper: Paper, pose: Pose, link: str) -> None:

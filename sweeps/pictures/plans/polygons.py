@@ -3,7 +3,8 @@
 Every dyad gives two ways to the image of one point, which must meet there: RRR along both of its bars; RRP along the
 rod and along the guide; RPR along the slotted link and its slot; PRP along both guides; RPP along guide and slot. An
 acceleration goes such a way in two steps: normal and tangential on a bar, Coriolis and relative along a guide that
-turns. What is at rest has its image in the pole.
+turns. What is at rest has its image in the pole. A group of class III is begun with a special point of Assur; of any
+other group of free links all bars and slides are drawn.
 
 Source: any course of the theory of mechanisms, chapter on plans of velocities and accelerations, e.g.
 I. I. Artobolevsky, Theory of Mechanisms and Machines.
@@ -12,9 +13,10 @@ I. I. Artobolevsky, Theory of Mechanisms and Machines.
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from engine import FRAME, RPP, RPR, CrankInput, Hinged
+from engine import FRAME, RPP, RPR, CrankInput, FreeGroup, Hinged, joint_of
 from sweeps.pictures.plans.lettering import subscript, symbol
 from sweeps.pictures.plans.pose import Movement, Pose, Turn
+from sweeps.pictures.plans.special_points import SpecialPoint, special_point
 
 
 class PlanStep(NamedTuple):
@@ -50,6 +52,8 @@ class VectorPlan(NamedTuple):
         Images of one link's points: they form a figure like the link itself.
     under : dict of str to str
         Places that lie under a point of another link, by their names (the point's with primes): the link they are of.
+    special : tuple of SpecialPoint
+        Special points of Assur that the plan begins groups with.
     """
 
     images: dict[str, complex]
@@ -57,6 +61,7 @@ class VectorPlan(NamedTuple):
     pole: tuple[str, ...]
     links: tuple[tuple[str, ...], ...]
     under: dict[str, str]
+    special: tuple[SpecialPoint, ...]
 
 
 class _Order(NamedTuple):
@@ -101,6 +106,7 @@ class _Composer:
         self.legs: list[Leg] = []
         self.rest: dict[str, None] = {}
         self.under: dict[str, str] = {}
+        self.special: list[SpecialPoint] = []
 
     def plan(self) -> VectorPlan:
         scene, drive = self.pose.scene, self.pose.scene.input
@@ -111,8 +117,11 @@ class _Composer:
         for element in self.pose.cycle.structure.elements:
             if element.kind == "group":
                 self._group(scene.groups[element.name])
+            elif element.kind == "free group":
+                self._free_group(self.pose.cycle.structure.free_groups[element.name])
         links = [self._others_on(link) for link in self.pose.cycle.structure.links]
-        return VectorPlan(self.images, tuple(self.legs), tuple(self.rest), tuple(filter(None, links)), self.under)
+        figures = tuple(filter(None, links))
+        return VectorPlan(self.images, tuple(self.legs), tuple(self.rest), figures, self.under, tuple(self.special))
 
     # Images
 
@@ -204,3 +213,47 @@ class _Composer:
                 else:
                     self._along_guide(part.link, part.guide, group.inner, primes)
                     primes = "''"
+
+    # Groups of free links
+
+    def _free_group(self, group: FreeGroup) -> None:
+        special, drawn = special_point(self.pose, group), set()
+        if special is not None:
+            self._from_special_point(special)
+            drawn = {special.link, *(bar.link for bar in special.bars)}
+        for link in group.links:
+            turning = [pair for pair in group.pairs_of(link) if pair.kind == "revolute"]
+            # From what is known before the group.
+            turning.sort(key=lambda pair: {pair.link, pair.other} <= set(group.links))
+            for pair in turning[1:] if link not in drawn else ():
+                self._bar(link, joint_of(turning[0]), joint_of(pair))
+        for pair in group.pairs:
+            if pair.kind == "prismatic":
+                guide = self.pose.scene.links[pair.link].guide
+                self._along_guide(pair.link, guide, self.pose.motion.members(pair.link)[0])
+
+    def _from_special_point(self, special: SpecialPoint) -> None:
+        """Two ways to the special point, the way from it to the third joint, and the bars that led to it."""
+        pose, order, name = self.pose, self.order, special.name
+        self.special.append(special)
+        self._image(name, pose.rigid(special.link, special.place))
+        turn = pose.turn(special.link)
+        for bar in special.bars:
+            self._point(bar.outer)
+            a, b = self._place(bar.outer), self._place(bar.inner)
+            along = order.turned(pose.turn(bar.link), b - a)
+            beyond = order.turned(turn, special.place - b)
+            # Normal parts one after another; what is across the line of the bar together.
+            sub, (sup, vector, kind) = subscript(name, bar.outer), along[-1]
+            made = [PlanStep(symbol(order.letter, sub, sup), vector + beyond[-1][1], kind)]
+            if len(along) > 1:
+                text = symbol(order.letter, subscript(name, bar.inner), beyond[0][0])
+                # The bar's own way names the first step.
+                made = [PlanStep("", *along[0][1:]), PlanStep(text, *beyond[0][1:]), *made]
+            if bar.outer not in self.rest:
+                made = [step._replace(kind="relative") if step.kind == "whole" else step for step in made]
+            self.legs.append(Leg(bar.outer, name, tuple(made)))
+            self._bar(bar.link, bar.outer, bar.inner)
+        if special.joint is not None:
+            self._point(special.joint)
+            self._leg(name, special.joint, order.turned(turn, self._place(special.joint) - special.place), False)

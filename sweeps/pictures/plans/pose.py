@@ -54,15 +54,10 @@ class MachineCycle:
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
         if scene.input is None:
             raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
-        if scene.links:
-            raise PictureError(
-                f"plans are drawn of dyads alone, and {', '.join(scene.links)} are free links: leave out what asks for "
-                "plans; their reactions are fields, such as 'LINK.JOINT.reaction_x'"
-            )
         if scene.cams:
             driven = ", ".join(cam.follower.link for cam in scene.cams.values())
             raise PictureError(
-                f"plans are drawn of dyads alone, and cams drive {driven}: leave out what asks for plans; forces are "
+                f"plans are drawn without cams, and they drive {driven}: leave out what asks for plans; forces are "
                 "fields, such as 'CAM.contact_force'"
             )
         geared = [n for n, s in scene.shafts.items() if s.carrier is not None or s.pressure_angle is not None]
@@ -75,11 +70,20 @@ class MachineCycle:
         self.motion = DrawnMotion(scene, values)
         self.numbers = self.motion.numbers
         self.structure = order_groups(scene)
-        groups = [e.name for e in self.structure.elements if e.kind == "group"]
-        in_groups = [link for name in groups for link in group_links(scene, name)]
+        in_groups = [link for links in self.groups.values() for link in links]
         links = [FRAME, scene.input.link, *in_groups, *scene.shafts]
         self.link_numbers = {link: i for i, link in enumerate(links)}
         self.omega = float(self.numbers["input.speed"])
+
+    @cached_property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """Links of each group, in the order in which groups follow each other."""
+        free = self.structure.free_groups
+        return {
+            e.name: free[e.name].links if e.name in free else group_links(self.scene, e.name)
+            for e in self.structure.elements
+            if e.kind in ("group", "free group")
+        }
 
     @property
     def is_closed(self) -> bool:
@@ -213,7 +217,9 @@ class Pose:
         for group in self.scene.groups.values():
             if group.second.link == link and isinstance(group.second, Yoke):
                 return self._crossing(link, group.second.guide)
-        return self.point(self.motion.members(link)[0])
+        point = self.point(self.motion.members(link)[0])
+        # The axes of a free link may begin where it has no joint.
+        return self._beside(link, point, complex(self.motion.axes(link)[0][self.k]))
 
     def _crossing(self, yoke: str, guide: str) -> Movement:
         """Movement of the crossing of slot and guide, the origin of a yoke."""
@@ -224,8 +230,11 @@ class Pose:
 
     def rigid(self, link: str, place: complex) -> Movement:
         """Movement of the place of a link that is at `place` [m] at the moment."""
-        o, turn = self.origin(link), self.turn(link)
-        arm = place - o.place
+        return self._beside(link, self.origin(link), place)
+
+    def _beside(self, link: str, o: Movement, place: complex) -> Movement:
+        """Movement of a place of a link from that of another."""
+        turn, arm = self.turn(link), place - o.place
         v = o.v + 1j * turn.omega * arm
         return Movement(place, v, o.a + 1j * turn.epsilon * arm - turn.omega**2 * arm)
 

@@ -9,6 +9,7 @@ from sweeps.pictures.plans.free_body import free_body
 from sweeps.pictures.plans.kinematic_plans import acceleration_lines, acceleration_plan, velocity_lines, velocity_plan
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
+from sweeps.pictures.plans.polygons import velocities
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.style import MM_PER_INCH, house_style
 
@@ -65,12 +66,16 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
     with house_style():
         figure = sheet()
         heading(figure, pose.scene, f"{which} plan at {pose.title}")
-        mechanism_plan(pose, place(figure, 2, 54, 76, HEIGHT - HEADING - 54))
+        special = velocities(pose).special
+        mechanism_plan(pose, place(figure, 2, 54, 76, HEIGHT - HEADING - 54), special)
         plan = draw(pose, place(figure, 80, 2, 98, HEIGHT - HEADING - 2))
         for i, text in enumerate(columns(lines_of(pose, plan), 11)):
             write(figure, 4 + 26 * i, 52, text, fontsize=6.5, linespacing=1.45)
         under = [f"${subscript(n)}$ on {pose.number(link)}" for n, link in plan.under.items()]
         notes = [f"links: {links_line(pose)}"] + [f"places under points: {', '.join(under)}"] * bool(under)
+        if special:
+            points = ", ".join(f"${subscript(s.name)}$ on {pose.number(s.link)}" for s in special)
+            notes.append(f"special points of Assur: {points}")
         write(figure, 4, 4 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
     return figure
 
@@ -84,19 +89,25 @@ def force_sheet(pose: Pose, of: str) -> Figure:
     of : str
         A group or a moving link.
     """
-    group = pose.scene.groups.get(of)
-    links = [of] if group is None else [group.first.link, group.second.link]
+    links = pose.cycle.groups.get(of, (of,))
+    rows = -(-len(links) // 2)
+    width, columns_of_text = 176 / min(len(links), 2), 5
+    # Of more than two links the values stand in a strip of their own under the plan.
+    strip = 40 * -(-len(links) // columns_of_text) if len(links) > 2 else 0
+    top = 98 + strip + 77 * rows
     with house_style():
-        figure = sheet(WIDTH, 185)
+        figure = sheet(WIDTH, top + 10)
         heading(figure, pose.scene, f"forces on {of} at {pose.title}")
-        width = 176 / len(links)
         for i, link in enumerate(links):
-            loads = free_body(pose, link, place(figure, 2 + i * width, 98, width, 74))
-            write(figure, 5 + i * width, 175, f"{pose.number(link)} {link}", fontsize=8, fontweight="bold")
+            left, bottom = 2 + i % 2 * width, top - 77 * (i // 2 + 1)
+            loads = free_body(pose, link, place(figure, left, bottom, width, 74))
+            write(figure, left + 3, bottom + 77, f"{pose.number(link)} {link}", fontsize=8, fontweight="bold")
             text = "\n".join(force_lines(loads))
-            write(figure, 4 + 33 * i, 46, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.4)
-        mechanism_plan(pose, place(figure, 2, 48, 62, 50))
-        force_plan(pose, of, place(figure, 66, 9, 112, 88))
+            row, column = divmod(i, columns_of_text)
+            at = (4 + 33 * column, 46 if not strip else strip + 8 - 40 * row)
+            write(figure, *at, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.4)
+        mechanism_plan(pose, place(figure, 2, 48 + strip, 62, 50))
+        force_plan(pose, of, place(figure, 66, 9 + strip, 112, 88))
         notes = [
             f"links: 0 frame, {links_line(pose)}",
             "$R_{12}$: force of link 1 on link 2; $G$ weight, $U$ inertia force; ∠ from x, counter-clockwise. "
