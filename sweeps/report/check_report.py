@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,11 +27,14 @@ from sweeps.report.remarks import remarks_on
 from sweeps.report.result_report import drop_lines
 from sweeps.run.blocks import LARGEST_BLOCK, block_size
 from sweeps.run.cost import probe
-from sweeps.run.runner import layout_of
+from sweeps.run.runner import crew_of, layout_of
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import Study
 from sweeps.text.engineer_units import quantity_text
 from sweeps.text.tables import table
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 # Up to so many variants `check` tells what each condition drops by looking at all of them.
 MOST_COUNTED = 16 * LARGEST_BLOCK
@@ -148,8 +152,8 @@ def plan_text(machine: Machine) -> tuple[str, str]:
     return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
 
 
-def check_text(study: Study, out: Path) -> str:
-    """Everything `sweeps check` says of a study."""
+def check_text(study: Study, out: Path, client: "Client | None" = None) -> str:
+    """Everything `sweeps check` says of a study, and of the cluster that it is to be run on."""
     machine = study.machine()
     warned = "\n".join([*remarks_on(study.scene), *filter(None, [between_positions_text(study)])])
     sections = [
@@ -162,6 +166,7 @@ def check_text(study: Study, out: Path) -> str:
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),
         *_cost_sections(study, machine, out),
+        *([] if client is None else [("Cluster", _cluster_text(study, client, out))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
@@ -194,7 +199,7 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     block = block_size(study, machine, cost.seconds)
     memory = block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
-    free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
+    free = shutil.disk_usage(_existing_folder(out)).free
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
@@ -203,6 +208,28 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
         ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
     ]
+
+
+def _existing_folder(out: Path) -> Path:
+    """The folder that a result goes to, or the one in which that would be made."""
+    return next(p for p in (out.parent, *out.absolute().parents) if p.exists())
+
+
+def _cluster_text(study: Study, client: "Client", out: Path) -> str:
+    """Who would compute a study on a cluster, how fast, and what is the limit."""
+    from sweeps.run.cluster.limits import measure_limits
+
+    notes: list[str] = []
+    with crew_of(client, study, layout_of(study, study.machine()), notes.append) as crew:
+        limits = measure_limits(crew, _existing_folder(out))
+        words = crew.words
+    rates = [
+        f"workers: {limits.workers:.3g} variants a second",
+        f"network: {limits.network:.3g} variants a second",
+        f"disk: {limits.disk:.3g} variants a second",
+    ]
+    seconds = study.design.size / getattr(limits, limits.least)
+    return "\n".join([*notes, words, *rates, f"limit: {limits.least}; about {seconds:.3g} s"])
 
 
 def _design_text(study: Study) -> str:

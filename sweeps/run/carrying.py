@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -93,9 +93,19 @@ class Earlier:
         rows[(status == Verdict.DROPPED) | (status == Verdict.NOT_COMPUTED)] = -1
         return rows
 
-    def read(self, name: str, rows: np.ndarray) -> np.ndarray:
-        """A column of some variants."""
-        return self._file.columns[name][rows]
+    def excerpt(self, values: Mapping[str, np.ndarray], drop: np.ndarray) -> "Excerpt":
+        """What it holds of some variants.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray (count,)
+            Their parameters.
+        drop : ndarray (count,) of bool
+            Which of them aren't wanted.
+        """
+        rows = np.where(drop, -1, self.rows_of(values, drop.size))
+        there = np.flatnonzero(rows >= 0)
+        return Excerpt(there, {name: np.asarray(self._file.columns[name][rows[there]]) for name in sorted(self.names)})
 
     def is_within(self, study: Study) -> bool:
         """Whether a study's result has all that the file holds: all its columns, and every variant that is done."""
@@ -136,6 +146,37 @@ def _shared(
     return frozenset(found & {column.name for column in {*their_columns} & {*our_columns}})
 
 
+class Excerpt(NamedTuple):
+    """What an earlier result file holds of a block.
+
+    Attributes
+    ----------
+    there : ndarray of int
+        Which of the block's variants it has.
+    columns : dict of str to ndarray
+        Their numbers.
+    """
+
+    there: np.ndarray
+    columns: dict[str, np.ndarray]
+
+
+def excerpts_of(earlier: Sequence[Earlier], study: Study, variants: slice) -> list[Excerpt]:
+    """What earlier files hold of a block of variants, the file with the most columns first.
+
+    Parameters
+    ----------
+    earlier : sequence of Earlier
+    study : Study
+    variants : slice
+    """
+    useful = sorted((e for e in earlier if e.names), key=lambda e: -len(e.names))
+    if not useful:
+        return []
+    values, drop = study.values(variants.start, variants.stop)
+    return [found for e in useful if (found := e.excerpt(values, drop)).there.size]
+
+
 class Blocks:
     """Blocks of a study: their columns, taken over as far as earlier files have them.
 
@@ -143,53 +184,58 @@ class Blocks:
     ----------
     study : Study
     layout : FileLayout
-        Of its file.
-    earlier : sequence of Earlier
+        Of its file; only the columns are looked at.
     """
 
-    def __init__(self, study: Study, layout: FileLayout, earlier: Sequence[Earlier]) -> None:
-        self.study, self.layout, self.machine = study, layout, study.machine()
-        self.earlier = sorted((e for e in earlier if e.names), key=lambda e: -len(e.names))
-        self._buffer = self.machine.new_buffer(layout.block)
+    def __init__(self, study: Study, layout: FileLayout) -> None:
+        self.study, self.layout = study, layout
         self._parts: dict[tuple[tuple[str, ...], tuple[str, ...]], Study] = {}
 
-    def columns(self, i: int) -> dict[str, np.ndarray]:
-        """All columns of block `i`."""
-        variants = self.layout.slice(i)
-        if not self.earlier:
-            return evaluate_block(self.study, self.machine, variants, self._buffer)
+    def columns(
+        self, variants: slice, excerpts: Sequence[Excerpt] = (), buffer: np.ndarray | None = None
+    ) -> dict[str, np.ndarray]:
+        """All columns of a block.
+
+        Parameters
+        ----------
+        variants : slice
+        excerpts : sequence of Excerpt
+            What earlier files hold of it.
+        buffer : ndarray, optional
+            Memory for its fields; what is returned may lie in it.
+        """
+        if not excerpts:
+            return evaluate_block(self.study, self.study.machine(), variants, buffer)
         values, drop = self.study.values(variants.start, variants.stop)
         found = {c.name: np.empty((drop.size, *self.layout.shape(c)[1:]), c.dtype) for c in self.layout.columns}
         found |= values
         left = np.ones(drop.size, bool)
-        for earlier in self.earlier:
-            rows = np.where(left & ~drop, earlier.rows_of(values, drop.size), -1)
-            chosen = np.flatnonzero(rows >= 0)
+        for excerpt in excerpts:
+            wanted = left[excerpt.there]
+            chosen = excerpt.there[wanted]
             if chosen.size:
-                whole = self._taken(
-                    earlier, rows[chosen], {name: v[chosen] for name, v in values.items()}, found, chosen
-                )
+                taken = {name: array[wanted] for name, array in excerpt.columns.items()}
+                whole = self._taken(taken, {name: v[chosen] for name, v in values.items()}, found, chosen)
                 left[chosen[whole]] = False
         if left.any():
             some = {name: array[left] for name, array in values.items()}
-            for name, array in evaluate_variants(self.study, self.machine, some, drop[left]).items():
+            for name, array in evaluate_variants(self.study, self.study.machine(), some, drop[left]).items():
                 found[name][left] = array
         return found
 
     def _taken(
         self,
-        earlier: Earlier,
-        rows: np.ndarray,
+        taken: Mapping[str, np.ndarray],
         values: dict[str, np.ndarray],
         found: dict[str, np.ndarray],
         chosen: np.ndarray,
     ) -> np.ndarray:
         """Fill in the variants `chosen` from an earlier file; tell which of them are whole by that (chosen,)."""
-        for name in earlier.names:
-            found[name][chosen] = earlier.read(name, rows)
+        for name, array in taken.items():
+            found[name][chosen] = array
         status = found["status"][chosen]
         whole = np.ones(chosen.size, bool)
-        missing = [c.name for c in self.layout.columns if c.name not in earlier.names and c.name not in values]
+        missing = [c.name for c in self.layout.columns if c.name not in taken and c.name not in values]
         if rest := self._asking_for(missing):
             new = evaluate_variants(rest, rest.machine(), values, np.zeros(chosen.size, bool))
             # What is asked beside may find another fault, which is then the variant's.
