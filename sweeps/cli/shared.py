@@ -196,10 +196,14 @@ def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Cl
 
 
 def workers_text(client: "Client | None") -> str:
-    """How many workers a cluster has just now; nothing without one."""
+    """How many workers a cluster has just now; nothing without one, or where that can't be had."""
     if client is None:
         return ""
-    count = len(client.nthreads())
+    try:
+        count = len(client.nthreads())
+    except OSError:
+        # That the scheduler is lost is told where something is asked of it.
+        return ""
     return f"{count} worker{'' if count == 1 else 's'}"
 
 

@@ -1,6 +1,7 @@
 """From the text after --cluster to a client of a Dask scheduler."""
 
 import logging
+import os
 import re
 import warnings
 from collections.abc import Iterator
@@ -45,11 +46,16 @@ def connected(address: str) -> Iterator["Client"]:
         raise ClusterError(f"{address!r}: write local:8 for eight processes on this machine")
     if local:
         count = int(local[1])
+        # A signal ends the program at once, and Python's own helper would complain of semaphores it then removes.
+        others = filter(None, [os.environ.get("PYTHONWARNINGS")])
+        os.environ["PYTHONWARNINGS"] = ",".join([*others, "ignore:resource_tracker:UserWarning"])
         with (
             distributed.LocalCluster(
                 n_workers=count,
                 threads_per_worker=max(threads() // count, 1),
-                dashboard_address=None,
+                # Any port that is free, for this machine alone.
+                dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL + 1,
             ) as cluster,
             distributed.Client(cluster) as client,
