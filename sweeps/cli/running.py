@@ -52,7 +52,7 @@ def check(
         tell(found.machine().source())
     else:
         with cluster_client(cluster) as client:
-            tell(check_text(found, out, client))
+            tell(check_text(found, out, client, tell_aside))
 
 
 @click.command()

@@ -1,7 +1,7 @@
 """What a study will compute, what not and why, and what it will cost, in words and tables."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -152,8 +152,24 @@ def plan_text(machine: Machine) -> tuple[str, str]:
     return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
 
 
-def check_text(study: Study, out: Path, client: "Client | None" = None) -> str:
-    """Everything `sweeps check` says of a study, and of the cluster that it is to be run on."""
+def check_text(
+    study: Study,
+    out: Path,
+    client: "Client | None" = None,
+    tell: Callable[[str], None] = lambda sentence: None,
+) -> str:
+    """Everything `sweeps check` says of a study, and of the cluster that it is to be run on.
+
+    Parameters
+    ----------
+    study : Study
+    out : Path
+        The file that its result would go to.
+    client : Client, optional
+        Of the cluster.
+    tell : callable
+        Called with sentences on what is waited for meanwhile.
+    """
     machine = study.machine()
     warned = "\n".join([*remarks_on(study.scene), *filter(None, [between_positions_text(study)])])
     sections = [
@@ -166,7 +182,7 @@ def check_text(study: Study, out: Path, client: "Client | None" = None) -> str:
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),
         *_cost_sections(study, machine, out),
-        *([] if client is None else [("Cluster", _cluster_text(study, client, out))]),
+        *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
@@ -215,12 +231,11 @@ def _existing_folder(out: Path) -> Path:
     return next(p for p in (out.parent, *out.absolute().parents) if p.exists())
 
 
-def _cluster_text(study: Study, client: "Client", out: Path) -> str:
+def _cluster_text(study: Study, client: "Client", out: Path, tell: Callable[[str], None]) -> str:
     """Who would compute a study on a cluster, how fast, and what is the limit."""
     from sweeps.run.cluster.limits import measure_limits
 
-    notes: list[str] = []
-    with crew_of(client, study, layout_of(study, study.machine()), notes.append) as crew:
+    with crew_of(client, study, layout_of(study, study.machine()), tell) as crew:
         limits = measure_limits(crew, _existing_folder(out))
         words = crew.words
     rates = [
@@ -228,8 +243,8 @@ def _cluster_text(study: Study, client: "Client", out: Path) -> str:
         f"network: {limits.network:.3g} variants a second",
         f"disk: {limits.disk:.3g} variants a second",
     ]
-    seconds = study.design.size / getattr(limits, limits.least)
-    return "\n".join([*notes, words, *rates, f"limit: {limits.least}; about {seconds:.3g} s"])
+    seconds = study.design.size * limits.seconds
+    return "\n".join([words, *rates, f"limit: {limits.least}; about {seconds:.3g} s"])
 
 
 def _design_text(study: Study) -> str:

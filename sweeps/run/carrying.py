@@ -5,7 +5,7 @@ change its last digits, as it changes where the cycle is cut: taken-over numbers
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -160,6 +160,12 @@ class Excerpt(NamedTuple):
     there: np.ndarray
     columns: dict[str, np.ndarray]
 
+    @property
+    def outline(self) -> "Excerpt":
+        """Of it what decides what is left to be computed: the names of its columns, and verdicts."""
+        none = np.empty(0)
+        return self._replace(columns=dict.fromkeys(self.columns, none) | {"status": self.columns["status"]})
+
 
 def excerpts_of(earlier: Sequence[Earlier], study: Study, variants: slice) -> list[Excerpt]:
     """What earlier files hold of a block of variants, the file with the most columns first.
@@ -204,36 +210,54 @@ class Blocks:
         buffer : ndarray, optional
             Memory for its fields; what is returned may lie in it.
         """
+        return filled_in(*self.computed(variants, excerpts, buffer), excerpts)
+
+    def computed(
+        self, variants: slice, excerpts: Sequence[Excerpt] = (), buffer: np.ndarray | None = None
+    ) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
+        """Columns of a block, as for `columns`, in which what is taken over isn't filled in; and which that is.
+
+        Parameters
+        ----------
+        variants : slice
+        excerpts : sequence of Excerpt
+            Their outlines will do.
+        buffer : ndarray, optional
+
+        Returns
+        -------
+        columns : dict of str to ndarray
+        origin : ndarray (variants,) of int or None
+            The excerpt that a variant is taken from, −1 for those computed anew; None if all are.
+        """
         if not excerpts:
-            return evaluate_block(self.study, self.study.machine(), variants, buffer)
+            return evaluate_block(self.study, self.study.machine(), variants, buffer), None
         values, drop = self.study.values(variants.start, variants.stop)
-        found = {c.name: np.empty((drop.size, *self.layout.shape(c)[1:]), c.dtype) for c in self.layout.columns}
+        found = {c.name: np.zeros((drop.size, *self.layout.shape(c)[1:]), c.dtype) for c in self.layout.columns}
         found |= values
-        left = np.ones(drop.size, bool)
-        for excerpt in excerpts:
-            wanted = left[excerpt.there]
+        origin = np.full(drop.size, -1)
+        for k, excerpt in enumerate(excerpts):
+            wanted = origin[excerpt.there] < 0
             chosen = excerpt.there[wanted]
             if chosen.size:
-                taken = {name: array[wanted] for name, array in excerpt.columns.items()}
-                whole = self._taken(taken, {name: v[chosen] for name, v in values.items()}, found, chosen)
-                left[chosen[whole]] = False
-        if left.any():
+                status, some = excerpt.columns["status"][wanted], {name: v[chosen] for name, v in values.items()}
+                whole = self._complete(excerpt.columns.keys(), status, some, found, chosen)
+                origin[chosen[whole]] = k
+        if (left := origin < 0).any():
             some = {name: array[left] for name, array in values.items()}
             for name, array in evaluate_variants(self.study, self.study.machine(), some, drop[left]).items():
                 found[name][left] = array
-        return found
+        return found, origin
 
-    def _taken(
+    def _complete(
         self,
-        taken: Mapping[str, np.ndarray],
+        taken: Iterable[str],
+        status: np.ndarray,
         values: dict[str, np.ndarray],
         found: dict[str, np.ndarray],
         chosen: np.ndarray,
     ) -> np.ndarray:
-        """Fill in the variants `chosen` from an earlier file; tell which of them are whole by that (chosen,)."""
-        for name, array in taken.items():
-            found[name][chosen] = array
-        status = found["status"][chosen]
+        """Compute what an earlier file lacks of the variants `chosen`; tell which are whole by that (chosen,)."""
         whole = np.ones(chosen.size, bool)
         missing = [c.name for c in self.layout.columns if c.name not in taken and c.name not in values]
         if rest := self._asking_for(missing):
@@ -260,3 +284,25 @@ class Blocks:
                 self.study, summaries=summaries, fields=fields, derivatives=(), tolerances={}
             )
         return self._parts[summaries, fields]
+
+
+def filled_in(
+    columns: dict[str, np.ndarray], origin: np.ndarray | None, excerpts: Sequence[Excerpt]
+) -> dict[str, np.ndarray]:
+    """Columns of a block with what is taken over.
+
+    Parameters
+    ----------
+    columns, origin
+        As `Blocks.computed` returns them.
+    excerpts : sequence of Excerpt
+    """
+    if origin is None:
+        return columns
+    # What came from another process may be read only.
+    whole = {name: np.require(array, requirements="W") for name, array in columns.items()}
+    for k, excerpt in enumerate(excerpts):
+        taken = origin[excerpt.there] == k
+        for name, array in excerpt.columns.items():
+            whole[name][excerpt.there[taken]] = array[taken]
+    return whole

@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import SENTENCES, ElementsAlone, InputUnits, Machine, Quantity, Verdict, threads
 from sweeps.run.blocks import block_size, largest_block
-from sweeps.run.carrying import Blocks, Earlier, excerpts_of
+from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.cost import FEW, seconds_of_variant
 from sweeps.store import (
@@ -213,13 +213,21 @@ def _computed(
     study: Study, store: Store, earlier: Sequence[Earlier], crew: "Crew | None"
 ) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
     """Columns of all pending blocks: here in their order, on a cluster in any."""
-    pieces = ((i, store.slice(i), excerpts_of(earlier, study, store.slice(i))) for i in store.pending)
-    if crew is not None:
-        from sweeps.run.cluster.on_workers import compute_block
 
-        return crew.results(compute_block, ((i, (rows.start, rows.stop, excerpts)) for i, rows, excerpts in pieces))
-    blocks, buffer = Blocks(study, store.layout), study.machine().new_buffer(store.layout.block)
-    return ((i, blocks.columns(rows, excerpts, buffer)) for i, rows, excerpts in pieces)
+    def excerpts(i: int) -> list[Excerpt]:
+        return excerpts_of(earlier, study, store.slice(i))
+
+    if crew is None:
+        blocks, buffer = Blocks(study, store.layout), study.machine().new_buffer(store.layout.block)
+        for i in store.pending:
+            yield i, blocks.columns(store.slice(i), excerpts(i), buffer)
+        return
+    from sweeps.run.cluster.on_workers import compute_block
+
+    rows = ((i, store.slice(i)) for i in store.pending)
+    jobs = ((i, (part.start, part.stop, [e.outline for e in excerpts(i)])) for i, part in rows)
+    for i, (columns, origin) in crew.results(compute_block, jobs):
+        yield i, columns if origin is None else filled_in(columns, origin, excerpts(i))
 
 
 def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:

@@ -141,11 +141,9 @@ class Crew:
                 refused[worker] = _other_version(differing[0], found.versions, own)
             else:
                 ready[worker] = found
-        for worker, found in self._asked(make_ready, list(ready), self._content).items():
-            if found is not None:
-                del ready[worker]
-                refused[worker] = f"it can't compile the study ({found})"
-        return ready, refused
+        answers = self._asked(make_ready, list(ready), self._content)
+        refused |= {w: f"it can't compile the study ({why})" for w, why in answers.items() if why is not None}
+        return {worker: ready[worker] for worker, why in answers.items() if why is None}, refused
 
     def _asked(self, function: Callable, workers: list[str], *arguments: object) -> dict[str, Any]:
         """What some workers answer, or how they fail; of those that go away meanwhile nothing."""
@@ -177,7 +175,8 @@ class Crew:
             self.tell(f"{why[0].upper()}{why[1:]}: waiting for one.")
 
     def _lost(self) -> UnfinishedError:
-        return UnfinishedError("the connection to the Dask scheduler is lost")
+        kept = "what is written is kept, and the same command goes on when there is one again, or without --cluster"
+        return UnfinishedError(f"the connection to the Dask scheduler is lost: {kept}")
 
     def assemble(self) -> None:
         """Wait until a worker is ready.

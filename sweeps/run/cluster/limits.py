@@ -34,9 +34,16 @@ class ClusterLimits(NamedTuple):
     disk: float
 
     @property
+    def seconds(self) -> float:
+        """What a variant takes of the whole: the client fetches and writes in turns, while workers compute."""
+        return max(1.0 / self.workers, 1.0 / self.network + 1.0 / self.disk)
+
+    @property
     def least(self) -> str:
         """The part that limits the whole."""
-        return min(self._fields, key=lambda name: getattr(self, name))
+        if self.seconds * self.workers <= 1.0:
+            return "workers"
+        return "network" if self.network < self.disk else "disk"
 
 
 def measure_limits(crew: Crew, folder: Path) -> ClusterLimits:

@@ -124,8 +124,10 @@ def blocks_of(digest: str) -> Blocks:
     return pickle.loads(_studies[digest])
 
 
-def compute_block(digest: str, start: int, stop: int, excerpts: Sequence[Excerpt]) -> dict[str, np.ndarray]:
-    """All columns of a block of a study that is kept.
+def compute_block(
+    digest: str, start: int, stop: int, excerpts: Sequence[Excerpt]
+) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
+    """Columns of a block of a study that is kept, as of `Blocks.computed`.
 
     Parameters
     ----------
@@ -133,10 +135,10 @@ def compute_block(digest: str, start: int, stop: int, excerpts: Sequence[Excerpt
     start, stop : int
         The block's variants.
     excerpts : sequence of Excerpt
-        What earlier files hold of it.
+        Outlines of what earlier files hold of it.
     """
     with _ONE_AT_A_TIME:
-        return blocks_of(digest).columns(slice(start, stop), excerpts)
+        return blocks_of(digest).computed(slice(start, stop), excerpts)
 
 
 def compute_candidates(digest: str, values: Mapping[str, np.ndarray], drop: np.ndarray | None) -> Outcome:

@@ -38,7 +38,8 @@ def share_out(crew: Crew, values: Mapping[str, np.ndarray], dropped: np.ndarray 
     jobs = (({p: v[s] for p, v in values.items()}, None if dropped is None else dropped[s]) for s in some)
     found = dict(crew.results(compute_candidates, enumerate(jobs)))
     if crew.failures:
-        raise UnfinishedError(f"candidates couldn't be computed ({crew.failures[min(crew.failures)]})")
+        why = crew.failures[min(crew.failures)]
+        raise UnfinishedError(f"candidates couldn't be computed ({why}): earlier generations are kept")
     return _joined([found[i] for i in range(pieces)])
 
 
