@@ -19,6 +19,7 @@ from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected
 from sweeps.run.cluster.crew import UNDER_WAY, Crew
+from sweeps.run.cluster.on_workers import time_variant
 from sweeps.run.runner import layout_of, run_study
 from sweeps.store import describe_result
 from sweeps.store.creating import write_final_text
@@ -162,6 +163,13 @@ def test_job_that_fails__is_given_up_and_the_others_are_not(crew):
     found = dict(crew.results(cluster_jobs.squared_but_one, ((n, (n,)) for n in range(8))))
     assert found == {n: n**2 for n in range(8) if n != 3}
     assert crew.failures == {3: "ArithmeticError: three is refused"}
+
+
+def test_workers_started_anew_under_their_addresses__get_the_study_again(client, crew):
+    crew.assemble()
+    client.run(cluster_jobs.forget)
+    found = dict(crew.results(time_variant, ((n, ()) for n in range(5))))
+    assert (sorted(found), crew.failures) == ([0, 1, 2, 3, 4], {})
 
 
 # Commands

@@ -22,6 +22,7 @@ from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
 from sweeps.run.cluster.on_workers import (
     Greeting,
+    NotReadyError,
     digest_of_content,
     greet,
     make_ready,
@@ -242,7 +243,10 @@ class Crew:
                     yield attempt.job[0], found
                     continue
                 del under_way[future]
-                if not isinstance(error, KilledWorker):
+                if isinstance(error, NotReadyError):
+                    self.members.pop(str(error), None)
+                    suspects.append(attempt.job)
+                elif not isinstance(error, KilledWorker):
                     self.failures[attempt.job[0]] = f"{type(error).__name__}: {error}"
                 elif alone:
                     self.failures[attempt.job[0]] = "every worker that computes it is killed"

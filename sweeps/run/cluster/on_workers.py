@@ -18,7 +18,7 @@ import llvmlite
 import numba
 import numpy as np
 import scipy
-from distributed import Worker
+from distributed import Worker, get_worker
 from llvmlite.binding import get_host_cpu_name
 
 from engine import Outcome, set_threads, sources_digest, threads
@@ -33,6 +33,10 @@ STUDIES_KEPT = 64
 
 _ONE_AT_A_TIME = threading.Lock()
 _studies: dict[str, bytes] = {}
+
+
+class NotReadyError(RuntimeError):
+    """A worker hasn't the study: one that was started anew under the address of another. The text is its address."""
 
 
 class Greeting(NamedTuple):
@@ -121,6 +125,8 @@ def blocks_of(digest: str) -> Blocks:
     digest : str
         As for `digest_of_content`.
     """
+    if digest not in _studies:
+        raise NotReadyError(get_worker().address)
     return pickle.loads(_studies[digest])
 
 
