@@ -112,6 +112,9 @@ def _show_at(
     "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm'; with commas."
 )
 @click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option(
+    "--with", "shown", default="", help="What else the drawing shows, with commas: masses, forces, links, scale."
+)
 @click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
 @click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")
@@ -127,6 +130,7 @@ def plot(
     variant: int | None,
     at: str,
     paths: str,
+    shown: str,
     plans: bool,
     hodograph: bool,
     beside: str | None,
@@ -160,7 +164,7 @@ def plot(
     else:
         scene, values, name = machine_of(file, variant, settings)
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
-        made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths))
+        made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths), names_in(shown))
         made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
         if hodograph or beside:
             other = machine_of(beside, None) if beside else None

@@ -31,7 +31,12 @@ LARGEST_FIELD = 256e6
 
 
 def machine_pictures(
-    scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
+    scene: Scene,
+    values: Mapping[str, float],
+    path: Path,
+    at: Sequence[float] = (),
+    paths: Sequence[str] = (),
+    shown: Sequence[str] = (),
 ) -> list[Path]:
     """Drawing of a machine and its diagrams in two files; its regimes and machine elements in others.
 
@@ -46,6 +51,8 @@ def machine_pictures(
         Positions of the input to draw; one that shows the machine well if none is given.
     paths : sequence of str
         Points whose paths are drawn.
+    shown : sequence of str
+        What else the drawing shows: some of `ANNOTATIONS`, and `SCALE`.
 
     Returns
     -------
@@ -65,7 +72,7 @@ def machine_pictures(
             )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
-    picture(scene, path, at, paths, values)
+    picture(scene, path, at, paths, values, shown)
     diagrams(scene, second, values)
     return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *made]
 
