@@ -19,6 +19,7 @@ from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected
 from sweeps.run.cluster.crew import UNDER_WAY, Crew
+from sweeps.run.cluster.limits import ClusterLimits
 from sweeps.run.cluster.on_workers import time_variant
 from sweeps.run.runner import layout_of, run_study
 from sweeps.store import describe_result
@@ -124,13 +125,18 @@ def test_interrupted_run__goes_on_with_or_without_the_cluster(first, client, tmp
     assert contents(tmp_path / "study.h5") == whole
 
 
-def test_search__is_that_of_one_machine(client, tmp_path):
+def test_search__is_that_of_one_machine(client, tmp_path, monkeypatch):
     asked = searches.ONE.replace("population = 10", "population = 40").replace("generations = 12", "generations = 4")
     study = searches.study_of(tmp_path, asked)
     alone = optimise_study(study, tmp_path / "alone.h5")
     path = optimise_study(study, tmp_path / "on.h5", client=client)
     assert contents(path) == contents(alone)
     assert "; computed by 2 workers" in describe_result(path).attributes["outcome"]
+    monkeypatch.chdir(tmp_path)
+    address = client.scheduler.address
+    answer = said("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
+    assert answer.exit_code == 0, answer.output
+    assert contents(Path("told.h5")) == contents(alone)
 
 
 # What is under way
@@ -173,6 +179,16 @@ def test_workers_started_anew_under_their_addresses__get_the_study_again(client,
 
 
 # Commands
+
+
+@pytest.mark.parametrize(
+    ("rates", "least", "seconds"),
+    [((100.0, 1e3, 1e3), "workers", 1e-2), ((1e6, 1e3, 1e4), "network", 1.1e-3), ((1e6, 1e4, 1e3), "disk", 1.1e-3)],
+)
+def test_limits__count_fetching_and_writing_one_after_the_other(rates, least, seconds):
+    limits = ClusterLimits(*rates)
+    assert limits.least == least
+    assert limits.seconds == pytest.approx(seconds, rel=1e-12)
 
 
 def test_commands__compute_on_the_cluster(client, tmp_path, monkeypatch):

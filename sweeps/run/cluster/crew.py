@@ -11,10 +11,11 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future as Call
 from concurrent.futures import ThreadPoolExecutor
+from queue import Empty, Queue
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
-from distributed import Client, Future, KilledWorker, wait
+from distributed import Client, Future, KilledWorker
 from distributed.client import CancelledError
 
 from sweeps.run.blocks import block_size
@@ -222,15 +223,18 @@ class Crew:
         self.failures = {}
         waiting, suspects, deaths = iter(jobs), deque[Job](), Counter[int]()
         under_way: dict[Future, _Attempt] = {}
+        ended: Queue[Future] = Queue()
         while True:
             self._look()
             for job in self._next(waiting, suspects, len(under_way)):
                 workers = frozenset(self.members)
-                under_way[self._submitted(function, job, workers)] = _Attempt(job, workers)
+                future = self._submitted(function, job, workers)
+                under_way[future] = _Attempt(job, workers)
+                future.add_done_callback(ended.put)
             if not under_way and self.members:
                 return
             alone = len(under_way) == 1
-            for future in self._ended(under_way):
+            for future in self._ended(under_way, ended):
                 attempt = under_way[future]
                 error = self._error_of(future)
                 if error is None:
@@ -278,18 +282,18 @@ class Crew:
         arguments = (self.digest, *job[1])
         return self.client.submit(function, *arguments, workers=sorted(workers), retries=ATTEMPTS - 1, pure=False)
 
-    def _ended(self, under_way: Mapping[Future, _Attempt]) -> list[Future]:
+    def _ended(self, under_way: Mapping[Future, _Attempt], ended: Queue[Future]) -> list[Future]:
         """Those that have ended, after a second at most."""
         if not under_way:
             time.sleep(LOOK / 10)
             return []
         try:
-            wait(list(under_way), timeout=LOOK, return_when="FIRST_COMPLETED")
-        except TimeoutError:
+            found = [ended.get(timeout=LOOK)]
+        except Empty:
             return []
-        except CancelledError:
-            raise self._lost() from None
-        return [future for future in under_way if future.done()]
+        while not ended.empty():
+            found.append(ended.get())
+        return [future for future in found if future in under_way]
 
     def _error_of(self, future: Future) -> BaseException | None:
         """Why something that has ended failed."""
