@@ -42,6 +42,7 @@ def show(
     from sweeps.report.result_report import (
         answer_text,
         counts_text,
+        fields_text,
         undecided_text,
         variants_done_text,
         variants_text,
@@ -67,19 +68,20 @@ def show(
     if sort is None and goal is not None:
         sort, descending = goal.goal, goal.sign < 0
     condition = where or (goal.where if goal else usual)
-    chosen = result.select(condition, sort or (usual and "front"), descending)
+    chosen = result.select(condition, sort or (usual and "front"), descending, most=limit)
     if as_json:
-        tell_data(result_data(result, chosen[:limit], names))
+        tell_data(result_data(result, chosen, names))
         return
     d = result.description
     tell(f"{d.title}: {variants_done_text(result)}")
     tell(f"varied: {varied_text(result)}")
-    if result.fields:
-        tell(f"fields over {d.positions} positions: {', '.join(result.fields)}")
+    for line in fields_text(result):
+        tell(line)
     tell(counts_text(result))
     left_open = undecided_text(result, condition)
-    tell(f"{chosen.size} variants meet the condition{left_open}; the first {min(limit, chosen.size)}:")
-    tell(variants_text(result, chosen[:limit], names))
+    count = int(result.meeting(condition).sum())
+    tell(f"{count} variants meet the condition{left_open}; the first {chosen.size}:")
+    tell(variants_text(result, chosen, names))
     if where is None:
         tell((optimum_text if is_search(result) else answer_text)(result))
 
