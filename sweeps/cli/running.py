@@ -6,7 +6,9 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import (
+    CLUSTER,
     JSON,
+    cluster_client,
     errors_as_messages,
     make_folder,
     plots_of,
@@ -18,6 +20,7 @@ from sweeps.cli.shared import (
     tell_data,
     tell_files,
     use_threads,
+    workers_text,
 )
 from sweeps.interruption import keeping
 
@@ -26,10 +29,17 @@ from sweeps.interruption import keeping
 @click.argument("study")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the result would go.")
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
+@CLUSTER
 @study_options
 @errors_as_messages
 def check(
-    study: str, out: Path, source: bool, settings: tuple[str, ...], positions: int | None, accuracy: str | None
+    study: str,
+    out: Path,
+    source: bool,
+    cluster: str | None,
+    settings: tuple[str, ...],
+    positions: int | None,
+    accuracy: str | None,
 ) -> None:
     """Say what a study or scene will compute, what not and why, and its time, memory and file size."""
     from sweeps.report.check_report import check_text
@@ -41,7 +51,8 @@ def check(
     if source:
         tell(found.machine().source())
     else:
-        tell(check_text(found, out))
+        with cluster_client(cluster) as client:
+            tell(check_text(found, out, client, tell_aside))
 
 
 @click.command()
@@ -56,6 +67,7 @@ def run(
     restart: bool,
     replace: bool,
     jobs: int | None,
+    cluster: str | None,
     no_plots: bool,
     quiet: bool,
     settings: tuple[str, ...],
@@ -90,7 +102,12 @@ def run(
     use_threads(jobs)
     bar = ProgressBar(found.design.size, quiet)
     with keeping(bar.kept_text):
-        run_study(found, out, restart, bar.update, replace, tell_aside)
+        with cluster_client(cluster, jobs) as client:
+
+            def update(done: int, before: int) -> None:
+                bar.update(done, before, workers_text(client))
+
+            run_study(found, out, restart, update, replace, tell_aside, client)
         bar.close()
         result = SweepResult(out)
         if as_json:
@@ -115,7 +132,14 @@ def run(
 @run_options("results/NAME_optimised.h5")
 @errors_as_messages
 def optimise(
-    study: str, out: Path | None, restart: bool, replace: bool, jobs: int | None, no_plots: bool, quiet: bool
+    study: str,
+    out: Path | None,
+    restart: bool,
+    replace: bool,
+    jobs: int | None,
+    cluster: str | None,
+    no_plots: bool,
+    quiet: bool,
 ) -> None:
     """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
     from sweeps.optimising.optimum import optimum_text
@@ -134,7 +158,12 @@ def optimise(
     use_threads(jobs)
     bar = ProgressBar(task_of(found).generations, quiet, "generations")
     with keeping(bar.kept_text):
-        optimise_study(found, out, restart, bar.update, replace, tell_aside)
+        with cluster_client(cluster, jobs) as client:
+
+            def update(done: int, before: int, words: str) -> None:
+                bar.update(done, before, ", ".join(filter(None, (words, workers_text(client)))))
+
+            optimise_study(found, out, restart, update, replace, tell_aside, client)
         bar.close()
         result = SweepResult(out)
         tell(f"{found.title or found.name}: {result.description.variants} candidates")

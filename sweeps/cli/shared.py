@@ -4,16 +4,22 @@ import json
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import reduce, wraps
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
 
+if TYPE_CHECKING:
+    from distributed import Client
+
 WRONG_INPUT = 2
 ALL_FAILED = 1
+NOT_ALL_DONE = 1
 DIFFERENT = 1
 
 LONGEST_MESSAGE = 2900
@@ -29,12 +35,12 @@ def tell(text: str, err: bool = False) -> None:
     click.echo(_CONTROL.sub(lambda found: repr(found[0])[1:-1], text), err=err)
 
 
-def fail(message: str) -> None:
+def fail(message: str, code: int = WRONG_INPUT) -> None:
     """Say what is wrong on standard error and stop."""
     if len(message) > LONGEST_MESSAGE:
         message = f"{message[:LONGEST_MESSAGE].rsplit(' ', 1)[0]} … (cut: {len(message)} characters)"
     tell(f"Error: {message}", err=True)
-    sys.exit(WRONG_INPUT)
+    sys.exit(code)
 
 
 def errors_as_messages(command: Callable) -> Callable:
@@ -48,29 +54,34 @@ def errors_as_messages(command: Callable) -> Callable:
         except Exception as error:
             if not isinstance(error, _foreseen()):
                 raise
-            fail(str(error))
+            fail(str(error), _code_of(error))
 
     return guarded
+
+
+def _code_of(error: Exception) -> int:
+    from sweeps.run.cluster.cluster_errors import UnfinishedError
+
+    return NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT
 
 
 def _foreseen() -> tuple[type[Exception], ...]:
     """Errors whose text is meant for whoever gave the command; imported only when one occurs, as that is slow."""
     from engine import AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
+    from sweeps.run.cluster.cluster_errors import ClusterError
     from sweeps.store import StoreError
     from sweeps.text.input_files import InputError
 
-    return (
-        InputError,
-        StoreError,
-        AskError,
-        BalanceError,
-        SceneError,
-        SynthesisError,
-        TableError,
-        UnitError,
-        PictureError,
-    )
+    of_engine = (AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError)
+    return (InputError, StoreError, *of_engine, PictureError, ClusterError)
+
+
+CLUSTER = click.option(
+    "--cluster",
+    metavar="ADDRESS",
+    help="Compute on the Dask cluster of this scheduler, tcp://node1:8786; local:8 starts eight processes here.",
+)
 
 
 def run_options(out: str) -> Callable:
@@ -80,6 +91,7 @@ def run_options(out: str) -> Callable:
         click.option("--restart", is_flag=True, help="Compute everything, and throw away an earlier result."),
         click.option("--replace", is_flag=True, help="Keep no former result of an edited study beside the new one."),
         click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
+        CLUSTER,
         click.option("--no-plots", is_flag=True, help="Make no pictures."),
         click.option("--quiet", is_flag=True, help="No progress on standard error."),
     )
@@ -161,6 +173,39 @@ def use_threads(jobs: int | None) -> None:
         from engine import set_threads
 
         set_threads(jobs)
+
+
+@contextmanager
+def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Client | None"]:
+    """A client of the cluster that a command is to compute on; None without one.
+
+    Raises
+    ------
+    ClusterError
+        There is no such cluster, or it isn't for this command to say how many threads it uses.
+    """
+    if address is None:
+        yield None
+        return
+    from sweeps.run.cluster.cluster_errors import ClusterError
+    from sweeps.run.cluster.connecting import connected
+
+    if jobs is not None and not address.startswith("local"):
+        raise ClusterError("--jobs: workers use the threads they were started with, `dask worker --nthreads 8`")
+    with connected(address) as client:
+        yield client
+
+
+def workers_text(client: "Client | None") -> str:
+    """How many workers a cluster has just now; nothing without one, or where that can't be had."""
+    if client is None:
+        return ""
+    try:
+        count = len(client.nthreads())
+    except OSError:
+        # That the scheduler is lost is told where something is asked of it.
+        return ""
+    return f"{count} worker{'' if count == 1 else 's'}"
 
 
 def make_folder(path: Path) -> None:

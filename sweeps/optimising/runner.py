@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from sweeps.optimising.searching import STEPS, descend, way_of
 from sweeps.optimising.spread import spread_columns, spreads
 from sweeps.optimising.trials import Batch, Trials, joined
 from sweeps.run.blocks import LARGEST_BLOCK
-from sweeps.run.runner import WORDS, layout_of, tell_all
+from sweeps.run.runner import WORDS, crew_of, layout_of, tell_all
 from sweeps.store import (
     Column,
     DamagedError,
@@ -38,6 +38,9 @@ from sweeps.study.study import Study
 from sweeps.study.study_text import Best
 from sweeps.text.engineer_units import quantity_text
 
+if TYPE_CHECKING:
+    from distributed import Client
+
 # Called with the generations done, those of them done before this run, and what has been found, in words.
 OnGeneration = Callable[[int, int, str], None]
 
@@ -49,6 +52,7 @@ def optimise_study(
     progress: OnGeneration | None = None,
     replace_former: bool = False,
     tell: Callable[[str], None] | None = None,
+    client: "Client | None" = None,
 ) -> Path:
     """Search a study for its best variants, or go on with it, into a result file.
 
@@ -70,6 +74,8 @@ def optimise_study(
         Let the file take the place of a former one of another search; otherwise that is kept, under a numbered name.
     tell : callable, optional
         Called with sentences on what was found and what became of it.
+    client : Client, optional
+        Of a Dask cluster whose workers compute the candidates.
 
     Returns
     -------
@@ -82,9 +88,27 @@ def optimise_study(
         The study asks for nothing that can be searched for.
     StoreError
         The file can't be made or written, or what is there is no result of a sweep.
+    ClusterError
+        None of the cluster's workers can take part.
+    UnfinishedError
+        Some candidates couldn't be computed, or the scheduler is lost; all earlier generations are kept.
     """
     path, task, tell = Path(path), task_of(study), tell or (lambda sentence: None)
-    trials, work = Trials(task), _work_path(path)
+    layout = layout_of(task.study, task.study.machine())
+    with crew_of(client, task.study, layout, tell) as crew:
+        return _search(task, Trials(task, crew), path, restart, progress, replace_former, tell)
+
+
+def _search(
+    task: SearchTask,
+    trials: Trials,
+    path: Path,
+    restart: bool,
+    progress: OnGeneration | None,
+    replace_former: bool,
+    tell: Callable[[str], None],
+) -> Path:
+    work = _work_path(path)
     if path.exists() and not restart and _is_finished(path, task, trials, tell):
         remove_unlocked(part_path(work))
         return path
@@ -241,7 +265,8 @@ def _finish(
     with Store.open(path, _final_layout(task, trials, count), restart=not keep) as store:
         for i in range(store.layout.blocks):
             store.write(i, {name: values[store.slice(i)] for name, values in found.items()})
-        store.finish(f"{count} candidates, {way}", keep_former=keep)
+        by = "" if trials.crew is None else f"; computed by {trials.crew.words}"
+        store.finish(f"{count} candidates, {way}{by}", keep_former=keep)
         tell_all(store, tell)
 
 

@@ -1,14 +1,17 @@
 """Candidates evaluated together: their columns, costs, and how far each is from meeting the conditions."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine import Verdict
+from engine import Outcome, Verdict
 from sweeps.run.blocks import largest_block
 from sweeps.study.search_task import Objective, SearchTask
 from sweeps.text.conditions import errors_in, value_with_error
+
+if TYPE_CHECKING:
+    from sweeps.run.cluster.crew import Crew
 
 # An undefined cost, or a strict inequality on its limit, misses by no measure; yet it mustn't pass.
 LEAST_VIOLATION = 1e-12
@@ -52,10 +55,12 @@ class Trials:
     Parameters
     ----------
     task : SearchTask
+    crew : Crew, optional
+        Workers of a cluster that share the candidates among them.
     """
 
-    def __init__(self, task: SearchTask) -> None:
-        self.task, self.machine = task, task.study.machine()
+    def __init__(self, task: SearchTask, crew: "Crew | None" = None) -> None:
+        self.task, self.crew, self.machine = task, crew, task.study.machine()
         self._most = largest_block(task.study, self.machine)
 
     def evaluate(self, coordinates: np.ndarray) -> Batch:
@@ -83,7 +88,8 @@ class Trials:
         study = self.task.study
         values, missed = study.completed(varied, count)
         dropped = missed.any(axis=0) if drop else None
-        outcome = self.machine.evaluate({p: values[p] for p in study.paths}, dropped)
+        asked = {p: values[p] for p in study.paths}
+        outcome = self._shared_out(asked, dropped, count) if self.crew else self.machine.evaluate(asked, dropped)
         found = dict(values)
         found |= {"status": outcome.status, "status_group": outcome.status_group, "status_at": outcome.status_at}
         found |= outcome.summaries | {f"{name}_error": error for name, error in outcome.errors.items()}
@@ -91,6 +97,11 @@ class Trials:
             if not objective.is_column:
                 found[objective.name], found[f"{objective.name}_error"] = _with_error(objective, found)
         return found
+
+    def _shared_out(self, values: Mapping[str, np.ndarray], dropped: np.ndarray | None, count: int) -> Outcome:
+        from sweeps.run.cluster.sharing import share_out
+
+        return share_out(self.crew, values, dropped, count)
 
     def judged(self, columns: dict[str, np.ndarray]) -> Batch:
         """What columns of candidates mean for the search."""

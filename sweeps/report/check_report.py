@@ -1,8 +1,9 @@
 """What a study will compute, what not and why, and what it will cost, in words and tables."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,11 +27,14 @@ from sweeps.report.remarks import remarks_on
 from sweeps.report.result_report import drop_lines
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import probe
-from sweeps.run.runner import layout_of
+from sweeps.run.runner import crew_of, layout_of
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import Study
 from sweeps.text.engineer_units import quantity_text
 from sweeps.text.tables import table
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 # Up to so many variants `check` tells what each condition drops by looking at all of them.
 MOST_COUNTED = 16 * LARGEST_BLOCK
@@ -156,8 +160,24 @@ def plan_text(machine: Machine) -> tuple[str, str]:
     return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
 
 
-def check_text(study: Study, out: Path) -> str:
-    """Everything `sweeps check` says of a study."""
+def check_text(
+    study: Study,
+    out: Path,
+    client: "Client | None" = None,
+    tell: Callable[[str], None] = lambda sentence: None,
+) -> str:
+    """Everything `sweeps check` says of a study, and of the cluster that it is to be run on.
+
+    Parameters
+    ----------
+    study : Study
+    out : Path
+        The file that its result would go to.
+    client : Client, optional
+        Of the cluster.
+    tell : callable
+        Called with sentences on what is waited for meanwhile.
+    """
     machine = study.machine()
     warned = "\n".join([*remarks_on(study.scene), *filter(None, [between_positions_text(study)])])
     sections = [
@@ -170,6 +190,7 @@ def check_text(study: Study, out: Path) -> str:
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),
         *_cost_sections(study, machine, out),
+        *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
 
@@ -202,7 +223,7 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     block = block_size(study, machine, cost.seconds)
     memory = block * (numbers + bytes_of_fields(study, machine))
-    free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
+    free = shutil.disk_usage(_existing_folder(out)).free
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
@@ -211,6 +232,27 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
         ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
     ]
+
+
+def _existing_folder(out: Path) -> Path:
+    """The folder that a result goes to, or the one in which that would be made."""
+    return next(p for p in (out.parent, *out.absolute().parents) if p.exists())
+
+
+def _cluster_text(study: Study, client: "Client", out: Path, tell: Callable[[str], None]) -> str:
+    """Who would compute a study on a cluster, how fast, and what is the limit."""
+    from sweeps.run.cluster.limits import measure_limits
+
+    with crew_of(client, study, layout_of(study, study.machine()), tell) as crew:
+        limits = measure_limits(crew, _existing_folder(out))
+        words = crew.words
+    rates = [
+        f"workers: {limits.workers:.3g} variants a second",
+        f"network: {limits.network:.3g} variants a second",
+        f"disk: {limits.disk:.3g} variants a second",
+    ]
+    seconds = study.design.size * limits.seconds
+    return "\n".join([words, *rates, f"limit: {limits.least}; about {seconds:.3g} s"])
 
 
 def _design_text(study: Study) -> str:

@@ -5,11 +5,11 @@ change its last digits, as it changes where the cycle is cut: taken-over numbers
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -93,9 +93,19 @@ class Earlier:
         rows[(status == Verdict.DROPPED) | (status == Verdict.NOT_COMPUTED)] = -1
         return rows
 
-    def read(self, name: str, rows: np.ndarray) -> np.ndarray:
-        """A column of some variants."""
-        return self._file.columns[name][rows]
+    def excerpt(self, values: Mapping[str, np.ndarray], drop: np.ndarray) -> "Excerpt":
+        """What it holds of some variants.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray (count,)
+            Their parameters.
+        drop : ndarray (count,) of bool
+            Which of them aren't wanted.
+        """
+        rows = np.where(drop, -1, self.rows_of(values, drop.size))
+        there = np.flatnonzero(rows >= 0)
+        return Excerpt(there, {name: np.asarray(self._file.columns[name][rows[there]]) for name in sorted(self.names)})
 
     def is_within(self, study: Study) -> bool:
         """Whether a study's result has all that the file holds: all its columns, and every variant that is done."""
@@ -138,6 +148,43 @@ def _shared(
     return frozenset(found & {column.name for column in {*their_columns} & {*our_columns}})
 
 
+class Excerpt(NamedTuple):
+    """What an earlier result file holds of a block.
+
+    Attributes
+    ----------
+    there : ndarray of int
+        Which of the block's variants it has.
+    columns : dict of str to ndarray
+        Their numbers.
+    """
+
+    there: np.ndarray
+    columns: dict[str, np.ndarray]
+
+    @property
+    def outline(self) -> "Excerpt":
+        """Of it what decides what is left to be computed: the names of its columns, and verdicts."""
+        none = np.empty(0)
+        return self._replace(columns=dict.fromkeys(self.columns, none) | {"status": self.columns["status"]})
+
+
+def excerpts_of(earlier: Sequence[Earlier], study: Study, variants: slice) -> list[Excerpt]:
+    """What earlier files hold of a block of variants, the file with the most columns first.
+
+    Parameters
+    ----------
+    earlier : sequence of Earlier
+    study : Study
+    variants : slice
+    """
+    useful = sorted((e for e in earlier if e.names), key=lambda e: -len(e.names))
+    if not useful:
+        return []
+    values, drop = study.values(variants.start, variants.stop)
+    return [found for e in useful if (found := e.excerpt(values, drop)).there.size]
+
+
 class Blocks:
     """Blocks of a study: their columns, taken over as far as earlier files have them.
 
@@ -145,53 +192,76 @@ class Blocks:
     ----------
     study : Study
     layout : FileLayout
-        Of its file.
-    earlier : sequence of Earlier
+        Of its file; only the columns are looked at.
     """
 
-    def __init__(self, study: Study, layout: FileLayout, earlier: Sequence[Earlier]) -> None:
-        self.study, self.layout, self.machine = study, layout, study.machine()
-        self.earlier = sorted((e for e in earlier if e.names), key=lambda e: -len(e.names))
-        self._buffer = self.machine.new_buffer(layout.block)
+    def __init__(self, study: Study, layout: FileLayout) -> None:
+        self.study, self.layout = study, layout
         self._parts: dict[tuple[tuple[str, ...], tuple[str, ...]], Study] = {}
 
-    def columns(self, i: int) -> dict[str, np.ndarray]:
-        """All columns of block `i`."""
-        variants = self.layout.slice(i)
-        if not self.earlier:
-            return evaluate_block(self.study, self.machine, variants, self._buffer)
-        values, drop = self.study.values(variants.start, variants.stop)
-        found = {c.name: np.empty((drop.size, *self.layout.shape(c)[1:]), c.dtype) for c in self.layout.columns}
-        found |= values
-        left = np.ones(drop.size, bool)
-        for earlier in self.earlier:
-            rows = np.where(left & ~drop, earlier.rows_of(values, drop.size), -1)
-            chosen = np.flatnonzero(rows >= 0)
-            if chosen.size:
-                whole = self._taken(
-                    earlier, rows[chosen], {name: v[chosen] for name, v in values.items()}, found, chosen
-                )
-                left[chosen[whole]] = False
-        if left.any():
-            some = {name: array[left] for name, array in values.items()}
-            for name, array in evaluate_variants(self.study, self.machine, some, drop[left]).items():
-                found[name][left] = array
-        return found
+    def columns(
+        self, variants: slice, excerpts: Sequence[Excerpt] = (), buffer: np.ndarray | None = None
+    ) -> dict[str, np.ndarray]:
+        """All columns of a block.
 
-    def _taken(
+        Parameters
+        ----------
+        variants : slice
+        excerpts : sequence of Excerpt
+            What earlier files hold of it.
+        buffer : ndarray, optional
+            Memory for its fields; what is returned may lie in it.
+        """
+        return filled_in(*self.computed(variants, excerpts, buffer), excerpts)
+
+    def computed(
+        self, variants: slice, excerpts: Sequence[Excerpt] = (), buffer: np.ndarray | None = None
+    ) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
+        """Columns of a block, as for `columns`, in which what is taken over isn't filled in; and which that is.
+
+        Parameters
+        ----------
+        variants : slice
+        excerpts : sequence of Excerpt
+            Their outlines will do.
+        buffer : ndarray, optional
+
+        Returns
+        -------
+        columns : dict of str to ndarray
+        origin : ndarray (variants,) of int or None
+            The excerpt that a variant is taken from, −1 for those computed anew; None if all are.
+        """
+        if not excerpts:
+            return evaluate_block(self.study, self.study.machine(), variants, buffer), None
+        values, drop = self.study.values(variants.start, variants.stop)
+        found = {c.name: np.zeros((drop.size, *self.layout.shape(c)[1:]), c.dtype) for c in self.layout.columns}
+        found |= values
+        origin = np.full(drop.size, -1)
+        for k, excerpt in enumerate(excerpts):
+            wanted = origin[excerpt.there] < 0
+            chosen = excerpt.there[wanted]
+            if chosen.size:
+                status, some = excerpt.columns["status"][wanted], {name: v[chosen] for name, v in values.items()}
+                whole = self._complete(excerpt.columns.keys(), status, some, found, chosen)
+                origin[chosen[whole]] = k
+        if (left := origin < 0).any():
+            some = {name: array[left] for name, array in values.items()}
+            for name, array in evaluate_variants(self.study, self.study.machine(), some, drop[left]).items():
+                found[name][left] = array
+        return found, origin
+
+    def _complete(
         self,
-        earlier: Earlier,
-        rows: np.ndarray,
+        taken: Iterable[str],
+        status: np.ndarray,
         values: dict[str, np.ndarray],
         found: dict[str, np.ndarray],
         chosen: np.ndarray,
     ) -> np.ndarray:
-        """Fill in the variants `chosen` from an earlier file; tell which of them are whole by that (chosen,)."""
-        for name in earlier.names:
-            found[name][chosen] = earlier.read(name, rows)
-        status = found["status"][chosen]
+        """Compute what an earlier file lacks of the variants `chosen`; tell which are whole by that (chosen,)."""
         whole = np.ones(chosen.size, bool)
-        missing = [c.name for c in self.layout.columns if c.name not in earlier.names and c.name not in values]
+        missing = [c.name for c in self.layout.columns if c.name not in taken and c.name not in values]
         if rest := self._asking_for(missing):
             new = evaluate_variants(rest, rest.machine(), values, np.zeros(chosen.size, bool))
             # What is asked beside may find another fault, which is then the variant's.
@@ -218,3 +288,25 @@ class Blocks:
                 self.study, summaries=summaries, fields=fields, derivatives=(), tolerances={}
             )
         return self._parts[summaries, fields]
+
+
+def filled_in(
+    columns: dict[str, np.ndarray], origin: np.ndarray | None, excerpts: Sequence[Excerpt]
+) -> dict[str, np.ndarray]:
+    """Columns of a block with what is taken over.
+
+    Parameters
+    ----------
+    columns, origin
+        As `Blocks.computed` returns them.
+    excerpts : sequence of Excerpt
+    """
+    if origin is None:
+        return columns
+    # What came from another process may be read only.
+    whole = {name: np.require(array, requirements="W") for name, array in columns.items()}
+    for k, excerpt in enumerate(excerpts):
+        taken = origin[excerpt.there] == k
+        for name, array in excerpt.columns.items():
+            whole[name][excerpt.there[taken]] = array[taken]
+    return whole

@@ -2,9 +2,11 @@
 
 import json
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import h5py
 import llvmlite
@@ -13,7 +15,8 @@ import numpy as np
 
 from engine import SENTENCES, ElementsAlone, InputUnits, Machine, Quantity, Verdict, threads
 from sweeps.run.blocks import block_size, largest_block
-from sweeps.run.carrying import Blocks, Earlier
+from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
+from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.cost import FEW, seconds_of_variant
 from sweeps.store import (
     POSITION_NAMES,
@@ -32,7 +35,15 @@ from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.engineer_units import units_shown
 from sweeps.text.scene_text import write_scene
 
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from sweeps.run.cluster.crew import Crew
+
 # Attributes that say what is asked and concluded, not how numbers were made.
+# Blocks that are named where some couldn't be computed.
+FAILURES_NAMED = 3
+
 WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 
@@ -111,6 +122,7 @@ def run_study(
     progress: Callable[[int, int], None] | None = None,
     replace_former: bool = False,
     tell: Callable[[str], None] | None = None,
+    client: "Client | None" = None,
 ) -> Path:
     """Run a study, or what is left of it, into a result file.
 
@@ -131,6 +143,8 @@ def run_study(
         Let the file take the place of a former one of another study.
     tell : callable, optional
         Called with sentences on what was found and what became of it.
+    client : Client, optional
+        Of a Dask cluster whose workers compute the blocks.
 
     Returns
     -------
@@ -141,6 +155,10 @@ def run_study(
     ------
     StoreError
         The file can't be made or written, or what is there is no result of a sweep.
+    ClusterError
+        None of the cluster's workers can take part.
+    UnfinishedError
+        Some blocks couldn't be computed, or the scheduler is lost; all others are kept.
     """
     path, tell = Path(path), tell or (lambda sentence: None)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -148,7 +166,10 @@ def run_study(
     layout = layout_of(study, machine)
     if not restart and _stands(path, layout, tell):
         return path
-    with Store.open(path, layout, restart, lambda: measured_block_size(study, machine)) as store:
+    with (
+        crew_of(client, study, layout, tell) as crew,
+        Store.open(path, layout, restart, lambda: _block_size(study, machine, crew)) as store,
+    ):
         tell_all(store, tell)
         if store.finished:
             return path
@@ -158,21 +179,79 @@ def run_study(
         done = before = study.design.size - sum(sizes.values())
         if progress:
             progress(done, before)
-        blocks = Blocks(study, store.layout, earlier)
-        for i in pending:
-            store.write(i, blocks.columns(i))
+        for i, columns in _computed(study, store, earlier, crew):
+            store.write(i, columns)
             done += sizes[i]
             if progress:
                 progress(done, before)
+        if store.pending:
+            raise UnfinishedError(_unfinished_text(store, crew.failures))
         former = {source: found for source, found in zip(store.sources, earlier, strict=True) if source.exists()}
         contained = [source for source, found in former.items() if found.is_within(study)]
         dropped = restart or replace_former or path in contained
-        store.finish(keep_former=not dropped)
+        store.finish("" if crew is None else f"computed by {crew.words}", keep_former=not dropped)
         for source in contained if not replace_former else former:
             if source != path:
                 source.unlink(missing_ok=True)
         tell_all(store, tell)
     return path
+
+
+def crew_of(
+    client: "Client | None", study: Study, layout: FileLayout, tell: Callable[[str], None]
+) -> AbstractContextManager["Crew | None"]:
+    """Workers of a cluster for a study; None, to be used likewise, without a cluster.
+
+    Parameters
+    ----------
+    client : Client or None
+    study : Study
+    layout : FileLayout
+        Of its file.
+    tell : callable
+        Called with sentences on who is refused, and on what is waited for.
+    """
+    if client is None:
+        return nullcontext()
+    # Loaded only where there is a cluster, as Dask may not be installed.
+    from sweeps.run.cluster.crew import Crew
+
+    return Crew(client, Blocks(study, layout), tell)
+
+
+def _computed(
+    study: Study, store: Store, earlier: Sequence[Earlier], crew: "Crew | None"
+) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
+    """Columns of all pending blocks: here in their order, on a cluster in any."""
+
+    def excerpts(i: int) -> list[Excerpt]:
+        return excerpts_of(earlier, study, store.slice(i))
+
+    if crew is None:
+        blocks, buffer = Blocks(study, store.layout), study.machine().new_buffer(store.layout.block)
+        for i in store.pending:
+            yield i, blocks.columns(store.slice(i), excerpts(i), buffer)
+        return
+    from sweeps.run.cluster.on_workers import compute_block
+
+    rows = ((i, store.slice(i)) for i in store.pending)
+    jobs = ((i, (part.start, part.stop, [e.outline for e in excerpts(i)])) for i, part in rows)
+    for i, (columns, origin) in crew.results(compute_block, jobs):
+        yield i, columns if origin is None else filled_in(columns, origin, excerpts(i))
+
+
+def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
+    """Which blocks couldn't be computed, and why the first of them."""
+    rows = [store.slice(i) for i in sorted(failures)]
+    shown = ", ".join(f"{r.start} … {r.stop - 1}" for r in rows[:FAILURES_NAMED])
+    more = f" and {len(rows) - FAILURES_NAMED} blocks more" if len(rows) > FAILURES_NAMED else ""
+    why = failures[min(failures)]
+    kept = f"All others are kept in {store.part}; the same command tries these again."
+    return f"variants {shown}{more} couldn't be computed ({why}). {kept}"
+
+
+def _block_size(study: Study, machine: Machine | ElementsAlone, crew: "Crew | None") -> int:
+    return measured_block_size(study, machine) if crew is None else crew.block_size()
 
 
 def measured_block_size(study: Study, machine: Machine | ElementsAlone) -> int:

@@ -1,7 +1,7 @@
 """A study: a scene, what varies in it, what is asked of it; from a text file or from Python."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -95,6 +95,10 @@ class Study:
         return (
             f"<Study {self.title or self.name!r}: {self.design.size} variants{f' of {axes}' if axes else ''}; {asked}>"
         )
+
+    def __getstate__(self) -> dict[str, object]:
+        # Machine code isn't sent to other processes, nor whatever else follows from the study.
+        return {attribute.name: getattr(self, attribute.name) for attribute in fields(self)}
 
     @cached_property
     def fixed(self) -> dict[str, float]:

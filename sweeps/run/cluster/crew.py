@@ -1,0 +1,330 @@
+"""The workers that take part in a run, and what is under way on them.
+
+Dask balances, and begins again what was lost with a worker. It is told which workers may be given something: those that
+have been greeted, run the same program, and have compiled what it takes.
+"""
+
+import itertools
+import pickle
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import Future as Call
+from concurrent.futures import ThreadPoolExecutor
+from queue import Empty, Queue
+from types import TracebackType
+from typing import Any, NamedTuple, Self
+
+from distributed import Client, Future, KilledWorker
+from distributed.client import CancelledError
+
+from sweeps.run.blocks import block_size
+from sweeps.run.carrying import Blocks
+from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
+from sweeps.run.cluster.on_workers import (
+    Greeting,
+    NotReadyError,
+    digest_of_content,
+    greet,
+    make_ready,
+    own_greeting,
+    time_variant,
+)
+from sweeps.run.cost import FEW
+
+# Attempts at what fails, before it is given up.
+ATTEMPTS = 3
+# For each worker: one that is computed, one that comes next.
+UNDER_WAY = 2
+# Seconds between one look at who is there and the next.
+LOOK = 1.0
+# Workers whose refusal is told one by one.
+NAMED = 3
+
+
+# A number by which a result is known, and what a function is called with for it.
+Job = tuple[int, tuple]
+
+
+class _Attempt(NamedTuple):
+    job: Job
+    workers: frozenset[str]
+
+
+class _GoneError(Exception):
+    """All workers that could have a result are gone."""
+
+
+class Crew:
+    """Workers of a cluster that have a study ready. Use as a context manager.
+
+    Parameters
+    ----------
+    client : Client
+    blocks : Blocks
+        Of the study.
+    tell : callable
+        Called with sentences on who is refused, and on what is waited for.
+
+    Attributes
+    ----------
+    members : dict of str to Greeting
+        Those ready now, by their addresses.
+    failures : dict of int to str
+        Numbers of the jobs that were given up, and why.
+
+    Raises
+    ------
+    ClusterError
+        As soon as something is to be computed: no worker that is there can take part.
+    UnfinishedError
+        At any time: the scheduler is lost.
+    """
+
+    def __init__(self, client: Client, blocks: Blocks, tell: Callable[[str], None]) -> None:
+        self.client, self.blocks, self.tell = client, blocks, tell
+        self._content = pickle.dumps(blocks)
+        self.digest = digest_of_content(self._content)
+        self.members: dict[str, Greeting] = {}
+        self.failures: dict[int, str] = {}
+        self._seen: dict[str, Greeting] = {}
+        self._refused: dict[str, str] = {}
+        self._aside = ThreadPoolExecutor(1, thread_name_prefix="crew")
+        self._fetching = ThreadPoolExecutor(1, thread_name_prefix="fetching")
+        self._greeting: Call | None = None
+        self._looked = -LOOK
+        self._waits = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._aside.shutdown(wait=False)
+        self._fetching.shutdown(wait=False)
+
+    @property
+    def words(self) -> str:
+        """Workers, threads and processors that have taken part."""
+        threads = sum(member.threads for member in self._seen.values())
+        kinds = Counter(member.processor for member in self._seen.values())
+        processors = ", ".join(f"{kind} ({count})" for kind, count in sorted(kinds.items()))
+        plural = "" if len(self._seen) == 1 else "s"
+        return f"{len(self._seen)} worker{plural}, {threads} threads; processors: {processors}"
+
+    # Who takes part
+
+    def _look(self) -> None:
+        """See who has come and who has gone, not too often; who comes is greeted while others work."""
+        if self._greeting and self._greeting.done():
+            done, self._greeting = self._greeting, None
+            self._welcome(*done.result())
+        if time.monotonic() - self._looked < LOOK:
+            return
+        self._looked = time.monotonic()
+        try:
+            there = set(self.client.nthreads())
+        except OSError:
+            raise self._lost() from None
+        self.members = {address: member for address, member in self.members.items() if address in there}
+        self._refused = {address: why for address, why in self._refused.items() if address in there}
+        new = sorted(there - self.members.keys() - self._refused.keys())
+        if new and not self._greeting:
+            self._greeting = self._aside.submit(self._greet, new)
+
+    def _greet(self, workers: list[str]) -> tuple[dict[str, Greeting], dict[str, str]]:
+        """Those of some workers that are ready now, and why others are refused."""
+        own, ready, refused = own_greeting().versions, {}, {}
+        for worker, found in self._asked(greet, workers).items():
+            if not isinstance(found, Greeting):
+                refused[worker] = _stranger(found)
+            elif differing := [name for name, version in own.items() if found.versions.get(name) != version]:
+                refused[worker] = _other_version(differing[0], found.versions, own)
+            else:
+                ready[worker] = found
+        answers = self._asked(make_ready, list(ready), self._content)
+        refused |= {w: f"it can't compile the study ({why})" for w, why in answers.items() if why is not None}
+        return {worker: ready[worker] for worker, why in answers.items() if why is None}, refused
+
+    def _asked(self, function: Callable, workers: list[str], *arguments: object) -> dict[str, Any]:
+        """What some workers answer, or how they fail; of those that go away meanwhile nothing."""
+        if not workers:
+            return {}
+        try:
+            found = self.client.run(function, *arguments, workers=workers, on_error="return")
+        except OSError:
+            return {}
+        return {worker: answer for worker, answer in found.items() if not isinstance(answer, OSError)}
+
+    def _welcome(self, ready: dict[str, Greeting], refused: dict[str, str]) -> None:
+        self.members |= ready
+        self._seen |= ready
+        self._refused |= refused
+        if refused and (self.members or self._waits):
+            self.tell(f"Left out: {self._refusals()}")
+        if ready:
+            self._waits = False
+
+    def _refusals(self) -> str:
+        shown = [f"worker {worker}: {why}" for worker, why in sorted(self._refused.items())[:NAMED]]
+        more = len(self._refused) - len(shown)
+        return "; ".join([*shown, *([f"and {more} more"] if more else [])])
+
+    def _tell_waiting(self, why: str) -> None:
+        if not self._waits and not self._greeting:
+            self._waits = True
+            self.tell(f"{why[0].upper()}{why[1:]}: waiting for one.")
+
+    def _lost(self) -> UnfinishedError:
+        kept = "what is written is kept, and the same command goes on when there is one again, or without --cluster"
+        return UnfinishedError(f"the connection to the Dask scheduler is lost: {kept}")
+
+    def assemble(self) -> None:
+        """Wait until a worker is ready.
+
+        Raises
+        ------
+        ClusterError
+            None of those there can take part.
+        """
+        self._look()
+        while not self.members:
+            if self._refused and not self._greeting:
+                raise ClusterError(f"none of the cluster's workers can take part: {self._refusals()}")
+            self._tell_waiting("no worker is there")
+            time.sleep(LOOK / 10)
+            self._look()
+
+    # What they do
+
+    def block_size(self) -> int:
+        """Variants per block, as for `sweeps.run.blocks.block_size`, by what they take on a worker."""
+        study = self.blocks.study
+        if study.design.size <= FEW:
+            return study.design.size
+        seconds = dict(self.results(time_variant, [(0, ())])).get(0)
+        if seconds is None:
+            raise UnfinishedError(f"no variant can be computed ({self.failures[0]})")
+        return block_size(study, study.machine(), seconds)
+
+    def results(self, function: Callable, jobs: Iterable[Job]) -> Iterator[tuple[int, Any]]:
+        """Numbers and results of jobs, in any order; those given up are noted in `failures`.
+
+        Jobs are taken as workers need them, and results are fetched one by one, so that memory is bounded.
+
+        Parameters
+        ----------
+        function : callable
+            Called on workers with the digest of the study and what a job says.
+        jobs : iterable of Job
+        """
+        self.assemble()
+        self.failures = {}
+        waiting, suspects, deaths = iter(jobs), deque[Job](), Counter[int]()
+        under_way: dict[Future, _Attempt] = {}
+        ended: Queue[Future] = Queue()
+        while True:
+            self._look()
+            for job in self._next(waiting, suspects, len(under_way)):
+                workers = frozenset(self.members)
+                future = self._submitted(function, job, workers)
+                under_way[future] = _Attempt(job, workers)
+                future.add_done_callback(ended.put)
+            if not under_way and self.members:
+                return
+            alone = len(under_way) == 1
+            for future in self._ended(under_way, ended):
+                attempt = under_way[future]
+                error = self._error_of(future)
+                if error is None:
+                    try:
+                        found = self._fetched(future, attempt)
+                    except _GoneError:
+                        # As for what is still computed there, below.
+                        continue
+                    del under_way[future]
+                    yield attempt.job[0], found
+                    continue
+                del under_way[future]
+                if isinstance(error, NotReadyError):
+                    self.members.pop(str(error), None)
+                    suspects.append(attempt.job)
+                elif not isinstance(error, KilledWorker):
+                    self.failures[attempt.job[0]] = f"{type(error).__name__}: {error}"
+                elif alone:
+                    self.failures[attempt.job[0]] = "every worker that computes it is killed"
+                else:
+                    suspects.append(attempt.job)
+            for future in [f for f, attempt in under_way.items() if not attempt.workers & self.members.keys()]:
+                job = under_way.pop(future).job
+                future.cancel()
+                deaths[job[0]] += 1
+                if deaths[job[0]] < ATTEMPTS:
+                    suspects.append(job)
+                else:
+                    self.failures[job[0]] = f"workers that compute it were lost {ATTEMPTS} times"
+
+    def _next(self, waiting: Iterator[Job], suspects: deque[Job], busy: int) -> Iterator[Job]:
+        """What is to be begun now.
+
+        What was under way where workers were lost is computed alone, so that it shows which of it is to blame.
+        """
+        if not self.members:
+            self._tell_waiting("no worker is left")
+        elif suspects:
+            if not busy:
+                yield suspects.popleft()
+        else:
+            yield from itertools.islice(waiting, max(UNDER_WAY * len(self.members) - busy, 0))
+
+    def _submitted(self, function: Callable, job: Job, workers: frozenset[str]) -> Future:
+        arguments = (self.digest, *job[1])
+        return self.client.submit(function, *arguments, workers=sorted(workers), retries=ATTEMPTS - 1, pure=False)
+
+    def _ended(self, under_way: Mapping[Future, _Attempt], ended: Queue[Future]) -> list[Future]:
+        """Those that have ended, after a second at most."""
+        if not under_way:
+            time.sleep(LOOK / 10)
+            return []
+        try:
+            found = [ended.get(timeout=LOOK)]
+        except Empty:
+            return []
+        while not ended.empty():
+            found.append(ended.get())
+        return [future for future in found if future in under_way]
+
+    def _error_of(self, future: Future) -> BaseException | None:
+        """Why something that has ended failed."""
+        try:
+            return future.exception() if future.status != "finished" else None
+        except (CancelledError, OSError):
+            raise self._lost() from None
+
+    def _fetched(self, future: Future, attempt: _Attempt) -> Any:
+        """A result; it may go down with its worker before it is here."""
+        call = self._fetching.submit(future.result)
+        while True:
+            try:
+                return call.result(timeout=LOOK)
+            except (CancelledError, OSError):
+                # Of which a timeout is one.
+                if call.done():
+                    raise self._lost() from None
+            self._look()
+            if not attempt.workers & self.members.keys():
+                raise _GoneError
+
+
+def _other_version(name: str, theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:
+    found = f"it has {name} {theirs.get(name)}, and here is {ours[name]}"
+    return f"{found}; install the same there, and start the worker again"
+
+
+def _stranger(error: object) -> str:
+    """Why a worker doesn't answer as ours do."""
+    if "ModuleNotFoundError" in str(error):
+        missing = str(error).partition("No module named ")[2].strip("\"')\\ ") or "machine-sweeps"
+        return f"it has no {missing}; pip install 'machine-sweeps[cluster]' there, and start the worker again"
+    return f"it has another machine-sweeps ({error}); install the same there, and start the worker again"

@@ -1,0 +1,50 @@
+"""Candidates of a search shared out among the workers of a cluster."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from engine import Outcome
+from sweeps.run.cluster.cluster_errors import UnfinishedError
+from sweeps.run.cluster.crew import UNDER_WAY, Crew
+from sweeps.run.cluster.on_workers import compute_candidates
+
+# Candidates that are worth sending; fewer are kept together.
+WORTH_SENDING = 16
+
+
+def share_out(crew: Crew, values: Mapping[str, np.ndarray], dropped: np.ndarray | None, count: int) -> Outcome:
+    """Outcome of candidates, as of the machine's `evaluate`.
+
+    Parameters
+    ----------
+    crew : Crew
+    values : mapping of str to ndarray (count,)
+        Numbers of the scene (SI).
+    dropped : ndarray (count,) of bool, optional
+        Which of them are not to be evaluated.
+    count : int
+
+    Raises
+    ------
+    UnfinishedError
+        Some of them couldn't be computed.
+    """
+    crew.assemble()
+    pieces = max(min(UNDER_WAY * len(crew.members), count // WORTH_SENDING), 1)
+    ends = pairwise(i * count // pieces for i in range(pieces + 1))
+    some = [slice(*part) for part in ends]
+    jobs = (({p: v[s] for p, v in values.items()}, None if dropped is None else dropped[s]) for s in some)
+    found = dict(crew.results(compute_candidates, enumerate(jobs)))
+    if crew.failures:
+        why = crew.failures[min(crew.failures)]
+        raise UnfinishedError(f"candidates couldn't be computed ({why}): earlier generations are kept")
+    return _joined([found[i] for i in range(pieces)])
+
+
+def _joined(parts: list[Outcome]) -> Outcome:
+    first, *_ = parts
+    alone = (np.concatenate([part[i] for part in parts]) for i in range(3))
+    tables = ({n: np.concatenate([part[i][n] for part in parts]) for n in first[i]} for i in range(3, 6))
+    return Outcome(*alone, *tables)

@@ -1,0 +1,212 @@
+"""Workers, clients and schedulers that are killed, and workers that aren't ours: nothing that is done is lost."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import cluster_jobs
+import dask
+import psutil
+import pytest
+from commands import ROOT
+from distributed import Client
+from press_sweeps import DISTINCT, contents, numbers_in, run, study_of, text_of
+
+from sweeps.run import runner
+from sweeps.run.carrying import Blocks
+from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
+from sweeps.run.cluster.connecting import connected
+from sweeps.run.cluster.crew import Crew
+from sweeps.run.runner import layout_of, run_study
+from sweeps.store import describe_result
+
+HERE = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
+QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+
+
+@pytest.fixture
+def blocks_of_forty(monkeypatch):
+    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
+    monkeypatch.setattr(Crew, "block_size", lambda self: 40)
+
+
+@contextmanager
+def processes(*commands: list[str], env: dict[str, str] = HERE, cwd: Path | None = None):
+    """Programs of Dask that run meanwhile."""
+    with ExitStack() as stack:
+        found = []
+        for command in commands:
+            found.append(subprocess.Popen([sys.executable, "-m", *command], env=env, cwd=cwd, **QUIET))
+            stack.callback(found[-1].wait)
+            stack.callback(found[-1].kill)
+        yield found
+
+
+def scheduler_on(folder: Path) -> list[str]:
+    told = str(folder / "scheduler.json")
+    return [
+        "distributed.cli.dask_scheduler",
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "0",
+        "--no-dashboard",
+        "--scheduler-file",
+        told,
+    ]
+
+
+def worker_of(address: str, *options: str) -> list[str]:
+    return ["distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny", *options]
+
+
+def address_in(folder: Path) -> str:
+    path = folder / "scheduler.json"
+    while True:
+        try:
+            return json.loads(path.read_text())["address"]
+        except (OSError, ValueError):
+            time.sleep(0.05)
+
+
+@contextmanager
+def cluster_of(count: int):
+    """Workers, any death of which makes Dask give up what was under way there."""
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        connected(f"local:{count}") as client,
+    ):
+        yield client
+
+
+def crew_on(client: Client, folder: Path, tell=print) -> Crew:
+    study = study_of(folder, DISTINCT)
+    return Crew(client, Blocks(study, layout_of(study, study.machine())), tell)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_job_that_kills_its_workers__is_given_up_and_the_others_are_not(count, tmp_path):
+    with cluster_of(count) as client, crew_on(client, tmp_path) as crew:
+        found = dict(crew.results(cluster_jobs.squared_by_survivors, ((n, (n,)) for n in range(12))))
+        assert found == {n: n**2 for n in range(12) if n != 3}
+        assert list(crew.failures) == [3]
+
+
+@pytest.mark.usefixtures("blocks_of_forty")
+def test_worker_killed_in_a_block__leaves_the_same_bits(tmp_path, monkeypatch):
+    whole = contents(run(tmp_path, DISTINCT, "alone"))
+    monkeypatch.setenv("CLUSTER_TEST_NOTE", str(tmp_path / "killed"))
+    monkeypatch.setattr("sweeps.run.cluster.on_workers.compute_block", cluster_jobs.block_killing_once)
+    with connected("local:2") as client:
+        path = run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", client=client)
+    assert (tmp_path / "killed").exists()
+    assert contents(path) == whole
+
+
+@pytest.mark.usefixtures("blocks_of_forty")
+def test_lost_scheduler__is_told_and_the_run_goes_on_without_it(tmp_path, monkeypatch):
+    whole = contents(run(tmp_path, DISTINCT, "alone"))
+    monkeypatch.setattr("sweeps.run.cluster.on_workers.compute_block", cluster_jobs.slow_block)
+    with processes(scheduler_on(tmp_path)) as (scheduler,):
+        address = address_in(tmp_path)
+
+        def kill(done: int, before: int) -> None:
+            if done == 80:
+                scheduler.kill()
+
+        with (
+            processes(worker_of(address)),
+            connected(address) as client,
+            pytest.raises(UnfinishedError, match="the connection to the Dask scheduler is lost"),
+        ):
+            run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=kill, client=client)
+    assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
+    assert contents(run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5")) == whole
+
+
+def test_worker_with_other_sources__is_left_out(tmp_path):
+    other = tmp_path / "other"
+    for package in ("engine", "sweeps"):
+        shutil.copytree(ROOT / package, other / package, ignore=shutil.ignore_patterns("__pycache__"))
+    with (other / "sweeps" / "run" / "blocks.py").open("a") as file:
+        file.write("# Another version.\n")
+    strangers = {**os.environ, "PYTHONPATH": str(other)}
+    told = []
+    with (
+        processes(scheduler_on(tmp_path)),
+        processes(worker_of(address_in(tmp_path)), cwd=other, env=strangers),
+        connected(address_in(tmp_path)) as client,
+    ):
+        client.wait_for_workers(1)
+        with (
+            crew_on(client, tmp_path) as crew,
+            pytest.raises(ClusterError, match=r"it has machine-sweeps .*, and here"),
+        ):
+            crew.assemble()
+        with processes(worker_of(address_in(tmp_path))):
+            client.wait_for_workers(2)
+            study = study_of(tmp_path, DISTINCT)
+            path = run_study(study, tmp_path / "study.h5", client=client, tell=told.append)
+    assert len(told) == 1
+    assert told[0].startswith("Left out: worker tcp://127.0.0.1:")
+    assert describe_result(path).attributes["outcome"].startswith("computed by 1 worker, 1 threads")
+
+
+def test_worker_without_the_program__is_told_what_to_install(tmp_path):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    (empty / "sweeps.py").write_text('raise ModuleNotFoundError("No module named \'sweeps\'", name="sweeps")\n')
+    with (
+        processes(scheduler_on(tmp_path)),
+        processes(worker_of(address_in(tmp_path)), cwd=empty, env={**os.environ, "PYTHONPATH": str(empty)}),
+        connected(address_in(tmp_path)) as client,
+        crew_on(client, tmp_path) as crew,
+    ):
+        client.wait_for_workers(1)
+        with pytest.raises(ClusterError, match="it has no sweeps; pip install 'machine-sweeps"):
+            crew.assemble()
+
+
+# Clients
+
+# Blocks of some ten milliseconds, so that kills fall at all moments.
+LONG = text_of(["40 mm"], ["1 kg"]).replace("values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 500000')
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    return numbers_in(run(tmp_path_factory.mktemp("uninterrupted"), LONG, "long"))
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_path):
+    study_of(tmp_path, LONG, "long")
+    arguments = ["run", "long.toml", "--out", "long.h5", "--no-plots", "--quiet", "--cluster", "local:2"]
+    command = [sys.executable, "-m", "sweeps", *arguments]
+    with subprocess.Popen(
+        command, cwd=tmp_path, env=HERE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        part = tmp_path / "long.part.h5"
+        while process.poll() is None and not (part.exists() and describe_result(part).blocks_done >= 2):
+            time.sleep(0.005)
+        workers = psutil.Process(process.pid).children(recursive=True)
+        if number == signal.SIGINT:
+            # From a terminal it reaches all of them.
+            os.killpg(process.pid, number)
+        else:
+            process.send_signal(number)
+        _, errors = process.communicate()
+    assert len(workers) >= 2
+    assert psutil.wait_procs(workers, timeout=60)[1] == []
+    assert process.returncode == code
+    if code > 0:
+        assert errors.endswith(f"are done and kept; go on with: sweeps {' '.join(arguments)}\n")
+        assert errors.count("\n") == 1
+    assert describe_result(part).blocks_done >= 2
+    assert numbers_in(run(tmp_path, LONG, "long")) == uninterrupted
