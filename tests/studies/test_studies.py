@@ -51,7 +51,7 @@ ELEMENT_STUDY_NAMES = (
 )
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
-MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
+MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_coupling", "press_start")
 TURN = 2 * math.pi
 
 

@@ -294,6 +294,10 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
         middle.plot(run.time, RPM * run.machine_speed, color=ORANGE, label="crank")
         middle.set_ylabel("speed at the crank, rpm")
         middle.legend(loc="best")
+        backlash = scene.elements[name].run.backlash
+        if backlash > 0.0:
+            bottom.axhspan(-math.degrees(backlash), 0.0, color=GREY, alpha=0.25, linewidth=0, label="backlash")
+            bottom.legend(loc="best")
         bottom.plot(run.time, np.degrees(run.twist), color=BLUE)
         bottom.set(ylabel="crank behind, °", xlabel="time, s", xlim=(0, run.time[-1]))
         if title:
