@@ -39,10 +39,12 @@ ELEMENT_TEMPLATE_NAMES = (
     "planetary_train",
 )
 ELEMENT_STUDY_NAMES = (
+    "braking_car",
     "crankshaft_vibration",
     "engine_governor",
     "fan_rotor",
     "governed_set",
+    "locomotive",
     "planetary_reducer",
     "press_backlash",
     "screw_jack",
