@@ -17,6 +17,8 @@ from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
 
 _PRODUCTS = ("product_xy", "product_yz", "product_zx")
 _PLACE = ("yaw", "pitch", "roll", "x", "y", "z")
+# By so much a plate's moments may miss their sum, as rounded numbers of a text do.
+_PLATE = 1e-6
 _RESULTS = (
     *(
         ElementResult(f"fixed_inertia_{axis}", f"moment of inertia about the fixed {axis} axis", "kg m2")
@@ -86,8 +88,8 @@ def _tilted(n: dict[str, np.ndarray]) -> np.ndarray:
     products = [-fixed[:, 0, 1], -fixed[:, 1, 2], -fixed[:, 2, 0]]
     # Beside the greatest moment, of which it is a difference, such a product is rounding.
     products = [np.where(np.abs(p) < 16.0 * np.finfo(float).eps * principal[:, 2], 0.0, p) for p in products]
-    # Of a moment that no body has, not even a plate, the sum of two is less than the third.
-    sound = principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - 1e-9)
+    # No body, not even a plate, has a moment greater than the sum of the two others.
+    sound = principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE)
     speed = n.get("speed", np.full(mass.shape, math.nan))
     rows = [
         *(fixed[:, i, i] for i in range(3)),
