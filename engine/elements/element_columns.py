@@ -12,7 +12,8 @@ from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.engines.locomotive_balance import locomotive_law
 from engine.balancing.engines.locomotive_element import LocomotiveElement
 from engine.balancing.rotors.rotor_columns import rotor_law
-from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.rotor_element import RotorElement, StaticRotor
+from engine.balancing.rotors.static_rotor import static_rotor_law
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
@@ -266,6 +267,8 @@ def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
             return wound_flywheel_law(element)
         case RotorElement():
             return rotor_law(element)
+        case StaticRotor():
+            return static_rotor_law(element)
         case EngineElement():
             return engine_law(element)
         case LocomotiveElement():

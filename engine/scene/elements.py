@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.engines.locomotive_element import LocomotiveElement
-from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.rotor_element import RotorElement, StaticRotor
 from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_element import TwoMassDrive
@@ -208,6 +208,7 @@ MachineElement = Annotated[
     | RotatingGuide
     | WoundFlywheel
     | RotorElement
+    | StaticRotor
     | EngineElement
     | LocomotiveElement
     | WattGovernor

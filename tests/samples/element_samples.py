@@ -34,8 +34,20 @@ WOUND = {
     "winding_stress": 3e8,
     "speed": 600.0,
 }
+DISC = {
+    "type": "static_rotor",
+    "correction_radius": 0.2,
+    "mass": 30.0,
+    "rolling_arm": 5e-5,
+    "speed": 50.0,
+    "unbalances": {
+        "a": {"mass": 0.2, "radius": 0.2, "angle": 0.0},
+        "b": {"mass": 0.3, "radius": 0.15, "angle": 0.8},
+        "c": {"mass": 0.24, "radius": 0.25, "angle": 2.4},
+    },
+}
 EVERY = {"jack": JACK, "drive": BELT, "key": WEDGE, "ramp": INCLINE, "pin": JOURNAL, "way": GUIDE, "wheel": ROLLER}
-EVERY |= {"egg": TILTED, "lever": LEVER, "tape": WOUND}
+EVERY |= {"egg": TILTED, "lever": LEVER, "tape": WOUND, "disc": DISC}
 
 
 def scene(**elements):
