@@ -15,6 +15,8 @@ from engine import ElementsAlone, Machine, Scene, Verdict, drive_cycle, drive_ru
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
+from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import TEMPLATES
 
 MASS, WHEEL, DRAG = 8.0, 0.05, 200.0
 STALL, NO_LOAD = 100.0, 22.0
@@ -518,3 +520,13 @@ def test_no_backlash_and_hardly_any__are_the_same():
     found = [run_of(yoke(drive))[0] for drive in drives]
     for name in ("greatest_moment", "motor_speed", "machine_speed"):
         assert found[0][name] == pytest.approx(found[1][name], rel=1e-6), name
+
+
+def test_template__answers_everything_of_its_drive():
+    scene = read_scene(TEMPLATES / "driven_machine.toml")
+    names = [name for name in Machine(scene).available_summaries if name.startswith("coupling.")]
+    outcome = Machine(scene, names).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    for name in names:
+        assert np.isfinite(outcome.summaries[name][0]), name
+    assert outcome.summaries["coupling.run_closings"][0] >= 1

@@ -37,6 +37,7 @@ ELEMENT_TEMPLATE_NAMES = (
     "torsional_train",
     "elastic_drive",
     "planetary_train",
+    "driven_machine",
 )
 ELEMENT_STUDY_NAMES = (
     "braking_car",
