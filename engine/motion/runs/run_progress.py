@@ -50,6 +50,27 @@ class RunOutcome(NamedTuple):
     ended: np.ndarray
 
 
+class Stepping(NamedTuple):
+    """How runs are stepped.
+
+    Attributes
+    ----------
+    tolerance : float
+        What a step may miss, as a share.
+    farthest : float
+        How far a step may turn [rad].
+    classical : bool
+        Whether all steps over the angle are of that length, by the classical method of order four.
+    """
+
+    tolerance: float = TOLERANCE
+    farthest: float = FARTHEST_STEP
+    classical: bool = False
+
+
+ADAPTIVE = Stepping()
+
+
 class Progress:
     """Runs of a set of variants on their way: what both forms of the equation of motion carry on.
 
@@ -70,6 +91,7 @@ class Progress:
         Whether steps may miss more, for comparison.
     observers : sequence of Observer
         What looks at the runs.
+    stepping : Stepping
 
     Attributes
     ----------
@@ -83,6 +105,8 @@ class Progress:
         Length of the next step in time [s]; infinite where nothing is known yet.
     tolerance, farthest_step : float
         What a step may miss, as a share; how far it may turn [rad].
+    classical : bool
+        As of `Stepping`.
     facing : ndarray
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
@@ -102,6 +126,7 @@ class Progress:
         steps: int,
         half: bool = False,
         observers: Sequence[Observer] = (),
+        stepping: Stepping = ADAPTIVE,
     ) -> None:
         self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
         self.ends, self.steps, self.half, self.observers = ends, steps, half, observers
@@ -112,8 +137,9 @@ class Progress:
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.pace = np.full(count, np.inf)
         # For comparison, steps of nearly twice the length.
-        self.tolerance = TOLERANCE * (2.0**6 if half else 1.0)
-        self.farthest_step = FARTHEST_STEP * (2.0 if half else 1.0)
+        self.tolerance = stepping.tolerance * (2.0**6 if half else 1.0)
+        self.farthest_step = stepping.farthest * (2.0 if half else 1.0)
+        self.classical = stepping.classical
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)
