@@ -173,7 +173,9 @@ def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, shar
     pushed = rho * speed**2 * (b**3 - c**3) / 3 + pressure * c
     assert held == pytest.approx(pushed, rel=1e-7, abs=1e-7 * (tension + rho * speed**2))
     size = tension + rho * speed**2
-    assert max(hoop(r) for r in np.linspace(c, b, 301)) <= layer * (1 + 1e-12) + 1e-9 * size
+    highest = max(hoop(r) for r in np.linspace(c, b, 301))
+    # Three hundred places miss little of a smooth top.
+    assert highest - 1e-9 * size <= layer <= highest + 2e-3 * size
     # The ring's bore: what is left of it by the winding, of Lamé, pressed by that of the winding at rest.
     assert at_bore - plain == pytest.approx(
         -tension * math.log((b * b - a * a) / (c * c - a * a)), rel=1e-9, abs=1e-9 * size
