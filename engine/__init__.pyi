@@ -43,7 +43,8 @@ from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_columns import drive_history
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
-from engine.elastic.oscillators.oscillator_element import OscillatorElement
+from engine.elastic.oscillators.oscillator_element import OscillatorElement, OverTime, SupportOverTime
+from engine.elastic.oscillators.over_time import oscillator_history
 from engine.elastic.oscillators.run_through import run_through_motion
 from engine.elastic.trains.excitation import TrainExcitation, train_excitation, train_speed
 from engine.elastic.trains.holzer import HolzerTable, holzer_table
@@ -205,6 +206,7 @@ __all__ = [
     "Near",
     "OscillatorElement",
     "Outcome",
+    "OverTime",
     "Pair",
     "PathFourBar",
     "PatternError",
@@ -228,6 +230,7 @@ __all__ = [
     "Sliding",
     "StabilityPoint",
     "SteadyRegime",
+    "SupportOverTime",
     "SynthesisError",
     "TableError",
     "TextExpression",
@@ -313,6 +316,7 @@ __all__ = [
     "nearest_names",
     "order_groups",
     "oscillator_columns",
+    "oscillator_history",
     "oscillator_numbers",
     "pairs_of",
     "parse_expression",

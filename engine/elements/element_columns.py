@@ -12,7 +12,8 @@ from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.engines.locomotive_balance import locomotive_law
 from engine.balancing.engines.locomotive_element import LocomotiveElement
 from engine.balancing.rotors.rotor_columns import rotor_law
-from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.rotor_element import RotorElement, StaticRotor
+from engine.balancing.rotors.static_rotor import static_rotor_law
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
@@ -28,6 +29,10 @@ from engine.elastic.oscillators.oscillator_columns import oscillator_law
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.trains.train_columns import train_law
 from engine.elastic.trains.train_element import TorsionalTrain
+from engine.elements.bodies.body_elements import RotatingGuide, TiltedBody, WoundFlywheel
+from engine.elements.bodies.rotating_guides import rotating_guide_law
+from engine.elements.bodies.tilted_bodies import tilted_body_law
+from engine.elements.bodies.wound_flywheels import wound_flywheel_law
 from engine.elements.element_laws import LAWS, NUDGE, ROUNDING, ElementLaw, ElementResult, LawOfArrays
 from engine.governors.governor_columns import governor_law
 from engine.governors.governor_elements import Governor, governs_machine
@@ -254,8 +259,16 @@ def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.
 def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
     """What is computed of an element; of rotors, engines, governors, cams and gear trains it depends on their parts."""
     match element:
+        case TiltedBody():
+            return tilted_body_law(element)
+        case RotatingGuide():
+            return rotating_guide_law(element)
+        case WoundFlywheel():
+            return wound_flywheel_law(element)
         case RotorElement():
             return rotor_law(element)
+        case StaticRotor():
+            return static_rotor_law(element)
         case EngineElement():
             return engine_law(element)
         case LocomotiveElement():

@@ -123,7 +123,7 @@ class ElasticDrives:
         part = ready.some(well)
         fine, coarse = (self._run(name, part, steady[:, part.which], coarser) for coarser in (1.0, 2.0))
         rows, rough = (
-            np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops])
+            np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
             for run in (fine, coarse)
         )
         values[len(RESULTS) :, part.which] = rows
@@ -135,12 +135,13 @@ class ElasticDrives:
     ) -> ElasticRun:
         """Follow a drive's run, from its own begin or out of a steady motion, (4, variants)."""
         n, at, run = ready.bare.numbers, f"elements.{name}.run", self.drives[name].run
-        angle, duration = (
-            np.broadcast_to(n[f"{at}.{key}"], (ready.which.size,)).astype(float) for key in ("angle", "time")
+        angle, duration, backlash = (
+            np.broadcast_to(n[f"{at}.{key}"], (ready.which.size,)).astype(float)
+            for key in ("angle", "time", "backlash")
         )
         form = TimeForm(self.runs[name], self.runs[name].driven(ready.bare), angle)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
-        return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, coarser, record)
+        return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, backlash, coarser, record)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
         """Those of some variants that have a steady motion with a rigid shaft; their steps, and verdicts on all."""

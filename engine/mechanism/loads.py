@@ -59,21 +59,23 @@ class Loads:
         zero = self.kinematics.graph.zero
         return tuple(dict.fromkeys(t.action for t in self.terms if t.action != "gravity" or t.basis is not zero))
 
-    def weight(self, name: str) -> Node | None:
-        """Weight of one of the mechanism's masses [N]; None where there is no gravity."""
-        if self.scene.gravity == 0.0 and "gravity" not in self.kinematics.varied:
-            return None
-        mass = self.kinematics.masses[name].mass
-        return self.kinematics.graph.derived(f"weight of {name}", lambda n: n["gravity"] * mass(n), "load")
-
     def _gravity(self) -> Iterator[Load]:
-        graph = self.kinematics.graph
-        down = Vector(graph.zero, graph.constant(-1.0))
+        """Weights, and the forces of inertia that an accelerated base adds to them."""
+        graph, zero = self.kinematics.graph, self.kinematics.graph.zero
+        back = graph.constant(-1.0)
+        fields = (
+            {"gravity": Vector(zero, back)} if self.scene.gravity != 0.0 or "gravity" in self.kinematics.varied else {}
+        )
+        if self.scene.base is not None:
+            fields |= {"base.acceleration_x": Vector(back, zero), "base.acceleration_y": Vector(zero, back)}
         for name, mass in self.kinematics.masses.items():
-            weight, centre = self.weight(name), self.kinematics.mass_centre(name)
-            if weight is not None:
-                size = Characteristic(weight, graph.one)
-                yield load("gravity", size, Grip(mass.link, centre, down), centre.v.dot(down), None)
+            centre = self.kinematics.mass_centre(name)
+            for path, direction in fields.items():
+                size = graph.derived(
+                    f"{path} on {name}", lambda n, path=path, mass=mass.mass: n[path] * mass(n), "load"
+                )
+                grip = Grip(mass.link, centre, direction)
+                yield load("gravity", Characteristic(size, graph.one), grip, centre.v.dot(direction), None)
 
     def _force(self, name: str) -> Iterator[Load]:
         force, kinematics = self.scene.forces[name], self.kinematics

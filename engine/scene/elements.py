@@ -1,4 +1,4 @@
-"""Machine elements of a scene: screws, belts, guides, rollers, cars, rotors, engines, governors, springs, gears, cams.
+"""Machine elements of a scene: screws, belts, guides, rollers, cars, bodies, rotors, engines, governors, gears, cams.
 
 An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
 """
@@ -10,12 +10,13 @@ from pydantic import Field, model_validator
 
 from engine.balancing.engines.engine_element import EngineElement
 from engine.balancing.engines.locomotive_element import LocomotiveElement
-from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.rotor_element import RotorElement, StaticRotor
 from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.trains.train_element import TorsionalTrain
+from engine.elements.bodies.body_elements import RotatingGuide, TiltedBody, WoundFlywheel
 from engine.governors.governor_elements import (
     HartnellGovernor,
     PorterGovernor,
@@ -203,7 +204,11 @@ MachineElement = Annotated[
     | GuideElement
     | RollerElement
     | CarElement
+    | TiltedBody
+    | RotatingGuide
+    | WoundFlywheel
     | RotorElement
+    | StaticRotor
     | EngineElement
     | LocomotiveElement
     | WattGovernor

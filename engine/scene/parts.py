@@ -450,6 +450,17 @@ class Body(Part):
         return self
 
 
+class AcceleratedBase(Part):
+    """The frame moves with a constant acceleration, as in a vehicle that brakes or a lift that starts.
+
+    The machine's own motion is that against the frame. On every mass acts −m a besides its weight, and counts as
+    "gravity" in all that is told by names.
+    """
+
+    acceleration_x: Acceleration = 0.0
+    acceleration_y: Acceleration = 0.0
+
+
 class Balance(Part):
     """What the shaking of the machine refers to: the point of the frame about which its moment is taken."""
 

@@ -18,6 +18,7 @@ from engine.scene.elements import MachineElement
 from engine.scene.formulas.by_formula import FormulaNumber
 from engine.scene.pair_friction import PairFriction
 from engine.scene.parts import (
+    AcceleratedBase,
     Acceleration,
     Balance,
     Body,
@@ -58,14 +59,15 @@ class Scene(Part):
     """One machine: geometry, input, structural groups, bodies, and what acts on it.
 
     Groups may stand in any order; free `links` make up groups of any class, whose assembly mode `near` tells. `gravity`
-    acts along −y. Without `inertia_in_reactions`, for slow machines, reactions are those of the acting forces alone;
-    what else is computed keeps its inertia. `source` says where the numbers come from. A scene of machine elements
-    alone has no input.
+    acts along −y, and the `base` may be accelerated. Without `inertia_in_reactions`, for slow machines, reactions are
+    those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
+    from. A scene of machine elements alone has no input.
     """
 
     title: PlainText = ""
     source: PlainText = ""
     gravity: Acceleration = 0.0
+    base: AcceleratedBase | None = None
     points: dict[Name, Point] = {}
     guides: dict[Name, Guide] = {}
     input: Annotated[CrankInput | SliderInput, Field(discriminator="type")] | None

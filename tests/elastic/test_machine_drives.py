@@ -15,6 +15,8 @@ from engine import ElementsAlone, Machine, Scene, Verdict, drive_cycle, drive_ru
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
+from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import TEMPLATES
 
 MASS, WHEEL, DRAG = 8.0, 0.05, 200.0
 STALL, NO_LOAD = 100.0, 22.0
@@ -457,3 +459,74 @@ def test_sudden_load__is_on_from_the_begin_of_the_run():
 def test_angle_with_a_steady_begin__is_refused():
     with pytest.raises(ValidationError, match="angle goes with begin = 'at rest'"):
         yoke({"run": {"begin": "steady", "time": 1.0, "angle": 0.5}})
+
+
+# Backlash
+
+
+@pytest.mark.parametrize(("damping", "load"), [(0.0, 25.0), (1.5, 25.0), (6.0, 0.0), (0.0, 45.0)])
+def test_start_through_backlash__is_that_of_two_masses_phase_by_phase(damping, load):
+    """Impacts, parting and meeting again, the load held and let go: exact phases, with a constant moment."""
+    first, second, k, moment, gap, time = 0.2, 0.5, 3000.0, 40.0, 0.03, 0.3
+    parts = {
+        "bodies": {},
+        "forces": {},
+        "shafts": {"wheel": {"geared_to": "crank", "ratio": 1.0, "inertia": second}},
+        "moments": {
+            "motor": {"type": "dc_motor", "on": "crank", "stall_moment": moment, "no_load_speed": 1e4},
+            "load": {"type": "against_motion", "on": "crank", "moment": load},
+            "fan": {"type": "quadratic_drag", "on": "crank", "coefficient": 0.01},
+        },
+    }
+    off = {"off": ["load"]} if load > moment else {}
+    run = {"time": time, "off": ["fan"], "backlash": gap}
+    drive = {"motor_inertia": first, "stiffness": k, "damping": damping, "run": run} | off
+    names = [*RUN_NAMES, "run_closings"]
+    status, values, errors = asked(yoke(drive, **parts), names, moments__motor__no_load_speed=[1e4, 1e5])
+    assert (status == Verdict.OK).all()
+    found = {name.removeprefix("run_"): (10 * row[1] - row[0]) / 9 for name, row in values.items()}
+    two = {"motor_inertia": first, "load_inertia": second, "stiffness": k, "damping": damping, "time": time}
+    two |= {"type": "two_mass_drive", "motor_moment": moment, "load_moment": load, "backlash": gap}
+    names = ["greatest_moment", "greatest_moment_at", "motor_speed", "load_speed", "closings"]
+    alone = ElementsAlone(Scene(elements={"d": two}), [f"d.{name}" for name in names]).evaluate({}).summaries
+    same = ("greatest_moment", "greatest_at", "motor_speed", "machine_speed", "closings")
+    for name, other in zip(same, names, strict=True):
+        # What is left of the fall is of order (8/1e4)², more of it after some impacts.
+        wanted = alone[f"d.{other}"][0]
+        assert found[name] == pytest.approx(wanted, rel=1e-4 if name.endswith("_at") else 2e-5), name
+        assert errors[f"run_{name}"][1] <= 1e-3 * abs(found[name]) + 1e-6, name
+
+
+def test_start_through_backlash__loses_no_energy_but_to_drag_and_damper():
+    """A yoke that starts through backlash: what the motor does less what drag and damper take is what moves."""
+    run = {"time": 0.6, "backlash": 0.05}
+    history = drive_run(yoke({"run": run, "damping": 0.0}), "d")
+    inertia = WHEEL + MASS * 0.01 * np.sin(history.angle) ** 2
+    stretch = np.where(history.twist > 0.0, history.twist, np.minimum(history.twist + 0.05, 0.0))
+    energy = 0.1 * history.motor_speed**2 + 0.5 * inertia * history.machine_speed**2 + 200.0 * stretch**2
+    motor = STALL * (1 - history.motor_speed / NO_LOAD) * history.motor_speed
+    power = motor - DRAG * 0.01 * np.sin(history.angle) ** 2 * history.machine_speed**2
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(history.time))])
+    # The trapezoid rule over steps of up to 0.3 rad of the vibration.
+    assert energy == pytest.approx(work, abs=0.01 * energy.max())
+    # In the gap the shaft bears nothing.
+    inside = (history.twist < -1e-9) & (history.twist > -0.05 + 1e-9)
+    assert inside.sum() > 5
+    assert (history.moment[inside] == 0.0).all()
+
+
+def test_no_backlash_and_hardly_any__are_the_same():
+    drives = [{"damping": 0.0, "run": {"time": 0.5, "backlash": gap}} for gap in (0.0, 1e-12)]
+    found = [run_of(yoke(drive))[0] for drive in drives]
+    for name in ("greatest_moment", "motor_speed", "machine_speed"):
+        assert found[0][name] == pytest.approx(found[1][name], rel=1e-6), name
+
+
+def test_template__answers_everything_of_its_drive():
+    scene = read_scene(TEMPLATES / "driven_machine.toml")
+    names = [name for name in Machine(scene).available_summaries if name.startswith("coupling.")]
+    outcome = Machine(scene, names).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    for name in names:
+        assert np.isfinite(outcome.summaries[name][0]), name
+    assert outcome.summaries["coupling.run_closings"][0] >= 1

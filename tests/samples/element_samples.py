@@ -22,7 +22,32 @@ INCLINE = {"type": "incline", "load": 1e3, "angle": 0.35, "friction": 0.3}
 JOURNAL = {"type": "journal", "load": 2e3, "diameter": 0.05, "friction": 0.1}
 GUIDE = {"type": "guide", "length": 0.2, "friction": 0.1, "load": 100.0, "resistance": 500.0, "overhang": 0.15}
 ROLLER = {"type": "roller", "load": 1e4, "diameter": 0.6, "rolling_arm": 5e-4, "friction": 0.2}
+TILTED = {"type": "tilted_body", "mass": 8.0, "semi_axis_x": 0.1, "semi_axis_y": 0.2, "semi_axis_z": 0.3, "pitch": 0.1}
+LEVER = {"type": "rotating_guide", "mass": 0.4, "speed": 20.0, "start_radius": 0.1, "length": 0.5}
+WOUND = {
+    "type": "wound_flywheel",
+    "bore": 0.1,
+    "winding_diameter": 0.2,
+    "diameter": 0.6,
+    "width": 0.05,
+    "density": 7850.0,
+    "winding_stress": 3e8,
+    "speed": 600.0,
+}
+DISC = {
+    "type": "static_rotor",
+    "correction_radius": 0.2,
+    "mass": 30.0,
+    "rolling_arm": 5e-5,
+    "speed": 50.0,
+    "unbalances": {
+        "a": {"mass": 0.2, "radius": 0.2, "angle": 0.0},
+        "b": {"mass": 0.3, "radius": 0.15, "angle": 0.8},
+        "c": {"mass": 0.24, "radius": 0.25, "angle": 2.4},
+    },
+}
 EVERY = {"jack": JACK, "drive": BELT, "key": WEDGE, "ramp": INCLINE, "pin": JOURNAL, "way": GUIDE, "wheel": ROLLER}
+EVERY |= {"egg": TILTED, "lever": LEVER, "tape": WOUND, "disc": DISC}
 
 
 def scene(**elements):

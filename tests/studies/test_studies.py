@@ -39,12 +39,15 @@ ELEMENT_TEMPLATE_NAMES = (
     "torsional_train",
     "elastic_drive",
     "planetary_train",
+    "driven_machine",
 )
 ELEMENT_STUDY_NAMES = (
+    "braking_car",
     "crankshaft_vibration",
     "engine_governor",
     "fan_rotor",
     "governed_set",
+    "locomotive",
     "planetary_reducer",
     "press_backlash",
     "screw_jack",
@@ -55,7 +58,7 @@ SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
 HIGHER_PAIR_STUDY_NAMES = ("geared_five_bar", "valve_gear")
 FREE_LINK_STUDY_NAMES = ("triad_dwell",)
-MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
+MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_coupling", "press_start")
 TURN = 2 * math.pi
 
 

@@ -11,13 +11,39 @@ from engine.scene.parts import Angle, AngularSpeed, Length, Mass, Name, Number, 
 Positive = Annotated[Length, Field(gt=0)]
 
 
-class Unbalance(Part):
-    """A mass off the axis: where it is along the axis, how far off it, at which angle of the rotor."""
+class OffAxis(Part):
+    """A mass off the axis: how far, at which angle of the rotor."""
 
     mass: Annotated[Mass, Field(gt=0)]
     radius: Annotated[Length, Field(ge=0)]
     angle: Angle = 0.0
+
+
+class Unbalance(OffAxis):
+    """A mass off the axis: where it is along the axis, how far off it, at which angle of the rotor."""
+
     position: Length
+
+
+class StaticRotor(Part):
+    """A flat rotor, such as a wheel or a disc: all masses off its axis count as in one plane.
+
+    One mass at `correction_radius` balances them. On knife edges, with the rotor's `mass` and the arm of rolling
+    friction, `rolling_arm`, it is found as well as friction lets it.
+    """
+
+    type: Literal["static_rotor"]
+    unbalances: Annotated[dict[Name, OffAxis], Field(min_length=1)]
+    correction_radius: Positive
+    mass: Annotated[Mass, Field(gt=0)] | None = None
+    rolling_arm: Annotated[Length, Field(gt=0)] | None = None
+    speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _rolls_with_its_mass(self) -> "StaticRotor":
+        if self.rolling_arm is not None and self.mass is None:
+            raise ValueError("rolling_arm needs the rotor's mass, which presses it on the knife edges: give mass")
+        return self
 
 
 class CorrectionPlane(Part):

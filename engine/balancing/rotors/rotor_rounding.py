@@ -109,7 +109,8 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Colu
 def _plane_size(own: np.ndarray, arms: np.ndarray, centre: np.ndarray, columns: Columns) -> np.ndarray:
     """Roundings of the position c + Re(P/U) of a single correction plane."""
     moment, whole = (own * arms).sum(axis=-1), own.sum(axis=-1)
-    arm = np.abs(columns["single_plane"]) + centre
+    # P/U is complex: where it is turned from the resultant, its real part is small and its rounding is not.
+    arm = np.abs(columns["single_plane"]) + columns["couple"] / columns["unbalance"] + centre
     return (moment + arm * whole) / columns["unbalance"] + FEW * (arm + centre)
 
 

@@ -20,6 +20,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
+from engine.elastic.oscillators.damped_vibration import damped_vibration, next_turn
 
 # What a drive is given, and what is found; in this order in the tables.
 MOTOR_INERTIA, LOAD_INERTIA, STIFFNESS, DAMPING, BACKLASH, MOMENT, LOAD, TIME, TWIST, SPEED, TOUCH = range(11)
@@ -37,55 +38,6 @@ _SHORT = 1e-9
 _NEVER = math.inf
 _HIGHER = 1.0 + 1e-11
 _NOTHING = 1e-12
-
-
-@inlined
-def _parts(w: float, beta: float, time: float) -> tuple[float, float]:
-    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d, up to a little beyond critical damping."""
-    square = (w - beta) * (w + beta)
-    x_square, decay = square * time * time, math.exp(-beta * time)
-    if x_square > 0.01:
-        root = math.sqrt(square)
-        return decay * math.cos(root * time), decay * math.sin(root * time) / root
-    cosine = 1.0 - x_square / 2.0 * (1.0 - x_square / 12.0 * (1.0 - x_square / 30.0 * (1.0 - x_square / 56.0)))
-    sine = 1.0 - x_square / 6.0 * (1.0 - x_square / 20.0 * (1.0 - x_square / 42.0 * (1.0 - x_square / 72.0)))
-    return decay * cosine, decay * time * sine
-
-
-@inlined
-def _vibration(w: float, beta: float, u: float, v: float, time: float) -> tuple[float, float]:
-    """Deviation from the constant twist, and its rate, some time after they were u and v."""
-    square = (beta - w) * (beta + w)
-    if square * time * time > 0.01:
-        # Far from critical damping the two exponentials apart, which cancel each other in the rate.
-        root = math.sqrt(square)
-        slow, fast = -w * w / (beta + root), -(beta + root)
-        first, second = (v - fast * u) / (2.0 * root), (slow * u - v) / (2.0 * root)
-        first, second = first * math.exp(slow * time), second * math.exp(fast * time)
-        return first + second, slow * first + fast * second
-    cosine, sine = _parts(w, beta, time)
-    return u * cosine + (v + beta * u) * sine, v * cosine - (beta * v + w * w * u) * sine
-
-
-@routine
-def _next_turn(w: float, beta: float, value: float, rate: float) -> float:
-    """When a free damped vibration that begins with a value and a rate is stationary for the first time after that."""
-    square = (w - beta) * (w + beta)
-    below = beta * rate + w * w * value
-    if square > 0.0:
-        root = math.sqrt(square)
-        angle = math.atan2(root * rate, below)
-        # Within (0, π], so that a stationary beginning doesn't count.
-        if angle <= 1e-12:
-            angle += math.pi
-        return min(angle, math.pi) / root
-    if below == 0.0:
-        return _NEVER
-    root = math.sqrt(-square)
-    x = root * rate / below
-    if root == 0.0:
-        return rate / below if rate / below > 0.0 else _NEVER
-    return math.atanh(x) / root if 0.0 < x < 1.0 else _NEVER
 
 
 @inlined
@@ -118,7 +70,7 @@ def _closing(k: float, b: float, e: float, v: float, a: float) -> float:
 
 @inlined
 def _moment_at(time: float, w: float, beta: float, u: float, v: float, k: float, b: float, twist: float) -> float:
-    deviation, rate = _vibration(w, beta, u, v, time)
+    deviation, rate = damped_vibration(w, beta, u, v, time)
     return k * (twist + deviation) + b * rate
 
 
@@ -131,7 +83,7 @@ def _when_moment(
     rises = _moment_at(end, w, beta, u, v, k, b, twist) > _moment_at(begin, w, beta, u, v, k, b, twist)
     time = 0.5 * (begin + end)
     for _ in range(_TURNS):
-        deviation, rate = _vibration(w, beta, u, v, time)
+        deviation, rate = damped_vibration(w, beta, u, v, time)
         over = k * (twist + deviation) + b * rate - level
         if (over > 0.0) == rises:
             high = time
@@ -160,7 +112,7 @@ def _speed_at(
     v: float,
 ) -> float:
     """Speed of the moving load in touch, from the momentum of both masses."""
-    _, rate = _vibration(w, beta, u, v, time)
+    _, rate = damped_vibration(w, beta, u, v, time)
     return (momentum + push * time - first * rate) / both
 
 
@@ -271,7 +223,7 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
                 bound = touch if backlash > 0.0 else 0
                 # T less its constant part vibrates as e does: its own turning points bound the stretches.
                 value, rate = k * u + b * v, k * v - b * (2.0 * beta * v + w * w * u)
-                turn = _next_turn(w, beta, value, rate)
+                turn = next_turn(w, beta, value, rate)
                 half = math.pi / math.sqrt((w - beta) * (w + beta)) if w > beta else _NEVER
                 start, at_start, towards = 0.0, k * twist + value, 1
                 # A damper is hit with full speed.
@@ -317,7 +269,7 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
                         break
                     start, at_start = stop, at_stop
                     turn = turn + half
-                deviation, rate = _vibration(w, beta, u, v, took)
+                deviation, rate = damped_vibration(w, beta, u, v, took)
                 if moves != 0:
                     speed = (momentum + gain * took - first * rate) / both
                 e, v = twist + deviation - behind, rate

@@ -66,6 +66,7 @@ RUN_RESULTS = (
     ElementResult("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run"),
     ElementResult("run_angle", "angle that the crank turned", "rad", "run"),
     ElementResult("run_stops", "how often the crank came to a stop on the way", "1", "run", exact=True),
+    ElementResult("run_closings", "how often the backlash closed", "1", "run", exact=True),
 )
 # Points of a step, its ends with Gauss' points, between which moments and speeds are interpolated, and how finely.
 _KNOTS = np.array([0.0, *POINTS, 1.0])

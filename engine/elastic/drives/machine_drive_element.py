@@ -13,13 +13,15 @@ class MachineRun(Part):
     """A run over `time`, at rest on an untwisted shaft at a crank angle or out of the steady motion at φ = 0.
 
     From then on everything acts but what is `off`: with the motors a stop is followed, without what was off in steady
-    motion a sudden load.
+    motion a sudden load. `backlash` is the whole angle through which one end turns freely against the other: at rest
+    it is open, and the motors have to close it; steady motion doesn't know of it.
     """
 
     begin: Literal["at rest", "steady"] = "at rest"
     angle: Angle = 0.0
     time: Annotated[Time, Field(gt=0)]
     off: tuple[Name, ...] = ()
+    backlash: Annotated[Angle, Field(ge=0)] = 0.0
 
     @model_validator(mode="after")
     def _steady_at_zero(self) -> "MachineRun":

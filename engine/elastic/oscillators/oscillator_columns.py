@@ -22,14 +22,17 @@ from engine.elastic.oscillators.one_mass import (
     transmissibility,
     transmission_lag,
 )
-from engine.elastic.oscillators.oscillator_element import DAMPINGS, OscillatorElement
+from engine.elastic.oscillators.oscillator_element import DAMPINGS, OscillatorElement, OverTime
+from engine.elastic.oscillators.over_time import OVER_TIME_RESULTS, PIECES, over_time_columns, over_time_keys
 from engine.elastic.oscillators.run_through import run_through_peak
-from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
+from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays, with_nudges
 from engine.verdicts import Verdict
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
+# Variants at a time whose formulas are worked out, each to thousands of rows.
+_FORMULA_BLOCK = 32
 _CONSTANTS = (
     ElementResult("stiffness", "stiffness of the spring", "N m-1"),
     ElementResult("natural_frequency", "natural frequency without damping", "rad s-1"),
@@ -73,6 +76,13 @@ def oscillator_law(element: OscillatorElement) -> LawOfArrays:
     element : OscillatorElement
     """
     keys = tuple(_keys(element))
+    if isinstance(element.excitation, OverTime):
+        return LawOfArrays(
+            partial(_rows_over_time, element, keys),
+            lambda given_element, given: tuple(given(key) for key in keys),
+            _CONSTANTS + OVER_TIME_RESULTS,
+            block=LawOfArrays._field_defaults["block"] if element.excitation.formula is None else _FORMULA_BLOCK,
+        )
     results = _CONSTANTS
     results += _FREE if element.start is not None else ()
     results += _FORCED if element.excitation is not None else ()
@@ -96,6 +106,8 @@ def _keys(element: OscillatorElement) -> Iterator[str]:
     match element.excitation:
         case None:
             pass
+        case OverTime() as excitation:
+            yield from (f"excitation.{key}" for key in over_time_keys(excitation))
         case unbalance if unbalance.type == "unbalance":
             yield from (f"excitation.{key}" for key in ("mass", "radius", "speed"))
         case _:
@@ -106,7 +118,33 @@ def _keys(element: OscillatorElement) -> Iterator[str]:
 
 def oscillator_numbers(element: OscillatorElement) -> dict[str, np.ndarray]:
     """An oscillator's own numbers by their keys, as one variant."""
-    return {key: np.array([attrgetter(key)(element)], float) for key in _keys(element)}
+    numbers = element.excitation.numbers if isinstance(element.excitation, OverTime) else {}
+    beside = {f"excitation.numbers.{name}": number.value for name, number in numbers.items()}
+    return {
+        key: np.array([beside[key] if key in beside else attrgetter(key)(element)], float) for key in _keys(element)
+    }
+
+
+def _rows_over_time(
+    element: OscillatorElement, keys: tuple[str, ...], table: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Results under an excitation over time, and the magnitudes whose rounding they carry.
+
+    With those of the numbers' rounding: what rounding of the mean motion leaves, and what the pieces of a formula miss.
+    """
+    names = tuple(result.name for result in _CONSTANTS + OVER_TIME_RESULTS)
+    rows, sizes = with_nudges(partial(_rows, element, keys, names))(table)
+    n = dict(zip(keys, table, strict=True))
+    stiffness, _, ratio, _ = _constants(element, n)
+    coarse, carried = over_time_columns(element, n, stiffness, ratio, PIECES // 2)
+    for name, size in carried.items():
+        sizes[names.index(name)] += size
+    if element.excitation.formula is not None:
+        for name, values in coarse.items():
+            row = names.index(name)
+            missed = np.abs(rows[row] - values) / (ROUNDING * np.finfo(float).eps)
+            sizes[row] += np.where(np.isnan(missed), 0.0, missed)
+    return rows, sizes
 
 
 def _rows(element: OscillatorElement, keys: tuple[str, ...], names: tuple[str, ...], table: np.ndarray) -> np.ndarray:
@@ -129,10 +167,7 @@ def oscillator_columns(element: OscillatorElement, n: Numbers) -> Columns:
     dict of str to ndarray (variants,)
         As named by `oscillator_law`; infinite at a resonance without damping, NaN for what there is not.
     """
-    mass, stiffness = n["mass"], _stiffness(element, n)
-    frequency = np.sqrt(stiffness / mass)
-    ratio = _damping_ratio(n, mass, frequency)
-    damping = 2.0 * ratio * frequency * mass
+    stiffness, frequency, ratio, damping = _constants(element, n)
     columns = {
         "stiffness": stiffness,
         "natural_frequency": frequency,
@@ -142,6 +177,8 @@ def oscillator_columns(element: OscillatorElement, n: Numbers) -> Columns:
         "decrement": decrement_of_ratio(ratio),
         "energy_absorption": 2.0 * math.tau * ratio,
     }
+    if isinstance(element.excitation, OverTime):
+        return columns | over_time_columns(element, n, stiffness, ratio)[0]
     if element.start is not None:
         start = n["start.displacement"], n["start.velocity"]
         greatest, when = greatest_displacement(frequency, ratio, *start)
@@ -157,6 +194,14 @@ def oscillator_columns(element: OscillatorElement, n: Numbers) -> Columns:
     if element.run_through is not None:
         columns |= _run_through(n, frequency, ratio)
     return columns
+
+
+def _constants(element: OscillatorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Stiffness, natural frequency, damping ratio and damping."""
+    mass, stiffness = n["mass"], _stiffness(element, n)
+    frequency = np.sqrt(stiffness / mass)
+    ratio = _damping_ratio(n, mass, frequency)
+    return stiffness, frequency, ratio, 2.0 * ratio * frequency * mass
 
 
 def _stiffness(element: OscillatorElement, n: Numbers) -> np.ndarray:

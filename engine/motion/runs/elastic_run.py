@@ -4,6 +4,10 @@ The twist q = φ₁ − φ₂, both speeds and the angle turned are followed by 
 estimated error and the shaft's vibration allow, of all variants side by side. Resistances change sides with the
 machine's speed: a step ends where it comes to a stop. There it goes on, turns back, or sticks until the shaft's moment
 overcomes what resists, whichever way.
+
+With a backlash Δ, q is counted from where the shaft is just in touch forwards. It has a moment T = kq + bq̇ in touch
+forwards, T = k(q + Δ) + bq̇ in touch backwards, and none between; damping doesn't pull. A step ends where touch is lost,
+as T passes 0, and where it is made.
 """
 
 from typing import NamedTuple
@@ -34,8 +38,8 @@ class ElasticRun(NamedTuple):
         [N·m], [s].
     state : ndarray (4, variants)
         Twist [rad], speed at the motors' end [rad/s], angle turned [rad], speed of the machine [rad/s].
-    stops : ndarray
-        How often the machine came to a stop on the way.
+    stops, closings : ndarray
+        How often the machine came to a stop on the way, and how often the backlash closed.
     verdict : ndarray of uint8
     history : ndarray (6, instants) or None
         Time, state and moment of the shaft at the ends of the steps of the first variant, where it is recorded.
@@ -45,22 +49,30 @@ class ElasticRun(NamedTuple):
     greatest_at: np.ndarray
     state: np.ndarray
     stops: np.ndarray
+    closings: np.ndarray
     verdict: np.ndarray
     history: np.ndarray | None
 
 
 class _Going:
-    """Machines on their shafts: rates of their state."""
+    """Machines on their shafts: rates of their state; `touch` says where they are in touch, +1, 0 or −1."""
 
-    def __init__(self, form: TimeForm, shaft: np.ndarray) -> None:
+    def __init__(self, form: TimeForm, shaft: np.ndarray, backlash: np.ndarray, touch: np.ndarray) -> None:
         self.form, (self.stiffness, self.damping, self.own) = form, shaft
+        self.backlash, self.touch = backlash, touch
         channels = len(form.dynamics.channels)
         self._unloaded = np.zeros((channels, POLYNOMIAL, 1, self.own.size))
         self._no_laws = np.zeros((len(form.dynamics.laws), 1, self.own.size))
 
     def moment(self, y: np.ndarray) -> np.ndarray:
         """Of the shaft."""
-        return self.stiffness * y[TWIST] + self.damping * (y[MOTOR] - y[MACHINE])
+        twist = y[TWIST] + np.where(self.touch < 0.0, self.backlash, 0.0)
+        return np.where(self.touch == 0.0, 0.0, self.stiffness * twist + self.damping * (y[MOTOR] - y[MACHINE]))
+
+    def moment_rate(self, rates: np.ndarray) -> np.ndarray:
+        """Its derivative by time."""
+        rate = self.stiffness * rates[TWIST] + self.damping * (rates[MOTOR] - rates[MACHINE])
+        return np.where(self.touch == 0.0, 0.0, rate)
 
     def rates(self, y: np.ndarray, time: np.ndarray, sense: np.ndarray) -> np.ndarray:
         """Derivatives of the state; `sense` +1 or −1 is that of the machine's motion, 0 where it sticks."""
@@ -100,7 +112,26 @@ class _Going:
         both = np.sqrt(fine**2 + 0.01 * coarse**2)
         return y + weighted(method.weights), np.where(both > 0.0, fine**2 / np.where(both > 0.0, both, 1.0), 0.0)
 
+    def holding(self, y: np.ndarray) -> np.ndarray:
+        """What is below 0 where touch was lost, or made; infinite without backlash."""
+        twist, slip = self.stiffness * y[TWIST], self.damping * (y[MOTOR] - y[MACHINE])
+        behind = twist + self.stiffness * self.backlash
+        # Pressed together, and the damper not pulling.
+        forwards, backwards = np.minimum(twist, twist + slip), np.minimum(-behind, -behind - slip)
+        parted = -np.maximum(forwards, backwards)
+        held = np.where(self.touch == 0.0, parted, self.touch * self.moment(y))
+        return np.where(self.backlash > 0.0, held, np.inf)
+
+    def touched(self, y: np.ndarray) -> np.ndarray:
+        """Touch after it was lost or made."""
+        sides = np.where(y[TWIST] > -0.5 * self.backlash, 1.0, -1.0)
+        return np.where(self.touch == 0.0, sides, 0.0)
+
     def watched(self, y: np.ndarray, time: np.ndarray, sense: np.ndarray) -> np.ndarray:
+        """What is below 0 where touch has changed, or a machine has turned back or, held before, been set off."""
+        return np.minimum(self.turned(y, time, sense), self.holding(y))
+
+    def turned(self, y: np.ndarray, time: np.ndarray, sense: np.ndarray) -> np.ndarray:
         """What is below 0 where a machine has turned back or, held before, been set off."""
         moving = sense * y[MACHINE]
         if not (sense == 0.0).any():
@@ -114,6 +145,7 @@ def run_on_shaft(
     frequency: np.ndarray,
     begin: np.ndarray,
     duration: np.ndarray,
+    backlash: np.ndarray,
     coarser: float = 1.0,
     record: bool = False,
 ) -> ElasticRun:
@@ -128,15 +160,21 @@ def run_on_shaft(
     frequency : ndarray (variants,)
         Natural frequency [rad/s].
     begin : ndarray (4, variants)
-        State at the begin.
+        State at the begin, the twist without backlash.
     duration : ndarray (variants,)
         [s].
+    backlash : ndarray (variants,)
+        [rad]; a shaft that begins at rest has to close all of it.
     coarser : float
         How many times as long steps may be.
     record : bool
         Whether to keep the history of the first variant.
     """
-    going, y, time = _Going(form, shaft), begin.copy(), np.zeros_like(duration)
+    y, time, closings = begin.copy(), np.zeros_like(duration), np.zeros_like(duration)
+    at_rest = (y[TWIST] == 0.0) & (y[MOTOR] == 0.0) & (y[MACHINE] == 0.0)
+    touch = np.where(backlash > 0.0, np.where(at_rest, 0.0, np.where(y[TWIST] < 0.0, -1.0, 1.0)), 1.0)
+    y[TWIST] -= np.where(touch < 1.0, backlash, 0.0)
+    going = _Going(form, shaft, backlash, touch)
     sense = np.where(y[MACHINE] != 0.0, np.sign(y[MACHINE]), going.sets_off(y, time))
     longest, allowed = coarser * FINEST / frequency, SUREST * coarser**8
     h, stops = 0.1 * longest, np.zeros_like(duration)
@@ -158,21 +196,31 @@ def run_on_shaft(
             error = np.max(np.where(sizes > 0.0, np.abs(missed) / sizes, 0.0), axis=0) / allowed
             factor = np.clip(_SAFE * error**-0.125, _SHRINKS, _GROWS)
         taken = (error <= 1.0) & (left > 0.0)
-        stopped = taken & (going.watched(after, time + h, sense) < 0.0)
-        if stopped.any():
-            h_stop = _located(going, y, time, h, sense, slope)
-            h = np.where(stopped, h_stop, h)
+        changed = taken & (going.watched(after, time + h, sense) < 0.0)
+        stopped = parted = np.zeros_like(changed)
+        if changed.any():
+            h = np.where(changed, _located(going, y, time, h, sense, slope), h)
             there, _ = going.step(y, time, h, sense, slope)
-            after = np.where(stopped, there, after)
+            after = np.where(changed, there, after)
+            stopped = changed & (going.turned(after, time + h, sense) < 0.0)
+            parted = changed & (going.holding(after) < 0.0)
             after[MACHINE] = np.where(stopped, 0.0, after[MACHINE])
-        before_moment, before_rate = going.moment(y), going.moment(slope)
+        before_moment, before_rate = going.moment(y), going.moment_rate(slope)
         y, time = np.where(taken, after, y), np.where(taken, time + h, time)
-        time = np.where(taken & whole & ~stopped, duration, time)
+        time = np.where(taken & whole & ~changed, duration, time)
         if stopped.any():
             stops += stopped & (sense != 0.0)
             sense = np.where(stopped, going.sets_off(y, time), sense)
         arrived = going.rates(y, time, sense)
-        peak, when = _peak(before_moment, going.moment(y), before_rate * h, going.moment(arrived) * h)
+        peak, when = _peak(before_moment, going.moment(y), before_rate * h, going.moment_rate(arrived) * h)
+        if parted.any():
+            closings += parted & (going.touch == 0.0)
+            going.touch = np.where(parted, going.touched(y), going.touch)
+            # A damper is hit with full speed.
+            hit = np.abs(going.moment(y))
+            peak, when = np.where(parted & (hit > peak), hit, peak), np.where(parted & (hit > peak), 1.0, when)
+            sense = np.where(parted & (sense == 0.0), going.sets_off(y, time), sense)
+            arrived = going.rates(y, time, sense)
         higher = taken & (peak > greatest * (1.0 + 1e-12))
         greatest, greatest_at = np.where(higher, peak, greatest), np.where(higher, time - (1.0 - when) * h, greatest_at)
         slope = np.where(taken, arrived, slope)
@@ -180,13 +228,13 @@ def run_on_shaft(
         if record and taken[0]:
             history.append(np.array([time[0], *y[:, 0], going.moment(y)[0]]))
     verdict = np.where(time >= duration, Verdict.OK, Verdict.NO_END).astype(np.uint8)
-    return ElasticRun(greatest, greatest_at, y, stops, verdict, np.array(history).T if record else None)
+    return ElasticRun(greatest, greatest_at, y, stops, closings, verdict, np.array(history).T if record else None)
 
 
 def _located(
     going: _Going, y: np.ndarray, time: np.ndarray, h: np.ndarray, sense: np.ndarray, slope: np.ndarray
 ) -> np.ndarray:
-    """Lengths of the steps at whose ends machines stop or are set off, by bisection with secants (Illinois)."""
+    """Lengths of steps to where machines stop, are set off, part or touch, by bisection with secants (Illinois)."""
     low, high = np.zeros_like(h), h.copy()
     at_low = np.maximum(going.watched(y, time, sense), 0.0)
     at_high = going.watched(going.step(y, time, h, sense, slope)[0], time + h, sense)
@@ -198,7 +246,7 @@ def _located(
         inside = (middle > low) & (middle < high)
         middle = np.where(inside, middle, 0.5 * (low + high))
         value = going.watched(going.step(y, time, middle, sense, slope)[0], time + middle, sense)
-        above = value > 0.0
+        above = value >= 0.0
         low, high = np.where(above, middle, low), np.where(above, high, middle)
         at_low, at_high = np.where(above, value, 0.5 * at_low), np.where(above, 0.5 * at_high, value)
     return high

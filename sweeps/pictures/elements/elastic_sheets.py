@@ -9,12 +9,15 @@ from matplotlib.figure import Figure
 
 from engine import (
     OscillatorElement,
+    OverTime,
     Scene,
+    SupportOverTime,
     TwoMassDrive,
     drive_cycle,
     drive_history,
     drive_run,
     oscillator_columns,
+    oscillator_history,
     oscillator_numbers,
     run_through_motion,
 )
@@ -31,6 +34,8 @@ RPM = 30 / math.pi
 def oscillator_sheet(element: OscillatorElement, target: Path | str | Figure, title: str = "") -> Figure:
     """What an oscillator is asked about: free motion, vibration over the exciting frequency, run through resonance.
 
+    Under an excitation over time: that, displacement, and force of the spring over time.
+
     Parameters
     ----------
     element : OscillatorElement
@@ -44,6 +49,8 @@ def oscillator_sheet(element: OscillatorElement, target: Path | str | Figure, ti
     PictureError
         The file's ending isn't a picture's, or it can't be written.
     """
+    if isinstance(element.excitation, OverTime):
+        return _over_time_sheet(element, target, title)
     drawn = [draw for draw, given in (
         (_free, element.start), (_forced, element.excitation), (_run_through, element.run_through)
     ) if given is not None]  # fmt: skip
@@ -51,6 +58,36 @@ def oscillator_sheet(element: OscillatorElement, target: Path | str | Figure, ti
         figure = target if isinstance(target, Figure) else new_figure(max(90, 60 * len(drawn) + 30), 75)
         for ax, draw in zip(figure.subplots(1, len(drawn), squeeze=False)[0], drawn, strict=True):
             draw(ax, element)
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _over_time_sheet(element: OscillatorElement, target: Path | str | Figure, title: str) -> Figure:
+    numbers = oscillator_numbers(element)
+    own = oscillator_columns(element, numbers)
+    history = oscillator_history(element, numbers, own, 2 * INSTANTS)
+    supported = isinstance(element.excitation, SupportOverTime)
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+        top, middle, bottom = figure.subplots(3, 1, sharex=True)
+        peaks = {middle: "greatest_displacement_at", bottom: "spring_force_at"}
+        curves = (
+            (top, history.drives, "m" if supported else "N", "support" if supported else "force", GREY),
+            (middle, history.displacement, "m", "displacement", BLUE),
+            (bottom, history.spring_force, "N", "spring", ORANGE),
+        )
+        for ax, values, si, label, colour in curves:
+            factor, unit = engineer_unit(si, values)
+            ax.plot(history.time, factor * values, color=colour)
+            ax.axhline(0.0, color="black", linewidth=0.6)
+            ax.set_ylabel(f"{label}, {unit}")
+            if ax in peaks:
+                at = own[peaks[ax]][0]
+                ax.plot(at, factor * np.interp(at, history.time, values), "o", color=VERMILION, markersize=4)
+        bottom.set(xlabel="time, s", xlim=(0, history.time[-1]))
         if title:
             figure.suptitle(title, fontweight="bold")
     if not isinstance(target, Figure):
@@ -257,6 +294,10 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
         middle.plot(run.time, RPM * run.machine_speed, color=ORANGE, label="crank")
         middle.set_ylabel("speed at the crank, rpm")
         middle.legend(loc="best")
+        backlash = scene.elements[name].run.backlash
+        if backlash > 0.0:
+            bottom.axhspan(-math.degrees(backlash), 0.0, color=GREY, alpha=0.25, linewidth=0, label="backlash")
+            bottom.legend(loc="best")
         bottom.plot(run.time, np.degrees(run.twist), color=BLUE)
         bottom.set(ylabel="crank behind, °", xlabel="time, s", xlim=(0, run.time[-1]))
         if title:

@@ -140,9 +140,11 @@ class _Collector:
         alone = sum(body.link == link for body in pose.scene.bodies.values()) == 1
         index = str(pose.number(link)) if alone else subscript(name)
         numbers = pose.cycle.numbers
-        weight = float(body_mass(pose.scene, name, numbers) * numbers["gravity"])
+        mass, field = float(body_mass(pose.scene, name, numbers)), 1j * float(numbers["gravity"])
+        if pose.scene.base is not None:
+            field += complex(float(numbers["base.acceleration_x"]), float(numbers["base.acceleration_y"]))
         centre = pose.centre(name).place
-        self._add(link, symbol("G", index), -1j * weight, centre)
+        self._add(link, symbol("G", index), -mass * field, centre)
         if not pose.scene.inertia_in_reactions:
             return
         self._add(link, symbol("U", index), self._force(f"{name}.inertia_force"), centre)

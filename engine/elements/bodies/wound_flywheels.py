@@ -1,0 +1,112 @@
+"""A flywheel wound of tape or wire under tension: its stresses at rest and at speed, and when its layers part.
+
+A layer wound with the stress σ_w at the radius s presses what lies below it by σ_w ds/s. On a ring from a on, of the
+same material, the layers up to b leave at the radius r of the winding
+
+    σ_r = −σ_w (r² − a²)/(2r²) L,   σ_t = σ_w (1 − (r² + a²)/(2r²) L),   L = ln((b² − a²)/(r² − a²)),
+
+and press the ring, which ends at c, by −σ_r(c). Spinning adds the stresses of a ring, with K = (3 + ν)ρω²/8
+
+    σ_r = K (b² − r²)(r² − a²)/r²,   σ_t = K (a² + b² + a²b²/r² − (1 + 3ν)/(3 + ν) r²).
+
+Layers can't pull each other: they part where both together make σ_r > 0, first the outermost one, at
+ω² = 4σ_w/((3 + ν)ρ(b² − a²)). Beyond that the stresses are not those of the wheel any more.
+
+Source: S. P. Timoshenko, Strength of Materials, Part II (wire-wound cylinders, rotating disks).
+"""
+
+import math
+
+import numpy as np
+
+from engine.elements.bodies.body_elements import WoundFlywheel
+from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
+from engine.scene.inertia import ring_inertia
+
+_KEYS = ("bore", "winding_diameter", "diameter", "width", "density", "poisson_ratio", "winding_stress", "speed")
+_PLACES, _ROUNDS = 65, 48
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+_RESULTS = (
+    ElementResult("mass", "mass of the wheel", "kg"),
+    ElementResult("inertia", "moment of inertia", "kg m2"),
+    ElementResult("energy", "kinetic energy at the speed", "J"),
+    ElementResult("energy_per_mass", "kinetic energy by mass", "J kg-1"),
+    ElementResult("rim_speed", "speed of the outer radius", "m s-1"),
+    ElementResult("winding_pressure", "pressure of the winding on the ring at rest", "Pa"),
+    ElementResult("rest_bore_stress", "hoop stress of the bore at rest, negative in compression", "Pa"),
+    ElementResult("bore_stress", "hoop stress of the bore at the speed", "Pa"),
+    ElementResult("plain_bore_stress", "hoop stress of the bore of such a wheel without winding", "Pa"),
+    ElementResult("layer_stress", "greatest tension of the winding at the speed", "Pa"),
+    ElementResult("pressure", "pressure of the winding on the ring at the speed", "Pa"),
+    ElementResult("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"),
+    ElementResult("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True),
+    ElementResult("strength_share", "greatest tension over the strength", "1", "strength"),
+)
+
+
+def wound_flywheel_law(element: WoundFlywheel) -> LawOfArrays:
+    """The law of a wound flywheel.
+
+    Parameters
+    ----------
+    element : WoundFlywheel
+        Its numbers are not used.
+    """
+    keys = (*_KEYS, *(() if element.strength is None else ("strength",)))
+
+    def rows(table: np.ndarray) -> np.ndarray:
+        return _wound(dict(zip(keys, table, strict=True)))
+
+    return LawOfArrays(with_nudges(rows), lambda given_element, given: tuple(given(key) for key in keys), _RESULTS)
+
+
+def _wound(n: dict[str, np.ndarray]) -> np.ndarray:
+    a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
+    sound = (a < c) & (c < b)
+    a, c, b = (np.where(sound, radius, math.nan) for radius in (a, c, b))
+    nu, tension, speed = n["poisson_ratio"], n["winding_stress"], n["speed"]
+    spin = (3.0 + nu) / 8.0 * n["density"] * speed**2
+    mass = n["density"] * n["width"] * math.pi * (b - a) * (b + a)
+    inertia = ring_inertia(mass, 2.0 * b, 2.0 * a)
+    energy = 0.5 * inertia * speed**2
+
+    def wound_about(r: np.ndarray) -> np.ndarray:
+        return np.log((b - a) * (b + a) / ((r - a) * (r + a)))
+
+    def layer(r: np.ndarray) -> np.ndarray:
+        """Hoop stress of the winding."""
+        left = tension * (1.0 - 0.5 * (1.0 + (a / r) ** 2) * wound_about(r))
+        return left + spin * (a**2 + b**2 + (a * b / r) ** 2 - (1.0 + 3.0 * nu) / (3.0 + nu) * r**2)
+
+    # The greatest of some places, then golden section beside it.
+    places = c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
+    best = layer(places).argmax(axis=0)
+    step = (b - c) / (_PLACES - 1)
+    low, high = np.maximum(c + (best - 1) * step, c), np.minimum(c + (best + 1) * step, b)
+    for _ in range(_ROUNDS):
+        inner, outer = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+        falls = layer(inner) > layer(outer)
+        low, high = np.where(falls, low, inner), np.where(falls, outer, high)
+    stress = np.maximum(np.maximum(layer(c), layer(b)), layer(0.5 * (low + high)))
+    about = wound_about(c)
+    pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
+    spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
+    parting = np.sqrt(4.0 * tension / ((3.0 + nu) * n["density"] * (b - a) * (b + a)))
+    greatest = np.maximum(stress, spun - tension * about)
+    rows = [
+        mass,
+        inertia,
+        energy,
+        energy / mass,
+        speed * b,
+        pressure,
+        -tension * about,
+        spun - tension * about,
+        spun,
+        stress,
+        pressure - spin * (b - c) * (b + c) * (1.0 - (a / c) ** 2),
+        parting,
+        (speed > parting).astype(float),
+        greatest / n.get("strength", np.full(mass.shape, math.nan)),
+    ]
+    return np.where(sound, np.stack(rows), math.nan)

@@ -1,0 +1,57 @@
+"""Flat rotors balanced by one mass: a textbook's example, and the balanced rotor itself."""
+
+import math
+
+import pytest
+from element_samples import DISC, asked, one
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from engine import Verdict
+
+
+def test_khurmi__four_masses_at_one_shaft():
+    """Khurmi and Gupta, Theory of Machines, example 21.1: sums of 21.632 and 8.439 kg m, 116 kg at 0.2 m."""
+    masses = ((200.0, 0.2, 0.0), (300.0, 0.15, 45.0), (240.0, 0.25, 120.0), (260.0, 0.3, 255.0))
+    unbalances = {
+        name: {"mass": mass, "radius": radius, "angle": math.radians(angle)}
+        for name, (mass, radius, angle) in zip("abcd", masses, strict=True)
+    }
+    rotor = {"type": "static_rotor", "correction_radius": 0.2, "unbalances": unbalances}
+    mass, angle = one(rotor, "correction_mass", "correction_angle")
+    assert mass == pytest.approx(116.0, abs=0.5)
+    assert math.tan(angle) == pytest.approx(8.439 / 21.632, abs=1e-4)
+    assert -math.pi < angle < -math.pi / 2
+
+
+sizes, angles = st.floats(1e-3, 1.0), st.floats(-3.1, 3.1)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(st.tuples(sizes, sizes, angles), min_size=1, max_size=5), sizes)
+def test_rotor_with_its_correction__is_balanced_within_its_figure(masses, radius):
+    unbalances = {f"m{i}": dict(zip(("mass", "radius", "angle"), m, strict=True)) for i, m in enumerate(masses)}
+    rotor = DISC | {"unbalances": unbalances, "correction_radius": radius}
+    names = ("unbalance", "correction_mass", "correction_angle", "centrifugal_force", "eccentricity")
+    values, outcome = asked({"it": rotor}, *(f"it.{name}" for name in names))
+    assert outcome.status[0] == Verdict.OK
+    unbalance, mass, angle, force, off = (float(value[0]) for value in values)
+    assert force == pytest.approx(2500.0 * unbalance, rel=1e-12)
+    assert off == pytest.approx(unbalance / 30.0, rel=1e-12)
+    added = {"correction": {"mass": mass, "radius": radius, "angle": angle}} if mass else {}
+    left = one(rotor | {"unbalances": unbalances | added}, "unbalance")[0]
+    assert left <= 1e-14 * sum(m * r for m, r, _ in masses)
+
+
+def test_masses_that_cancel__leave_nothing_and_no_direction():
+    pair = {"a": {"mass": 1.0, "radius": 0.1, "angle": 0.7}, "b": {"mass": 1.0, "radius": 0.1, "angle": 0.7 + math.pi}}
+    values, outcome = asked({"it": DISC | {"unbalances": pair}}, "it.unbalance", "it.unbalance_angle")
+    assert outcome.status[0] == Verdict.OK
+    assert values[0][0] == 0.0
+    assert math.isnan(values[1][0])
+
+
+def test_friction_on_knife_edges__without_a_mass_is_refused():
+    with pytest.raises(ValidationError, match="rolling_arm needs the rotor's mass"):
+        asked({"it": {k: v for k, v in DISC.items() if k != "mass"}})

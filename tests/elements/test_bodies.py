@@ -1,0 +1,204 @@
+"""Single bodies that turn: against integrals over the body, integration in time, and equilibrium of rings."""
+
+import math
+
+import numpy as np
+import pytest
+from element_samples import LEVER, WOUND, asked, one
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy.integrate import quad, solve_ivp
+from scipy.spatial.transform import Rotation
+
+from engine import Verdict
+
+some = settings(deadline=None, max_examples=40)
+angles = st.floats(-3.0, 3.0)
+FIXED = [f"fixed_inertia_{axis}" for axis in "xyz"] + [f"fixed_product_{pair}" for pair in ("xy", "yz", "zx")]
+PRINCIPAL = ["greatest_inertia", "middle_inertia", "least_inertia"]
+
+
+def figures(element, *names):
+    values, outcome = asked({"it": element}, *(f"it.{n}" for n in names))
+    assert outcome.status[0] == Verdict.OK
+    return [(float(v[0]), float(outcome.errors[f"it.{n}"][0])) for n, v in zip(names, values, strict=True)]
+
+
+# A body about fixed axes
+
+
+def cloud(masses, points):
+    """Moments and products of inertia of mass points, straight from their definition."""
+    x, y, z = points.T
+    moments = [np.sum(masses * (y * y + z * z)), np.sum(masses * (z * z + x * x)), np.sum(masses * (x * x + y * y))]
+    return np.array([*moments, np.sum(masses * x * y), np.sum(masses * y * z), np.sum(masses * z * x)])
+
+
+@some
+@given(st.integers(0, 10**6), angles, angles, angles, st.floats(-2, 2), st.floats(-2, 2))
+def test_tilted_cloud_of_points__has_the_sums_over_the_turned_points(seed, yaw, pitch, roll, x, z):
+    generator = np.random.default_rng(seed)
+    masses, points = generator.uniform(0.1, 2.0, 6), generator.normal(size=(6, 3))
+    points -= (masses[:, None] * points).sum(axis=0) / masses.sum()
+    own = cloud(masses, points)
+    keys = ("inertia_x", "inertia_y", "inertia_z", "product_xy", "product_yz", "product_zx")
+    body = {"type": "tilted_body", "mass": masses.sum(), "yaw": yaw, "pitch": pitch, "roll": roll, "x": x, "z": z}
+    body |= dict(zip(keys, own, strict=True)) | {"speed": 10.0}
+    found = figures(body, *FIXED, *PRINCIPAL, "tilting_couple", "centrifugal_force")
+    # Intrinsic turns z, y', x'', by another library.
+    turned = Rotation.from_euler("ZYX", [yaw, pitch, roll]).apply(points) + np.array([x, 0.0, z])
+    wanted = cloud(masses, turned)
+    size = wanted[:3].max()
+    for (value, error), there in zip(found[:6], wanted, strict=True):
+        assert abs(value - there) <= error + 1e-14 * size
+        assert error <= 1e-12 * size
+    principal = [value for value, _ in found[6:9]]
+    about = np.diag(wanted[:3]) - np.array(
+        [[0, wanted[3], wanted[5]], [wanted[3], 0, wanted[4]], [wanted[5], wanted[4], 0]]
+    )
+    # Invariants of the tensor.
+    assert sum(principal) == pytest.approx(np.trace(about), rel=1e-12)
+    assert math.prod(principal) == pytest.approx(np.linalg.det(about), rel=1e-7, abs=1e-10 * size**3)
+    # The moment of the points' centrifugal forces about the origin, and their sum.
+    forces = 100.0 * masses[:, None] * turned * np.array([1.0, 1.0, 0.0])
+    couple = np.cross(turned, forces).sum(axis=0)
+    assert found[9][0] == pytest.approx(np.hypot(*couple[:2]), rel=1e-9, abs=1e-11 * size)
+    assert found[10][0] == pytest.approx(np.hypot(*forces.sum(axis=0)[:2]), rel=1e-9, abs=1e-11 * size)
+
+
+def test_ellipsoid__has_its_moments_and_a_disc_askew_on_its_shaft_the_textbooks_couple():
+    ellipsoid = {"type": "tilted_body", "mass": 5.0, "semi_axis_x": 1.0, "semi_axis_y": 2.0, "semi_axis_z": 3.0}
+    assert one(ellipsoid, *FIXED) == pytest.approx([13.0, 10.0, 5.0, 0.0, 0.0, 0.0], rel=1e-14)
+    assert one(ellipsoid | {"yaw": math.pi / 2}, *FIXED[:3]) == pytest.approx([10.0, 13.0, 5.0], rel=1e-14)
+    # A thin disc: ½(C − A) sin 2α ω², C = 2A = m r²/2.
+    disc = {"type": "tilted_body", "mass": 8.0, "inertia_x": 0.02, "inertia_y": 0.02, "inertia_z": 0.04}
+    (couple, off), (tilt, _) = figures(disc | {"pitch": 0.1, "speed": 50.0}, "tilting_couple", "principal_tilt")
+    assert 0.0 < off < 1e-11 * couple
+    assert couple == pytest.approx(0.5 * 0.02 * math.sin(0.2) * 2500.0, rel=1e-12)
+    assert tilt == pytest.approx(0.1, rel=1e-12)
+
+
+def test_moments_that_no_body_has__are_not_answered():
+    wrong = {"type": "tilted_body", "mass": 1.0, "inertia_x": 1.0, "inertia_y": 1.0, "inertia_z": 3.0}
+    _, outcome = asked({"it": wrong}, "it.fixed_inertia_x")
+    assert outcome.status[0] == Verdict.NOT_FINITE
+
+
+# A body on a turning lever
+
+
+@some
+@given(
+    st.floats(0.1, 300.0), st.floats(0.0, 5.0), st.floats(0.0, 2.0), st.floats(-3.0, -1e-3).map(lambda x: 0.5 * 10**x)
+)
+def test_body_on_a_lever__moves_as_integrated_in_fixed_axes(speed, velocity, friction, start):
+    lever = LEVER | {"speed": speed, "start_velocity": velocity, "friction": friction, "start_radius": start}
+    names = ("time", "relative_speed", "reaction", "work", "friction_work", "absolute_speed")
+    found = figures(lever, *names)
+
+    # In fixed axes, where there is one force: of the lever, across it, and friction along it.
+    def rates(t, y):
+        along = np.array([math.cos(speed * t), math.sin(speed * t)])
+        across = np.array([-along[1], along[0]])
+        r, rate = y[:2] @ along, y[2:4] @ along
+        normal = 2.0 * 0.4 * speed * rate
+        force = normal * across - friction * abs(normal) * along
+        return [*y[2:4], *(force / 0.4), normal * r * speed, friction * abs(normal) * rate]
+
+    def leaves(t, y):
+        return math.hypot(y[0], y[1]) - 0.5
+
+    leaves.terminal, leaves.direction = True, 1.0
+    begin = [start, 0.0, velocity, speed * start, 0.0, 0.0]
+    done = solve_ivp(rates, (0.0, 100.0 / speed), begin, method="DOP853", rtol=1e-11, atol=1e-12, events=leaves)
+    at, (x, y, vx, vy, work, heat) = done.t_events[0][0], done.y_events[0][0]
+    rate = (x * vx + y * vy) / 0.5
+    wanted = (at, rate, 0.8 * speed * rate, work, heat, math.hypot(vx, vy))
+    for name, (value, error), there in zip(names, found, wanted, strict=True):
+        # What integration leaves, of a growth by up to 500.
+        assert value == pytest.approx(there, rel=1e-6, abs=error + 1e-9), name
+
+
+def test_lever_without_friction__is_the_hyperbolic_cosine():
+    time, turned, rate = one(LEVER, "time", "turned_angle", "relative_speed")
+    assert time == pytest.approx(math.acosh(5.0) / 20.0, rel=1e-14)
+    assert turned == pytest.approx(math.acosh(5.0), rel=1e-14)
+    assert rate == pytest.approx(20.0 * 0.1 * math.sqrt(24.0), rel=1e-13)
+
+
+# A wound flywheel
+
+
+def test_layers_one_by_one__press_the_ring_as_the_winding_does():
+    """Thousands of thin rings shrunk on by their tension: Lamé's stresses of what lies below, added up."""
+    a, c, b, tension, layers = 0.05, 0.1, 0.3, 3e8, 20_000
+    edges = np.linspace(c, b, layers + 1)
+    middles, thick = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    pressures = tension * thick / middles
+    # On the ring up to s, pressed from outside by p: at the bore −2ps²/(s² − a²), at c, −p s²(1 − a²/c²)/(s² − a²).
+    bore = -np.sum(2.0 * pressures * middles**2 / (middles**2 - a * a))
+    at_ring = np.sum(pressures * middles**2 * (1 - (a / c) ** 2) / (middles**2 - a * a))
+    found = one(WOUND, "rest_bore_stress", "winding_pressure")
+    assert found == pytest.approx([bore, at_ring], rel=1e-6)
+
+
+@some
+@given(st.floats(0.02, 0.6), st.floats(0.05, 0.9), st.floats(0.0, 0.49), st.floats(0.0, 5e8), st.floats(10.0, 3000.0))
+def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, share, nu, tension, speed):
+    winding = bore + share * (0.62 - bore)
+    wheel = WOUND | {"bore": bore, "winding_diameter": winding, "diameter": 0.62, "poisson_ratio": nu}
+    wheel |= {"winding_stress": tension, "speed": speed}
+    names = (
+        "bore_stress",
+        "plain_bore_stress",
+        "pressure",
+        "layer_stress",
+        "energy_per_mass",
+        "parting_speed",
+        "parts",
+    )
+    (at_bore, _), (plain, _), (pressure, _), (layer, _), (energy, _), (parting, _), (parts, _) = figures(wheel, *names)
+    a, c, b, rho = 0.5 * bore, 0.5 * winding, 0.31, 7850.0
+
+    def hoop(r):
+        about = math.log((b * b - a * a) / (r * r - a * a))
+        spin = (3 + nu) / 8 * rho * speed**2
+        rest = tension * (1 - (r * r + a * a) / (2 * r * r) * about)
+        return rest + spin * (a * a + b * b + (a * b / r) ** 2 - (1 + 3 * nu) / (3 + nu) * r * r)
+
+    # Half of the winding is held together by its hoop stress and pressed out by its own and the ring's forces:
+    # 2∫σ dr = 2∫ρω²r² dr − 2pc, per unit of width; p of the ring presses outwards.
+    held = quad(hoop, c, b, epsrel=1e-10, limit=200)[0]
+    pushed = rho * speed**2 * (b**3 - c**3) / 3 + pressure * c
+    assert held == pytest.approx(pushed, rel=1e-7, abs=1e-7 * (tension + rho * speed**2))
+    size = tension + rho * speed**2
+    highest = max(hoop(r) for r in np.linspace(c, b, 301))
+    # Three hundred places miss little of a smooth top.
+    assert highest - 1e-9 * size <= layer <= highest + 2e-3 * size
+    # The ring's bore: what is left of it by the winding, of Lamé, pressed by that of the winding at rest.
+    assert at_bore - plain == pytest.approx(
+        -tension * math.log((b * b - a * a) / (c * c - a * a)), rel=1e-9, abs=1e-9 * size
+    )
+    assert energy == pytest.approx(speed**2 * (a * a + b * b) / 4, rel=1e-12)
+    assert parts == float(speed > parting)
+    # At the speed of parting, the outermost layers bear on each other neither way.
+    r = b * (1 - 1e-6)
+    spin = (3 + nu) / 8 * rho * parting**2
+    rest = tension * (r * r - a * a) / (2 * r * r) * math.log((b * b - a * a) / (r * r - a * a))
+    assert spin * (b * b - r * r) * (r * r - a * a) / (r * r) == pytest.approx(rest, rel=1e-3, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("element", "words"),
+    [
+        ({"type": "tilted_body", "mass": 1.0}, "all three of one"),
+        ({"type": "tilted_body", "mass": 1.0, "semi_axis_x": 1.0, "inertia_x": 1.0}, "all three of one"),
+        (LEVER | {"start_radius": 0.5}, "is not above start_radius"),
+        (WOUND | {"bore": 0.2}, "give them ascending"),
+        (WOUND | {"strength": 2e8}, "would tear"),
+    ],
+)
+def test_wrong_body__is_refused_with_the_mend(element, words):
+    with pytest.raises(ValidationError, match=words):
+        asked({"it": element})
