@@ -24,6 +24,8 @@ from engine.verdicts import Verdict
 
 # For motors that aren't steep, and those that are.
 METHODS = (ORDER_EIGHT, ORDER_NINE)
+# Places of a step between which extremes are searched, for comparison: some of those that a method names.
+FEWER = [0, 2, 5]
 # What a single step may miss: anything.
 WHATEVER = 1e30
 
@@ -99,6 +101,8 @@ def _gone(
 def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tolerance: float, look: bool) -> Stretch:
     dynamics, part, state = runs.dynamics, runs.variants.some(who), runs.part(who)
     count, cycle = who.size, dynamics.cycle
+    if runs.half:
+        method = method._replace(looked_at=method.looked_at[FEWER])
     begin = runs.start[who] + part.direction * state.turned
     form = form_of(dynamics, len(part.drive.kloss))
     source, tabulation = source_of(dynamics, form), dynamics.reduction.tabulation
@@ -125,7 +129,7 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
     def arguments() -> tuple:
         room = new_going_room(form, part.parameters.shape[0], edges.shape[0], source.target.size, method)
         fill, laws = tabulation.function("curves_at"), dynamics.channel_of_laws
-        return fill, source, method, form, laws, cycle, *given, record, found, room
+        return fill, source, method, form, laws, cycle, runs.half, *given, record, found, room
 
     if not go_on_to_end.overloads:
         kinds = (numba.typeof(x) for x in arguments()[1:])

@@ -67,7 +67,8 @@ class Progress:
     steps : int
         In how many places of a cycle it is looked at.
     half : bool
-        Whether steps may miss more, for comparison.
+        Whether it is for comparison: steps in time may miss more, those in angle are changed by what they are estimated
+        to miss.
     observers : sequence of Observer
         What looks at the runs.
 
@@ -81,8 +82,10 @@ class Progress:
         Whether the run is over.
     pace : ndarray
         Length of the next step in time [s]; infinite where nothing is known yet.
-    tolerance, farthest_step : float
-        What a step may miss, as a share; how far it may turn [rad].
+    tolerance, time_tolerance : float
+        What a step in angle and one in time may miss, as a share.
+    farthest_step, farthest_in_time : float
+        How far they may turn [rad].
     facing : ndarray
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
@@ -111,9 +114,10 @@ class Progress:
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.pace = np.full(count, np.inf)
+        self.tolerance, self.farthest_step = TOLERANCE, FARTHEST_STEP
         # For comparison, steps of nearly twice the length.
-        self.tolerance = TOLERANCE * (2.0**6 if half else 1.0)
-        self.farthest_step = FARTHEST_STEP * (2.0 if half else 1.0)
+        self.time_tolerance = TOLERANCE * (2.0**6 if half else 1.0)
+        self.farthest_in_time = FARTHEST_STEP * (2.0 if half else 1.0)
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)

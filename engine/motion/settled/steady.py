@@ -42,7 +42,7 @@ ALLOWED = 10.0
 
 
 class Steady(NamedTuple):
-    """Steady motion of a set of variants; NaN where there is none. All (variants,) but for the last two.
+    """Steady motion of a set of variants; NaN where there is none. All (variants,) but for works and record.
 
     Attributes
     ----------
@@ -64,6 +64,8 @@ class Steady(NamedTuple):
     record : ndarray (3, nodes, variants)
         Energy [J] and time [s] at the angles that were asked for; of motors that are very steep the moment [N·m], which
         the energy says less surely, else NaN.
+    besides : ndarray (variants,)
+        By how much δ changes besides, with every step changed by its estimated error.
     """
 
     verdict: np.ndarray
@@ -77,11 +79,12 @@ class Steady(NamedTuple):
     squares: np.ndarray
     works: np.ndarray
     record: np.ndarray
+    besides: np.ndarray | float = 0.0
 
     @property
     def fluctuation(self) -> np.ndarray:
         """δ."""
-        return 2.0 * (self.fastest - self.slowest) / (self.fastest + self.slowest)
+        return 2.0 * (self.fastest - self.slowest) / (self.fastest + self.slowest) + self.besides
 
 
 def steady_motion(
@@ -178,7 +181,7 @@ def _settled(
 
 
 def _steady_of(found: np.ndarray, record: np.ndarray) -> Steady:
-    verdict, energy, log_multiplier, residual, period, motors, squares, slowest, fastest, _, ended, _ = found[:FOUND]
+    verdict, energy, log_multiplier, residual, period, motors, squares, slowest, fastest, _, ended, _, besides = found[:FOUND]
     verdict = np.where((verdict == STALLS_HERE) | (verdict == STALLS_AT_ONCE), Verdict.STALLS, verdict)
     verdict = np.where(verdict == TOO_MANY_STEPS, Verdict.NOT_FINITE, verdict)
     works = np.concatenate((motors[None], found[FOUND:]))
@@ -187,7 +190,7 @@ def _steady_of(found: np.ndarray, record: np.ndarray) -> Steady:
         works[1] = ended - energy - motors
     with np.errstate(all="ignore"):
         multiplier = np.exp(np.minimum(log_multiplier, 700.0))
-    values = energy, ended, multiplier, residual, period, slowest, fastest, squares, works, record
+    values = energy, ended, multiplier, residual, period, slowest, fastest, squares, works, record, besides
     failed = verdict != Verdict.OK
     return Steady(verdict.astype(np.uint8), *(np.where(failed, np.nan, value) for value in values))
 

@@ -19,6 +19,8 @@ from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, S
 from engine.motion.steppers.energy_form import TIME as TIME_OVER
 from engine.motion.steppers.mesh import (
     E_AFTER,
+    ERROR,
+    ERROR_T,
     FROM,
     HIGH,
     LENGTH,
@@ -47,6 +49,7 @@ from engine.motion.steppers.one_step import (
     SQUARE,
     STAGE_ROWS,
     add_weighted,
+    estimate,
     make_polynomial,
     make_stages,
 )
@@ -167,6 +170,28 @@ def fill_few(
 
 
 @routine
+def lose_of_energy(wide: int, state: Memory) -> None:
+    """Change energy and time after a step by their estimated errors, to the side of a machine that turns faster.
+
+    What follows in the run grows or fades as the motion does; for all go to one side, nothing makes up for another.
+    """
+    for lane in range(wide):
+        state[E_AFTER, lane] += abs(state[ERROR, lane])
+        state[T_AFTER, lane] -= abs(state[ERROR_T, lane])
+
+
+@routine
+def lose(wide: int, method: Method, step: Memory, row: int, state: Memory, stages: Memory, total: Memory) -> None:
+    """Take the estimated error of an integral over a step from its total.
+
+    To the same side as the energy: the faster a machine turns, the less motors give, and the more loads take.
+    """
+    estimate(wide, method, step, stages, row, state[OTHER], state[ERROR])
+    for lane in range(wide):
+        total[lane] -= abs(state[ERROR, lane])
+
+
+@routine
 def choose_next(wide: int, edges: Memory, sides: Memory, state: Memory, steps: Memory) -> None:
     """Length of each lane's next step: that to try, or an equal part of the way to the next edge or the goal."""
     for lane in range(wide):
@@ -265,6 +290,7 @@ def go_on_to_end(
     form: Form,
     channel_of: np.ndarray,
     cycle: float,
+    doubtful: bool,
     parameters: np.ndarray,
     drives: np.ndarray,
     every_exponent: np.ndarray,
@@ -279,7 +305,8 @@ def go_on_to_end(
     """Carry the blocks begin … end − 1 of variants to their ends.
 
     `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + channels, variants) receives what is
-    found; `record` (3, nodes, variants) as of `settle`, at `asked` angles turned in the first cycle.
+    found; `record` (3, nodes, variants) as of `settle`, at `asked` angles turned in the first cycle. Where it is
+    `doubtful`, every step is changed by its estimated error.
     """
     drive, exponents = in_lanes(room.drive), in_lanes(room.exponents)
     edges, sides, given = in_lanes(room.edges), in_lanes(room.sides), in_lanes(room.given)
@@ -347,6 +374,8 @@ def go_on_to_end(
             judge_step(wide, method, cycle, state, steps, 0, stages)
             add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
+            if doubtful:
+                lose_of_energy(wide, state)
             decide(wide, method.implicit, places, row, steps, state, stages)
             for s in range(method.stages):
                 for lane in range(wide):
@@ -358,13 +387,22 @@ def go_on_to_end(
                     stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
             add_weighted(wide, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
+            if doubtful:
+                lose(wide, method, step, ROW_OF[FROM_MOTORS], state, stages, state[MOTOR])
+                lose(wide, method, step, ROW_OF[SQUARE], state, stages, state[SQUARES])
             if form.channels > 1:
                 for channel in range(form.channels):
                     for lane in range(wide):
                         works[3 * form.channels + channel, lane] = works[channel, lane]
-                add_cycle_works(wide, 1.0, method, form, channel_of, exponents, places, 0, step, state, stages, works)
+                own_doubt = 0.0 if doubtful else 1.0
+                add_cycle_works(
+                    wide, own_doubt, method, form, channel_of, exponents, places, 0, step, state, stages, works
+                )
                 for channel in range(form.channels):
                     for lane in range(wide):
+                        # Where there is none, the estimated error of the step.
+                        works[channel, lane] -= works[2 * form.channels + channel, lane]
+                        works[2 * form.channels + channel, lane] = 0.0
                         before = works[3 * form.channels + channel, lane]
                         works[channel, lane] = works[channel, lane] if step[lane] > 0.0 else before
             make_stages(
