@@ -57,6 +57,9 @@ from engine.motion.steppers.places import INVERSE, Form, Source, fill_place
 from engine.motion.steppers.settling import (
     FASTEST,
     MOTOR,
+    OF_E,
+    OF_GREATEST,
+    OF_TIME,
     SLOWEST,
     SQUARES,
     STATE,
@@ -85,6 +88,8 @@ TIMES_PER_RADIAN = 4.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # Few variants take as many lanes as a multiple of what a processor computes at once.
 VECTOR = 8
+# Share of the greatest error by the angle that is kept from step to step.
+FADING = 0.8
 # Steps of a cycle after which an explicit method is given up, and a step that is taken whatever it misses [rad].
 MOST_EXPLICIT, SHORTEST = 400.0, 1e-9
 
@@ -170,14 +175,22 @@ def fill_few(
 
 
 @routine
-def lose_of_energy(wide: int, state: Memory) -> None:
+def lose_of_energy(wide: int, steps: Memory, state: Memory) -> None:
     """Change energy and time after a step by their estimated errors, to the side of a machine that turns faster.
 
     What follows in the run grows or fades as the motion does; for all go to one side, nothing makes up for another.
+    A share of the greatest of the steps just before is the least: an estimate may happen to be small.
     """
     for lane in range(wide):
-        state[E_AFTER, lane] += abs(state[ERROR, lane])
-        state[T_AFTER, lane] -= abs(state[ERROR_T, lane])
+        length = steps[LENGTH, lane]
+        for greatest, of in ((OF_E, ERROR), (OF_TIME, ERROR_T)):
+            error = abs(state[of, lane])
+            # Steps that aren't taken say nothing.
+            known = (state[OTHER, lane] <= 1.0) & (length > 0.0)
+            rate = larger(error / length, FADING * state[greatest, lane])
+            state[greatest, lane] = rate if known else state[greatest, lane]
+        state[E_AFTER, lane] += larger(abs(state[ERROR, lane]), OF_GREATEST * state[OF_E, lane] * length)
+        state[T_AFTER, lane] -= larger(abs(state[ERROR_T, lane]), OF_GREATEST * state[OF_TIME, lane] * length)
 
 
 @routine
@@ -375,7 +388,7 @@ def go_on_to_end(
             add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
             if doubtful:
-                lose_of_energy(wide, state)
+                lose_of_energy(wide, steps, state)
             decide(wide, method.implicit, places, row, steps, state, stages)
             for s in range(method.stages):
                 for lane in range(wide):

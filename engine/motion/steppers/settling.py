@@ -122,6 +122,9 @@ STEEP = 200.0
 NEAR_TOP = 0.1
 # Share of what the step to an extreme puts right that may be left to be put right.
 LEFT_OVER = 0.01
+# Share of all estimated errors of a cycle that the energy may drift between the extremes of the speed. Estimates are
+# those of a formula of a lower order, some hundred times what a step misses, and here nothing of them fades.
+OF_DRIFT = 0.1
 
 
 MOST_PLACES = max(method.shares.size for method in (ORDER_EIGHT, ORDER_NINE))
@@ -751,12 +754,12 @@ def change_of_fluctuation(found: np.ndarray, v: int, drift: float, unsure: float
     """By how much δ is to change besides its extremes, to the same side; `unsure` are both of them [rad/s].
 
     Where every step misses to the same side, both extremes move along together, and δ says nothing of it. But from the
-    one to the other the energy may err by all that the steps between miss, ΔE, and with ω² = 2E/I the speed by
+    one to the other the energy may err by what the steps between miss, ΔE, and with ω² = 2E/I the speed by
     Δω/ω = ΔE/(2E).
     """
     before = (found[0, 8, v] - found[0, 7, v]) / (found[0, 8, v] + found[0, 7, v])
     after = (found[1, 8, v] - found[1, 7, v]) / (found[1, 8, v] + found[1, 7, v])
-    return math.copysign(0.5 * drift + 2.0 * unsure / (found[0, 8, v] + found[0, 7, v]), after - before)
+    return math.copysign(0.5 * OF_DRIFT * drift + 2.0 * unsure / (found[0, 8, v] + found[0, 7, v]), after - before)
 
 
 @driver
