@@ -119,11 +119,16 @@ def steady_motion(
         numbers[3, steep] *= LOOSER
     lost = np.flatnonzero((found[0, 0] == Verdict.OK) & (found[1, 0] != Verdict.OK))
     if lost.size:
-        # Where steps can't be gone with their estimated errors, others that may miss more tell how sure it is.
+        # Where steps can't be gone with their estimated errors, others that may miss more tell how sure it is. Those may
+        # happen to be the same: the energy's drift is added.
         numbers[3, lost], numbers[4, lost], numbers[7, lost] = LOOSER * tolerance, found[0, 1, lost], 1.0
-        loose, notes = found.copy(), record.copy()
+        loose, notes, drift = found.copy(), record.copy(), found[1, 12, lost]
         _search(ORDER_NINE, dynamics, variants, lost, numbers, asked, loose, notes)
         found[1][:, lost], record[1][..., lost] = loose[0][:, lost], notes[0][..., lost]
+        found[1, 12, lost] = drift
+        for row in (7, 8):
+            fine, other = found[0, row, lost], found[1, row, lost]
+            found[1, row, lost] = other + np.copysign(drift * fine, other - fine)
     fine, doubtful = (_steady_of(*parts) for parts in zip(found, record, strict=True))
     return fine, doubtful
 
@@ -188,7 +193,9 @@ def _settled(
 
 
 def _steady_of(found: np.ndarray, record: np.ndarray) -> Steady:
-    verdict, energy, log_multiplier, residual, period, motors, squares, slowest, fastest, _, ended, _, besides = found[:FOUND]
+    verdict, energy, log_multiplier, residual, period, motors, squares, slowest, fastest, _, ended, _, besides = found[
+        :FOUND
+    ]
     verdict = np.where((verdict == STALLS_HERE) | (verdict == STALLS_AT_ONCE), Verdict.STALLS, verdict)
     verdict = np.where(verdict == TOO_MANY_STEPS, Verdict.NOT_FINITE, verdict)
     works = np.concatenate((motors[None], found[FOUND:]))

@@ -138,16 +138,16 @@ _LESS_FIFTH = {
 }
 # Another that vanishes up to order five: what it misses of order six, over all rooted trees of six vertices by their
 # symmetry, is as much as with the first and independent of it (their scalar product is zero). Where the first happens
-# to vanish, at one length of a step in many, this one doesn't.
+# to vanish, at some length of a step, this one hardly ever does.
 _BESIDES = {
-    0: -2.16575624766271527e-02,
-    5: -2.87929616611352857e-01,
-    6: 4.68800979548504082e-01,
-    7: -3.71761606351426521e-01,
-    8: -1.24189137504430924e00,
-    9: 1.32421205179003576e00,
-    10: 1.59378222181142726e-01,
-    11: -2.91510930395816707e-02,
+    0: -2.16575624753399913e-2,
+    5: -2.87929616619069517e-1,
+    6: 4.68800979560341058e-1,
+    7: -3.71761606355259955e-1,
+    8: -1.24189137504977531,
+    9: 1.32421205179734280,
+    10: 1.59378222181324636e-1,
+    11: -2.91510930395638204e-2,
 }
 _THIRD = {
     0: 0.244094488188976377952755905512,
