@@ -119,7 +119,7 @@ def steady_motion(
         numbers[3, steep] *= LOOSER
     lost = np.flatnonzero((found[0, 0] == Verdict.OK) & (found[1, 0] != Verdict.OK))
     if lost.size:
-        # Where steps can't be gone with their estimated errors, others that may miss more tell how sure it is. Those may
+        # Where steps can't be gone with their estimated errors, others that may miss more tell how sure it is. They may
         # happen to be the same: the energy's drift is added.
         numbers[3, lost], numbers[4, lost], numbers[7, lost] = LOOSER * tolerance, found[0, 1, lost], 1.0
         loose, notes, drift = found.copy(), record.copy(), found[1, 12, lost]

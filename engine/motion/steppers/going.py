@@ -58,7 +58,6 @@ from engine.motion.steppers.settling import (
     FASTEST,
     MOTOR,
     OF_E,
-    OF_GREATEST,
     OF_TIME,
     SLOWEST,
     SQUARES,
@@ -89,7 +88,7 @@ SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # Few variants take as many lanes as a multiple of what a processor computes at once.
 VECTOR = 8
 # Share of the greatest error by the angle that is kept from step to step.
-FADING = 0.8
+FADING = 0.9
 # Steps of a cycle after which an explicit method is given up, and a step that is taken whatever it misses [rad].
 MOST_EXPLICIT, SHORTEST = 400.0, 1e-9
 
@@ -179,7 +178,7 @@ def lose_of_energy(wide: int, steps: Memory, state: Memory) -> None:
     """Change energy and time after a step by their estimated errors, to the side of a machine that turns faster.
 
     What follows in the run grows or fades as the motion does; for all go to one side, nothing makes up for another.
-    A share of the greatest of the steps just before is the least: an estimate may happen to be small.
+    The greatest of the steps just before, fading, is the least: an estimate may happen to be small.
     """
     for lane in range(wide):
         length = steps[LENGTH, lane]
@@ -189,8 +188,8 @@ def lose_of_energy(wide: int, steps: Memory, state: Memory) -> None:
             known = (state[OTHER, lane] <= 1.0) & (length > 0.0)
             rate = larger(error / length, FADING * state[greatest, lane])
             state[greatest, lane] = rate if known else state[greatest, lane]
-        state[E_AFTER, lane] += larger(abs(state[ERROR, lane]), OF_GREATEST * state[OF_E, lane] * length)
-        state[T_AFTER, lane] -= larger(abs(state[ERROR_T, lane]), OF_GREATEST * state[OF_TIME, lane] * length)
+        state[E_AFTER, lane] += larger(abs(state[ERROR, lane]), state[OF_E, lane] * length)
+        state[T_AFTER, lane] -= larger(abs(state[ERROR_T, lane]), state[OF_TIME, lane] * length)
 
 
 @routine
