@@ -91,7 +91,7 @@ EXTREME, IN_STEP, AT, BEND, UNSURE = range(5)
 OF_E, OF_TIME, OF_MOTOR, OF_SQUARES, OF_LOG = range(MESH_STATE + 28, MESH_STATE + 33)
 # Sums of the estimated errors, of all but the energy; the error of the step under way.
 TIME_ERROR, MOTOR_ERROR, SQUARES_ERROR, LOG_ERROR, LOST = range(MESH_STATE + 33, MESH_STATE + 38)
-# Sum of the errors of the energy, as a share of it.
+# Sum of the errors of the energy that is left at the end of a cycle, as a share of it.
 DRIFT = MESH_STATE + 38
 STATE = MESH_STATE + 39
 
@@ -122,8 +122,8 @@ STEEP = 200.0
 NEAR_TOP = 0.1
 # Share of what the step to an extreme puts right that may be left to be put right.
 LEFT_OVER = 0.01
-# Share of all estimated errors of a cycle that the energy may drift between the extremes of the speed. Estimates are
-# those of a formula of a lower order, some hundred times what a step misses, and here nothing of them fades.
+# Share of the estimated errors of a cycle, as far as they don't fade, that the energy may drift between the extremes of
+# the speed. Estimates are those of a formula of a lower order, some hundred times what a step misses.
 OF_DRIFT = 0.1
 
 
@@ -464,7 +464,9 @@ def spread_errors(
         state[DRIFT, lane] = 0.0
         for k in range(made):
             missed[k, lane] += rate * state[OF_E, lane] * steps[STEP_ROWS * k + LENGTH, lane]
-            state[DRIFT, lane] += missed[k, lane] / nodes[k, lane]
+            # A disturbance fades along the cycle by e^∮∂M/∂E dφ, taken as spread evenly.
+            fades = math.exp(smaller(state[LOG, lane], 0.0) * steps[STEP_ROWS * k + LENGTH, lane] / cycle)
+            state[DRIFT, lane] = fades * state[DRIFT, lane] + missed[k, lane] / nodes[k, lane]
         state[TIME_ERROR, lane] += rate * cycle * state[OF_TIME, lane]
         state[MOTOR_ERROR, lane] += rate * cycle * state[OF_MOTOR, lane]
         state[SQUARES_ERROR, lane] += rate * cycle * state[OF_SQUARES, lane]
