@@ -11,7 +11,7 @@ from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
-from engine.motion.runs.run_progress import Progress
+from engine.motion.runs.run_progress import COARSER, Progress
 from engine.motion.runs.watching import Piece
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
@@ -103,6 +103,8 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
     count, cycle = who.size, dynamics.cycle
     if runs.half:
         method = method._replace(looked_at=method.looked_at[FEWER])
+        # A steep motor answers to every change of the energy with one that it has to be followed through.
+        tolerance *= COARSER if method.implicit else 1.0
     begin = runs.start[who] + part.direction * state.turned
     form = form_of(dynamics, len(part.drive.kloss))
     source, tabulation = source_of(dynamics, form), dynamics.reduction.tabulation
@@ -129,7 +131,7 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
     def arguments() -> tuple:
         room = new_going_room(form, part.parameters.shape[0], edges.shape[0], source.target.size, method)
         fill, laws = tabulation.function("curves_at"), dynamics.channel_of_laws
-        return fill, source, method, form, laws, cycle, runs.half, *given, record, found, room
+        return fill, source, method, form, laws, cycle, runs.half and not method.implicit, *given, record, found, room
 
     if not go_on_to_end.overloads:
         kinds = (numba.typeof(x) for x in arguments()[1:])

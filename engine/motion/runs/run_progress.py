@@ -12,6 +12,8 @@ from engine.motion.steppers.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
 TOLERANCE, FARTHEST_STEP = 1e-10, 0.25 * np.pi
+# For comparison, steps of nearly twice the length.
+COARSER = 2.0**6
 
 
 class Ends(NamedTuple):
@@ -67,8 +69,8 @@ class Progress:
     steps : int
         In how many places of a cycle it is looked at.
     half : bool
-        Whether it is for comparison: steps in time may miss more, those in angle are changed by what they are estimated
-        to miss.
+        Whether it is for comparison: steps in time may miss more, and those of a steep motor; other steps are changed by what
+        they are estimated to miss.
     observers : sequence of Observer
         What looks at the runs.
 
@@ -115,8 +117,7 @@ class Progress:
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.pace = np.full(count, np.inf)
         self.tolerance, self.farthest_step = TOLERANCE, FARTHEST_STEP
-        # For comparison, steps of nearly twice the length.
-        self.time_tolerance = TOLERANCE * (2.0**6 if half else 1.0)
+        self.time_tolerance = TOLERANCE * (COARSER if half else 1.0)
         self.farthest_in_time = FARTHEST_STEP * (2.0 if half else 1.0)
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
