@@ -32,6 +32,7 @@ class Verdict(IntEnum):
     OTHER_MODE = 23
     GROWS = 24
     TURNS_BACK = 25
+    TOO_COARSE = 26
     NOT_COMPUTED = 255
 
 
@@ -124,6 +125,10 @@ SENTENCES = {
     Verdict.TURNS_BACK: (
         "on its elastic shaft the machine doesn't turn through its cycle in one sense: it stops or turns back; a "
         "flywheel at the machine, a stiffer shaft, more damping or a higher speed helps"
+    ),
+    Verdict.TOO_COARSE: (
+        "steps of the method named for a run are too long: with steps of twice the length the motion is another one, "
+        "as under a steep motor; raise steps_per_turn, or leave method and steps_per_turn"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from sweeps.interruption import listen
+from sweeps.interruption import finish, listen
 
 
 def start() -> None:
@@ -23,6 +23,8 @@ def start() -> None:
     except OSError as error:
         where = error.filename or "what is shown, or a file that nothing names,"
         _leave(f"Error: {where} can't be written or read: {error.strerror}\n", 2)
+    finally:
+        finish()
 
 
 def _leave(message: str, code: int) -> None:

@@ -30,6 +30,12 @@ def listen() -> None:
     threading.Thread(target=_wait, args=(reading,), name="interruption", daemon=True).start()
 
 
+def finish() -> None:
+    """Heed no signal any more: all is done, and Python, while it ends, would forget what was agreed on."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+
+
 @contextmanager
 def keeping(words: Callable[[], str]) -> Iterator[None]:
     """While something runs, tell what of it is kept if it is interrupted.

@@ -67,6 +67,11 @@ class Machine:
         Allowed error of every summary, as a share of its magnitude; of a statistic of a field, of the field's peak.
         Without it summaries are as accurate as they can be at next to no cost.
 
+    Attributes
+    ----------
+    kept_at : dict of str to KeptAt
+        Where asked fields of runs are kept: at instants, or at angles turned. All others are kept at `nodes`.
+
     Raises
     ------
     SceneError
@@ -127,6 +132,8 @@ class Machine:
         self._fields: dict[str, Field] = {
             name: self.register.fields[name] for name in self.asked_fields if name not in others
         }
+        self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in self.asked_fields}
+        self._spaced = [name for name in self.asked_fields if name not in self.kept_at]
 
     def _check_asked(self) -> None:
         """Refuse what doesn't exist, with the names that are near."""
@@ -258,7 +265,7 @@ class Machine:
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for the asked fields of a number of variants; worth reusing from block to block."""
-        return field_room((len(self.asked_fields), variants, self.nodes.size), self.dtype)
+        return field_room((len(self._spaced), variants, self.nodes.size), self.dtype)
 
     # Evaluation
 
@@ -276,8 +283,8 @@ class Machine:
             Values (SI) of the paths named as varied; empty for the scene as it is, one variant.
         drop : ndarray (variants,) of bool, optional
             Variants not to evaluate; their status is DROPPED.
-        buffer : ndarray (asked fields, at least variants, positions), optional
-            Memory for the fields, from `new_buffer`; the outcome's fields are views of it.
+        buffer : ndarray (fields over positions, at least variants, positions), optional
+            Memory for those fields, from `new_buffer`; the outcome's fields are views of it.
 
         Raises
         ------
@@ -290,7 +297,10 @@ class Machine:
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         # The rest is filled in only for variants without a complaint so far.
         room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
-        outcome = blank(status, self.asked_summaries, dict(zip(self.asked_fields, room, strict=True)))
+        spaced = dict(zip(self._spaced, room, strict=True))
+        instants = {n: np.full((variants, at.values.size), np.nan, self.dtype) for n, at in self.kept_at.items()}
+        fields = {name: spaced[name] if name in spaced else instants[name] for name in self.asked_fields}
+        outcome = blank(status, self.asked_summaries, fields, self.kept_at)
         if keep.size:
             whole = Numbers(self._limits, arrays)
             self._fill(outcome, room, keep, whole if keep.size == variants else whole.of_variants(keep))
@@ -399,10 +409,12 @@ class Machine:
             outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
         for name, rows in answers.fields.items():
             outcome.fields[name][moved] = rows
+            if name in self.kept_at:
+                outcome.errors[name][moved] = answers.errors[name]
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
         """Fill the kept fields; returns which variants have finite values alone."""
-        places = {name: row for row, name in enumerate(self.asked_fields)}
+        places = {name: row for row, name in enumerate(self._spaced)}
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
             own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)

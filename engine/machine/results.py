@@ -25,9 +25,9 @@ class Outcome(NamedTuple):
     status_at : ndarray (variants,)
         Input position at which it fails [rad, or m of a sliding input]; NaN where it doesn't.
     summaries, errors : dict of str to ndarray (variants,)
-        Asked summaries and their error figures, SI.
+        Asked summaries and their error figures, SI; fields of runs have one too, the greatest over their instants.
     fields : dict of str to ndarray (variants, positions)
-        Asked fields, SI.
+        Asked fields, SI; of runs at their instants (see `Machine.kept_at`).
     """
 
     status: np.ndarray
@@ -38,10 +38,16 @@ class Outcome(NamedTuple):
     fields: dict[str, np.ndarray]
 
 
-def blank(status: np.ndarray, summaries: Iterable[str], fields: dict[str, np.ndarray]) -> Outcome:
-    """Outcome of variants of which nothing is known but their status: NaN for every summary, no group to blame."""
+def blank(
+    status: np.ndarray, summaries: Iterable[str], fields: dict[str, np.ndarray], with_error: Iterable[str] = ()
+) -> Outcome:
+    """Outcome of variants of which nothing is known but their status: NaN for every summary, no group to blame.
+
+    `with_error` are the fields that have error figures.
+    """
     names, variants = list(summaries), status.shape[0]
-    values, errors = ({name: np.full(variants, np.nan) for name in names} for _ in range(2))
+    values = {name: np.full(variants, np.nan) for name in names}
+    errors = {name: np.full(variants, np.nan) for name in (*names, *with_error)}
     return Outcome(status, np.full(variants, -1, np.int16), np.full(variants, np.nan), values, errors, fields)
 
 

@@ -51,8 +51,8 @@ class Case(NamedTuple):
     sentence : str
         In the mechanic's words.
     method : str
-        "closed form", "energy form" or "time form". Runs in the energy form go in time near rest, and where a closed
-        form ends (the machine stops or turns round on its way) numerics take over.
+        "closed form", "energy form" or "time form", and a method that a run names. Runs in the energy form go in time
+        near rest, and where a closed form ends (the machine stops or turns round on its way) numerics take over.
     law : MomentLaw or None
         Which closed form.
     """
@@ -94,8 +94,12 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     number = _number(turning, arguments | {"φ", "ω"} if rubs else arguments)
     couplings = dynamics.reduction.mechanics.scene.couplings if isinstance(regime, RunRegime) else {}
     stepwise = rubs or couplings
-    law = None if turning or stepwise or not isinstance(regime, RunRegime) else _law(dynamics, regime, arguments)
+    named = isinstance(regime, RunRegime) and regime.method is not None
+    closed = isinstance(regime, RunRegime) and not (turning or stepwise or named)
+    law = _law(dynamics, regime, arguments) if closed else None
     method = TIME_FORM if dynamics.timed or stepwise else ENERGY_FORM
+    if named:
+        method = f"{ENERGY_FORM}, by {regime.method} in {regime.steps_per_turn} steps a turn"
     sentence = f"case {number}: {'I(φ)' if turning else 'I constant'}, {_moment(dynamics, sources)}"
     sentence += ", and friction in pairs by φ, ω² and ε" if rubs else ""
     for name, coupling in couplings.items():

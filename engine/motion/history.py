@@ -235,8 +235,8 @@ def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndar
         with np.errstate(invalid="ignore"):
             powers = [*(way * moment * rows["speed"] for moment in moments), np.zeros(new.sum())]
         own |= {f"{source} power": power for source, power in zip(SOURCES, powers, strict=True)}
-        kept = ("acceleration", "motor_moment", *CHANNELS, "energy", *fields)
-        yield own | {key: rows[key] for key in kept}
+        kept = ("acceleration", "motor_moment", *CHANNELS, *fields)
+        yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}
 
 
 def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:

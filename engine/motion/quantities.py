@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity
@@ -9,6 +11,9 @@ from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
 from engine.scene.scene import Scene
 
+# Sorts of power, by the channel that gives it or, of what resists, takes it.
+POWERS = ("driving_power", "useful_power", "harmful_power", "braking_power", "other_power")
+EFFICIENCY_NOW = "instantaneous_efficiency"
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
 
 # Of every regime; `{name}` is the regime's.
@@ -65,6 +70,20 @@ FIELDS = {
     "motor_moment": ("moment of the motors in {name}, reduced to the input", "N m"),
     "load_moment": ("moment of everything else in {name}, reduced to the input", "N m"),
     "input_moment": ("moment that motors and flywheel give the input link in {name}, at its true motion", "N m"),
+    "kinetic_energy": ("kinetic energy of the whole machine in {name}", "J"),
+    "motors_power": ("power of the motors in {name}, instant by instant", "W"),
+    "driving_power": ("power of the other driving actions in {name}, instant by instant", "W"),
+    "useful_power": ("power against useful resistances in {name}, instant by instant", "W"),
+    "harmful_power": ("power against harmful resistances in {name}, instant by instant", "W"),
+    "braking_power": ("power in the brakes in {name}, instant by instant", "W"),
+    "other_power": ("power of gravity, springs and all else in {name}, instant by instant", "W"),
+    EFFICIENCY_NOW: ("instantaneous efficiency in {name}: 1 less the share that is lost of what is put in", "1"),
+}
+# Of the place and the instant that fields are kept at, the one that the other follows from.
+INSTANT, TURNED = "instant", "turned"
+AXES = {
+    INSTANT: ("time since {name} began", "s"),
+    TURNED: ("angle turned since {name} began", "rad"),
 }
 AT_UNIFORM_SPEED = " at uniform speed of the input"
 LOADS = (
@@ -77,6 +96,13 @@ EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean
     "min_time": "time since its begin of the least value of",
     "max_time": "time since its begin of the greatest value of",
 }
+
+
+class KeptAt(NamedTuple):
+    """Where fields of a run are kept: what runs along them, and its values (instants,), times [s] or angles [rad]."""
+
+    quantity: Quantity
+    values: np.ndarray
 
 
 class Asked(NamedTuple):
@@ -139,7 +165,33 @@ def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
         # At the two speeds of a coupling loads aren't known.
         if regime.type == kind and not (kind == "run" and mechanics.scene.couplings):
             found += _made(name, FIELDS)
+            if kind == "steady":
+                found += _made(name, {INSTANT: ("time since the crank angle 0 in {name}", "s")})
             found += _made(name, load_fields(mechanics))
+    return found
+
+
+def kept_at_of(scene: Scene) -> dict[str, KeptAt]:
+    """Where the fields of runs are kept, by the names of the runs that say so."""
+    found = {}
+    for name, regime in scene.regimes.items():
+        at = regime.at if regime.type == "run" else None
+        if at is not None:
+            axis = INSTANT if at.times is not None else TURNED
+            words, unit = AXES[axis]
+            values = at.times if at.times is not None else at.angles
+            found[name] = KeptAt(Quantity(f"{name}.{axis}", words.format(name=name), unit), np.array(values, float))
+    return found
+
+
+def kept_fields(mechanics: Mechanics) -> list[Quantity]:
+    """Fields that are kept of the runs of a scene, each at its instants or angles."""
+    if mechanics.scene.couplings:
+        return []
+    axes = {f"{name}.": at.quantity.name for name, at in kept_at_of(mechanics.scene).items()}
+    found = [q for q in motion_fields(mechanics, "run") if q.name.startswith(tuple(axes))]
+    for prefix, axis in axes.items():
+        found += [q for q in _made(prefix[:-1], AXES) if q.name != axis]
     return found
 
 

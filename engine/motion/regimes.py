@@ -7,9 +7,13 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import (
+    EFFICIENCY_NOW,
     MAY_BE_UNDEFINED,
     Asked,
+    KeptAt,
     cycle_statistics,
+    kept_at_of,
+    kept_fields,
     motion_fields,
     motion_summaries,
     run_extremes,
@@ -31,7 +35,7 @@ class Regimes:
     steps : int
         Steps a cycle; even.
     accuracy : float, optional
-        How exact what is asked of steady motion should be, as a share of it.
+        How exact what is asked should be, as a share of it.
 
     Attributes
     ----------
@@ -39,6 +43,8 @@ class Regimes:
         What may be asked; of the statistics of fields, those that are asked.
     asked : tuple of str
         What is asked, summaries and fields.
+    kept_at : dict of str to KeptAt
+        Where the fields that belong to runs are kept; those of steady regimes are kept over the cycle.
     schedule : Schedule or None
         The regimes in their order; None where nothing is asked of them.
     """
@@ -46,6 +52,10 @@ class Regimes:
     def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
         self.summaries = {quantity.name: quantity for quantity in motion_summaries(mechanics.scene)}
         self.fields = {quantity.name: quantity for quantity in motion_fields(mechanics)}
+        self._of_cycles, instants = frozenset(self.fields), kept_at_of(mechanics.scene)
+        kept = {quantity.name: quantity for quantity in kept_fields(mechanics)}
+        self.fields |= kept
+        self.kept_at: dict[str, KeptAt] = {name: instants[name.partition(".")[0]] for name in kept}
         self._along_runs = {quantity.name: quantity for quantity in motion_fields(mechanics, "run")}
         asked = list(dict.fromkeys(asked))
         self.summaries |= self._statistics(asked)
@@ -54,8 +64,10 @@ class Regimes:
 
     def _statistics(self, names: Iterable[str]) -> dict[str, Quantity]:
         """The statistics of fields among some names."""
-        fields = {f"{one.regime}.{one.field}" for one in map(Asked.of, names) if one.statistic}
-        known = [s for name in fields if name in self.fields for s in cycle_statistics(self.fields[name])]
+        # Where nothing is put in there is no efficiency, so none is the least.
+        asked = (one for one in map(Asked.of, names) if one.statistic and one.field != EFFICIENCY_NOW)
+        fields = {f"{one.regime}.{one.field}" for one in asked}
+        known = [s for name in fields if name in self._of_cycles for s in cycle_statistics(self.fields[name])]
         known += [s for name in fields if name in self._along_runs for s in run_extremes(self._along_runs[name])]
         found = {s.name: s for s in known}
         return {name: found[name] for name in names if name in found}

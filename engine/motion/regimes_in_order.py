@@ -23,10 +23,22 @@ from engine.motion.coupled.two_sides import TwoSides
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
-from engine.motion.quantities import FIELDS, WORKS, Asked, motion_fields
+from engine.motion.quantities import (
+    AXES,
+    EFFICIENCY_NOW,
+    FIELDS,
+    POWERS,
+    WORKS,
+    Asked,
+    kept_at_of,
+    kept_fields,
+    motion_fields,
+)
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_extremes import ExtremeAnswers, RunExtremes
-from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
+from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
+from engine.motion.runs.run_instants import RunInstants
+from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
+from engine.motion.runs.run_progress import Ends, Progress, RunOutcome, Stepping
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
@@ -41,6 +53,10 @@ from engine.verdicts import Verdict
 # What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
 # for, and at least.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
+# A step of a run, whose errors nothing takes back.
+SURER_IN_RUNS = 0.01
+# Runs by equal steps whose time or speed at the end change by more with steps of twice the length tell nothing.
+TELLS_NOTHING = 0.1
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
 CACHE, ROWS = 16e6, 6
 # Variants in steady motion that go together: blocks of many, and few enough for a cache.
@@ -56,6 +72,7 @@ DOUBT = 16 * np.finfo(float).eps
 
 # What of the ends of runs each variant has its own of.
 PER_VARIANT = ("turned", "time", "speed", "most_turned")
+TURN = 2.0 * np.pi
 # Crank angle [rad], speed [rad/s] and time on the clock [s] at the begin of runs.
 Begin = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -84,7 +101,10 @@ class Standing(NamedTuple):
 
 
 class RegimeAnswers(NamedTuple):
-    """Values and error figures by name, fields by name, and the verdict on each variant."""
+    """Values, fields, error figures by name, and the verdict on each variant.
+
+    A field that is kept of a run has one error figure for each variant, the greatest over its instants.
+    """
 
     values: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
@@ -103,6 +123,8 @@ class Gone(NamedTuple):
         Magnitude that each value's rounding is a share of, where not its own.
     missed : dict of str to ndarray (variants,)
         How far extremes between nodes may be beyond those at nodes.
+    by_equal_steps : dict of str to ndarray (2, variants)
+        Time [s] and greatest speed [rad/s] of the runs by steps of one length.
     """
 
     values: dict[str, np.ndarray]
@@ -110,6 +132,7 @@ class Gone(NamedTuple):
     verdict: np.ndarray
     scales: dict[str, np.ndarray]
     missed: dict[str, np.ndarray]
+    by_equal_steps: dict[str, np.ndarray]
 
 
 class Schedule:
@@ -123,7 +146,7 @@ class Schedule:
     steps : int
         Steps a cycle; even.
     accuracy : float, optional
-        How exact what is asked of steady motion should be, as a share of it.
+        How exact what is asked should be, as a share of it.
 
     Attributes
     ----------
@@ -136,6 +159,9 @@ class Schedule:
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
         self.scene, self.asked, self.steps = mechanics.scene, asked, steps
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
+        self._run_tolerance = RUN_TOLERANCE
+        if accuracy is not None:
+            self._run_tolerance = max(SURER_IN_RUNS * accuracy, LEAST_TOLERANCE)
         scene = mechanics.scene
         if scene.friction and scene.couplings:
             message = "regimes don't know it beside [couplings], where a machine has two speeds; leave one of them out"
@@ -144,11 +170,14 @@ class Schedule:
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
         known = {q.name for kind in ("steady", "run") for q in motion_fields(mechanics, kind)}
+        known |= {q.name for q in kept_fields(mechanics)}
+        self.instants = kept_at_of(scene)
         fields = [one for one in map(Asked.of, sorted(asked)) if f"{one.regime}.{one.field}" in known]
         self.fields = {name: [one for one in fields if one.regime == name] for name in self.regimes}
-        loads = {one.field for one in fields} - FIELDS.keys()
+        loads = {one.field for one in fields} - FIELDS.keys() - AXES.keys()
         self.loads = PairLoads(mechanics, loads) if loads else None
         works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
+        works |= any(one.field in ("motors_power", *POWERS, EFFICIENCY_NOW) for one in fields)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
         friction = PairLoads(mechanics, [FRICTION_MOMENT]) if scene.friction else None
@@ -157,6 +186,11 @@ class Schedule:
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
+
+    @property
+    def _kept(self) -> set[str]:
+        """Fields that are kept of runs."""
+        return {f"{name}.{one.field}" for name in self.instants for one in self.fields[name] if not one.statistic}
 
     @property
     def nodes(self) -> list[Node]:
@@ -197,6 +231,12 @@ class Schedule:
         # What isn't finite ends as a verdict, not as a warning.
         with np.errstate(all="ignore"):
             fine, coarse = self._go(driven), self._go(driven, half=True)
+        rough = np.zeros(count, bool)
+        for name, ends in fine.by_equal_steps.items():
+            change, size = np.abs(ends - coarse.by_equal_steps[name]), np.abs(ends)
+            rough |= ~(change <= TELLS_NOTHING * size).all(axis=0) | (coarse.verdict != Verdict.OK)
+        told = np.where(rough & (fine.verdict == Verdict.OK), Verdict.TOO_COARSE, fine.verdict).astype(np.uint8)
+        fine = fine._replace(verdict=told)
         # A verdict that half the steps don't share is one of the method, not of the machine.
         values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
@@ -204,6 +244,11 @@ class Schedule:
             change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
             doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
             errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
+        for name in fine.fields.keys() & self._kept:
+            size = _greatest(np.abs(fine.fields[name]))
+            change = _greatest(np.abs(fine.fields[name] - coarse.fields[name]))
+            doubt = np.where(coarse.verdict == Verdict.OK, change, size)
+            errors[name] = doubt + ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
         return RegimeAnswers(values, errors, fine.fields, fine.verdict)
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
@@ -219,7 +264,7 @@ class Schedule:
         count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
         zero = np.zeros(count)
         standing = Standing(zero, zero, zero, np.full(count, Verdict.OK, np.uint8))
-        gone = Gone({}, {}, standing.verdict, {}, {})
+        gone = Gone({}, {}, standing.verdict, {}, {}, {})
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
@@ -231,8 +276,11 @@ class Schedule:
                 found, scale = self._at_two_speeds(name, dynamics, going), {}
             elif isinstance(self.regimes[name], RunRegime):
                 outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
+                gone.fields.update({f"{name}.{key}": rows for key, rows in extremes.rows.items()})
                 made = outcome.state.turned / dynamics.cycle * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
+                if self.regimes[name].method is not None:
+                    gone.by_equal_steps[name] = np.stack((outcome.state.time, outcome.fastest))
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
@@ -249,6 +297,9 @@ class Schedule:
             growth = 1.0 + (np.abs(made) / STEPS_OF_ROUNDING if stepped else 0.0)
             gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
             gone.scales[f"{name}.energy_change"] = growth * energy
+            for key, rows in gone.fields.items() if name in self.instants else ():
+                if key.startswith(f"{name}."):
+                    gone.scales[key] = growth * _greatest(np.abs(rows))
         return gone._replace(verdict=standing.verdict)
 
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
@@ -337,7 +388,7 @@ class Schedule:
         standing: Standing,
         half: bool = False,
         record: Callable[[RunFields], Observer] | None = None,
-    ) -> tuple[RunOutcome, ExtremeAnswers, Standing]:
+    ) -> tuple[RunOutcome, FieldAnswers, Standing]:
         """Run a regime from where the machines stand; what `record` makes looks at it instead of what is asked."""
         regime, count = self.regimes[name], variants.count
 
@@ -359,17 +410,22 @@ class Schedule:
         begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
         observers = [] if record is None else [record(self._along(name, dynamics, part, begin))]
         if law is None or observers:
-            outcome = run_to_end(Progress(dynamics, part, *begin, ends, self.steps, half, observers))
+            outcome = run_to_end(
+                Progress(dynamics, part, *begin, ends, self.steps, half, observers, self._stepping(name))
+            )
         else:
             doubt = DOUBT if half else 0.0
-            outcome = run_in_closed_form(law, dynamics, part, *begin, ends, self.steps, half, doubt)
-        extremes = ExtremeAnswers({}, {}, {})
+            outcome = run_in_closed_form(
+                law, dynamics, part, *begin, ends, self.steps, half, doubt, self._stepping(name)
+            )
+        extremes = FieldAnswers({}, {}, {}, {})
         if self.fields[name] and record is None:
             # Looked at are those that come to their end.
             good = np.flatnonzero(outcome.verdict == Verdict.OK)
             chosen = ends._replace(**{k: getattr(ends, k)[good] for k in PER_VARIANT})
             found = self._extremes(name, dynamics, part.some(good), tuple(x[good] for x in begin), chosen, half)
-            extremes = ExtremeAnswers(*({k: _of_all(v, ready[good], count) for k, v in own.items()} for own in found))
+            *told, rows = ({k: _of_all(v.T, ready[good], count).T for k, v in own.items()} for own in found)
+            extremes = FieldAnswers(*told, rows)
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time
@@ -378,6 +434,10 @@ class Schedule:
         )
         return outcome, extremes, after
 
+    def _stepping(self, name: str) -> Stepping:
+        steps = self.regimes[name].steps_per_turn
+        return Stepping(self._run_tolerance) if steps is None else Stepping(farthest=TURN / steps, classical=True)
+
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
         """Fields along a run."""
         angle, _, clock = begin
@@ -385,12 +445,24 @@ class Schedule:
 
     def _extremes(
         self, name: str, dynamics: Dynamics, part: Variants, begin: Begin, ends: Ends, half: bool
-    ) -> ExtremeAnswers:
+    ) -> FieldAnswers:
         """What is asked of the fields along a run, looked at half as often for comparison."""
-        asked, steps = self.fields[name], self.steps // 2 if half else self.steps
-        seen = RunExtremes(self._along(name, dynamics, part, begin), [one.field for one in asked])
-        run_to_end(Progress(dynamics, part, *begin, ends, steps, half, [seen]))
-        return seen.answers(asked, dynamics.cycle / steps)
+        steps, along = self.steps // 2 if half else self.steps, self._along(name, dynamics, part, begin)
+        asked = [one for one in self.fields[name] if one.statistic]
+        kept = [one.field for one in self.fields[name] if not one.statistic]
+        observers: list[Observer] = []
+        if asked:
+            seen = RunExtremes(along, [one.field for one in asked])
+            observers.append(seen)
+        if kept:
+            instants = RunInstants(along, kept, self.instants[name])
+            observers.append(instants)
+        outcome = run_to_end(Progress(dynamics, part, *begin, ends, steps, half, observers, self._stepping(name)))
+        found = seen.answers(asked, dynamics.cycle / steps) if asked else FieldAnswers({}, {}, {}, {})
+        if kept:
+            instants.finish(outcome)
+            found = found._replace(rows=instants.rows)
+        return found
 
     @staticmethod
     def _of_run(dynamics: Dynamics, outcome: RunOutcome, energy: np.ndarray) -> dict[str, np.ndarray]:
@@ -493,6 +565,11 @@ def _joined(parts: list[RegimeAnswers]) -> RegimeAnswers:
         joined([part.fields for part in parts]),
         np.concatenate([part.verdict for part in parts]),
     )
+
+
+def _greatest(rows: np.ndarray) -> np.ndarray:
+    """The greatest of each row that is a number; 0 where none is."""
+    return np.fmax.reduce(rows, axis=1, initial=0.0)
 
 
 def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: RunOutcome) -> np.ndarray:

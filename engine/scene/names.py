@@ -332,10 +332,24 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
         if regime.type == "steady" and left:
             message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
             problems.append((f"{at}.off", message))
+        if regime.type == "run" and regime.method is not None:
+            hindrance = next((words for words, there in _against_rk4(scene, left) if there), None)
+            if hindrance:
+                message = f"equal steps over the crank angle don't follow {hindrance}; leave method and steps_per_turn"
+                problems.append((f"{at}.method", message))
         taken = {*scene.groups, *scene.links, *scene.points, *scene.elements}
         if name in scene.forces or name in scene.moments or name in taken:
             problems.append((at, f"the name {name!r} is already taken; choose another"))
     return problems
+
+
+def _against_rk4(scene: Scene, timed: list[str]) -> list[tuple[str, bool]]:
+    """What a run by the classical method can't have, and whether it is there."""
+    return [
+        ("the two speeds of a coupling", bool(scene.couplings)),
+        ("friction in pairs", bool(scene.friction)),
+        (f"{timed[0]!r}, which depends on time" if timed else "", bool(timed)),
+    ]
 
 
 def _wrong_drives(scene: Scene) -> list[Problem]:
@@ -416,6 +430,9 @@ def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
             continue
         if regime.lock_up and not clutches - set(regime.off):
             problems.append((f"regimes.{name}.lock_up", "no friction clutch is engaged here; give another end"))
+        if regime.at is not None and scene.couplings:
+            message = "fields of a run at the two speeds of a coupling aren't kept; `sweeps export --history` has them"
+            problems.append((f"regimes.{name}.at", message))
         if regime.from_shaft_speed is not None and not scene.couplings:
             message = "no shaft has a speed of its own: the scene has no coupling; use from_speed"
             problems.append((f"regimes.{name}.from_shaft_speed", message))

@@ -8,14 +8,70 @@ cylinders, brakes, "gravity", or a coupling, which is then open. Speeds are magn
 `input.speed`.
 """
 
+import math
+import re
+from collections.abc import Callable
+from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from engine.scene.actions import Time
 from engine.scene.parts import Angle, AngularSpeed, Name, Number, Part
+from engine.scene.units import in_text
 
 ENDS = ("cycles", "time", "speed", "rest", "lock_up")
+MOST_INSTANTS = 100_000
+
+
+def _spaced(dimension: str, unit: str) -> Callable[[object], object]:
+    """What makes a list of equally spaced values of a text such as "0 s to 2 s, 201"; a list stays as it is."""
+
+    def read(value: object) -> object:
+        if not isinstance(value, str):
+            return value
+        parts = re.fullmatch(r"(.+)\bto\b(.+),\s*(\d+)\s*", value)
+        if parts is None:
+            raise ValueError(
+                f"{value!r}: write a list, or 'FIRST to LAST, HOW MANY' such as '0 {unit} to 2 {unit}, 201'"
+            )
+        first, last = (in_text(part.strip(), dimension) for part in parts.groups()[:2])
+        count = int(parts[3])
+        if not 2 <= count <= MOST_INSTANTS:
+            raise ValueError(f"{value!r}: from 2 to {MOST_INSTANTS} values are kept, not {count}")
+        steps = count - 1
+        return [f"{(first * (steps - k) + last * k) / steps!r} {unit}" for k in range(count)]
+
+    return read
+
+
+class Instants(Part):
+    """Where fields of a run are kept: at `times` since it began, or at `angles` turned since then.
+
+    Each a list that rises, or a text such as "0 s to 2 s, 201": the first, the last, how many. Beyond the end of a run
+    its rows are NaN.
+    """
+
+    times: Annotated[list[Time], BeforeValidator(_spaced("time", "s"))] | None = None
+    angles: Annotated[list[Angle], BeforeValidator(_spaced("angle", "rad"))] | None = None
+
+    @field_validator("times", "angles")
+    @classmethod
+    def _rises(cls, values: list[float] | None) -> list[float] | None:
+        if values is None:
+            return None
+        if not 1 <= len(values) <= MOST_INSTANTS:
+            raise ValueError(f"from 1 to {MOST_INSTANTS} values are kept, not {len(values)}")
+        rising = all(a < b for a, b in pairwise(values))
+        if values[0] < 0.0 or not rising or not math.isfinite(values[-1]):
+            raise ValueError("counted from the begin of the run, each value is greater than the one before it")
+        return values
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> "Instants":
+        if (self.times is None) == (self.angles is None):
+            raise ValueError("give either times or angles, such as times = '0 s to 2 s, 201'")
+        return self
 
 
 class SteadyRegime(Part):
@@ -30,7 +86,12 @@ class RunRegime(Part):
 
     With a clutch, `lock_up` = true: until it holds both sides together. `from_speed` and `from_angle` set the begin,
     instead of where the regime before ended, `from_shaft_speed` that of a shaft behind a coupling, which otherwise
-    turns along with from_speed. A run that hasn't ended after `at_most` cycles is given up.
+    turns along with from_speed. A run that hasn't ended after `at_most` cycles is given up. `at` says where fields
+    of the run are kept.
+
+    Steps are as long as their errors allow; with `method` = "rk4" they are `steps_per_turn` equal ones a turn of the
+    crank, by the classical method of Runge and Kutta of order four, but near rest. The error figure is then what steps
+    of twice the length change.
     """
 
     type: Literal["run"]
@@ -44,6 +105,15 @@ class RunRegime(Part):
     rest: Literal[True] | None = None
     lock_up: Literal[True] | None = None
     at_most: Annotated[Number, Field(gt=0)] = 10_000.0
+    at: Instants | None = None
+    method: Literal["rk4"] | None = None
+    steps_per_turn: Annotated[int, Field(ge=8, le=4096)] | None = None
+
+    @model_validator(mode="after")
+    def _steps_of_a_method(self) -> "RunRegime":
+        if (self.method is None) != (self.steps_per_turn is None):
+            raise ValueError("method = 'rk4' and steps_per_turn, such as 64, go together: give both or neither")
+        return self
 
     @model_validator(mode="after")
     def _ends_once(self) -> "RunRegime":

@@ -29,6 +29,11 @@ def of_template(words: str, name: str, *pictures: str) -> Shown:
 
 SHOWN = (
     of_template("A machine and its diagrams", "slider_crank", "slider_crank.png", "slider_crank_diagrams.png"),
+    Shown(
+        "Centres of mass, forces and links by name",
+        ("sweeps new watt_six_bar", "sweeps plot watt_six_bar.toml --with masses,forces,links,scale --out named.png"),
+        ("named.png",),
+    ),
     of_template("A machine of two groups", "crank_shaper", "crank_shaper.png"),
     of_template("A linkage", "watt_six_bar", "watt_six_bar.png"),
     Shown(

@@ -197,6 +197,8 @@ def signals(campaign: Campaign, count: int) -> None:
         took = time.monotonic() - begun
         if not alive:
             ways["after the end"] += 1
+        elif process.returncode == 0 and (campaign.folder / "s.h5").exists():
+            ways["while Python ended, all done"] += 1
         elif process.returncode in (-number, 1) and after < PYTHON_S_START:
             ways["in Python's own start"] += 1
         else:

@@ -24,7 +24,11 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 @click.option("--where", help="Only variants that meet a condition (tables of a result).")
 @click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (tables).")
 @click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
-@click.option("--columns", default="", help="Fields of one machine, with commas, or loads to add to --history.")
+@click.option(
+    "--columns",
+    default="",
+    help="Fields with commas, of one machine or kept by a result, or loads to add to --history.",
+)
 @click.option("--overwrite", is_flag=True, help="Write over a scene that is there already.")
 @POSITIONS
 @SET
@@ -63,7 +67,10 @@ def export(
         raise InputError(str(to), [(None, "--history", message)])
     if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
         make_folder(to)
-        write_table(to, exports.result_table(Path(file), where))
+        fields = names_in(columns)
+        write_table(
+            to, exports.fields_table(Path(file), fields, where) if fields else exports.result_table(Path(file), where)
+        )
         tell(f"Wrote {to}")
         return
     scene, values, name = machine_of(file, variant, settings)

@@ -42,6 +42,7 @@ def show(
     from sweeps.report.result_report import (
         answer_text,
         counts_text,
+        fields_text,
         undecided_text,
         variants_done_text,
         variants_text,
@@ -67,19 +68,20 @@ def show(
     if sort is None and goal is not None:
         sort, descending = goal.goal, goal.sign < 0
     condition = where or (goal.where if goal else usual)
-    chosen = result.select(condition, sort or (usual and "front"), descending)
+    chosen = result.select(condition, sort or (usual and "front"), descending, most=limit)
     if as_json:
-        tell_data(result_data(result, chosen[:limit], names))
+        tell_data(result_data(result, chosen, names))
         return
     d = result.description
     tell(f"{d.title}: {variants_done_text(result)}")
     tell(f"varied: {varied_text(result)}")
-    if result.fields:
-        tell(f"fields over {d.positions} positions: {', '.join(result.fields)}")
+    for line in fields_text(result):
+        tell(line)
     tell(counts_text(result))
     left_open = undecided_text(result, condition)
-    tell(f"{chosen.size} variants meet the condition{left_open}; the first {min(limit, chosen.size)}:")
-    tell(variants_text(result, chosen[:limit], names))
+    count = int(result.meeting(condition).sum())
+    tell(f"{count} variants meet the condition{left_open}; the first {chosen.size}:")
+    tell(variants_text(result, chosen, names))
     if where is None:
         tell((optimum_text if is_search(result) else answer_text)(result))
 
@@ -112,6 +114,9 @@ def _show_at(
     "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm'; with commas."
 )
 @click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option(
+    "--with", "shown", default="", help="What else the drawing shows, with commas: masses, forces, links, scale."
+)
 @click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
 @click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")
@@ -127,6 +132,7 @@ def plot(
     variant: int | None,
     at: str,
     paths: str,
+    shown: str,
     plans: bool,
     hodograph: bool,
     beside: str | None,
@@ -160,7 +166,7 @@ def plot(
     else:
         scene, values, name = machine_of(file, variant, settings)
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
-        made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths))
+        made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths), names_in(shown))
         made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
         if hodograph or beside:
             other = machine_of(beside, None) if beside else None

@@ -212,6 +212,7 @@ def _pieces(mapped: MappedResult, names: list[str]) -> Iterator[tuple[int, dict[
     first = sorted(names, key=lambda name: name != "status")
     for start in range(0, mapped.variants, block):
         yield start, {name: np.array(mapped.columns[name][start : start + block]) for name in first}
+        mapped.release()
 
 
 class _Judge:

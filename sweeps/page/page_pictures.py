@@ -72,11 +72,11 @@ def drawn_pictures(digest: Digest) -> Drawn:
 def _draw_variants(digest: Digest, path: Path) -> None:
     result = digest.result
     if result.description.variants <= DRAWN_WHOLE:
-        data = sweep_data(result, ())
+        data, best = sweep_data(result, (), digest.best)
         if "search" in result.record and is_front(result):
             front_picture(result, data, path)
         else:
-            plot_result(data, path, best=digest.best)
+            plot_result(data, path, best=best)
         return
     data, best = _data_of(digest), digest.best
     plot_result(data, path, best=None if best is None else int(np.searchsorted(digest.shown, best)))

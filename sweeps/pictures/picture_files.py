@@ -18,7 +18,7 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans import reaction_pictures
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
-from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.pictures.sweep.sweep_data import SweepData, evenly_chosen
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import read_columns
 from sweeps.study.sensitivity import RSS, WORST_CASE
@@ -28,10 +28,17 @@ Named = tuple[Scene, Mapping[str, float], str]
 
 # Fields larger than this are not read for a picture.
 LARGEST_FIELD = 256e6
+# More variants than a picture has dots aren't drawn.
+MOST_DRAWN = 1_000_000
 
 
 def machine_pictures(
-    scene: Scene, values: Mapping[str, float], path: Path, at: Sequence[float] = (), paths: Sequence[str] = ()
+    scene: Scene,
+    values: Mapping[str, float],
+    path: Path,
+    at: Sequence[float] = (),
+    paths: Sequence[str] = (),
+    shown: Sequence[str] = (),
 ) -> list[Path]:
     """Drawing of a machine and its diagrams in two files; its regimes and machine elements in others.
 
@@ -46,6 +53,8 @@ def machine_pictures(
         Positions of the input to draw; one that shows the machine well if none is given.
     paths : sequence of str
         Points whose paths are drawn.
+    shown : sequence of str
+        What else the drawing shows: some of `ANNOTATIONS`, and `SCALE`.
 
     Returns
     -------
@@ -65,7 +74,7 @@ def machine_pictures(
             )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
-    picture(scene, path, at, paths, values)
+    picture(scene, path, at, paths, values, shown)
     diagrams(scene, second, values)
     return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *made]
 
@@ -190,9 +199,10 @@ def result_pictures(
     best = result.best()
     made = [out or path.with_suffix(".png")]
     if is_front(result) and x is y is colour is None:
-        front_picture(result, sweep_data(result, ()), made[0])
+        front_picture(result, sweep_data(result, ())[0], made[0])
         return made
-    plot_result(sweep_data(result, (x, y, colour)), made[0], x, y, colour, best)
+    data, marked = sweep_data(result, (x, y, colour), best)
+    plot_result(data, made[0], x, y, colour, marked)
     if out is None and x is y is colour is None:
         made += _pictures_of_one(result, best)
     return made
@@ -233,27 +243,41 @@ def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position:
     picture(scene, out, () if position is None else (position,), values=values)
 
 
-def sweep_data(result: SweepResult, asked: Sequence[str | None]) -> SweepData:
-    """What is drawn of a result; of its fields those asked for, if they fit in memory."""
-    d = result.description
-    arrays = dict(result.columns)
-    small = d.variants * d.positions * 8 <= LARGEST_FIELD
-    arrays |= read_columns(result.path, [f for f in result.fields if f in asked and small])
-    goal = result.goal
+def sweep_data(
+    result: SweepResult, asked: Sequence[str | None], best: int | None = None
+) -> tuple[SweepData, int | None]:
+    """What is drawn of a result, of more variants than a picture can show fewer; and which of them is the best.
+
+    Parameters
+    ----------
+    result : SweepResult
+    asked : sequence of str or None
+        Columns to be shown; of the fields those among them are read, if they fit in memory.
+    best : int, optional
+        Variant to be marked.
+    """
+    d, shape, chosen, goal = result.description, result.shape, slice(None), result.goal
+    if is_too_many := d.variants > MOST_DRAWN and "search" not in result.record:
+        shape, chosen = evenly_chosen(shape, best, MOST_DRAWN)
+        best = None if best is None else int(np.searchsorted(chosen, best))
+    arrays = result.taken(chosen)
+    along = {f: result.along(f) for f in result.fields if f in asked}
+    small = [f for f, axis in along.items() if d.variants * axis.values.size * 8 <= LARGEST_FIELD]
+    arrays |= {name: rows[chosen] for name, rows in read_columns(result.path, small).items()}
     # Tolerances are shown as bands about their summaries.
     alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
     summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
-    position = read_columns(result.path, [d.position_name])[d.position_name] if result.fields else None
-    return SweepData(
+    data = SweepData(
         arrays,
         result.units,
         result.long_names,
         result.varied,
         summaries,
-        result.shape,
-        np.asarray(result.columns["status"]),
-        position,
-        d.position_units,
+        shape,
+        arrays["status"],
+        along,
         goal.where or "" if goal else "",
-        result.candidates(),
+        result.candidates()[chosen],
+        d.variants if is_too_many else None,
     )
+    return data, best

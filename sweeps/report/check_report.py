@@ -24,7 +24,7 @@ from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.remarks import remarks_on
 from sweeps.report.result_report import drop_lines
-from sweeps.run.blocks import LARGEST_BLOCK, block_size
+from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import probe
 from sweeps.run.runner import layout_of
 from sweeps.study.default_summaries import telling_summaries
@@ -193,7 +193,7 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
         seconds += "; the first time up to a minute more, to compile"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     block = block_size(study, machine, cost.seconds)
-    memory = block * (numbers + machine.nodes.size * machine.dtype.itemsize * len(study.fields))
+    memory = block * (numbers + bytes_of_fields(study, machine))
     free = shutil.disk_usage(next(p for p in (out.parent, *out.absolute().parents) if p.exists())).free
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [

@@ -12,6 +12,7 @@ from sweeps.text.engineer_units import quantity_text
 MOTION_VERDICTS = (
     *(Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED, Verdict.LOCKS, Verdict.NO_INERTIA),
     Verdict.SLIPS,
+    Verdict.TOO_COARSE,
 )
 # Positions in a cycle of a history that is made to see where a motion fails.
 STEPS = 240

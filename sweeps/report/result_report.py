@@ -32,9 +32,19 @@ def varied_text(result: SweepResult) -> str:
     return " x ".join(f"{'+'.join(axis['names'])}[{axis['size']}]" for axis in result.record["vary"])
 
 
+def fields_text(result: SweepResult) -> list[str]:
+    """Which fields are kept, a line for each axis that they run along."""
+    found: dict[str, list[str]] = {}
+    for name in result.fields:
+        axis = result.along(name)
+        over = "positions" if axis.over_positions else f"values of {axis.name}"
+        found.setdefault(f"fields over {axis.values.size} {over}", []).append(name)
+    return [f"{words}: {', '.join(names)}" for words, names in found.items()]
+
+
 def undecided_text(result: SweepResult, where: str | None) -> str:
     """How many variants neither meet nor miss a condition for certain, as the end of a sentence; "" if none."""
-    count = result.undecided(where).size if where else 0
+    count = result.undecided(where) if where else 0
     return f", {count} more may or may not: their error figures reach across its limit" if count else ""
 
 
@@ -42,11 +52,12 @@ def counts_text(result: SweepResult) -> str:
     """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
     status = result.columns["status"]
     rows = []
+    there = np.bincount(status, minlength=256)
     for verdict in Verdict:
-        failed = status == verdict
-        if failed.any():
+        if there[verdict]:
+            failed = status == verdict
             sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
-            rows.append((f"{int(failed.sum())}", verdict.name.lower().replace("_", " "), sentence))
+            rows.append((f"{there[verdict]}", verdict.name.lower().replace("_", " "), sentence))
             lines = drop_lines(list(result.missed().items())) if verdict == Verdict.DROPPED else _blame(result, failed)
             if verdict in MOTION_VERDICTS and status.size > 1:
                 shown = f"sweeps plot {result.path} --variant {int(np.argmax(failed))}"
@@ -92,8 +103,8 @@ def _blame(result: SweepResult, failed: np.ndarray) -> list[str]:
 
 def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> str:
     """Table of some variants: their parameters and summaries with error figures."""
-    shown = [*result.parameters, *(names or result.summaries)]
-    units = {name: engineer_unit(result.units[name], result.columns[name]) for name in shown}
+    shown, variants = [*result.parameters, *(names or result.summaries)], list(variants)
+    units = {name: engineer_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
     for variant in variants:
         cells = [str(variant)]
@@ -127,7 +138,7 @@ def answer_text(result: SweepResult) -> str:
     rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
     lines.append(table(rows, "  "))
     if left_open := undecided_text(result, goal.where):
-        lines.append(f"{result.select(goal.where).size} variants meet the condition{left_open}.")
+        lines.append(f"{np.count_nonzero(result.candidates())} variants meet the condition{left_open}.")
     if rivals:
         lines.append(f"{rivals} other variants are as good within the error figures: choose among them by other needs.")
     return "\n".join(lines)

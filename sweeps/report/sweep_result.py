@@ -1,5 +1,6 @@
 """A result file as a whole: its parameters, summaries, verdicts, and the choosing among its variants."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,12 +19,15 @@ from engine import (
     unknown_name_message,
 )
 from sweeps.report.recorded_study import recorded_scene, recorded_study
-from sweeps.store import Description, describe_result, read_columns
+from sweeps.store import Description, FieldAxis, MappedResult, describe_result, mapped_columns, read_columns
 from sweeps.study.study import misses
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
 from sweeps.text.engineer_units import show_units
 from sweeps.text.input_files import InputError, check_file
+
+# What is worked out of all variants is worked out of so many at a time.
+VARIANTS_AT_A_TIME = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +48,19 @@ class SweepResult:
         return describe_result(self.path)
 
     @cached_property
+    def _mapped(self) -> MappedResult:
+        return mapped_columns(self.path)
+
+    @property
     def columns(self) -> dict[str, np.ndarray]:
-        """All columns over variants."""
-        return read_columns(self.path)
+        """All columns over variants, in the file: of many variants, go through `parts`."""
+        return self._mapped.columns
+
+    def parts(self) -> Iterator[slice]:
+        """One run of variants after another; the memory of each is given back after it."""
+        for start in range(0, self.description.variants, VARIANTS_AT_A_TIME):
+            yield slice(start, min(start + VARIANTS_AT_A_TIME, self.description.variants))
+            self._mapped.release()
 
     @cached_property
     def units(self) -> dict[str, str]:
@@ -88,7 +102,17 @@ class SweepResult:
     @property
     def fields(self) -> tuple[str, ...]:
         """Names of the fields."""
-        return tuple(c.name for c in self.description.columns if "position" in c.dims)
+        return tuple(c.name for c in self.description.columns if len(c.dims) > 1)
+
+    def along(self, field: str) -> FieldAxis:
+        """What runs along a field: positions of the input, or instants of a run."""
+        d = self.description
+        last = next(c.dims[-1] for c in d.columns if c.name == field)
+        if last == "position":
+            name, words, units = d.position_name, "position of the input", d.position_units
+        else:
+            name, words, units = last, d.axes[last]["long_name"], d.axes[last]["units"]
+        return FieldAxis(name, words, units, read_columns(self.path, [name])[name])
 
     @property
     def accuracy(self) -> float | None:
@@ -140,7 +164,9 @@ class SweepResult:
         """What decides among the variants."""
         return Best.model_validate(self.record["best"]) if self.record["best"] else None
 
-    def select(self, where: str | None = None, sort: str | None = None, descending: bool = False) -> np.ndarray:
+    def select(
+        self, where: str | None = None, sort: str | None = None, descending: bool = False, most: int | None = None
+    ) -> np.ndarray:
         """Numbers of the computed variants that meet a condition for sure, whatever their error figures allow, sorted.
 
         Parameters
@@ -148,27 +174,37 @@ class SweepResult:
         where : str, optional
             A condition over parameters and summaries, such as "speed_fluctuation < 0.02 and wheel_mass < '900 kg'".
         sort : str, optional
-            Column to sort by.
+            Column to sort by; what is undefined comes last.
         descending : bool
+        most : int, optional
+            No more than so many, the first ones.
 
         Raises
         ------
         InputError
             The condition can't be read, or names a column that isn't there.
         """
-        keep = self.columns["status"] == Verdict.OK
-        if where:
-            keep = keep & self._judged(where).met
-        chosen = np.flatnonzero(keep)
-        if sort is not None:
-            if sort not in self.columns:
-                raise InputError(str(self.path), [(None, "sort", unknown_name_message(sort, self.columns))])
-            order = np.argsort(self.columns[sort][chosen], kind="stable")
-            chosen = chosen[order[::-1] if descending else order]
-        return chosen
+        keep = self.meeting(where)
+        if sort is None:
+            return np.flatnonzero(keep)[:most]
+        if sort not in self.columns:
+            raise InputError(str(self.path), [(None, "sort", unknown_name_message(sort, self.columns))])
+        sign = -1.0 if descending else 1.0
+        found: list[tuple[np.ndarray, np.ndarray]] = []
+        for part in self.parts():
+            here = part.start + np.flatnonzero(keep[part])
+            found.append((here, sign * self.columns[sort][here]))
+            if most is not None:
+                found = [_first(found, most)]
+        return _first(found, most)[0]
 
-    def undecided(self, where: str) -> np.ndarray:
-        """Numbers of the computed variants whose error figures leave open whether they meet a condition.
+    def meeting(self, where: str | None) -> np.ndarray:
+        """Which variants were computed and meet a condition for sure (variants,); the condition as for `select`."""
+        ok = self.columns["status"] == Verdict.OK
+        return ok & self._judged(where).met if where else ok
+
+    def undecided(self, where: str) -> int:
+        """Of how many computed variants the error figures leave open whether they meet a condition.
 
         Parameters
         ----------
@@ -180,20 +216,42 @@ class SweepResult:
         InputError
             As for `select`.
         """
-        return np.flatnonzero((self.columns["status"] == Verdict.OK) & self._judged(where).undecided)
+        return int(np.count_nonzero((self.columns["status"] == Verdict.OK) & self._judged(where).undecided))
 
     def _judged(self, where: str) -> Judgement:
-        try:
-            condition = Condition.read(where, dimensions_by_unit(self.units))
-        except ExpressionError as error:
-            raise InputError(str(self.path), [(None, "where", str(error))]) from None
-        return condition.judged(self.columns, errors_in(self.columns), self.description.variants)
+        if where not in self._judgements:
+            try:
+                condition = Condition.read(where, dimensions_by_unit(self.units))
+            except ExpressionError as error:
+                raise InputError(str(self.path), [(None, "where", str(error))]) from None
+            found = Judgement(*np.zeros((2, self.description.variants), bool))
+            for part in self.parts():
+                here = self.rows(part, condition.names)
+                judged = condition.judged(here, errors_in(here), part.stop - part.start)
+                found.met[part], found.missed[part] = judged
+            self._judgements[where] = found
+        return self._judgements[where]
+
+    def taken(self, chosen: np.ndarray | slice) -> dict[str, np.ndarray]:
+        """All columns of some variants, in memory."""
+        found = {}
+        for name, column in self.columns.items():
+            found[name] = np.array(column[chosen])
+            self._mapped.release()
+        return found
+
+    def rows(self, part: slice, names: Iterable[str]) -> dict[str, np.ndarray]:
+        """Some columns of a run of variants, and their error figures where they have any."""
+        pairs = (name for wish in names for name in (wish, f"{wish}_error"))
+        return {name: self.columns[name][part] for name in pairs if name in self.columns}
+
+    @cached_property
+    def _judgements(self) -> dict[str, Judgement]:
+        return {}
 
     def candidates(self) -> np.ndarray:
         """Which variants were computed and meet the condition for the best one (variants,)."""
-        chosen = np.zeros(self.description.variants, bool)
-        chosen[self.select(self.goal.where if self.goal else None)] = True
-        return chosen
+        return self.meeting(self.goal.where if self.goal else None)
 
     def missed(self) -> dict[str, np.ndarray]:
         """For each condition of `require`, which variants fail it (variants,); those not yet computed not counted.
@@ -204,7 +262,11 @@ class SweepResult:
             return {}
         fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
         conditions = [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]]
-        found = misses(conditions, fixed | self.columns, self.description.variants)
+        found = np.zeros((len(conditions), self.description.variants), bool)
+        names = {name for condition in conditions for name in condition.names}
+        for part in self.parts():
+            known = fixed | self.rows(part, names)
+            found[:, part] = misses(conditions, known, part.stop - part.start)
         found &= self.columns["status"] != Verdict.NOT_COMPUTED
         return {condition.text: row for condition, row in zip(conditions, found, strict=True)}
 
@@ -213,16 +275,21 @@ class SweepResult:
         goal = self.goal
         if goal is None:
             return None
-        chosen = np.flatnonzero(self.candidates())
-        values = goal.sign * self.columns[goal.goal][chosen]
-        if not np.isfinite(values).any():
-            return None
-        return int(chosen[np.nanargmin(values)])
+        chosen = self.select(goal.where, goal.goal, goal.sign < 0, most=1)
+        return int(chosen[0]) if chosen.size and np.isfinite(self.columns[goal.goal][chosen[0]]) else None
 
     def rivals(self, best: int) -> int:
         """How many other variants may be as good as the best one, within both error figures."""
-        goal = self.goal
+        goal, keep, count = self.goal, self.candidates(), 0
         values, errors = self.columns[goal.goal], self.columns[f"{goal.goal}_error"]
-        chosen = self.select(goal.where)
-        gap = goal.sign * (values[chosen] - values[best])
-        return int((gap <= errors[chosen] + errors[best]).sum()) - 1
+        for part in self.parts():
+            gap = goal.sign * (values[part] - values[best])
+            count += np.count_nonzero(keep[part] & (gap <= errors[part] + errors[best]))
+        return int(count) - 1
+
+
+def _first(found: list[tuple[np.ndarray, np.ndarray]], most: int | None) -> tuple[np.ndarray, np.ndarray]:
+    """The variants of least values among some, and those values: of equal ones the first, undefined ones last."""
+    variants, values = (np.concatenate(rows) for rows in zip(*found, strict=True))
+    order = np.argsort(values, kind="stable")[:most]
+    return variants[order], values[order]

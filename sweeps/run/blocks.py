@@ -14,13 +14,20 @@ LARGEST_BLOCK = 65_536
 LARGEST_BLOCK_IN_MOTION = 4096
 
 
+def bytes_of_fields(study: Study, machine: Machine | ElementsAlone) -> int:
+    """Memory of the kept fields of a variant."""
+    if not study.fields:
+        return 0
+    kept = (machine.kept_at[name].values if name in machine.kept_at else machine.nodes for name in study.fields)
+    return machine.dtype.itemsize * sum(values.size for values in kept)
+
+
 def largest_block(study: Study, machine: Machine | ElementsAlone) -> int:
     """Variants whose evaluation fits in memory at once, whatever it takes."""
-    row = machine.nodes.size * machine.dtype.itemsize * len(study.fields)
     asked = len(study.summaries) + len(study.sensitivity.quantities)
     numbers = 8 * (2 * asked + 4 * len(study.parameters) + machine.numbers_kept + 8)
     most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
-    return int(np.clip(2 ** int(np.log2(BYTES_PER_BLOCK / (row + numbers))), 1, most))
+    return int(np.clip(2 ** int(np.log2(BYTES_PER_BLOCK / (bytes_of_fields(study, machine) + numbers))), 1, most))
 
 
 def block_size(study: Study, machine: Machine | ElementsAlone, seconds: float) -> int:

@@ -127,11 +127,13 @@ def _shared(
     for name in {*asked["summaries"]} & {*wanted["summaries"]}:
         found |= {name, f"{name}_error"}
     if theirs["precision"] == ours["precision"]:
-        found |= {*asked["fields"]} & {*wanted["fields"]}
+        shared = {*asked["fields"]} & {*wanted["fields"]}
+        found |= shared | {f"{name}_error" for name in shared}
     by_neighbours = asked["derivatives"] == wanted["derivatives"] and theirs["tolerances"] == ours["tolerances"]
     if by_neighbours and (same_summaries or not ours["tolerances"]):
-        of_outputs = {*wanted["fields"], *VERDICT_COLUMNS, *ours["parameters"]}
-        of_outputs |= {name for summary in wanted["summaries"] for name in (summary, f"{summary}_error")}
+        of_outputs = {*VERDICT_COLUMNS, *ours["parameters"]}
+        outputs = (*wanted["summaries"], *wanted["fields"])
+        of_outputs |= {name for output in outputs for name in (output, f"{output}_error")}
         found |= {column.name for column in our_columns} - of_outputs
     return frozenset(found & {column.name for column in {*their_columns} & {*our_columns}})
 
@@ -194,8 +196,10 @@ class Blocks:
             new = evaluate_variants(rest, rest.machine(), values, np.zeros(chosen.size, bool))
             # What is asked beside may find another fault, which is then the variant's.
             whole = new["status"] == status
-            for name in (*rest.summaries, *(f"{n}_error" for n in rest.summaries), *rest.fields):
-                found[name][chosen] = new[name]
+            asked = (*rest.summaries, *rest.fields)
+            for name in (*asked, *(f"{n}_error" for n in asked)):
+                if name in new:
+                    found[name][chosen] = new[name]
         by_neighbours = {*missing} & {column.name for column in self.study.sensitivity.columns}
         if by_neighbours:
             new = self.study.sensitivity.of_variants(values, status)
@@ -206,7 +210,7 @@ class Blocks:
     def _asking_for(self, names: Sequence[str]) -> Study | None:
         """The study with those of its outputs alone that are named; None if none is."""
         summaries = tuple(name for name in self.study.summaries if name in names)
-        fields = tuple(name for name in self.study.fields if name in names)
+        fields = tuple(name for name in self.study.fields if {name, f"{name}_error"} & {*names})
         if not summaries and not fields:
             return None
         if (summaries, fields) not in self._parts:

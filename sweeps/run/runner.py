@@ -16,7 +16,9 @@ from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier
 from sweeps.run.cost import FEW, seconds_of_variant
 from sweeps.store import (
+    POSITION_NAMES,
     Column,
+    FieldAxis,
     FileLayout,
     MappedResult,
     Store,
@@ -48,9 +50,16 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
         columns.append(Column(name, quantity.long_name, quantity.units))
         columns.append(Column(f"{name}_error", f"error figure of: {quantity.long_name}", quantity.units))
     columns += study.sensitivity.columns
+    axes: dict[str, FieldAxis] = {}
     for name in study.fields:
         quantity: Quantity = machine.available_fields[name]
-        columns.append(Column(name, quantity.long_name, quantity.units, ("variant", "position"), machine.dtype.type))
+        axis, words = "position", quantity.long_name
+        if name in machine.kept_at:
+            along, values = machine.kept_at[name]
+            axis = along.name
+            axes[axis] = FieldAxis(axis, along.long_name, along.units, values)
+            columns.append(Column(f"{name}_error", f"greatest error figure of: {words}", quantity.units))
+        columns.append(Column(name, words, quantity.units, ("variant", axis), machine.dtype.type))
     crank = units.q == "rad"
     return FileLayout(
         variants=study.design.size,
@@ -63,6 +72,7 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
         position_name=_position_name(study),
         position_long_name="crank angle" if crank else "displacement of the input as a fraction of its range",
         position_units="rad" if crank else "1",
+        axes=tuple(axes.values()),
     )
 
 
@@ -91,7 +101,7 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
 
 
 def _position_name(study: Study) -> str:
-    return "phi" if InputUnits.of(study.scene).q == "rad" else "travel"
+    return POSITION_NAMES[0 if InputUnits.of(study.scene).q == "rad" else 1]
 
 
 def run_study(

@@ -2,21 +2,24 @@
 
 from .creating import part_path
 from .errors import DamagedError, StoreError
-from .layout import NOT_COMPUTED, Column, FileLayout
-from .reading import Description, MappedResult, damage_text, describe_result, read, read_columns
+from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout
+from .reading import Description, MappedResult, damage_text, describe_result, mapped_columns, read, read_columns
 from .writing import Store, reword
 
 __all__ = [
     "NOT_COMPUTED",
+    "POSITION_NAMES",
     "Column",
     "DamagedError",
     "Description",
+    "FieldAxis",
     "FileLayout",
     "MappedResult",
     "Store",
     "StoreError",
     "damage_text",
     "describe_result",
+    "mapped_columns",
     "part_path",
     "read",
     "read_columns",

@@ -15,7 +15,7 @@ import numpy as np
 
 from .checksums import texts_checksums
 from .errors import StoreError, explained, is_busy
-from .layout import NOT_COMPUTED, Column, FileLayout
+from .layout import NOT_COMPUTED, Column, FieldAxis, FileLayout
 
 _VARIANTS_AT_ONCE = 1 << 20
 _FINAL_TEXTS = {"finished": 32, "outcome": 2000}
@@ -136,8 +136,10 @@ def write_final_text(file: h5py.File, name: str, text: str) -> None:
 
 def _fill(file: h5py.File, layout: FileLayout, sources: Sequence[str]) -> None:
     scales = {"variant": _variant_scale(file, layout)}
-    if layout.fields:
-        scales["position"] = _position_scale(file, layout)
+    if layout.over_positions:
+        of_positions = layout.position_name, layout.position_long_name, layout.position_units, layout.position
+        scales["position"] = _axis_scale(file, FieldAxis(*of_positions))
+    scales |= {axis.name: _axis_scale(file, axis) for axis in layout.axes}
     for column in layout.columns:
         dataset = _dataset(file, column.name, layout.shape(column), np.dtype(column.dtype), _nothing(column))
         for axis, name in enumerate(column.dims):
@@ -193,11 +195,10 @@ def _variant_scale(file: h5py.File, layout: FileLayout) -> h5py.Dataset:
     return _as_scale(scale, "variant", "number of the design variant", "1")
 
 
-def _position_scale(file: h5py.File, layout: FileLayout) -> h5py.Dataset:
-    name = layout.position_name
-    scale = _dataset(file, name, (len(layout.position),), np.dtype(np.float64), np.nan)
-    scale[:] = layout.position
-    return _as_scale(scale, name, layout.position_long_name, layout.position_units)
+def _axis_scale(file: h5py.File, axis: FieldAxis) -> h5py.Dataset:
+    scale = _dataset(file, axis.name, (len(axis.values),), np.dtype(np.float64), np.nan)
+    scale[:] = axis.values
+    return _as_scale(scale, axis.name, axis.long_name, axis.units)
 
 
 def _as_scale(dataset: h5py.Dataset, name: str, long_name: str, units: str) -> h5py.Dataset:

@@ -12,7 +12,8 @@ import numpy as np
 NOT_COMPUTED = 255
 """Status code of a variant whose block has not been written yet."""
 
-DIMS = (("variant",), ("variant", "position"))
+# Names of the axis over positions: crank angle, share of the range of a sliding input.
+POSITION_NAMES = ("phi", "travel")
 RESERVED = ("variant", "progress")
 RESERVED_ATTRIBUTES = ("Conventions", "finished", "outcome")
 # HDF5 takes a page for the headers and heap of each dataset; one more covers the groups.
@@ -31,7 +32,7 @@ class Column(NamedTuple):
     units : str
         Units as CF and UDUNITS spell them: "kg m2", "N m", "rad s-1", "1".
     dims : tuple of str
-        ("variant",), or ("variant", "position") for a field.
+        ("variant",), or ("variant", "position") for a field; of one kept elsewhere the name of its axis is last.
     dtype : type
         A numpy float or integer type.
     """
@@ -41,6 +42,31 @@ class Column(NamedTuple):
     units: str
     dims: tuple[str, ...] = ("variant",)
     dtype: Any = np.float64
+
+
+class FieldAxis(NamedTuple):
+    """What fields run along, positions of the input or instants of a run: name, meaning, units and values."""
+
+    name: str
+    long_name: str
+    units: str
+    values: np.ndarray
+
+    @property
+    def over_positions(self) -> bool:
+        """Whether it holds positions of the input."""
+        return self.name in POSITION_NAMES
+
+    def record(self) -> dict[str, Any]:
+        """What a file must agree in to be continued."""
+        values = np.ascontiguousarray(self.values, dtype="<f8")
+        return {
+            "name": self.name,
+            "long_name": self.long_name,
+            "units": self.units,
+            "count": len(values),
+            "values (sha256)": hashlib.sha256(values.tobytes()).hexdigest(),
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +88,11 @@ class FileLayout:
     status_codes : dict
         Meaning of each code in the column `status`. 255 is kept for "not computed".
     position : ndarray, optional
-        Coordinate over the positions; needed as soon as a column is a field.
+        Coordinate over the positions; needed as soon as a column is a field over them.
     position_name, position_long_name, position_units : str
         Name, meaning and units of that coordinate.
+    axes : tuple of FieldAxis
+        Of fields that are kept elsewhere.
 
     Raises
     ------
@@ -82,6 +110,7 @@ class FileLayout:
     position_name: str = "phi"
     position_long_name: str = "crank angle"
     position_units: str = "rad"
+    axes: tuple[FieldAxis, ...] = ()
 
     def __post_init__(self) -> None:
         if self.variants < 1 or self.block < 1:
@@ -97,15 +126,17 @@ class FileLayout:
             raise ValueError(f"status code {NOT_COMPUTED} is kept for variants not computed")
 
     def _check_columns(self) -> None:
-        names = [*RESERVED, *([self.position_name] if self.fields else []), *(c.name for c in self.columns)]
+        names = [*RESERVED, *([self.position_name] if self.over_positions else [])]
+        names += [axis.name for axis in self.axes] + [c.name for c in self.columns]
+        dims = [("variant",), *(("variant", name) for name in ("position", *self._axis_of))]
         doubled = [name for name, count in Counter(names).items() if count > 1]
         if doubled:
             raise ValueError(f"column names given twice or reserved: {', '.join(doubled)}")
         for column in self.columns:
             if not re.fullmatch(r"[^\s/.][^\s/]*", column.name):
                 raise ValueError(f"column name {column.name!r}: no blanks, no slashes, no leading dot")
-            if column.dims not in DIMS:
-                raise ValueError(f"column {column.name}: dims {column.dims!r} are none of {DIMS}")
+            if column.dims not in dims:
+                raise ValueError(f"column {column.name}: dims {column.dims!r} are none of {dims}")
             if np.dtype(column.dtype).kind not in "fiu":
                 raise ValueError(f"column {column.name}: {column.dtype!r} is no float or integer type")
             if column.name == "status" and np.iinfo(column.dtype).max < NOT_COMPUTED:
@@ -116,13 +147,22 @@ class FileLayout:
         unknown = [name for name in self.coordinates if name not in flat]
         if unknown:
             raise ValueError(f"coordinates {', '.join(unknown)} are no columns over variants")
-        if self.fields and (self.position is None or np.ndim(self.position) != 1):
+        if self.over_positions and (self.position is None or np.ndim(self.position) != 1):
             raise ValueError(f"fields need a one-dimensional position, got {self.position!r}")
 
     @property
     def fields(self) -> tuple[Column, ...]:
-        """The columns over variants and positions."""
-        return tuple(c for c in self.columns if "position" in c.dims)
+        """The columns over variants and positions, or another axis."""
+        return tuple(c for c in self.columns if len(c.dims) > 1)
+
+    @property
+    def over_positions(self) -> bool:
+        """Whether there are fields over positions."""
+        return any("position" in c.dims for c in self.columns)
+
+    @property
+    def _axis_of(self) -> dict[str, FieldAxis]:
+        return {axis.name: axis for axis in self.axes}
 
     @property
     def blocks(self) -> int:
@@ -148,7 +188,10 @@ class FileLayout:
 
     def shape(self, column: Column) -> tuple[int, ...]:
         """Return the shape of a column's dataset."""
-        return (self.variants, len(self.position)) if "position" in column.dims else (self.variants,)
+        last = column.dims[-1]
+        if last == "variant":
+            return (self.variants,)
+        return self.variants, len(self.position if last == "position" else self._axis_of[last].values)
 
     @property
     def variant_dtype(self) -> np.dtype:
@@ -158,13 +201,16 @@ class FileLayout:
     def bytes(self) -> int:
         """Return an upper bound on the size of the file."""
         data = sum(math.prod(self.shape(c)) * np.dtype(c.dtype).itemsize for c in self.columns)
-        axes = self.variants * self.variant_dtype.itemsize + (8 * len(self.position) if self.fields else 0)
+        axes = self.variants * self.variant_dtype.itemsize + (8 * len(self.position) if self.over_positions else 0)
+        axes += sum(8 * len(axis.values) + _PAGE for axis in self.axes)
         text = sum(len(f"{key}{value}".encode()) for key, value in self.attributes.items())
         return data + axes + 9 * self.blocks + text + (len(self.columns) + 18) * _PAGE
 
     def record(self) -> dict[str, Any]:
         """Return what a file must agree in to be continued, in types that JSON has."""
-        return {
+        # Files without other axes are as they were before there were any.
+        axes = {"axes": [axis.record() for axis in self.axes]} if self.axes else {}
+        return axes | {
             "variants": self.variants,
             "block": self.block,
             "position": self._position_record(),
@@ -182,13 +228,6 @@ class FileLayout:
         }
 
     def _position_record(self) -> dict[str, Any] | None:
-        if not self.fields:
+        if not self.over_positions:
             return None
-        values = np.ascontiguousarray(self.position, dtype="<f8")
-        return {
-            "name": self.position_name,
-            "long_name": self.position_long_name,
-            "units": self.position_units,
-            "count": len(values),
-            "values (sha256)": hashlib.sha256(values.tobytes()).hexdigest(),
-        }
+        return FieldAxis(self.position_name, self.position_long_name, self.position_units, self.position).record()

@@ -3,6 +3,7 @@
 import difflib
 import hashlib
 import json
+import mmap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -48,6 +49,8 @@ class Description(NamedTuple):
         Number of positions of the fields; 0 without fields.
     position_name, position_units : str
         Name and unit of the coordinate over them; "" without fields.
+    axes : dict of str to dict
+        Other axes of fields by name: what `FieldAxis.record` says of each.
     blocks, blocks_done : int
         Number of blocks, and of those computed.
     """
@@ -60,6 +63,7 @@ class Description(NamedTuple):
     positions: int
     position_name: str
     position_units: str
+    axes: dict[str, dict[str, Any]]
     blocks: int
     blocks_done: int
 
@@ -91,6 +95,7 @@ def describe_result(path: Path) -> Description:
             positions=int(position["count"]) if position else 0,
             position_name=position["name"] if position else "",
             position_units=position["units"] if position else "",
+            axes={axis["name"]: axis for axis in record.get("axes", ())},
             blocks=len(done),
             blocks_done=int(np.count_nonzero(done)),
         )
@@ -113,7 +118,7 @@ class MappedResult:
     done : ndarray (blocks,) of bool
         Blocks written, as of the moment of opening.
     flat, fields : list of str
-        Names of the columns over variants alone, axes not among them, and of those over positions too.
+        Names of the columns over variants alone, axes not among them, and of those over another axis too.
     has_checksums : bool
         Files of earlier versions have none: their blocks count as sound.
     edited : list of str
@@ -140,16 +145,21 @@ class MappedResult:
             }
             noted, found = json.loads(progress.attrs.get("text_checksums", "{}")), texts_checksums(texts_of(file))
             self.edited = [_shown_text(name) for name, crc in noted.items() if found.get(name) != crc]
-            axes = ["variant", record["position"]["name"]] if record["position"] else ["variant"]
-            self.columns = {name: _mapped(path, file[name]) for name in (*axes, *record["columns"])}
+            axes = [record["position"]] if record["position"] else []
+            axes += record.get("axes", ())
+            names = ("variant", *(axis["name"] for axis in axes), *record["columns"])
+            with path.open("rb") as raw:
+                # Mapped once and as a whole, so that all its pages can be given back together.
+                self._pages = mmap.mmap(raw.fileno(), 0, access=mmap.ACCESS_READ)
+            self.columns = {name: _mapped(self._pages, file[name]) for name in names}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
             self.fields = [name for name in record["columns"] if name not in self.flat]
             if not np.array_equal(self.columns["variant"], np.arange(self.variants)):
                 self.edited.append("variant")
-            if position := record["position"]:
-                values = np.ascontiguousarray(self.columns[position["name"]], "<f8").tobytes()
-                if hashlib.sha256(values).hexdigest() != position["values (sha256)"]:
-                    self.edited.append(position["name"])
+            for axis in axes:
+                values = np.ascontiguousarray(self.columns[axis["name"]], "<f8").tobytes()
+                if hashlib.sha256(values).hexdigest() != axis["values (sha256)"]:
+                    self.edited.append(axis["name"])
         self._known: dict[tuple[str, int], bool] = {}
 
     def is_sound(self, block: int, kinds: Sequence[str] = ("flat", "fields")) -> bool:
@@ -165,7 +175,12 @@ class MappedResult:
 
     def damaged(self, kinds: Sequence[str] = ("flat", "fields")) -> list[int]:
         """Numbers of the blocks that are done and don't agree with their checksums, as for `is_sound`."""
-        return [int(i) for i in np.flatnonzero(self.done) if not self.is_sound(int(i), kinds)]
+        found = []
+        for i in map(int, np.flatnonzero(self.done)):
+            if not self.is_sound(i, kinds):
+                found.append(i)
+            self.release()
+        return found
 
     @property
     def edited_decisively(self) -> list[str]:
@@ -190,6 +205,11 @@ class MappedResult:
         """Variants of a block."""
         return slice(block * self.block, min((block + 1) * self.block, self.variants))
 
+    def release(self) -> None:
+        """Give back the memory of what was read; it is read from the file again where it is looked at again."""
+        if hasattr(mmap, "MADV_DONTNEED"):
+            self._pages.madvise(mmap.MADV_DONTNEED)
+
     def _agrees(self, kind: str, block: int) -> bool:
         if (kind, block) not in self._known:
             rows = self.rows(block)
@@ -198,12 +218,12 @@ class MappedResult:
         return self._known[kind, block]
 
 
-def _mapped(path: Path, dataset: h5py.Dataset) -> np.ndarray:
+def _mapped(pages: mmap.mmap, dataset: h5py.Dataset) -> np.ndarray:
     offset = dataset.id.get_offset()
     if offset is None:
         # Packed by another program.
         return dataset[:]
-    return np.memmap(path, dataset.dtype, "r", offset, dataset.shape)
+    return np.frombuffer(pages, dataset.dtype, dataset.size, offset).reshape(dataset.shape)
 
 
 def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
@@ -211,6 +231,27 @@ def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
     shown = [result.rows(i) for i in blocks[:_SHOWN]]
     words = ", ".join(f"{r.start} … {r.stop - 1}" if r.stop - r.start > 1 else f"{r.start}" for r in shown)
     return words + (f" and in {len(blocks) - _SHOWN} places more" if len(blocks) > _SHOWN else "")
+
+
+def mapped_columns(path: Path) -> MappedResult:
+    """Map all columns over variants alone, once they agree with their checksums; their verdicts are in memory.
+
+    Parameters
+    ----------
+    path : Path
+        A result file.
+
+    Raises
+    ------
+    StoreError
+        The file cannot be read, or is damaged.
+    """
+    mapped = MappedResult(path)
+    # A writer hands status over last: what is ok here has its numbers there.
+    status = np.array(mapped.columns["status"])
+    mapped.refuse_damage(("flat",))
+    mapped.columns = {name: mapped.columns[name] for name in mapped.flat} | {"status": status}
+    return mapped
 
 
 def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:

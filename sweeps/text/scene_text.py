@@ -191,6 +191,10 @@ def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
             for key, unit in (("over_angle", "rad"), ("lift", "m"), ("swing", "rad")):
                 if key in table:
                     table[key] = [f"{v!r} {unit}" for v in table[key]]
+    for regime in data.get("regimes", {}).values():
+        for key, unit in (("times", "s"), ("angles", "rad")):
+            if key in regime.get("at", {}):
+                regime["at"][key] = [f"{v!r} {unit}" for v in regime["at"][key]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

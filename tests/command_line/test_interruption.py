@@ -50,6 +50,15 @@ def test_ignored_signal__stays_ignored(tmp_path):
     assert (done.returncode, done.stdout, done.stderr) == (0, "well\n", "")
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signal_while_python_ends__changes_nothing(number, tmp_path):
+    code = "import atexit, os, sys, time; sys.argv = ['sweeps', 'list']; from sweeps.__main__ import start; "
+    code += f"atexit.register(lambda: (os.kill(os.getpid(), {int(number)}), time.sleep(0.5))); start()"
+    done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "crank_press" in done.stdout
+
+
 def test_farewell__tells_what_the_innermost_run_keeps():
     with keeping(lambda: "two eggs are kept"):
         assert farewell().startswith("Interrupted: two eggs are kept; go on with: sweeps")

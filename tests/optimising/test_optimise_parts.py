@@ -327,7 +327,7 @@ def test_command__shows_a_front_from_its_first_objective_on(folder):
 def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path):
     pytest.importorskip("pymoo")
     result = searched(tmp_path, TWO)
-    figure = front_picture(result, sweep_data(result, ()), tmp_path / "front.svg")
+    figure = front_picture(result, sweep_data(result, ())[0], tmp_path / "front.svg")
     top, *machines = figure.axes
     chosen = choices(result)
     assert len(machines) == len(chosen) == 3
@@ -346,7 +346,7 @@ def test_picture_of_an_empty_front__is_refused(tmp_path):
     result = searched(tmp_path, asked)
     assert not front(result).size
     with pytest.raises(PictureError, match="there is no front to draw"):
-        front_picture(result, sweep_data(result, ()), tmp_path / "front.png")
+        front_picture(result, sweep_data(result, ())[0], tmp_path / "front.png")
 
 
 def test_scene__of_the_tests_is_the_one_that_is_searched(tmp_path):

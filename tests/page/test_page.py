@@ -55,7 +55,7 @@ def test_digest__is_what_the_whole_file_says(result, at_a_time, monkeypatch):
     assert digest.best == whole.best()
     assert digest.rivals == whole.rivals(whole.best())
     assert digest.meeting == np.count_nonzero(whole.candidates())
-    assert digest.undecided == whole.undecided(whole.goal.where).size
+    assert digest.undecided == whole.undecided(whole.goal.where)
     assert list(digest.leaders) == list(whole.select(whole.goal.where, "excess_work"))
     codes, counts = np.unique(whole.columns["status"], return_counts=True)
     assert digest.counts == {Verdict(int(code)): count for code, count in zip(codes, counts, strict=True)}

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 
 from engine import Scene
 from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, primitives
-from sweeps.pictures.drawing.figures import default_position
+from sweeps.pictures.drawing.figures import default_position, figures
 from sweeps.pictures.drawing.frame import stands
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH
 from sweeps.pictures.picture_error import PictureError
@@ -302,3 +302,64 @@ def test_picture__valid_and_the_same_every_time(ending, tmp_path):
 def test_picture_of_unknown_ending__refused(tmp_path):
     with pytest.raises(PictureError, match=r"'\.bmp'.*\.svg, \.pdf, \.png"):
         picture(four_bar(), tmp_path / "a.bmp")
+
+
+def annotated(scene, phi, *kinds):
+    """What is drawn more of a scene where so many kinds of things are shown, and the texts among it."""
+    motion = DrawnMotion(scene)
+    plain, full = figures(motion, [phi])[-1], figures(motion, [phi], shown=kinds)[-1]
+    more = [p for p in full if p not in plain]
+    return more, {p.text: p for p in more if p.kind == "text"}
+
+
+RAM = {"load": {"type": "constant", "on": "B", "angle": math.pi, "force": 250.0}}
+HALVED = {"rod_body": {"link": "rod", "mass": 1.0, "x": 0.05, "y": 0.01}}
+
+
+def test_centres_of_mass__lie_on_their_links():
+    phi = math.pi / 3
+    more, texts = annotated(slider_crank(bodies=HALVED), phi, "masses")
+    pin = 0.05 * complex(math.cos(phi), math.sin(phi))
+    end = pin.real + math.sqrt(0.2**2 - pin.imag**2)
+    u = (end - pin) / 0.2
+    (disc,) = [p for p in more if p.kind == "circle"]
+    assert disc.points[0] == pytest.approx(pin + (0.05 + 0.01j) * u, abs=EXACT)
+    assert set(texts) == {"rod_body"}
+
+
+def test_forces__point_where_they_push_with_their_magnitude():
+    more, texts = annotated(slider_crank(forces=RAM), 1.1, "forces")
+    (head,) = [p for p in more if p.kind == "polygon"]
+    (shaft,) = [p for p in more if p.kind == "line"]
+    along = np.diff(shaft.points)[0]
+    assert is_parallel(along / abs(along), 1)
+    assert along.real < 0
+    assert head.points[0].real < shaft.points[0].real
+    assert set(texts) == {"load = 250 N"}
+
+
+def test_links__named_and_no_name_on_another():
+    _, texts = annotated(slider_crank(bodies=HALVED), 1.1, "links", "masses")
+    assert set(texts) == {"crank", "rod", "piston", "rod_body"}
+    boxes_of_texts = [(p.points[0], complex(0.36 * len(p.text), 0.5) * p.size) for p in texts.values()]
+    for i, (one, half) in enumerate(boxes_of_texts):
+        for two, other in boxes_of_texts[:i]:
+            gap, room = one - two, half + other
+            assert abs(gap.real) > room.real or abs(gap.imag) > room.imag
+
+
+def test_unknown_kind_to_show__named_with_the_nearest():
+    with pytest.raises(PictureError, match=r"'mass' can't be shown.*did you mean 'masses'"):
+        annotated(slider_crank(), 1.0, "mass")
+
+
+def test_scale__is_that_of_the_paper(tmp_path, monkeypatch):
+    made = []
+    monkeypatch.setattr("sweeps.pictures.drawing.painting.save", lambda figure, path: made.append(figure))
+    picture(four_bar(), tmp_path / "a.svg", at=[1.0], shown=["scale"])
+    (ax,) = made[0].axes
+    made[0].draw_without_rendering()
+    # 100 mm in nature on the axes, in dots on paper.
+    (left, _), (right, _) = ax.transData.transform([(0, 0), (100, 0)])
+    told = float(ax.get_title(loc="left").rpartition("scale 1 : ")[2])
+    assert told == pytest.approx(100 / ((right - left) / made[0].dpi * 25.4), rel=5e-3)

@@ -17,6 +17,7 @@ from sweeps.pictures.style import PALE, new_figure
 from sweeps.pictures.sweep.maps import curves, field_band, map2d, plot_result, scatter
 from sweeps.pictures.sweep.parallel_coordinates import parallel
 from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.store import FieldAxis
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
 
@@ -34,7 +35,16 @@ def grid_data(shape, failed=(), parameters=("a", "b")):
     arrays |= {"mass": mass, "mass_error": 0.1 * mass, "cost": -(sum(columns) ** 2), "moment": field}
     units = dict.fromkeys(parameters, "m") | {"mass": "kg", "cost": "1", "moment": "N m"}
     names = {"a": "a", "b": "b", "mass": "mass of the wheel", "cost": "cost", "moment": "moment"}
-    return SweepData(arrays, units, names, parameters, ("mass", "cost"), shape, status, phi)
+    return SweepData(
+        arrays,
+        units,
+        names,
+        parameters,
+        ("mass", "cost"),
+        shape,
+        status,
+        {"moment": FieldAxis("phi", "crank angle", "rad", phi)},
+    )
 
 
 def test_curves__values_error_band_and_failed_variants():

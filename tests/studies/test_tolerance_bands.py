@@ -221,7 +221,7 @@ def test_curves__show_bands_about_their_summary(tmp_path):
     vary = '[vary]\n"input.length" = {from = "40 mm", to = "60 mm", count = 5}\n'
     text = vary + '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"input.length" = "1 mm"\n'
     found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5"))
-    data = sweep_data(found, ())
+    data = sweep_data(found, ())[0]
     assert list(data.summaries) == ["ram.stroke"]
     figure = Figure()
     curves(figure, data, "input.length", ["ram.stroke"])

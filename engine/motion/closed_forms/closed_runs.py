@@ -13,7 +13,7 @@ from engine.motion.closed_forms.closed_time import Push, strongest, timed_motion
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.tabulation import Sums
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
+from engine.motion.runs.run_progress import Ends, Progress, RunOutcome, Stepping
 from engine.motion.steppers.time_form import State
 from engine.verdicts import Verdict
 
@@ -29,6 +29,7 @@ def run_in_closed_form(
     steps: int,
     half: bool,
     doubt: float,
+    stepping: Stepping,
 ) -> RunOutcome:
     """Run in closed form, and step by step where that doesn't go.
 
@@ -40,6 +41,8 @@ def run_in_closed_form(
         As of `Progress`.
     doubt : float
         Every moment is increased by this share of its magnitude: what changes shows how sure an answer is.
+    stepping : Stepping
+        Of what goes step by step.
     """
     # What isn't reached gives NaN on its way, not a warning.
     with np.errstate(all="ignore"):
@@ -55,7 +58,8 @@ def run_in_closed_form(
     left = np.flatnonzero(~found)
     if left.size:
         own = ends._replace(**{k: getattr(ends, k)[left] for k in ("turned", "time", "speed", "most_turned")})
-        runs = Progress(dynamics, variants.some(left), start[left], omega[left], clock[left], own, steps, half)
+        begin = start[left], omega[left], clock[left]
+        runs = Progress(dynamics, variants.some(left), *begin, own, steps, half, stepping=stepping)
         _take(outcome, left, run_to_end(runs))
     return outcome
 

@@ -12,8 +12,8 @@ from engine.motion.quantities import Asked
 from engine.motion.runs.watching import Piece, RunFields
 
 
-class ExtremeAnswers(NamedTuple):
-    """What is asked of extremes, (variants,), by name without the regime's.
+class FieldAnswers(NamedTuple):
+    """What is asked of fields along runs, (variants,), by name without the regime's.
 
     Attributes
     ----------
@@ -22,11 +22,14 @@ class ExtremeAnswers(NamedTuple):
         How far each may be off by what lies between nodes.
     scales : dict of str to ndarray
         Magnitude that rounding is a share of.
+    rows : dict of str to ndarray (variants, instants)
+        Fields that are kept.
     """
 
     values: dict[str, np.ndarray]
     missed: dict[str, np.ndarray]
     scales: dict[str, np.ndarray]
+    rows: dict[str, np.ndarray]
 
 
 class RunExtremes:
@@ -65,7 +68,7 @@ class RunExtremes:
                 self._pause[side, i, those] = near[more]
                 self._bound[side, i, who] = np.fmax(self._bound[side, i, who], beyond)
 
-    def answers(self, asked: Iterable[Asked], spacing: float) -> ExtremeAnswers:
+    def answers(self, asked: Iterable[Asked], spacing: float) -> FieldAnswers:
         """What is asked, of all variants.
 
         Parameters
@@ -74,7 +77,7 @@ class RunExtremes:
         spacing : float
             Of the nodes [rad].
         """
-        found, cycle = ExtremeAnswers({}, {}, {}), self.fields.dynamics.cycle
+        found, cycle = FieldAnswers({}, {}, {}, {}), self.fields.dynamics.cycle
         way, start = self.fields.variants.direction, self.fields.start
         for _, name, statistic in asked:
             i, key = self.names.index(name), f"{name}.{statistic}"

@@ -8,11 +8,11 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import COARSER, Progress
-from engine.motion.runs.watching import Piece
+from engine.motion.runs.watching import BetweenNodes, Piece
+from engine.motion.steppers.classical import ORDER_FOUR
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
 from engine.motion.steppers.going import FOUND, go_on_to_end, new_going_room
@@ -83,29 +83,57 @@ def _gone(
     runs: Progress, who: np.ndarray, steep: np.ndarray, ends: Limits, tolerance: float, look: bool = False
 ) -> Stretch:
     """Go from where they stand: explicitly, or implicitly where a motor is steep."""
-    parts = [(method, np.flatnonzero(steep == implicit)) for implicit, method in enumerate(METHODS)]
-    found = [
-        (some, _carried(method, runs, who[some], Limits(*(x[some] for x in ends)), tolerance, look))
-        for method, some in parts
-        if some.size
-    ]
-    if len(found) == 1:
-        return found[0][1]
-    whole = [np.empty((*x.shape[:-1], who.size), x.dtype) for x in found[0][1]]
-    for some, part in found:
+    look, before, parts = look and len(runs.observers) > 0, runs.part(who), []
+    for implicit, method in enumerate((ORDER_FOUR,) if runs.classical else METHODS):
+        some = np.flatnonzero(steep == implicit)
+        if not some.size:
+            continue
+        own, state = who[some], State(*(x[..., some] for x in before))
+        asked = _nodes(runs, own, state) if look else np.empty((0, some.size))
+        gone, record = _carried(method, runs, own, state, Limits(*(x[some] for x in ends)), tolerance, asked)
+        if look:
+            runs.see(own, _piece_of(method, runs, own, state, asked, record, gone))
+        parts.append((some, gone))
+    if len(parts) == 1:
+        return parts[0][1]
+    whole = [np.empty((*x.shape[:-1], who.size), x.dtype) for x in parts[0][1]]
+    for some, part in parts:
         for into, values in zip(whole, part, strict=True):
             into[..., some] = values
     return Stretch(*whole)
 
 
-def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tolerance: float, look: bool) -> Stretch:
-    dynamics, part, state = runs.dynamics, runs.variants.some(who), runs.part(who)
-    count, cycle = who.size, dynamics.cycle
-    if runs.half:
+def _nodes(runs: Progress, who: np.ndarray, state: State) -> np.ndarray:
+    """Angles turned from a state on (nodes, variants) at which a cycle is looked at."""
+    part, cycle = runs.variants.some(who), runs.dynamics.cycle
+    # A force may jump where its moment only bends, for want of motion: at a dead centre.
+    sided = part._replace(breaks=part.breaks.two_sided())
+    steps = runs.dynamics.grid(sided, _place(runs, who, state), cycle, runs.steps).steps
+    return np.minimum(np.concatenate((np.zeros((1, who.size)), np.cumsum(steps, axis=0))), cycle)
+
+
+def _place(runs: Progress, who: np.ndarray, state: State) -> np.ndarray:
+    return runs.start[who] + runs.variants.direction[who] * state.turned
+
+
+def _carried(
+    method: Method,
+    runs: Progress,
+    who: np.ndarray,
+    state: State,
+    ends: Limits,
+    tolerance: float,
+    asked: np.ndarray,
+) -> tuple[Stretch, np.ndarray]:
+    """Go from a state; with the stretch comes what is recorded at the asked angles (3, nodes, variants)."""
+    dynamics, part = runs.dynamics, runs.variants.some(who)
+    count, cycle, begin = who.size, dynamics.cycle, _place(runs, who, state)
+    doubtful = runs.half and not (method.implicit or runs.classical)
+    if doubtful:
         method = method._replace(looked_at=method.looked_at[FEWER])
+    elif runs.half and method.implicit:
         # A steep motor answers to every change of the energy with one that it has to be followed through.
-        tolerance *= COARSER if method.implicit else 1.0
-    begin = runs.start[who] + part.direction * state.turned
+        tolerance *= COARSER
     form = form_of(dynamics, len(part.drive.kloss))
     source, tabulation = source_of(dynamics, form), dynamics.reduction.tabulation
     energy = 0.5 * dynamics.rows(part, begin[None]).inertia[0] * state.omega**2
@@ -118,12 +146,6 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
     numbers = [begin, part.direction, part.flywheel, np.full(count, tolerance), energy, whole, rest]
     numbers = np.array([*numbers, ends.time, ends.above, ends.below, longest, first], float)
     edges, sides = edges_of(part.direction, part.breaks, cycle, begin)
-    asked, look = np.empty((0, count)), look and len(runs.observers) > 0
-    if look:
-        # A force may jump where its moment only bends, for want of motion: at a dead centre.
-        sided = part._replace(breaks=part.breaks.two_sided())
-        steps = dynamics.grid(sided, begin, cycle, runs.steps).steps
-        asked = np.minimum(np.concatenate((np.zeros((1, count)), np.cumsum(steps, axis=0))), cycle)
     record, found = np.full((3, asked.shape[0], count), np.nan), np.empty((FOUND + form.channels, count))
     given = [part.parameters, part.drive.rows, part.drive.exponents, edges, sides, numbers, asked]
     given = [np.require(x, requirements="CW") for x in given]
@@ -131,7 +153,7 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
     def arguments() -> tuple:
         room = new_going_room(form, part.parameters.shape[0], edges.shape[0], source.target.size, method)
         fill, laws = tabulation.function("curves_at"), dynamics.channel_of_laws
-        return fill, source, method, form, laws, cycle, runs.half and not method.implicit, *given, record, found, room
+        return fill, source, method, form, laws, cycle, doubtful, *given, record, found, room
 
     if not go_on_to_end.overloads:
         kinds = (numba.typeof(x) for x in arguments()[1:])
@@ -143,23 +165,20 @@ def _carried(method: Method, runs: Progress, who: np.ndarray, ends: Limits, tole
         # What the motors didn't give.
         works[1] = after - energy - motors
     turned = cycles * cycle + turned
-    gone = Stretch(stop.astype(int), turned, after, time, works, squares, slowest, fastest, tried)
-    if look:
-        runs.see(who, _piece_of(dynamics, part, state, begin, asked, record, gone))
-    return gone
+    return Stretch(stop.astype(int), turned, after, time, works, squares, slowest, fastest, tried), record
 
 
 def _piece_of(
-    dynamics: Dynamics,
-    part: Variants,
+    method: Method,
+    runs: Progress,
+    who: np.ndarray,
     before: State,
-    begin: np.ndarray,
     asked: np.ndarray,
     record: np.ndarray,
     gone: Stretch,
 ) -> Piece:
     """What was recorded of a stretch at the asked angles; its end stands in for those beyond it, and once more."""
-    passed = np.isfinite(record[0])
+    part, begin, passed = runs.variants.some(who), _place(runs, who, before), np.isfinite(record[0])
     last = np.full((1, part.count), False)
     passed = np.concatenate((passed, last))
 
@@ -169,11 +188,24 @@ def _piece_of(
     turned = up_to_end(asked, gone.turned)
     energy, time = up_to_end(record[0], gone.energy), up_to_end(record[1], gone.time)
     moment = np.where(passed, np.concatenate((record[2], record[2][-1:])), np.nan)
-    inertia = dynamics.rows(part, begin + part.direction * turned).inertia
+    inertia = runs.dynamics.rows(part, begin + part.direction * turned).inertia
     with np.errstate(all="ignore"):
         omega = np.sqrt(2.0 * energy / inertia)
     steps, way = np.diff(turned, axis=0), np.ones(part.count)
-    return Piece(before.time + time, before.turned + turned, omega, way, steps, moment)
+    time, turned = before.time + time, before.turned + turned
+
+    def step(columns: np.ndarray, nodes: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
+        own, blank = who[columns], State(*(x[..., columns] for x in before))
+        here = blank._replace(turned=turned[nodes, columns], omega=omega[nodes, columns], time=time[nodes, columns])
+        free = np.full(own.size, np.inf)
+        ends = Limits(lengths, free, free, np.full(own.size, -1.0))
+        there, seen = _carried(method, runs, own, here, ends, WHATEVER, lengths[None])
+        place = _place(runs, own, here._replace(turned=here.turned + lengths))
+        inertia = runs.dynamics.rows(runs.variants.some(own), place[None]).inertia[0]
+        speed = np.sqrt(2.0 * there.energy / inertia)
+        return here.time + there.time, here.turned + lengths, speed, seen[2, 0]
+
+    return Piece(time, turned, omega, way, steps, moment, BetweenNodes(False, step))
 
 
 def _take(runs: Progress, who: np.ndarray, after: Stretch) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from engine.motion.moments.grid import JUMP
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
-from engine.motion.runs.watching import piece_in_time
+from engine.motion.runs.watching import BetweenNodes, piece_in_time
 from engine.motion.steppers.time_form import State, Step, TimeForm
 from engine.verdicts import Verdict
 
@@ -82,13 +82,26 @@ def step(runs: Progress, who: np.ndarray) -> None:
     kept = ~lost
     if runs.observers and kept.any():
         before, own = (State(*(x[..., kept] for x in one)) for one in (state, after))
-        form = runs.form(who[kept])
-        piece = piece_in_time(form, before, own, runs.clock[who[kept]], facing[kept], runs.spacing)
+        form, within = runs.form(who[kept]), _within(runs, who[kept], before, facing[kept], goal[kept])
+        piece = piece_in_time(form, before, own, runs.clock[who[kept]], facing[kept], runs.spacing, within)
         runs.see(who[kept], piece)
     runs.slowest[who[kept]] = np.minimum(runs.slowest[who[kept]], slowest[kept])
     runs.fastest[who[kept]] = np.maximum(runs.fastest[who[kept]], fastest[kept])
     runs.put(who[kept], State(*(x[..., kept] for x in after))._replace(time=(after.time - runs.clock[who])[kept]))
     _after_step(runs, who[kept], which[kept])
+
+
+def _within(runs: Progress, who: np.ndarray, before: State, facing: np.ndarray, goal: np.ndarray) -> BetweenNodes:
+    """Places within a step in time of some variants, from its begin."""
+
+    def step(columns: np.ndarray, _: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
+        own = State(*(x[..., columns] for x in before))
+        form = runs.form(who[columns])
+        there = form.step(own, lengths, facing[columns], goal[columns], runs.tolerance).after
+        time = there.time - runs.clock[who[columns]]
+        return time, there.turned, there.omega, np.full_like(time, np.nan)
+
+    return BetweenNodes(True, step)
 
 
 def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:

@@ -52,6 +52,27 @@ class RunOutcome(NamedTuple):
     ended: np.ndarray
 
 
+class Stepping(NamedTuple):
+    """How runs are stepped.
+
+    Attributes
+    ----------
+    tolerance : float
+        What a step may miss, as a share.
+    farthest : float
+        How far a step may turn [rad].
+    classical : bool
+        Whether all steps over the angle are of that length, by the classical method of order four.
+    """
+
+    tolerance: float = TOLERANCE
+    farthest: float = FARTHEST_STEP
+    classical: bool = False
+
+
+ADAPTIVE = Stepping()
+
+
 class Progress:
     """Runs of a set of variants on their way: what both forms of the equation of motion carry on.
 
@@ -69,10 +90,11 @@ class Progress:
     steps : int
         In how many places of a cycle it is looked at.
     half : bool
-        Whether it is for comparison: steps in time may miss more, and those of a steep motor; other steps are changed by what
-        they are estimated to miss.
+        Whether it is for comparison: steps in time may miss more, and those of a steep motor; steps of one length are
+        twice as long; others are changed by what they are estimated to miss.
     observers : sequence of Observer
         What looks at the runs.
+    stepping : Stepping
 
     Attributes
     ----------
@@ -88,6 +110,8 @@ class Progress:
         What a step in angle and one in time may miss, as a share.
     farthest_step, farthest_in_time : float
         How far they may turn [rad].
+    classical : bool
+        As of `Stepping`.
     facing : ndarray
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
@@ -107,6 +131,7 @@ class Progress:
         steps: int,
         half: bool = False,
         observers: Sequence[Observer] = (),
+        stepping: Stepping = ADAPTIVE,
     ) -> None:
         self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
         self.ends, self.steps, self.half, self.observers = ends, steps, half, observers
@@ -116,9 +141,12 @@ class Progress:
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.pace = np.full(count, np.inf)
-        self.tolerance, self.farthest_step = TOLERANCE, FARTHEST_STEP
-        self.time_tolerance = TOLERANCE * (COARSER if half else 1.0)
-        self.farthest_in_time = FARTHEST_STEP * (2.0 if half else 1.0)
+        self.classical, longer = stepping.classical, 2.0 if half else 1.0
+        self.tolerance = stepping.tolerance
+        self.time_tolerance = stepping.tolerance * (COARSER if half else 1.0)
+        # Steps of one length are compared with longer ones.
+        self.farthest_step = stepping.farthest * (longer if stepping.classical else 1.0)
+        self.farthest_in_time = stepping.farthest * longer
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)

@@ -4,12 +4,14 @@ A piece is smooth but where two nodes share a place, on either side of a jump. R
 them changes none.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.quantities import INSTANT, TURNED
 from engine.motion.settled.cycle import motion_rows
 from engine.motion.steppers.rubbing_form import form_in_time
 from engine.motion.steppers.time_form import State, TimeForm
@@ -36,6 +38,8 @@ class Piece(NamedTuple):
         Distances of the nodes in what the piece is smooth over, none at a jump [rad].
     moment : ndarray
         Of all that acts, where it is known more surely than from the speed, else NaN [N·m].
+    within : BetweenNodes or None
+        Finds places between nodes; None where there is nothing between them.
     """
 
     time: np.ndarray
@@ -44,6 +48,23 @@ class Piece(NamedTuple):
     facing: np.ndarray
     steps: np.ndarray
     moment: np.ndarray
+    within: "BetweenNodes | None" = None
+
+
+class BetweenNodes(NamedTuple):
+    """How a place between two nodes of a piece is found: a step of the method itself from the one before it.
+
+    Attributes
+    ----------
+    in_time : bool
+        Whether the length of a step is a time [s], from the first node; else an angle [rad], from any node.
+    step : callable
+        Of the columns (pairs,), nodes (pairs,) and lengths (pairs,): time [s], angle turned [rad], speed [rad/s] and
+        moment [N·m] there, as of `Piece`, (pairs,) each.
+    """
+
+    in_time: bool
+    step: Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, ...]]
 
 
 class Observer(Protocol):
@@ -84,20 +105,20 @@ class RunFields:
     def __call__(self, who: np.ndarray, piece: Piece) -> dict[str, np.ndarray]:
         """All fields on a piece of the way of some variants, counter-clockwise positive but for the speed.
 
-        With them the kinetic energy and the moment of each channel of loads.
+        With them the instant, the angle turned and the moment of each channel of loads.
         """
         own = self.variants.some(who)
         form, clock = form_in_time(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
         machine, moments = form.along(piece.turned, piece.omega, clock, piece.facing)
         known = np.isfinite(piece.moment)
-        others = moments.loads.sum(axis=0)
         total = np.where(known, piece.moment, moments.total)
-        motors = np.where(known, piece.moment - others, moments.motors)
+        motors = np.where(known, piece.moment - moments.loads.sum(axis=0), moments.motors)
         # What hinders a machine may be a moment or a place without a number.
         with np.errstate(all="ignore"):
             epsilon = (total - 0.5 * piece.omega**2 * machine.inertia_phi) / machine.inertia
-            rows = motion_rows(own, piece.omega, epsilon, motors, others)
-        rows["energy"] = 0.5 * machine.inertia * piece.omega**2
+            rows = motion_rows(own, piece.omega, epsilon, motors, moments.loads)
+        rows["kinetic_energy"] = 0.5 * machine.inertia * piece.omega**2
+        rows[INSTANT], rows[TURNED] = piece.time, piece.turned
         rows |= {key: own.direction * row for key, row in zip(self.dynamics.channels, moments.loads, strict=True)}
         if self.loads is None:
             return rows
@@ -121,7 +142,13 @@ class RunFields:
 
 
 def piece_in_time(
-    form: TimeForm, before: State, after: State, clock: np.ndarray, facing: np.ndarray, spacing: float
+    form: TimeForm,
+    before: State,
+    after: State,
+    clock: np.ndarray,
+    facing: np.ndarray,
+    spacing: float,
+    within: BetweenNodes | None = None,
 ) -> Piece:
     """A step in time, looked at where it turns about so far each time.
 
@@ -137,6 +164,7 @@ def piece_in_time(
     facing : ndarray (variants,)
     spacing : float
         [rad].
+    within : BetweenNodes, optional
     """
     ends = [form.acceleration(state.turned, state.omega, state.time, facing)[0] for state in (before, after)]
     length, reach = after.time - before.time, np.abs(after.turned - before.turned)
@@ -154,4 +182,5 @@ def piece_in_time(
     omega = np.where(reach > SHORT, rate / np.where(reach > SHORT, length, 1.0), straight)
     turned, omega = np.where(s < 1.0, turned, after.turned), np.where(s < 1.0, omega, after.omega)
     steps = reach * np.diff(s, axis=0)
-    return Piece(before.time - clock + s * length, turned, omega, facing, steps, np.full_like(turned, np.nan))
+    unknown = np.full_like(turned, np.nan)
+    return Piece(before.time - clock + s * length, turned, omega, facing, steps, unknown, within)

@@ -11,10 +11,10 @@ import numpy as np
 
 from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
-from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.moments.grid import Grid
 from engine.motion.moments.piecewise import bound, extremes, integral
-from engine.motion.quantities import Asked
+from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked
 from engine.motion.settled.steady import Steady
 from engine.motion.steppers.energy_form import NODES
 from engine.motion.steppers.rubbing_form import form_in_time
@@ -78,11 +78,12 @@ def cycle_of(
     omega = np.sqrt(2.0 * steady.record[0] / dynamics.rows(variants, angle).inertia)
     form = form_in_time(dynamics, variants, np.zeros(variants.count))
     machine, moments = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
-    others = moments.loads.sum(axis=0)
     total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
-    motors = np.where(np.isnan(steady.record[2]), moments.motors, total - others)
+    motors = np.where(np.isnan(steady.record[2]), moments.motors, total - moments.loads.sum(axis=0))
     epsilon = (total - 0.5 * omega**2 * machine.inertia_phi) / machine.inertia
-    rows = motion_rows(variants, omega, epsilon, motors, others)
+    rows = motion_rows(variants, omega, epsilon, motors, moments.loads)
+    rows["kinetic_energy"] = steady.record[0]
+    rows[INSTANT] = steady.record[1]
     if loads is not None:
         rows |= loads(variants, loads.parameters(variants, off), angle, omega, epsilon * way)
     even = np.broadcast_to(np.arange(omega.shape[0])[:, None], omega.shape) if grid.even is None else grid.even
@@ -90,7 +91,7 @@ def cycle_of(
 
 
 def motion_rows(
-    variants: Variants, omega: np.ndarray, epsilon: np.ndarray, motors: np.ndarray, others: np.ndarray
+    variants: Variants, omega: np.ndarray, epsilon: np.ndarray, motors: np.ndarray, loads: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Fields of the motion itself, counter-clockwise positive but for the speed, each (places, variants).
 
@@ -99,16 +100,50 @@ def motion_rows(
     variants : Variants
     omega, epsilon : ndarray (places, variants)
         Speed [rad/s] and acceleration [rad/s²] in the direction of motion.
-    motors, others : ndarray (places, variants)
-        Reduced moments of the motors and of all else in that direction [N·m].
+    motors : ndarray (places, variants)
+        Reduced moment of the motors in that direction [N·m].
+    loads : ndarray (channels, places, variants)
+        Those of all else, channel by channel; powers are told where there is one for each sort of work.
     """
     way, wheel = variants.direction, variants.flywheel
-    return {
+    rows = {
         "speed": omega,
         "acceleration": epsilon * way,
         "motor_moment": motors * way,
-        "load_moment": others * way,
+        "load_moment": loads.sum(axis=0) * way,
         "input_moment": (motors - wheel * epsilon) * way,
+    }
+    return rows | (power_rows(motors * omega, loads * omega) if len(loads) == len(CHANNELS) else {})
+
+
+def power_rows(motors: np.ndarray, loads: np.ndarray) -> dict[str, np.ndarray]:
+    """Powers, and the efficiency of the instant η = 1 − P_lost/P_in.
+
+    What is put in comes from whatever gives power just then: motors, driving actions, springs and weights, and the
+    kinetic energy, which falls by what all powers lack, dE/dt = ΣP. What isn't lost leaves the machine, or stays in it
+    for later, so that 0 ≤ η ≤ 1 and, with nothing stored, η is useful power over driving power.
+
+    Parameters
+    ----------
+    motors : ndarray (places, variants)
+        Power of the motors [W].
+    loads : ndarray (channels, places, variants)
+        Of all else, by `CHANNELS`; negative where it resists [W].
+    """
+    driving, useful, harmful, braking, other = loads
+    lost = np.maximum(-harmful, 0.0) + np.maximum(-braking, 0.0)
+    released = -(motors + loads.sum(axis=0))
+    put_in = sum(np.maximum(power, 0.0) for power in (motors, *loads, released))
+    with np.errstate(all="ignore"):
+        efficiency = 1.0 - lost / put_in
+    return {
+        "motors_power": motors,
+        "driving_power": driving,
+        "useful_power": 0.0 - useful,
+        "harmful_power": 0.0 - harmful,
+        "braking_power": 0.0 - braking,
+        "other_power": other,
+        EFFICIENCY_NOW: efficiency,
     }
 
 

@@ -91,6 +91,8 @@ VECTOR = 8
 FADING = 0.9
 # Steps of a cycle after which an explicit method is given up, and a step that is taken whatever it misses [rad].
 MOST_EXPLICIT, SHORTEST = 400.0, 1e-9
+# Steps that are told to be short aren't so many for the motor's sake: all together would turn so far [rad].
+FAR = 100.0
 
 
 class GoingRoom(NamedTuple):
@@ -244,7 +246,7 @@ def decide(wide: int, implicit: bool, places: Memory, row: int, steps: Memory, s
             why = float(NEAR_REST)
         elif not good:
             state[TAKEN, lane] += 1.0
-            too_many = (state[TAKEN, lane] > MOST_EXPLICIT) and not implicit
+            too_many = (state[TAKEN, lane] > larger(MOST_EXPLICIT, FAR / state[LONGEST, lane])) and not implicit
             why = float(NEAR_REST) if length < SHORTEST else (float(STIFF) if too_many else -1.0)
         elif not energy > 0.0:
             why = float(NEAR_REST)
@@ -261,7 +263,7 @@ def decide(wide: int, implicit: bool, places: Memory, row: int, steps: Memory, s
             state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
             continue
         state[SCALE, lane], state[TAKEN, lane] = state[WORK, lane], state[TAKEN, lane] + 1.0
-        if state[TAKEN, lane] > MOST_EXPLICIT and not implicit:
+        if state[TAKEN, lane] > larger(MOST_EXPLICIT, FAR / state[LONGEST, lane]) and not implicit:
             state[WHY, lane], state[MOVING, lane] = float(STIFF), 0.0
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from engine import Scene
-from sweeps.pictures.drawing import LAYERS, Primitive, primitives
+from sweeps.pictures.drawing import Primitive, primitives
 from sweeps.pictures.picture_error import PictureError
 from sweeps.text.whole_files import whole_file
 
@@ -54,8 +54,7 @@ def write_dxf(
     except ImportError:
         raise PictureError("DXF needs the package ezdxf: pip install 'machine-sweeps[dxf]'") from None
     document = ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
-    for layer in LAYERS:
-        colour, line = _LOOKS[layer]
+    for layer, (colour, line) in _LOOKS.items():
         document.layers.add(layer, color=colour, linetype=line)
     space = document.modelspace()
     drawn = primitives(scene, phi, values, paths)

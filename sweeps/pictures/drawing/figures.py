@@ -6,14 +6,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from engine import Scene, did_you_mean, has_cycle
+from sweeps.pictures.drawing.annotations import annotations
 from sweeps.pictures.drawing.frame import frame_parts, stands
 from sweeps.pictures.drawing.links import plates_and_bars
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.names import input_arrow, names_of_points
+from sweeps.pictures.drawing.names import input_arrow, names_of_points, texts_beside
 from sweeps.pictures.drawing.symbols import Primitive, line
 from sweeps.pictures.picture_error import PictureError
 
 USUAL_CRANK_ANGLE = math.pi / 3
+# Height of what is lettered on demand, in radii of a hinge.
+TEXT_HEIGHT = 1.9
 
 
 def primitives(
@@ -44,7 +47,9 @@ def primitives(
     return figures(DrawnMotion(scene, values), [phi], paths)[-1]
 
 
-def figures(motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = ()) -> list[list[Primitive]]:
+def figures(
+    motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = (), shown: Sequence[str] = ()
+) -> list[list[Primitive]]:
     """Figures of a mechanism at several positions, the first of them whole and last in painting order.
 
     Parameters
@@ -54,6 +59,8 @@ def figures(motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = ())
         Crank angles [rad] or displacements [m].
     paths : sequence of str
         As for `primitives`.
+    shown : sequence of str
+        What else is shown of the first: some of `ANNOTATIONS`.
 
     Returns
     -------
@@ -72,7 +79,12 @@ def figures(motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = ())
     plates, bars = plates_and_bars(motion, first)
     whole = [*frame_parts(motion), *trails, *plates, *stands(motion), *bars, *input_arrow(motion, first)]
     obstacles = [*whole, *(p for other in others for p in other)]
-    return [*others, [*whole, *names_of_points(motion, [first], [obstacles])[0]]]
+    names = names_of_points(motion, [first], [obstacles])[0]
+    if not shown:
+        return [*others, [*whole, *names]]
+    more, marked = annotations(motion, first, shown, whole)
+    texts = texts_beside([marked], TEXT_HEIGHT * motion.radius, [[*obstacles, *more, *names]], "notes")[0]
+    return [*others, [*whole, *more, *names, *texts]]
 
 
 def _once(path: np.ndarray, near: float) -> np.ndarray:

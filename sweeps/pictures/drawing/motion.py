@@ -49,6 +49,7 @@ class DrawnMotion:
 
     Attributes
     ----------
+    values : dict of str to float
     q : ndarray (nodes,)
         Crank angles [rad] or displacements of a sliding input [m].
     points : dict of str to complex ndarray (nodes,)
@@ -63,7 +64,7 @@ class DrawnMotion:
     """
 
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
-        values = dict(values or {})
+        self.values = values = dict(values or {})
         self.scene, structure = scene, order_groups(scene)
         drive = scene.input
         moving = [n for n, p in scene.points.items() if p.link != FRAME]

@@ -36,13 +36,16 @@ def _segments(drawn: Iterable[Primitive]) -> np.ndarray:
         corners = np.array(p.points)
         if p.kind == "circle":
             corners = p.points[0] + p.size * np.exp(2j * np.pi * np.arange(8) / 8)
-        if p.kind in ("circle", "polygon"):
+        if p.kind == "text":
+            half = complex(0.36 * len(p.text), 0.5) * p.size
+            corners = p.points[0] + np.array([half, half.conjugate(), -half, -half.conjugate()])
+        if p.kind in ("circle", "polygon", "text"):
             corners = np.append(corners, corners[0])
         found.append(np.stack([corners[:-1], corners[1:]], axis=1))
     return np.concatenate(found)
 
 
-def _marks(drawn: Iterable[Primitive], step: float) -> np.ndarray:
+def outline_points(drawn: Iterable[Primitive], step: float) -> np.ndarray:
     """Points along all outlines, no farther apart than a step."""
     pieces = _segments(drawn)
     pieces = pieces[np.isfinite(pieces).all(axis=1)]
@@ -67,12 +70,36 @@ def names_of_points(
     list of list of Primitive
         The names at each node.
     """
-    height, found = NAME_HEIGHT * m.radius, [[] for _ in nodes]
-    marks = [_marks(figures, 0.3 * height) for figures in drawn]
+    named = [[joint for joint in joints(m, k) if joint.text] for k in nodes]
+    return texts_beside(named, NAME_HEIGHT * m.radius, drawn)
+
+
+def texts_beside(
+    marked: Sequence[Sequence[Primitive]], height: float, drawn: Sequence[Iterable[Primitive]], layer: str = "names"
+) -> list[list[Primitive]]:
+    """Texts beside what they belong to, in every drawing on the same side: where they cover least of what is drawn.
+
+    Parameters
+    ----------
+    marked : sequence of sequence of Primitive
+        What has a text, in each drawing the same.
+    height : float
+        Of a text [m].
+    drawn : sequence of iterable of Primitive
+        What is drawn in each.
+    layer : str
+
+    Returns
+    -------
+    list of list of Primitive
+        The texts in each drawing.
+    """
+    found = [[] for _ in marked]
+    marks = [outline_points(figures, 0.3 * height) for figures in drawn]
     around = np.exp(1j * np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]))
     u, reach = np.tile(around, 4), np.repeat([0.25, 0.5, 1.0, 1.7], around.size)
     square = np.add.outer(np.linspace(-1, 1, 5), 1j * np.linspace(-1, 1, 5)).ravel()
-    for same in zip(*([joint for joint in joints(m, k) if joint.text] for k in nodes), strict=True):
+    for same in zip(*marked, strict=True):
         joint = same[0]
         half = complex(0.36 * len(joint.text), 0.5) * height
         beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * u.imag
@@ -81,7 +108,7 @@ def names_of_points(
         chosen = away[np.argmin(3 * np.mean(covered, axis=0) + reach)]
         for i, j in enumerate(same):
             at = complex(j.points[0] + chosen)
-            found[i].append(Primitive("names", "text", (at,), height, "none", joint.text))
+            found[i].append(Primitive(layer, "text", (at,), height, "none", joint.text))
             marks[i] = np.append(marks[i], at + square.real * half.real + 1j * square.imag * half.imag)
     return found
 

@@ -14,13 +14,28 @@ from engine import Scene, has_cycle
 from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive
-from sweeps.pictures.style import MM_PER_INCH, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, MM_PER_INCH, VERMILION, house_style, new_figure, save
 from sweeps.text.engineer_units import engineer_unit, quantity_text
 
 # Line widths [pt] of the layers, and how dark they are.
-WIDTHS = {"frame": 1.0, "hatching": 0.5, "pitch": 0.6, "paths": 0.9, "links": 1.5, "joints": 1.1, "names": 0.8}
+WIDTHS = {
+    "frame": 1.0,
+    "hatching": 0.5,
+    "pitch": 0.6,
+    "paths": 0.9,
+    "links": 1.5,
+    "joints": 1.1,
+    "names": 0.8,
+    "masses": 0.8,
+    "forces": 1.1,
+}
 FILLS = {"none": "none", "paper": "white", "tint": "#e4e8ec", "solid": "black"}
 DASHES = {"pitch": (0, (9, 2.5, 1.5, 2.5)), "paths": (0, (5, 2.5))}
+# Layers that nothing hides.
+ABOVE = ("joints", "names", "masses", "forces", "notes")
+# What a picture's title tells on demand.
+SCALE = "scale"
+INKS = {"paths": VERMILION, "forces": BLUE}
 GHOST = "#a8adb3"
 
 
@@ -30,7 +45,8 @@ def draw(
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
-) -> None:
+    shown: Sequence[str] = (),
+) -> float:
     """Draw a mechanism to scale on axes of matplotlib.
 
     Parameters
@@ -44,18 +60,26 @@ def draw(
         Points whose paths over the cycle are drawn dashed.
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
+    shown : sequence of str
+        What else is shown of the first position: some of `ANNOTATIONS`.
+
+    Returns
+    -------
+    float
+        Factor from metres to the unit of the axes.
 
     Raises
     ------
     PictureError
-        A position can't be drawn, or a point of `paths` doesn't exist.
+        A position can't be drawn, a point of `paths` doesn't exist, or something of `shown` is unknown.
     """
     motion = DrawnMotion(scene, values)
-    poses = figures(motion, list(at) or [default_position(motion)], paths)
+    poses = figures(motion, list(at) or [default_position(motion)], paths, shown)
     extent = bounds(q for pose in poses for q in pose)
     factor = prepare_axes(ax, extent, motion.radius)
     for pose in poses:
         paint(ax, pose, factor, ghost=pose is not poses[-1])
+    return factor
 
 
 def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
@@ -84,15 +108,15 @@ def prepare_axes(ax: Axes, extent: tuple[float, float, float, float], radius: fl
 
 def paint(ax: Axes, drawn: Iterable[Primitive], factor: float, ghost: bool = False) -> None:
     """Paint figures on axes; lightly where they are of a position that only accompanies another."""
-    ink = GHOST if ghost else "black"
     for z, p in enumerate(drawn, 2):
+        ink = INKS.get(p.layer, GHOST if ghost else "black")
         vertices = factor * np.column_stack([np.real(p.points), np.imag(p.points)])
         style = {
-            "edgecolor": VERMILION if p.layer == "paths" else ink,
-            "facecolor": {"solid": ink, "tint": "none"}.get(p.fill, FILLS[p.fill]) if ghost else FILLS[p.fill],
-            "linewidth": WIDTHS[p.layer] * (0.6 if ghost else 1.0),
+            "edgecolor": ink,
+            "facecolor": {"solid": ink, "tint": "none" if ghost else FILLS["tint"]}.get(p.fill, FILLS[p.fill]),
+            "linewidth": WIDTHS.get(p.layer, 0.0) * (0.6 if ghost else 1.0),
             "linestyle": DASHES.get(p.layer, "solid"),
-            "zorder": z / 1000 if ghost else 3 + (p.layer == "paths") + 2 * (p.layer in ("joints", "names")) + z / 1000,
+            "zorder": z / 1000 if ghost else 3 + (p.layer == "paths") + 2 * (p.layer in ABOVE) + z / 1000,
         }
         if p.kind == "text":
             ax.add_patch(_lettering(p, factor, style["zorder"]))
@@ -106,7 +130,8 @@ def paint(ax: Axes, drawn: Iterable[Primitive], factor: float, ghost: bool = Fal
 
 def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
     """A name as outlines of its letters, so that it keeps its size in the drawing whatever the figure's."""
-    path = TextPath((0, 0), p.text, size=factor * p.size, prop=FontProperties(family="DejaVu Serif", style="italic"))
+    family, style = ("DejaVu Sans", "normal") if p.layer == "notes" else ("DejaVu Serif", "italic")
+    path = TextPath((0, 0), p.text, size=factor * p.size, prop=FontProperties(family=family, style=style))
     box = path.get_extents()
     at = p.points[0] * factor - complex(box.x0 + box.x1, box.y0 + box.y1) / 2
     moved = Outline(path.vertices + np.array([at.real, at.imag]), path.codes)
@@ -119,17 +144,30 @@ def picture(
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
+    shown: Sequence[str] = (),
 ) -> None:
-    """Draw a mechanism to a file by itself (.svg, .pdf, .png), 160 mm wide at most; arguments as for `draw`."""
+    """Draw a mechanism to a file by itself (.svg, .pdf, .png), 160 mm wide at most.
+
+    Arguments as for `draw`; of `shown`, `SCALE` is told in the title.
+    """
     with house_style():
         fig = new_figure(160, 160)
         ax = fig.add_subplot()
-        draw(scene, ax, at, paths, values)
-        ax.set_title(_title(scene, at), loc="left", wrap=True)
+        factor = draw(scene, ax, at, paths, values, [kind for kind in shown if kind != SCALE])
+        title = ax.set_title(_title(scene, at), loc="left", wrap=True)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min(145 / width, 200 / height)
         fig.set_size_inches((scale * width + 18) / MM_PER_INCH, (scale * height + 20) / MM_PER_INCH)
+        if SCALE in shown:
+            fig.draw_without_rendering()
+            on_paper = ax.get_window_extent().width / fig.dpi * MM_PER_INCH / 1e3
+            title.set_text(f"{title.get_text()}, scale {_scale(on_paper * factor / width)}")
     save(fig, path)
+
+
+def _scale(ratio: float) -> str:
+    """A scale as draughtsmen write it."""
+    return f"1 : {1 / ratio:.3g}" if ratio < 1 else f"{ratio:.3g} : 1"
 
 
 def _title(scene: Scene, at: Sequence[float]) -> str:

@@ -8,12 +8,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-LAYERS = ("frame", "hatching", "pitch", "paths", "links", "joints", "names")
+LAYERS = ("frame", "hatching", "pitch", "paths", "links", "joints", "names", "masses", "forces", "notes")
 
 # Sizes of the symbols in radii of a hinge.
 HALF_LENGTH, HALF_HEIGHT = 3.2, 2.0
 PIVOT_WIDTH, PIVOT_HEIGHT = 2.3, 4.0
 HATCH_STEP = 1.5
+TIP = 2.4
 
 
 class Primitive(NamedTuple):
@@ -117,9 +118,9 @@ def zigzag(a: complex, b: complex, r: float) -> Primitive:
     return line(*(a + steps * (b - a) + 2.2j * r * sides * u))
 
 
-def arrow(points: Sequence[complex], r: float) -> list[Primitive]:
+def arrow(points: Sequence[complex], r: float, layer: str = "names") -> list[Primitive]:
     """Arrow along some points, its tip beyond the last."""
     u = (points[-1] - points[-2]) / abs(points[-1] - points[-2])
-    tip = points[-1] + 2.4 * r * u
-    head = polygon(tip, points[-1] + 0.85j * r * u, points[-1] - 0.85j * r * u, fill="solid", layer="names")
-    return [line(*points, layer="names"), head]
+    tip = points[-1] + TIP * r * u
+    head = polygon(tip, points[-1] + 0.85j * r * u, points[-1] - 0.85j * r * u, fill="solid", layer=layer)
+    return [line(*points, layer=layer), head]

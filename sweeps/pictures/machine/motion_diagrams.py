@@ -37,6 +37,8 @@ _WORDS = {
 MOST_INSTANTS = 20_000
 # Share of the width that the shortest regime gets, of what it would have if all were equally long.
 LEAST_SHARE = 0.5
+# A regime whose values vary by so much less than another's isn't drawn on the same scale.
+APART = 10.0
 
 
 class _Course(NamedTuple):
@@ -133,7 +135,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     widths = np.maximum(times / times.sum(), LEAST_SHARE / len(parts))
     reactions = [part.reactions for part in parts]
     count = 5 if reactions[0] else 4
-    axes = figure.subplots(count, len(parts), sharex="col", sharey="row", squeeze=False, width_ratios=widths)
+    axes = figure.subplots(count, len(parts), sharex="col", squeeze=False, width_ratios=widths)
     rows = (
         ("ω", "rad s-1", [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
         ("M", "N m", [part.acting | _only(part.coupled, "coupling") for part in parts]),
@@ -148,6 +150,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
         for ax, part, column in zip(row, parts, columns, strict=True):
             _lines(ax, part.time, {key: factor * values for key, values in column.items()})
         row[0].set_ylabel(f"{symbol}, {label}")
+        _share_scale(row, columns)
     for ax, part in zip(axes[0], parts, strict=True):
         kind = " (one cycle)" if isinstance(scene.regimes[part.name], SteadyRegime) else ""
         ax.set_title(f"{part.name}{kind}", fontweight="bold")
@@ -156,6 +159,18 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
         ax.set_xlim(0, part.time[-1] if part.time[-1] > 0 else 1)
         ax.xaxis.set_major_locator(MaxNLocator(max(2, int(10 * width))))
     _legend(figure, axes)
+
+
+def _share_scale(row: Sequence[Axes], columns: Sequence[dict[str, np.ndarray]]) -> None:
+    """One scale for all regimes, unless one of them would hardly be seen on it: then each has its own."""
+    spans = [float(np.ptp(list(column.values()))) for column in columns if column]
+    if len(spans) == len(row) and min(spans) * APART < max(spans):
+        return
+    low, high = zip(*(ax.get_ylim() for ax in row), strict=True)
+    for ax in row:
+        ax.set_ylim(min(low), max(high))
+    for ax in row[1:]:
+        ax.tick_params(labelleft=False)
 
 
 def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:

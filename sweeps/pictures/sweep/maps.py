@@ -39,6 +39,7 @@ REASONS = {
     Verdict.UNDERCUT: "cam undercut",
     Verdict.LIFTS_OFF: "follower lifts off",
     Verdict.SLIPS: "clutch slips on",
+    Verdict.TOO_COARSE: "steps too long",
     Verdict.GROWS: "vibration grows",
     Verdict.TURNS_BACK: "turns back on its shaft",
     Verdict.DOES_NOT_FIT: "wheels don't fit",
@@ -130,7 +131,7 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
     ax : Axes
     data : SweepData
     name : str
-        A field; `data.position` must be there.
+        A field; what runs along it must be there.
     best : int, optional
         Variant drawn by itself.
 
@@ -140,15 +141,18 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
         There is no such field, or no variant that was computed.
     """
     values, label, _ = data.shown(name)
-    if values.ndim != 2 or data.position is None:
+    if values.ndim != 2 or name not in data.along:
         raise PictureError(f"{name!r} is not a field of this result")
-    sound = data.ok & np.isfinite(values).all(axis=1)
+    axis = data.along[name]
+    # A run has rows up to its end.
+    over_cycle, known = axis.over_positions, np.isfinite(values)
+    sound = data.ok & (known.all(axis=1) if over_cycle else known.any(axis=1))
     if not sound.any():
         raise PictureError(f"{name!r}: no variant was computed without complaint, there is nothing to show")
-    factor, unit = engineer_unit(data.position_units, data.position)
-    position = factor * data.position
-    step = position[1] - position[0]
-    if unit == "°" and round((position[-1] + step) % 360, 6) in (0, 360):
+    factor, unit = engineer_unit(axis.units, axis.values)
+    position = factor * axis.values
+    step = np.diff(position[:2]).sum()
+    if over_cycle and unit == "°" and round((position[-1] + step) % 360, 6) in (0, 360):
         # The cycle closes: its first position is shown again at its end.
         position, values = np.append(position, position[-1] + step), np.append(values, values[:, :1], axis=1)
     if data.out.any():
@@ -157,20 +161,30 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
     if chosen.any():
         words = f"{np.count_nonzero(chosen)} variants"
         _band(ax, position, values[chosen], BLUE, 0.18, data.legend_of(f"{words} with") if data.out.any() else words)
-        middle = np.median(values[chosen], axis=0)
-        ax.plot(position, middle, color=BLUE, linewidth=1, linestyle=(0, (5, 2)), label="median")
+        words, reached = "median", np.isfinite(values[chosen]).any(axis=0)
+        if not known[chosen].all():
+            words = "median of those still running"
+        middle = np.nanmedian(values[chosen][:, reached], axis=0)
+        ax.plot(position[reached], middle, color=BLUE, linewidth=1, linestyle=(0, (5, 2)), label=words)
     if best is not None:
         ax.plot(position, values[best], color=VERMILION, label="best variant")
-    ax.set(xlabel=f"crank angle φ, {unit}" if unit == "°" else f"position q, {unit}", ylabel=label)
-    ax.set_xlim(position[0], position[-1])
-    if unit == "°":
+    along = f"position q, {unit}"
+    if not over_cycle:
+        along = f"{axis.long_name}, {unit}"
+    elif unit == "°":
+        along = f"crank angle φ, {unit}"
+    ax.set(xlabel=along, ylabel=label)
+    if position.size > 1:
+        ax.set_xlim(position[0], position[-1])
+    if over_cycle and unit == "°":
         ax.xaxis.set_major_locator(MultipleLocator(90 if np.ptp(position) > 180 else 30))
     ax.legend(loc="best")
 
 
 def _band(ax: Axes, position: np.ndarray, values: np.ndarray, colour: str, alpha: float, label: str) -> None:
-    low, high = values.min(axis=0), values.max(axis=0)
-    ax.fill_between(position, low, high, color=colour, alpha=alpha, linewidth=0, label=label)
+    reached = np.isfinite(values).any(axis=0)
+    low, high = np.nanmin(values[:, reached], axis=0), np.nanmax(values[:, reached], axis=0)
+    ax.fill_between(position[reached], low, high, color=colour, alpha=alpha, linewidth=0, label=label)
 
 
 def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | None = None) -> None:
@@ -371,6 +385,9 @@ def plot_result(
     with house_style():
         figure = new_figure(180, 110)
         _choose(figure, data, x, y, colour, best, minimise)
+        if data.chosen_of:
+            words = f"{data.status.size} of {data.chosen_of} variants, chosen evenly, and the best"
+            figure.suptitle(words, fontsize=7, color=GREY)
     save(figure, path)
     return figure
 

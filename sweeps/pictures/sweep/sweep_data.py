@@ -8,6 +8,7 @@ import numpy as np
 
 from engine import Verdict
 from sweeps.pictures.picture_error import PictureError
+from sweeps.store import FieldAxis
 from sweeps.text.engineer_units import engineer_unit
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -46,13 +47,14 @@ class SweepData(NamedTuple):
         Sizes of the grid's axes, the last fastest; a single number where the variants form no grid.
     status : ndarray (variants,) of uint8
         `engine.Verdict` codes.
-    position : ndarray (positions,), optional
-        Positions of the fields, SI.
-    position_units : str
+    along : mapping of str to FieldAxis
+        What runs along each field: positions of the input, or instants of a run.
     condition : str
         What the best variant must meet, "" where nothing is asked.
     candidates : ndarray (variants,) of bool, optional
         Which of the computed variants meet it; all of them unless given.
+    chosen_of : int, optional
+        Of how many variants those drawn were chosen evenly, where they are too many for a picture.
     """
 
     arrays: Mapping[str, np.ndarray]
@@ -62,10 +64,10 @@ class SweepData(NamedTuple):
     summaries: Sequence[str]
     shape: Sequence[int]
     status: np.ndarray
-    position: np.ndarray | None = None
-    position_units: str = "rad"
+    along: Mapping[str, FieldAxis] = {}
     condition: str = ""
     candidates: np.ndarray | None = None
+    chosen_of: int | None = None
 
     @property
     def out(self) -> np.ndarray:
@@ -120,6 +122,34 @@ class SweepData(NamedTuple):
         grid = np.moveaxis(np.asarray(self.arrays[name]).reshape(self.shape), axis, 0).reshape(self.shape[axis], -1)
         steps = np.diff(grid[:, 0])
         return bool((grid == grid[:, :1]).all() and ((steps > 0).all() or (steps < 0).all()))
+
+
+def evenly_chosen(shape: Sequence[int], best: int | None, most: int) -> tuple[tuple[int, ...], np.ndarray]:
+    """Fewer variants of a grid, evenly along each of its axes, the best among them.
+
+    Parameters
+    ----------
+    shape : sequence of int
+        Sizes of the grid's axes, the last fastest.
+    best : int, optional
+        A variant that must be among them.
+    most : int
+        No more than about so many.
+
+    Returns
+    -------
+    shape : tuple of int
+        Of the smaller grid.
+    variants : ndarray (chosen,)
+        Numbers of the variants chosen, in their order.
+    """
+    longest = max(shape)
+    while longest > 2 and np.prod([float(min(size, longest)) for size in shape]) > most:
+        longest = int(0.95 * longest)
+    at = [()] * len(shape) if best is None else np.unravel_index(best, shape)
+    places = [np.linspace(0, size - 1, min(size, longest)).round().astype(int) for size in shape]
+    places = [np.union1d(along, place).astype(int) for along, place in zip(places, at, strict=True)]
+    return tuple(map(len, places)), np.ravel_multi_index(np.ix_(*places), shape).ravel()
 
 
 def wrapped(text: str, width: int) -> list[str]:

@@ -10,10 +10,43 @@ from sweeps.report.files.data_files import DataTable, write_table
 from sweeps.report.readings import Readings, fields_at_uniform_speed
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
+from sweeps.store import read_columns
 from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
 from sweeps.text.whole_files import whole_file
+
+
+def fields_table(path: Path, names: Sequence[str], where: str | None = None) -> DataTable:
+    """Fields that a result keeps, one row for each variant and place along them.
+
+    Parameters
+    ----------
+    path : Path
+    names : sequence of str
+        Of fields that run along the same.
+    where : str, optional
+        Only computed variants that meet a condition; without it all that are computed.
+
+    Raises
+    ------
+    InputError
+        There is no such field, or they don't run along the same.
+    """
+    result = SweepResult(path)
+    for name in names:
+        if name not in result.fields:
+            kept = f"kept are {', '.join(result.fields)}" if result.fields else "none are kept"
+            raise InputError("--columns", [(None, name, f"is no field of this result; {kept}")])
+    axes = {axis.name: axis for axis in map(result.along, names)}
+    if len(axes) > 1:
+        message = f"run along {' and '.join(axes)}; export those of each by themselves"
+        raise InputError("--columns", [(None, ", ".join(names), message)])
+    axis = next(iter(axes.values()))
+    chosen = result.select(where)
+    columns = {"variant": np.repeat(chosen, axis.values.size), axis.name: np.tile(axis.values, chosen.size)}
+    columns |= {name: read_columns(path, [name])[name][chosen].ravel() for name in names}
+    return DataTable(columns, dict(result.units) | {axis.name: axis.units}, result.description.title)
 
 
 def result_table(path: Path, where: str | None = None) -> DataTable:
@@ -30,7 +63,8 @@ def result_table(path: Path, where: str | None = None) -> DataTable:
     errors = [f"{name}_error" for name in result.summaries]
     named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
     others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
-    columns = {name: result.columns[name][chosen] for name in (*named, *others) if name in result.columns}
+    found = result.taken(chosen)
+    columns = {name: found[name] for name in (*named, *others) if name in found}
     return DataTable({"variant": chosen} | columns, dict(result.units), result.description.title)
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
+
 from engine import Verdict
 from sweeps.report.files.data_files import plain_number
 from sweeps.report.sweep_result import SweepResult
@@ -20,7 +22,8 @@ def result_data(result: SweepResult, variants: Iterable[int], names: Sequence[st
         Summaries; all unless given.
     """
     status = result.columns["status"]
-    counts = {v.name.lower(): int((status == v).sum()) for v in Verdict if (status == v).any()}
+    there = np.bincount(status, minlength=256)
+    counts = {verdict.name.lower(): int(there[verdict]) for verdict in Verdict if there[verdict]}
     shown = [*result.parameters, *(names or result.summaries)]
     return {
         "title": result.description.title,

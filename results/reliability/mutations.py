@@ -1,0 +1,474 @@
+"""Scenes, studies, tables and command lines garbled at random; writes `mutations.md` beside this file.
+
+    python results/reliability/mutations.py --texts 20000 --evaluated 1000 --lines 2000
+
+Bundled studies, their scenes, the templates and all their tables are the stock. What is changed in a text is drawn by a
+seed: numbers become extreme, wrong or none, names become others, keys are renamed, left out or taken from another text
+with all that stands below them, lines and bytes are lost or doubled. Each text is read, and its machine's functions
+are printed; some are run to their end. A command may refuse in words or give results; what counts as wrong is a
+traceback, a crash, more processor time or memory than stated in the table, and code in a text that is carried out.
+"""
+
+import argparse
+import contextlib
+import copy
+import io
+import multiprocessing
+import os
+import platform
+import random
+import resource
+import shutil
+import signal
+import tempfile
+import time
+import tomllib
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator
+from functools import cache
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+
+import sweeps
+from engine import Verdict
+
+HERE = Path(__file__).parent
+STOCK = Path(sweeps.__file__).parent
+# Processor time [s] in which a text must be read and its functions printed, and a small study run to its end.
+READ_WITHIN, RUN_WITHIN = 10.0, 120.0
+MOST_MEMORY = 1_000_000_000
+# Of more variants than these, a garbled study is only read.
+FEW = 5000
+# Cases for each process: what was compiled is given back with it.
+BATCH = 60
+UNDEFINED = "results, undefined: "
+
+NUMBERS = (
+    "0",
+    "-1",
+    "1",
+    "1e-300",
+    "1e-12",
+    "1e12",
+    "1e150",
+    "1e300",
+    "1e400",
+    "nan",
+    "inf",
+    "-inf",
+    "1/0",
+    "1_0",
+    "٣",
+)
+UNITS = (
+    "",
+    "mm",
+    "m",
+    "deg",
+    "rpm",
+    "kg",
+    "N",
+    "N m",
+    "s",
+    "1/s",
+    "%",
+    "kg m2",
+    "m/s**999",
+    "furlong",
+    "degC",
+    "mm mm",
+)
+CODE = "open('carried_out', 'w').close()"
+HOSTILE = (
+    f"__import__('builtins').{CODE}",
+    f"[c for c in ().__class__.__base__.__subclasses__()][0] or {CODE}",
+    f"(lambda: {CODE})()",
+    f'f"{{{CODE}}}"',
+    f"exec({CODE!r})",
+    f"1 if {CODE} else 2",
+    f"x := {CODE}",
+    f'"); {CODE}; ("',
+    f"'\n{CODE}\n'",
+    "${touch carried_out} `touch carried_out` $(touch carried_out)",
+    "../../../../etc/passwd",
+    "/dev/zero",
+    "/dev/stdin",
+    "9**9**9**9",
+    "(" * 3000 + ")" * 3000,
+    "\x1b]0;title\x07\x1b[2J",
+    "<script>alert(1)</script>",
+    "a" * 100_000,
+    "\u202e\u0000",
+    "{0.__class__}",
+)
+
+
+class Slow(BaseException):
+    """More processor time went by than a text may take."""
+
+
+@cache
+def stock() -> dict[str, str]:
+    """All bundled texts, by their paths within the package."""
+    paths = (
+        p for folder in ("studies", "templates") for p in (STOCK / folder).rglob("*") if p.suffix in (".toml", ".csv")
+    )
+    return {str(path.relative_to(STOCK)): path.read_text(encoding="utf8") for path in sorted(paths)}
+
+
+@cache
+def documents() -> list[dict]:
+    """All bundled TOML texts as they are read."""
+    return [tomllib.loads(text) for path, text in stock().items() if path.endswith(".toml")]
+
+
+Place = tuple[Any, Any]
+
+
+def places(value: Any) -> Iterator[Place]:
+    """Every entry of a document: the table or list it stands in, and its key there."""
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in list(pairs):
+        yield value, key
+        yield from places(inner)
+
+
+def other_value(dice: random.Random, old: Any, words: list[str]) -> Any:
+    """Something else in the place of a value."""
+    if isinstance(old, str) and old[:1].isdigit() and dice.random() < 0.7:
+        number, _, unit = old.partition(" ")
+        return dice.choice((f"{dice.choice(NUMBERS)} {unit}", f"-{old}", f"{number} {dice.choice(UNITS)}", number))
+    return dice.choice(
+        (
+            dice.choice(words),
+            dice.choice(words),
+            f"{dice.choice(NUMBERS)} {dice.choice(UNITS)}".strip(),
+            dice.choice(HOSTILE),
+            dice.choice((0, -1, 1e308, float("nan"), True, [], {}, "", ["1 mm"], [[1.0]], {"x": 1}, 10**400)),
+        )
+    )
+
+
+def garbled_document(dice: random.Random, text: str, others: list[dict]) -> str:
+    """A TOML text with one to four entries changed, renamed, left out, or taken from another text."""
+    document = tomllib.loads(text)
+    words = [value for table, key in places(document) if isinstance(value := table[key], str)] or ["a"]
+    for _ in range(dice.choice((1, 1, 1, 2, 4))):
+        found = list(places(document))
+        if not found:
+            break
+        leaves = [(table, key) for table, key in found if not isinstance(table[key], (dict, list))]
+        table, key = dice.choice(leaves if leaves and dice.random() < 0.7 else found)
+        way = dice.random()
+        if way < 0.3 and isinstance(table[key], str) and table[key][:1].isdigit():
+            number, _, unit = table[key].partition(" ")
+            with contextlib.suppress(ValueError):
+                table[key] = f"{float(number) * 10 ** dice.uniform(-4, 4):.6g} {unit}".strip()
+        elif way < 0.5:
+            table[key] = other_value(dice, table[key], words)
+        elif way < 0.65:
+            del table[key]
+        elif way < 0.75 and isinstance(table, dict):
+            table[dice.choice([k for _, k in found if isinstance(k, str)])] = table.pop(key)
+        elif isinstance(table, dict):
+            donor = dice.choice([other for other in others if ("scene" in other) == ("scene" in document)])
+            kind = dice.choice([k for k, v in donor.items() if isinstance(v, dict)] or [key])
+            given = donor.get(kind, {})
+            mine = document.setdefault(kind, {})
+            if isinstance(mine, dict) and isinstance(given, dict) and given:
+                chosen = dice.choice(list(given))
+                mine[chosen if dice.random() < 0.7 else dice.choice(list(mine) or [chosen])] = copy.deepcopy(
+                    given[chosen]
+                )
+    return tomlkit.dumps(document)
+
+
+def garbled_text(dice: random.Random, text: str) -> str:
+    """A text with lines or characters lost, doubled, exchanged or put in."""
+    lines = text.splitlines(keepends=True)
+    for _ in range(dice.choice((1, 2, 5))):
+        i = dice.randrange(len(lines))
+        way = dice.randrange(7)
+        if way == 0 and len(lines) > 1:
+            del lines[i]
+        elif way == 1:
+            lines.insert(i, dice.choice(lines))
+        elif way == 2:
+            lines[i] = lines[i].replace(dice.choice('"=[]{},.'), dice.choice(('"', "'", "", "=", "\x00", "ä", ";")), 1)
+        elif way == 3:
+            cut = dice.randrange(len(lines[i]) + 1)
+            lines[i] = lines[i][:cut] + lines[i][cut + 1 :]
+        elif way == 4:
+            lines[i] = "\ufeff" + lines[i].replace("\n", "\r\n")
+        elif way == 5:
+            lines[i] = dice.choice(HOSTILE)[:5000] + lines[i]
+        else:
+            lines = lines[: i + 1]
+    return "".join(lines)
+
+
+def garbled_lines(dice: random.Random, scenes: list[str], made: str) -> list[str]:
+    """A command line of known commands, options and values in some order."""
+    files = (dice.choice(scenes), made, "none.toml", "", "/dev/null", ".", "crank_press", "result.h5")
+    options = (
+        ("--set", f"input.length={dice.choice(NUMBERS)} {dice.choice(UNITS)}"),
+        ("--set", dice.choice(HOSTILE)),
+        ("--at", f"{dice.choice(NUMBERS)} {dice.choice(UNITS)}"),
+        ("--accuracy", dice.choice(NUMBERS)),
+        ("--positions", dice.choice(NUMBERS)),
+        ("--variant", dice.choice(NUMBERS)),
+        ("--where", dice.choice((*HOSTILE, "a < 1", "required_power > 1 W"))),
+        ("--sort", dice.choice(HOSTILE)),
+        ("-x", "input.length"),
+        ("-y", dice.choice(("piston.slide", "nothing", *HOSTILE))),
+        ("--to", dice.choice(("out.csv", "out.svg", "out.dxf", "out.toml", "out.nothing", "/dev/full", "."))),
+        ("--json",),
+        ("--history",),
+        ("--help",),
+        (dice.choice(HOSTILE)[:1000],),
+    )
+    commands = (
+        "list",
+        "help",
+        "guide",
+        "new",
+        "modes",
+        "quantities",
+        "check",
+        "show",
+        "plot",
+        "report",
+        "export",
+        "compare",
+    )
+    line = [dice.choice((*commands, "verify", "flywheel", "balance", "orders", "nothing"))]
+    line += [dice.choice(files).replace("\x00", "") for _ in range(dice.choice((0, 1, 1, 2)))]
+    for _ in range(dice.choice((0, 1, 1, 2, 3))):
+        line += dice.choice(options)
+    return [word.replace("\x00", "") for word in line]
+
+
+def command(line: list[str], within: float) -> tuple[int | str, str, float]:
+    """A command in this process: exit code or what went wrong, what it said, processor time [s]."""
+    from sweeps.cli import main
+
+    said, begun = io.StringIO(), time.process_time()
+    signal.signal(signal.SIGPROF, _slow)
+    signal.setitimer(signal.ITIMER_PROF, within)
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            main(line, prog_name="sweeps")
+        code: int | str = 0
+    except SystemExit as ending:
+        code = ending.code or 0
+    except Slow:
+        code = f"more than {within:g} s"
+    except BaseException:
+        code = "traceback: " + " ".join(traceback.format_exc().splitlines()[-3:])
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    return code, said.getvalue(), time.process_time() - begun
+
+
+def no_numbers(path: Path) -> list[str]:
+    """Names of summaries of a result that are no numbers where the verdict is "ok"."""
+    from sweeps.store import MappedResult
+
+    columns = MappedResult(path).columns
+    good = np.asarray(columns["status"]) == Verdict.OK
+    values = {name: np.asarray(c) for name, c in columns.items() if not name.startswith(("status", "errors"))}
+    summaries = {name: value for name, value in values.items() if value.shape == good.shape and value.dtype.kind == "f"}
+    return [name for name, value in summaries.items() if not np.isfinite(value[good]).all()]
+
+
+def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[str, str, float], None]) -> None:
+    """One garbled text, among the others as they are: read, printed, and perhaps run."""
+    bundled = stock()
+    name = dice.choice(list(bundled))
+    garbled = bundled[name]
+    structured = name.endswith(".toml") and dice.random() < 0.8
+    garbled = garbled_document(dice, garbled, documents()) if structured else garbled_text(dice, garbled)
+    (folder / name).write_text(garbled, encoding="utf8", errors="surrogatepass")
+    try:
+        target = name
+        if not name.endswith(".toml") or "studies/scenes" in name:
+            users = [p for p, text in bundled.items() if p.endswith(".toml") and Path(name).name in text]
+            target = dice.choice(users) if users else name
+        code, said, took = command(["check", "--source", target], READ_WITHIN)
+        report(judged(code, said, folder), garbled, took)
+        if evaluated and code == 0:
+            from sweeps.study.study import read_study
+
+            if read_study(target).design.size > FEW:
+                return
+            result = folder / "result.h5"
+            line = ["run", target, "--no-plots", "--quiet", "--out", str(result), "--replace", "--jobs", "1"]
+            code, said, took = command(line, RUN_WITHIN)
+            wrong = judged(code, said, folder)
+            if code == 0 and result.exists() and (none := no_numbers(result)):
+                wrong = f"{UNDEFINED}{', '.join(none)}"
+            report(f"run: {wrong}", garbled, took)
+            for left in folder.glob("result*"):
+                left.unlink()
+    finally:
+        (folder / name).write_text(bundled[name], encoding="utf8")
+
+
+def judged(code: int | str, said: str, folder: Path) -> str:
+    """How a command ended, in a word; what isn't "results" or "refused" is wrong."""
+    if (folder / "carried_out").exists():
+        (folder / "carried_out").unlink()
+        return "code carried out"
+    if isinstance(code, str):
+        return code
+    if "Traceback" in said:
+        return "traceback: " + said[-300:]
+    if "\x1b" in said or "\x07" in said:
+        return "control characters said"
+    if code and not said.strip():
+        return "refused without a word"
+    if len(said) > 3000 and code:
+        return f"message of {len(said)} characters"
+    return "results" if code == 0 else "refused"
+
+
+def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> None:
+    """So many cases in a process of their own, each told as it ends."""
+    os.chdir(folder)
+    for i in range(count):
+        dice = random.Random(f"{kind} {seed} {i}")
+        pipe.send(("begun", f"{kind} {seed} {i}"))
+
+        def report(how: str, content: str, took: float, case: str = f"{kind} {seed} {i}") -> None:
+            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+            pipe.send((case, how, content, took, memory))
+
+        if kind == "lines":
+            line = garbled_lines(dice, [p for p in stock() if p.startswith("templates")], "studies/scenes/press.toml")
+            code, said, took = command(line, READ_WITHIN * 6)
+            how = judged(code, said, folder)
+            report("results" if how.startswith("message of") and "--help" in line else how, " ".join(line), took)
+        else:
+            texts(dice, folder, kind == "evaluated", report)
+    pipe.send("over")
+
+
+def _slow(*_: object) -> None:
+    raise Slow
+
+
+def campaign(
+    kind: str, count: int, seed: int, folder: Path, keep: Path | None
+) -> tuple[Counter, list[str], set[str], float, int]:
+    """Garbled texts or lines of one kind: how many ended how, what was wrong, what undefined, longest time, memory."""
+    ways, wrong, undefined, longest, most = Counter(), [], set(), 0.0, 0
+    context = multiprocessing.get_context("fork")
+    for first in range(0, count, BATCH):
+        mine, its = context.Pipe(duplex=False)
+        process = context.Process(
+            target=batch, args=(kind, seed * 1_000_000 + first, min(BATCH, count - first), folder, its)
+        )
+        process.start()
+        its.close()
+        case = ""
+        while True:
+            try:
+                told = mine.recv()
+            except EOFError:
+                process.join()
+                wrong.append(f"{case}: the process ended with {process.exitcode}")
+                break
+            if told == "over":
+                process.join()
+                break
+            if told[0] == "begun":
+                case = told[1]
+                continue
+            case, how, content, took, memory = told
+            longest, most = max(longest, took), max(most, memory)
+            if how.startswith(f"run: {UNDEFINED}"):
+                undefined.update(how.removeprefix(f"run: {UNDEFINED}").split(", "))
+                how = "run: results"
+            fine = how.removeprefix("run: ") in ("results", "refused")
+            ways[how if fine else "wrong"] += 1
+            if memory > MOST_MEMORY and kind == "texts":
+                fine, how = False, f"{memory / 1e6:.0f} MB; {how}"
+            if not fine:
+                wrong.append(f"{case}: {how}")
+                print(wrong[-1][:600], flush=True)
+                if keep:
+                    (keep / f"{case.replace(' ', '_')}.txt").write_text(content, encoding="utf8", errors="replace")
+    return ways, wrong, undefined, longest, most
+
+
+def main() -> None:
+    """Garble, read, run, and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name, usual in (("texts", 20_000), ("evaluated", 1000), ("lines", 2000), ("seed", 1)):
+        parser.add_argument(f"--{name}", type=int, default=usual)
+    parser.add_argument("--keep", type=Path, help="Folder for the texts that went wrong.")
+    asked = parser.parse_args()
+    if asked.keep:
+        asked.keep.mkdir(parents=True, exist_ok=True)
+    begun, rows, faults, undefined = time.monotonic(), [], [], set()
+    with tempfile.TemporaryDirectory(prefix="mutations-") as scratch:
+        folder = Path(scratch) / "texts"
+        for part in ("studies", "templates"):
+            shutil.copytree(STOCK / part, folder / part, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+        os.environ["XDG_CACHE_HOME"] = str(Path(scratch) / "cache")
+        for kind in ("texts", "lines", "evaluated"):
+            count = getattr(asked, kind)
+            ways, wrong, none, longest, most = campaign(kind, count, asked.seed, folder, asked.keep)
+            undefined |= none
+            told = ", ".join(f"{count} {way}" for way, count in ways.most_common())
+            rows.append(
+                f"| {NAMES[kind]} | {getattr(asked, kind)} | {told} | {longest:.1f} | {most / 1e6:.0f} | {len(wrong)} |"
+            )
+            faults += wrong
+            print(rows[-1], flush=True)
+    (HERE / "mutations.md").write_text(
+        table(asked, rows, faults, undefined, (time.monotonic() - begun) / 60), encoding="utf8"
+    )
+
+
+NAMES = {
+    "texts": "texts read, functions printed",
+    "lines": "command lines",
+    "evaluated": "texts read, and run where read",
+}
+
+
+def table(asked: argparse.Namespace, rows: list[str], faults: list[str], undefined: set[str], minutes: float) -> str:
+    """The table, and what went wrong."""
+    told = [f"- {' '.join(text.split())[:300]}" for text in faults]
+    counts = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "evaluated", "lines", "seed"))
+    return "\n".join(
+        [
+            "# Texts and command lines garbled at random",
+            "",
+            f"`python results/reliability/mutations.py {counts}`; {minutes:.0f} minutes on {os.cpu_count()} cores,",
+            f"{platform.system()} {platform.machine()}, Python {platform.python_version()}.",
+            "",
+            f"Wrong is a traceback, a crash, more than {READ_WITHIN:g} s of processor time or {MOST_MEMORY / 1e9:g} GB",
+            f"to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a",
+            "word, a message of more than 3000 characters, and code in a text that is carried out.",
+            "",
+            "| what | times | what came of it | longest, s of processor | memory, MB | wrong |",
+            "|---|---|---|---|---|---|",
+            *rows,
+            "",
+            "Undefined in variants that are ok, as what never happens has no time:",
+            f"{', '.join(sorted(undefined)) or 'nothing'}.",
+            *(["", "What went wrong:", "", *told] if told else []),
+            "",
+        ]
+    )
+
+
+if __name__ == "__main__":
+    main()

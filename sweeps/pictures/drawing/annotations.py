@@ -1,0 +1,130 @@
+"""What a drawing shows on demand: centres of mass, forces and moments as they act at the moment, names of links."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from engine import FRAME, Machine, acting_fields, centre_along, did_you_mean
+from sweeps.pictures.drawing.motion import POSITIONS, DrawnMotion
+from sweeps.pictures.drawing.names import outline_points
+from sweeps.pictures.drawing.symbols import TIP, Primitive, arrow, polygon
+from sweeps.pictures.picture_error import PictureError
+from sweeps.text.engineer_units import quantity_text
+
+ANNOTATIONS = ("masses", "forces", "links")
+# Lengths of arrows in radii of a hinge: of the greatest force, and of the least that is still seen.
+LONGEST, SHORTEST = 16.0, 4.0
+# Radius of the arc that stands for a moment, and the angle it spans [rad].
+ARC, SPAN = 5.0, 4.0
+# Forces and moments below this share of the greatest are none, but for rounding.
+NOTHING = 1e-9
+
+
+def annotations(
+    m: DrawnMotion, k: int, kinds: Sequence[str], drawn: Sequence[Primitive]
+) -> tuple[list[Primitive], list[Primitive]]:
+    """What is shown on demand at a node: figures, and the marks beside which names belong.
+
+    Parameters
+    ----------
+    m : DrawnMotion
+    k : int
+    kinds : sequence of str
+        Some of `ANNOTATIONS`.
+    drawn : sequence of Primitive
+        The mechanism, from which arrows keep away.
+
+    Raises
+    ------
+    PictureError
+        One of the kinds is unknown, or the forces can't be computed.
+    """
+    for kind in kinds:
+        if kind not in ANNOTATIONS:
+            raise PictureError(f"{kind!r} can't be shown; {did_you_mean(kind, (*ANNOTATIONS, 'scale'))}")
+    figures, marks, outlines = [], [], outline_points(drawn, 0.3 * m.radius)
+    for kind, found in (("masses", _masses), ("forces", _forces), ("links", _links)):
+        if kind in kinds:
+            shown, marked = found(m, k, outlines)
+            figures += shown
+            marks += marked
+    return figures, marks
+
+
+def _masses(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
+    """Centres of mass, each a disc with two quarters filled, by the names of their bodies."""
+    figures, marks = [], []
+    for name, body in m.scene.bodies.items():
+        if body.link in m.scene.shafts and m.scene.shafts[body.link].pivot is None:
+            continue
+        origin, u = (values[k] for values in m.axes(body.link))
+        arm = centre_along(m.scene, name, m.numbers) + 1j * m.numbers[f"bodies.{name}.y"]
+        at, r = complex(origin + arm * u), 0.9 * m.radius
+        figures.append(Primitive("masses", "circle", (at,), r, "paper"))
+        for turn in (0.0, math.pi):
+            rim = at + r * np.exp(1j * (turn + np.linspace(0, math.pi / 2, 12)))
+            figures.append(polygon(at, *rim, fill="solid", layer="masses"))
+        marks.append(_mark("masses", at, r, name))
+    return figures, marks
+
+
+def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
+    """Forces and moments of the scene as they act on its links, with their magnitudes; what is zero is left out."""
+    fields = [quantity.name for quantity in acting_fields(m.scene)]
+    if not fields:
+        return [], []
+    machine = Machine(m.scene, fields=fields, varied=m.values, positions=POSITIONS)
+    rows = machine.evaluate({path: np.array([value]) for path, value in m.values.items()}).fields
+    now = {name: float(row[0][k]) for name, row in rows.items()}
+    if not np.isfinite(list(now.values())).all():
+        raise PictureError("the forces at this position are not defined; ask for another position")
+    places = {name: m.points[force.on][k] for name, force in m.scene.forces.items()}
+    places |= {name: m.points[spring.between[1]][k] for name, spring in m.scene.springs.items()}
+    places |= {name: m.axes(cylinder.piston)[0][k] for name, cylinder in m.scene.cylinders.items()}
+    forces = {name: complex(now[f"{name}.force_x"], now[f"{name}.force_y"]) for name in places}
+    greatest = max((abs(force) for force in forces.values()), default=0.0)
+    figures, marks = [], []
+    for name, force in forces.items():
+        if abs(force) <= NOTHING * greatest:
+            continue
+        u, at = force / abs(force), complex(places[name])
+        length = m.radius * max(LONGEST * abs(force) / greatest, SHORTEST)
+        # A pull begins at its point, a push ends there: whichever runs less over the mechanism.
+        pull, push = (_crossed(outlines, at, way * length * u, m.radius) for way in (1, -1))
+        tail, free = (at, at + length * u) if pull <= push else (at - length * u, at - length * u)
+        figures += arrow([tail, tail + (length - TIP * m.radius) * u], m.radius, "forces")
+        marks.append(_mark("forces", free, 0.3 * m.radius, f"{name} = {quantity_text(abs(force), 'N')}"))
+    for name, moment in m.scene.moments.items():
+        value = now.get(f"{name}.acting_moment", 0.0)
+        if value == 0.0 or moment.on == FRAME:
+            continue
+        if moment.on in m.scene.shafts and m.scene.shafts[moment.on].pivot is None:
+            continue
+        at, r = complex(m.axes(moment.on)[0][k]), ARC * m.radius
+        sense = math.copysign(1.0, value)
+        figures += arrow(at + r * np.exp(1j * sense * np.linspace(0.4, SPAN, 32)), m.radius, "forces")
+        words = f"{name} = {quantity_text(abs(value), 'N m')}"
+        marks.append(_mark("forces", at + 1j * sense * r, 0.3 * m.radius, words))
+    return figures, marks
+
+
+def _links(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
+    """Names of the moving links, in the middle of their joints."""
+    marks = []
+    for link in m.links[:-1]:
+        joints = [complex(m.points[name][k]) for name in m.members(link)]
+        joints = joints or [complex(m.axes(link)[0][k])]
+        marks.append(_mark("links", sum(joints) / len(joints), 0.5 * m.radius, link))
+    return [], marks
+
+
+def _mark(layer: str, at: complex, size: float, text: str) -> Primitive:
+    """A place beside which a text belongs."""
+    return Primitive(layer, "circle", (complex(at),), size, "none", text)
+
+
+def _crossed(outlines: np.ndarray, at: complex, along: complex, near: float) -> int:
+    """How many of the outlines' points lie near an arrow, but for its end at the point of its force."""
+    gap = (outlines - at) / along
+    return int(((gap.real > 0.2) & (gap.real < 1.1) & (np.abs(gap.imag * along) < near)).sum())

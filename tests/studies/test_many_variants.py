@@ -1,0 +1,70 @@
+"""Results of many variants: worked out piece by piece as at once, drawn by variants chosen evenly."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from engine import Verdict
+from sweeps.pictures import picture_files
+from sweeps.pictures.sweep.sweep_data import evenly_chosen
+from sweeps.report import sweep_result
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import run_study
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return run_study(read_study(bundled_studies()["screw_jack"]), tmp_path_factory.mktemp("many") / "jack.h5")
+
+
+@pytest.fixture
+def in_pieces(path, monkeypatch):
+    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 7)
+    return SweepResult(path)
+
+
+def test_choosing_piece_by_piece__is_that_of_all_at_once(path, in_pieces):
+    whole = SweepResult(path)
+    columns, ok = whole.columns, whole.columns["status"] == Verdict.OK
+    assert whole.description.variants > 3 * 7
+    where, name = whole.goal.where, whole.goal.goal
+    met = whole.meeting(where)
+    assert 0 < met.sum() < ok.sum()
+    assert in_pieces.meeting(where).tolist() == met.tolist()
+    for descending, sign in ((False, 1.0), (True, -1.0)):
+        chosen = np.flatnonzero(met)
+        expected = chosen[np.argsort(sign * columns[name][chosen], kind="stable")]
+        for most in (None, 1, 5, 10_000):
+            assert in_pieces.select(where, name, descending, most).tolist() == expected[:most].tolist()
+    assert in_pieces.best() == np.flatnonzero(met)[np.argmin(whole.goal.sign * columns[name][met])]
+    assert in_pieces.rivals(in_pieces.best()) == whole.rivals(whole.best())
+    assert in_pieces.undecided(where) == whole.undecided(where)
+
+
+def test_picture_of_many__holds_the_best_among_variants_chosen_evenly(path, monkeypatch):
+    result = SweepResult(path)
+    best, goal = result.best(), result.goal.goal
+    monkeypatch.setattr(picture_files, "MOST_DRAWN", result.description.variants // 3)
+    data, marked = picture_files.sweep_data(result, (), best)
+    assert data.chosen_of == result.description.variants > data.status.size
+    assert data.arrays[goal][marked] == result.columns[goal][best]
+    assert data.grid_parameters() == picture_files.sweep_data(result, ())[0].grid_parameters()
+
+
+@given(st.lists(st.integers(1, 40), min_size=1, max_size=4), st.integers(1, 5000), st.data())
+def test_evenly_chosen__keeps_the_grid_its_ends_and_the_best(shape, most, data):
+    count = int(np.prod(shape))
+    best = data.draw(st.none() | st.integers(0, count - 1))
+    smaller, variants = evenly_chosen(shape, best, most)
+    assert np.prod(smaller) == variants.size
+    assert (np.diff(variants) > 0).all()
+    assert variants[0] == 0
+    assert variants[-1] == count - 1
+    assert best is None or best in variants
+    # An axis has no fewer than its two ends, and one place more for the best.
+    assert variants.size <= max(most, 2 ** len(shape)) * 1.5 ** len(shape)
+    for along, places in zip(np.unravel_index(variants, shape), smaller, strict=True):
+        assert len(set(along.tolist())) == places
