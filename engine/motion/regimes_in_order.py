@@ -1,8 +1,8 @@
 """A schedule: the regimes of a scene one after another, for many variants, with an error figure on every number.
 
-Everything is computed twice. A run goes with steps as it needs them, for the second time with some that may miss 64
-times as much. A steady motion goes with steps as it needs them, for the second time each changed by its estimated
-error. A closed form has no steps: for the second time its moments are changed in their last digits. The error figure is
+Everything is computed twice. A run and a steady motion go with steps as they need them, for the second time each
+changed by its estimated error; steps of a run in time, or with a steep motor, may miss 64 times as much for the second
+time. A closed form has no steps: for the second time its moments are changed in their last digits. The error figure is
 the change, and the rounding of the energies.
 """
 

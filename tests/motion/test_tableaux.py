@@ -1,5 +1,6 @@
 """Runge–Kutta methods as data: all conditions of their orders, by rooted trees."""
 
+import math
 from collections.abc import Iterator
 from functools import cache
 from itertools import combinations_with_replacement
@@ -86,6 +87,53 @@ def test_embedded_formulas__have_their_orders_and_no_more(row: int, order: int):
     weights = DORMAND_PRINCE.weights - ERRORS[row]
     assert missed(DORMAND_PRINCE.matrix, weights, order) < ROUNDED
     assert missed(DORMAND_PRINCE.matrix, weights, order + 1) > 1e-6
+
+
+def estimated(weights: list[np.ndarray], slopes: np.ndarray, length: float) -> float:
+    """As of DOP853, with the root of the squares of all formulas of order five."""
+    fine = length * np.hypot(*(w @ slopes for w in weights)) if len(weights) > 1 else length * (weights[0] @ slopes)
+    coarse = length * (ORDER_EIGHT.less_coarse @ slopes)
+    return fine**2 / np.sqrt(fine**2 + 0.01 * coarse**2)
+
+
+def test_formula_besides__is_of_order_five_and_independent_of_the_first():
+    (besides,) = ORDER_EIGHT.besides
+    assert missed(DORMAND_PRINCE.matrix, DORMAND_PRINCE.weights - besides, 5) < ROUNDED
+    of_six = np.array([elementary(DORMAND_PRINCE.matrix, tree) / symmetry(tree) for tree in trees(6)])
+    first, second = of_six @ ORDER_EIGHT.less_fine, of_six @ besides
+    assert np.isclose(first @ first, second @ second, rtol=1e-9)
+    assert abs(first @ second) < 1e-9 * (first @ first)
+
+
+def symmetry(tree: Tree) -> int:
+    """σ: in how many ways its branches can be exchanged."""
+    found = 1
+    for branch in set(tree):
+        count = tree.count(branch)
+        found *= math.factorial(count) * symmetry(branch) ** count
+    return found
+
+
+def test_estimated_error__hardly_vanishes_at_any_length_of_a_step():
+    # y' = y cos t, y = exp sin t: at some lengths one formula of order five happens to give what that of order eight
+    # does, and alone would estimate that nothing is missed.
+    alone, both = [], []
+    for begin in np.linspace(0.0, 6.0, 25):
+        for length in np.geomspace(0.4, 1.5, 400):
+            slopes, value = np.zeros(ORDER_EIGHT.stages), np.exp(np.sin(begin))
+            for s in range(ORDER_EIGHT.stages):
+                at = value + length * (DORMAND_PRINCE.matrix[s] @ slopes)
+                slopes[s] = at * np.cos(begin + length * NODES[s])
+            error = abs(value + length * (DORMAND_PRINCE.weights @ slopes) - np.exp(np.sin(begin + length)))
+            # What rounds says nothing.
+            if error > 1e-13:
+                formulas = [ORDER_EIGHT.less_fine, *ORDER_EIGHT.besides]
+                alone.append(estimated(formulas[:1], slopes, length) / error)
+                both.append(estimated(formulas, slopes, length) / error)
+    # Once in a thousand steps the estimate of one falls short ten thousand times, that of both a hundred times.
+    assert np.quantile(alone, 0.001) < 1e-4
+    assert min(both) > 3e-3
+    assert np.quantile(both, 0.001) > 1e-2
 
 
 @pytest.mark.parametrize("theta", [0.1, 0.37, 0.5, 0.9, 1.0])

@@ -10,7 +10,7 @@ from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
-from engine.motion.runs.run_progress import Progress
+from engine.motion.runs.run_progress import COARSER, Progress
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.motion.steppers.classical import ORDER_FOUR
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
@@ -24,6 +24,8 @@ from engine.verdicts import Verdict
 
 # For motors that aren't steep, and those that are.
 METHODS = (ORDER_EIGHT, ORDER_NINE)
+# Places of a step between which extremes are searched, for comparison: some of those that a method names.
+FEWER = [0, 2, 5]
 # What a single step may miss: anything.
 WHATEVER = 1e30
 
@@ -126,6 +128,12 @@ def _carried(
     """Go from a state; with the stretch comes what is recorded at the asked angles (3, nodes, variants)."""
     dynamics, part = runs.dynamics, runs.variants.some(who)
     count, cycle, begin = who.size, dynamics.cycle, _place(runs, who, state)
+    doubtful = runs.half and not (method.implicit or runs.classical)
+    if doubtful:
+        method = method._replace(looked_at=method.looked_at[FEWER])
+    elif runs.half and method.implicit:
+        # A steep motor answers to every change of the energy with one that it has to be followed through.
+        tolerance *= COARSER
     form = form_of(dynamics, len(part.drive.kloss))
     source, tabulation = source_of(dynamics, form), dynamics.reduction.tabulation
     energy = 0.5 * dynamics.rows(part, begin[None]).inertia[0] * state.omega**2
@@ -145,7 +153,7 @@ def _carried(
     def arguments() -> tuple:
         room = new_going_room(form, part.parameters.shape[0], edges.shape[0], source.target.size, method)
         fill, laws = tabulation.function("curves_at"), dynamics.channel_of_laws
-        return fill, source, method, form, laws, cycle, *given, record, found, runs.extremes, room
+        return fill, source, method, form, laws, cycle, doubtful, *given, record, found, runs.extremes, room
 
     if not go_on_to_end.overloads:
         kinds = (numba.typeof(x) for x in arguments()[1:])

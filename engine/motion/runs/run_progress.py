@@ -12,6 +12,8 @@ from engine.motion.steppers.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
 TOLERANCE, FARTHEST_STEP = 1e-10, 0.25 * np.pi
+# For comparison, steps of nearly twice the length.
+COARSER = 2.0**6
 
 
 class Ends(NamedTuple):
@@ -96,7 +98,8 @@ class Progress:
     steps : int
         In how many places of a cycle it is looked at.
     half : bool
-        Whether steps may miss more, for comparison.
+        Whether it is for comparison: steps in time may miss more, and those of a steep motor; steps of one length are
+        twice as long; others are changed by what they are estimated to miss.
     observers : sequence of Observer
         What looks at the runs.
     stepping : Stepping
@@ -111,8 +114,10 @@ class Progress:
         Whether the run is over.
     pace : ndarray
         Length of the next step in time [s]; infinite where nothing is known yet.
-    tolerance, farthest_step : float
-        What a step may miss, as a share; how far it may turn, of `reach`.
+    tolerance, time_tolerance : float
+        What a step in angle and one in time may miss, as a share.
+    farthest_step, farthest_in_time : float
+        How far they may turn, of `reach`.
     reach : ndarray
         What counts as a radian: one, or where the input doesn't turn fully its range by 2π.
     spacing : ndarray
@@ -158,10 +163,13 @@ class Progress:
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.pace = np.full(count, np.inf)
-        # For comparison, steps of nearly twice the length.
-        self.tolerance = stepping.tolerance * (2.0**6 if half else 1.0)
-        self.farthest_step = stepping.farthest * (2.0 if half else 1.0)
         self.classical, self.extremes = stepping.classical, stepping.extremes
+        longer = 2.0 if half else 1.0
+        self.tolerance = stepping.tolerance
+        self.time_tolerance = stepping.tolerance * (COARSER if half else 1.0)
+        # Steps of one length are compared with longer ones.
+        self.farthest_step = stepping.farthest * (longer if stepping.classical else 1.0)
+        self.farthest_in_time = stepping.farthest * longer
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)

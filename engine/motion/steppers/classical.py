@@ -36,6 +36,7 @@ ORDER_FOUR = Method(
     place_of=np.array([0, 1, 2, 3, 3]),
     # It has no other to be compared with: what it misses is told by steps of twice the length.
     less_fine=np.zeros(4),
+    besides=np.zeros((0, 4)),
     less_coarse=np.zeros(4),
     parts=_parts(),
     looked_at=np.array([0, 1, 3]),

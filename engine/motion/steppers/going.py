@@ -19,6 +19,8 @@ from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, S
 from engine.motion.steppers.energy_form import TIME as TIME_OVER
 from engine.motion.steppers.mesh import (
     E_AFTER,
+    ERROR,
+    ERROR_T,
     FROM,
     HIGH,
     LENGTH,
@@ -47,6 +49,7 @@ from engine.motion.steppers.one_step import (
     SQUARE,
     STAGE_ROWS,
     add_weighted,
+    estimate,
     make_polynomial,
     make_stages,
 )
@@ -54,6 +57,8 @@ from engine.motion.steppers.places import INVERSE, Form, Source, fill_place
 from engine.motion.steppers.settling import (
     FASTEST,
     MOTOR,
+    OF_E,
+    OF_TIME,
     SLOWEST,
     SQUARES,
     STATE,
@@ -82,6 +87,8 @@ TIMES_PER_RADIAN = 4.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # Few variants take as many lanes as a multiple of what a processor computes at once.
 VECTOR = 8
+# Share of the greatest error by the angle that is kept from step to step.
+FADING = 0.9
 # Steps of a cycle after which an explicit method is given up, and a step that is taken whatever it misses [rad].
 MOST_EXPLICIT, SHORTEST = 400.0, 1e-9
 # Steps that are told to be short aren't so many for the motor's sake: all together would turn so far [rad].
@@ -166,6 +173,36 @@ def fill_few(
         for row in range(width):
             for v in range(own):
                 places[width * s + row, v] = packed[row, s * own + v]
+
+
+@routine
+def lose_of_energy(wide: int, steps: Memory, state: Memory) -> None:
+    """Change energy and time after a step by their estimated errors, to the side of a machine that turns faster.
+
+    What follows in the run grows or fades as the motion does; for all go to one side, nothing makes up for another.
+    The greatest of the steps just before, fading, is the least: an estimate may happen to be small.
+    """
+    for lane in range(wide):
+        length = steps[LENGTH, lane]
+        for greatest, of in ((OF_E, ERROR), (OF_TIME, ERROR_T)):
+            error = abs(state[of, lane])
+            # Steps that aren't taken say nothing.
+            known = (state[OTHER, lane] <= 1.0) & (length > 0.0)
+            rate = larger(error / length, FADING * state[greatest, lane])
+            state[greatest, lane] = rate if known else state[greatest, lane]
+        state[E_AFTER, lane] += larger(abs(state[ERROR, lane]), state[OF_E, lane] * length)
+        state[T_AFTER, lane] -= larger(abs(state[ERROR_T, lane]), state[OF_TIME, lane] * length)
+
+
+@routine
+def lose(wide: int, method: Method, step: Memory, row: int, state: Memory, stages: Memory, total: Memory) -> None:
+    """Take the estimated error of an integral over a step from its total.
+
+    To the same side as the energy: the faster a machine turns, the less motors give, and the more loads take.
+    """
+    estimate(wide, method, step, stages, row, state[OTHER], state[ERROR])
+    for lane in range(wide):
+        total[lane] -= abs(state[ERROR, lane])
 
 
 @routine
@@ -267,6 +304,7 @@ def go_on_to_end(
     form: Form,
     channel_of: np.ndarray,
     cycle: float,
+    doubtful: bool,
     parameters: np.ndarray,
     drives: np.ndarray,
     every_exponent: np.ndarray,
@@ -283,7 +321,7 @@ def go_on_to_end(
 
     `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + channels, variants) receives what is
     found, with least and greatest speed where `extremes` are wanted; `record` (3, nodes, variants) as of `settle`, at
-    `asked` angles turned in the first cycle.
+    `asked` angles turned in the first cycle. Where it is `doubtful`, every step is changed by its estimated error.
     """
     drive, exponents = in_lanes(room.drive), in_lanes(room.exponents)
     edges, sides, given = in_lanes(room.edges), in_lanes(room.sides), in_lanes(room.given)
@@ -353,6 +391,8 @@ def go_on_to_end(
             judge_step(wide, method, cycle, state, steps, 0, stages)
             add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
+            if doubtful:
+                lose_of_energy(wide, steps, state)
             decide(wide, method.implicit, places, row, steps, state, stages)
             for s in range(method.stages):
                 for lane in range(wide):
@@ -364,13 +404,22 @@ def go_on_to_end(
                     stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
             add_weighted(wide, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
+            if doubtful:
+                lose(wide, method, step, ROW_OF[FROM_MOTORS], state, stages, state[MOTOR])
+                lose(wide, method, step, ROW_OF[SQUARE], state, stages, state[SQUARES])
             if form.channels > 1:
                 for channel in range(form.channels):
                     for lane in range(wide):
                         works[3 * form.channels + channel, lane] = works[channel, lane]
-                add_cycle_works(wide, 1.0, method, form, channel_of, exponents, places, 0, step, state, stages, works)
+                own_doubt = 0.0 if doubtful else 1.0
+                add_cycle_works(
+                    wide, own_doubt, method, form, channel_of, exponents, places, 0, step, state, stages, works
+                )
                 for channel in range(form.channels):
                     for lane in range(wide):
+                        # Where there is none, the estimated error of the step.
+                        works[channel, lane] -= works[2 * form.channels + channel, lane]
+                        works[2 * form.channels + channel, lane] = 0.0
                         before = works[3 * form.channels + channel, lane]
                         works[channel, lane] = works[channel, lane] if step[lane] > 0.0 else before
             if within:

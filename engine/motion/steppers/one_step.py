@@ -190,13 +190,23 @@ def add_weighted(wide: int, weights: np.ndarray, step: Memory, stages: Memory, r
 
 @routine
 def estimate(wide: int, method: Method, step: Memory, stages: Memory, row: int, other: Memory, error: Memory) -> None:
-    """Estimated error of such an integral, with its sign, from two formulas of lower orders.
+    """Estimated error of such an integral, with its sign, from formulas of lower orders.
 
-    `other` is a row to work in. Source: as of DOP853.
+    `other` is a row to work in. Source: as of DOP853. The finer one is the root of the squares of all that vanish up to
+    its order: one alone happens to be zero at some lengths of a step, at which nothing of what is missed would be seen.
     """
     for lane in range(wide):
-        error[lane], other[lane] = 0.0, 0.0
+        error[lane] = 0.0
     add_weighted(wide, method.less_fine, step, stages, row, error)
+    for formula in range(method.besides.shape[0]):
+        for lane in range(wide):
+            other[lane] = 0.0
+        add_weighted(wide, method.besides[formula], step, stages, row, other)
+        for lane in range(wide):
+            first, also = error[lane], other[lane]
+            error[lane] = math.copysign(math.sqrt(first * first + also * also), first)
+    for lane in range(wide):
+        other[lane] = 0.0
     add_weighted(wide, method.less_coarse, step, stages, row, other)
     for lane in range(wide):
         fine, coarse = error[lane], other[lane]

@@ -64,6 +64,8 @@ ORDER_NINE = Method(
     shares=np.array([*NODES, 0.0]),
     place_of=np.arange(NODES.size),
     less_fine=RADAU.weights - _quadrature(FEWER),
+    # Through five nodes there is no other one.
+    besides=np.zeros((0, NODES.size)),
     less_coarse=RADAU.weights - _quadrature(FEWEST),
     parts=_parts(),
     looked_at=np.array([5, 0, 1, 2, 3, 4]),

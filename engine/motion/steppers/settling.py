@@ -91,12 +91,15 @@ EXTREME, IN_STEP, AT, BEND, UNSURE = range(5)
 OF_E, OF_TIME, OF_MOTOR, OF_SQUARES, OF_LOG = range(MESH_STATE + 28, MESH_STATE + 33)
 # Sums of the estimated errors, of all but the energy; the error of the step under way.
 TIME_ERROR, MOTOR_ERROR, SQUARES_ERROR, LOG_ERROR, LOST = range(MESH_STATE + 33, MESH_STATE + 38)
-STATE = MESH_STATE + 38
+# Sum of the errors of the energy that is left at the end of a cycle, as a share of it.
+DRIFT = MESH_STATE + 38
+STATE = MESH_STATE + 39
 
 # Rows of what is found: verdict, energy at the begin, ln of the multiplier, residual, time, work of the motors, their
-# moment squared over time, least and greatest speed, worst error of a step by what is allowed, energy at the end, and
-# the highest energy that was thought of; then works of channels.
-FOUND = 12
+# moment squared over time, least and greatest speed, worst error of a step by what is allowed, energy at the end, the
+# highest energy that was thought of, and by how much more the fluctuation of the speed changes than its extremes do;
+# then works of channels.
+FOUND = 13
 
 MOST_ROUNDS, MOST_RAISES, BISECTIONS = 30, 60, 30
 CLOSED = 1e-12
@@ -119,6 +122,9 @@ STEEP = 200.0
 NEAR_TOP = 0.1
 # Share of what the step to an extreme puts right that may be left to be put right.
 LEFT_OVER = 0.01
+# Share of the estimated errors of a cycle, as far as they don't fade, that the energy may drift between the extremes of
+# the speed. Estimates are those of a formula of a lower order, some hundred times what a step misses.
+OF_DRIFT = 0.1
 
 
 MOST_PLACES = max(method.shares.size for method in (ORDER_EIGHT, ORDER_NINE))
@@ -436,7 +442,15 @@ def add_with_error(
 
 @routine
 def spread_errors(
-    wide: int, made: int, cycle: float, form: Form, state: Memory, steps: Memory, missed: Memory, works: Memory
+    wide: int,
+    made: int,
+    cycle: float,
+    form: Form,
+    state: Memory,
+    steps: Memory,
+    nodes: Memory,
+    missed: Memory,
+    works: Memory,
 ) -> None:
     """Take a share of the greatest error besides: an estimate may happen to be small.
 
@@ -447,8 +461,12 @@ def spread_errors(
         for k in range(made):
             longest = larger(steps[STEP_ROWS * k + LENGTH, lane], longest)
         rate = OF_GREATEST / longest
+        state[DRIFT, lane] = 0.0
         for k in range(made):
             missed[k, lane] += rate * state[OF_E, lane] * steps[STEP_ROWS * k + LENGTH, lane]
+            # A disturbance fades along the cycle by e^∮∂M/∂E dφ, taken as spread evenly.
+            fades = math.exp(smaller(state[LOG, lane], 0.0) * steps[STEP_ROWS * k + LENGTH, lane] / cycle)
+            state[DRIFT, lane] = fades * state[DRIFT, lane] + missed[k, lane] / nodes[k, lane]
         state[TIME_ERROR, lane] += rate * cycle * state[OF_TIME, lane]
         state[MOTOR_ERROR, lane] += rate * cycle * state[OF_MOTOR, lane]
         state[SQUARES_ERROR, lane] += rate * cycle * state[OF_SQUARES, lane]
@@ -723,14 +741,27 @@ def go_to_extreme(
         # A part of what the step to it put right.
         left = LEFT_OVER * abs(speed - state[which + EXTREME, lane])
         state[which + UNSURE, lane] = left if doubt == 0.0 else state[which + UNSURE, lane]
-        away = state[which + UNSURE, lane] * (1.0 if which == FASTEST else -1.0)
-        state[which + EXTREME, lane] = speed + doubt * away
+        # To the same side as the energies, lest one makes up for the other.
+        state[which + EXTREME, lane] = speed + doubt * state[which + UNSURE, lane]
 
 
 @inlined
 def add_own_error(found: np.ndarray, row: int, v: int, error: float) -> None:
     """Move what was found with errors away from what was found without, by the error of the integral itself."""
     found[1, row, v] += math.copysign(error, found[1, row, v] - found[0, row, v])
+
+
+@inlined
+def change_of_fluctuation(found: np.ndarray, v: int, drift: float, unsure: float) -> float:
+    """By how much δ is to change besides its extremes, to the same side; `unsure` are both of them [rad/s].
+
+    Where every step misses to the same side, both extremes move along together, and δ says nothing of it. But from the
+    one to the other the energy may err by what the steps between miss, ΔE, and with ω² = 2E/I the speed by
+    Δω/ω = ΔE/(2E).
+    """
+    before = (found[0, 8, v] - found[0, 7, v]) / (found[0, 8, v] + found[0, 7, v])
+    after = (found[1, 8, v] - found[1, 7, v]) / (found[1, 8, v] + found[1, 7, v])
+    return math.copysign(0.5 * OF_DRIFT * drift + 2.0 * unsure / (found[0, 8, v] + found[0, 7, v]), after - before)
 
 
 @driver
@@ -909,9 +940,11 @@ def settle(
                 found[again, 8, v], found[again, 9, v] = state[FASTEST, lane], state[WORST, lane]
             hand_out(form.channels, works, first, FOUND, found[again])
             if again == 0:
-                spread_errors(LANES, made, cycle, form, state, steps, missed, works)
+                spread_errors(LANES, made, cycle, form, state, steps, nodes, missed, works)
         for lane in range(own):
             v = first + lane
+            unsure = state[SLOWEST + UNSURE, lane] + state[FASTEST + UNSURE, lane]
+            found[0, 12, v], found[1, 12, v] = 0.0, change_of_fluctuation(found, v, state[DRIFT, lane], unsure)
             add_own_error(found, 2, v, state[LOG_ERROR, lane])
             add_own_error(found, 4, v, state[TIME_ERROR, lane])
             add_own_error(found, 5, v, state[MOTOR_ERROR, lane])

@@ -49,6 +49,8 @@ class Method(NamedTuple):
         The place of each stage.
     less_fine, less_coarse : ndarray (stages,)
         What its formula gives more than two of lower orders.
+    besides : ndarray (formulas, stages)
+        Others that vanish up to the same order as `less_fine`, and are independent of it.
     parts : ndarray (DENSE_PARTS, dense stages)
         Weights of the parts of the polynomial p within the step,
         p(θ) = p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + p₃θ²(1−θ)² + …
@@ -66,6 +68,7 @@ class Method(NamedTuple):
     place_of: np.ndarray
     less_fine: np.ndarray
     less_coarse: np.ndarray
+    besides: np.ndarray
     parts: np.ndarray
     looked_at: np.ndarray
 
