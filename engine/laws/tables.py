@@ -207,6 +207,16 @@ def periods_before(start: float, period: float, x: float) -> float:
 
 
 @scalar
+def cycles_before(cycle: float, q: float) -> float:
+    """Length of the whole cycles before a place; the end of a cycle still belongs to it.
+
+    So a number that is counted anew in each cycle has gone all the way where the cycle ends.
+    """
+    whole = math.floor(q / cycle)
+    return cycle * (whole - 1.0) if whole > 0.0 and cycle * whole == q else cycle * whole
+
+
+@scalar
 def entry(memory: np.ndarray, index: float) -> float:
     """A number in the memory."""
     return memory[int(index)]

@@ -230,10 +230,12 @@ class Schedule:
         for name, regime in reversed(self.regimes.items()):
             if name in wanted or pending:
                 needed.append(name)
-                given = [getattr(regime, key, None) for key in (self.keys.from_speed, self.keys.from_place)]
-                own = given[0] is not None and (given[1] is not None or has_cycle(self.scene))
-                pending = isinstance(regime, RunRegime) and not own
+                pending = isinstance(regime, RunRegime) and not self._begins_anew(regime)
         return needed[::-1]
+
+    def _begins_anew(self, regime: RunRegime) -> bool:
+        """Whether a run says itself where and how fast it begins, its clock at zero, whatever went before."""
+        return None not in (getattr(regime, self.keys.from_speed), getattr(regime, self.keys.from_place))
 
     def answers(self, numbers: Numbers, count: int) -> RegimeAnswers:
         """Everything asked, of a number of variants.
@@ -395,6 +397,8 @@ class Schedule:
         def number(key: str, otherwise: float) -> np.ndarray:
             return self._number(name, key, variants, otherwise)
 
+        if self._begins_anew(regime):
+            standing = standing._replace(clock=zero)
         angle = number("from_angle", 0.0) if regime.from_angle is not None else standing.angle
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         sides = two.of(variants.some(ready), angle[ready])
@@ -480,6 +484,8 @@ class Schedule:
             return self._number(name, key, variants, otherwise)
 
         keys = self.keys
+        if self._begins_anew(regime):
+            standing = standing._replace(clock=np.zeros(count))
         omega = number(keys.from_speed, 0.0) if getattr(regime, keys.from_speed) is not None else standing.omega
         angle = number(keys.from_place, 0.0) if getattr(regime, keys.from_place) is not None else standing.angle
         ends = Ends(

@@ -90,9 +90,9 @@ class RunRegime(Part):
     input has a `velocity` for its speed, and begins by `from_velocity` and `from_position`, its displacement.
 
     With a clutch, `lock_up` = true: until it holds both sides together. `from_speed` and `from_angle` set the begin,
-    instead of where the regime before ended, `from_shaft_speed` that of a shaft behind a coupling, which otherwise
-    turns along with from_speed. A run that hasn't ended after `at_most` cycles is given up. `at` says where fields
-    of the run are kept.
+    instead of where the regime before ended, and both together set the clock of loads over time to zero;
+    `from_shaft_speed` sets that of a shaft behind a coupling, which otherwise turns along with from_speed. A run that
+    hasn't ended after `at_most` cycles is given up. `at` says where fields of the run are kept.
 
     Steps are as long as their errors allow; with `method` = "rk4" they are `steps_per_turn` equal ones a turn of the
     crank, by the classical method of Runge and Kutta of order four, but near rest. The error figure is then what steps

@@ -25,13 +25,14 @@ def report(file: str, out: Path | None) -> None:
     from sweeps.study.study import read_study
     from sweeps.text.input_files import InputError
 
+    text = None if is_result(file) else find_study(file)
     out = out or Path(file).with_suffix(".html")
     make_folder(out)
-    if is_result(file):
+    if text is None:
         with doing("Writing the page"):
             write_page(Path(file), out)
     else:
-        study = read_study(find_study(file))
+        study = read_study(text)
         if study.design.size > 1:
             mend = f"run it first, `sweeps run {file}`, then report its result, results/{study.name}.h5"
             raise InputError(file, [(None, "", f"is a study of {study.design.size} variants: {mend}")])

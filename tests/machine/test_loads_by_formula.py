@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from engine import Machine, Scene, Verdict
 from engine.scene.scene import SceneError, scene_numbers
@@ -212,6 +214,23 @@ def test_pieces_over_the_crank_angle__have_their_mean(periods):
     scene = slider_crank(moments={"pulse": moment(f"10 N m if sin({periods} * phi + 1) > 0.2 else 1 N m")})
     share = (math.pi - 2 * math.asin(0.2)) / (2 * math.pi)
     np.testing.assert_allclose(measured(scene, "pulse"), 1 + 9 * share, rtol=1e-13)
+
+
+WINDOWED = slider_crank(
+    moments={"pulse": moment("10 N m if phi > a and phi < b else 0", numbers={"a": "0.1 rad", "b": "0.2 rad"})}
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.tuples(st.floats(0.0, 6.28), st.floats(0.0, 6.28)).map(sorted))
+@example([0.2, 6.2831])
+@example([6.11, 6.15])
+@example([6.2, 6.2831853])
+def test_window_of_the_crank_angle__ends_where_it_says_up_to_the_end_of_the_turn(window):
+    given_by = {f"moments.pulse.numbers.{name}": np.array([end]) for name, end in zip("ab", window, strict=True)}
+    found = measured(WINDOWED, "pulse", given_by)[0]
+    # Each end is found to some roundings of a turn.
+    assert found == pytest.approx(10 * (window[1] - window[0]) / (2 * math.pi), abs=10 * 32 * EPS)
 
 
 def test_smooth_formula__has_mean_and_rms_in_closed_form():

@@ -15,7 +15,7 @@ import numpy as np
 from engine.graph.nodes import Node, Stage
 from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
 from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, sense, side
-from engine.laws.tables import periods_before
+from engine.laws.tables import cycles_before
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.actions.tables import time_per_input
@@ -396,7 +396,7 @@ class _Curves:
         if drive.start is not None:
             return Differentiated(graph.q, graph.one)
         graph.switches(graph.q, graph.one, 0.0, 0)
-        before = graph.apply(periods_before, 0.0, 2.0 * math.pi * drive.revolutions, graph.q)
+        before = graph.apply(cycles_before, 2.0 * math.pi * drive.revolutions, graph.q)
         return Differentiated(graph.q - graph.held(before), graph.one)
 
     def _link_angle(self, name: str) -> Differentiated:
