@@ -265,9 +265,10 @@ class Reactions:
         self._loads.push(self.scene.cams[name].on, self.kinematics.at_rest(at.contact), -force)
         pair, left = follower_pair(self.scene, name), self._loads.total(follower.link)
         if pair.kind == "revolute":
-            self._revolute(pair, -left.force)
+            self._revolute(pair, -left.force, {follower.link})
         else:
-            self._prismatic(pair, -left.force.dot(self.kinematics.links[follower.link].u.normal), -left.moment)
+            normal = -left.force.dot(self.kinematics.links[follower.link].u.normal)
+            self._prismatic(pair, normal, -left.moment, {follower.link})
 
     def _shaft(self, name: str) -> None:
         """Gears balance the moments on a shaft, load its driver by the ratio, and what carries both by the rest."""

@@ -138,8 +138,8 @@ def interrupted(after: int) -> str:
     words = []
     update = ProgressBar.update
 
-    def stop(self: ProgressBar, done: int, before: int) -> None:
-        update(self, done, before)
+    def stop(self: ProgressBar, done: int, *more: int) -> None:
+        update(self, done, *more)
         if done >= after:
             words.append(farewell())
             raise KeyboardInterrupt
