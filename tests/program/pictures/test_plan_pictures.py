@@ -23,6 +23,7 @@ from sweeps.pictures.plans import (
     MachineCycle,
     acceleration_plan,
     bearing_load,
+    bearing_pictures,
     force_plan,
     force_polygon,
     free_body,
@@ -195,6 +196,35 @@ def test_reaction_pictures__bearings_of_the_fields_alone(tmp_path):
     made = reaction_pictures(scene, tmp_path / "a.png", ["drive.inner.reaction", "ram.slide"])
     assert [path.name for path in made] == ["a_reactions.png", "a_bearing_drive_inner.png"]
     assert reaction_pictures(scene, tmp_path / "b.png", ["ram.slide"]) == []
+
+
+def test_bearing_pictures__those_named_once_each(tmp_path):
+    made = bearing_pictures(MACHINES["slider_crank"], tmp_path / "a.svg", ("drive.inner", "input", "drive.inner"))
+    assert [path.name for path in made] == ["a_bearing_drive_inner.svg", "a_bearing_input.svg"]
+    with pytest.raises(PictureError, match="nothing loads input"):
+        bearing_pictures(four_bar(), tmp_path / "b.svg", ["input"])
+
+
+def test_plan_pictures_of_many_bearings__those_that_bear_most(tmp_path, monkeypatch):
+    scene = MACHINES["slider_crank"]
+    monkeypatch.setattr("sweeps.pictures.plans.files.MOST_BEARINGS", 1)
+    drawn = [path.stem for path in plan_pictures(scene, tmp_path / "a.svg") if "bearing" in path.stem]
+    peaks = {pair: np.abs(bearing_load(MachineCycle(scene), pair).force).max() for pair in ("input", "drive.inner")}
+    peaks["drive.first"] = np.abs(bearing_load(MachineCycle(scene), "drive.first").force).max()
+    assert drawn == [f"a_bearing_{max(peaks, key=peaks.get).replace('.', '_')}"]
+
+
+def test_names_on_paper__are_lettered_as_the_formulas_they_stand_for():
+    ax = axes_on_paper()
+    paper = Paper(ax, [0j, 100 + 0j])
+    for at, text in ((10, r"$\mathrm{B3}$"), (40, "$A$"), (70, "$R_{12}$")):
+        paper.name(at + 0j, text)
+    paper.letter()
+    assert [(t.get_text(), t.get_fontstyle()) for t in ax.texts] == [
+        ("B3", "normal"),
+        ("A", "italic"),
+        ("$R_{12}$", "normal"),
+    ]
 
 
 def test_plot_with_plans__made_at_the_first_angle_asked(tmp_path, monkeypatch):
