@@ -126,7 +126,7 @@ from engine.scene.formulas.expressions import Tree as ExpressionTree
 from engine.scene.formulas.expressions import parse as parse_expression
 from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
-from engine.scene.names import did_you_mean, input_point, joint_owners
+from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of
 from engine.scene.pairs import pairs as pairs_of
@@ -293,6 +293,7 @@ __all__ = [
     "governor_curves",
     "group_links",
     "guide_edge_forces",
+    "guide_of",
     "has_cycle",
     "history",
     "history_fields",

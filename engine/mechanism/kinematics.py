@@ -9,6 +9,7 @@ from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, T
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.groups.free import FreeMotion, add_free_group
 from engine.mechanism.higher_pairs.cam_motion import CamMotion, add_cam
+from engine.mechanism.higher_pairs.rack_motion import add_pinion, add_rack
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
@@ -54,6 +55,8 @@ class Kinematics(Assembly):
         add = {
             "input": self._input,
             "shaft": self._shaft,
+            "rack": lambda name: add_rack(self, name),
+            "pinion": lambda name: add_pinion(self, name),
             "cam": self._cam,
             "group": lambda name: GROUPS[scene.groups[name].type](self, name),
             "free group": lambda name: self._free_group(structure.free_groups[name]),
@@ -104,6 +107,7 @@ class Kinematics(Assembly):
         if isinstance(drive, CrankInput):
             crank = Turning(self.points[drive.pivot], Vector(g.cos_q, g.sin_q), g.one, g.zero)
             self.links[name] = crank
+            self.angles[name] = g.q
             self.points[drive.pin] = crank.at(crank.u * self.number("input.length")).called(drive.pin)
             return
         guide = self.guides[drive.guide]
@@ -135,3 +139,4 @@ class Kinematics(Assembly):
         angle = w * self.graph.q + self.number(f"shafts.{name}.phase")
         self.links[name] = Turning(self.points[shaft.pivot], Vector(*self.graph.apply(direction_of, angle)), w, e)
         self.links[name].called(name)
+        self.angles[name] = angle

@@ -13,6 +13,8 @@ the input moment by virtual power.
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 
+import numpy as np
+
 from engine.graph.nodes import Node
 from engine.laws.friction.feedback import guide_pressing
 from engine.laws.inertia_forces import inertia_force, inertia_moment
@@ -30,6 +32,7 @@ from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.higher_pairs.cam_forces import cam_forces
 from engine.mechanism.higher_pairs.mesh import mesh_of
+from engine.mechanism.higher_pairs.rack_motion import Toothing, toothing
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
@@ -94,6 +97,10 @@ class Reactions:
                 self._free_group(kinematics.free[element.name])
             elif element.kind == "cam":
                 self._cam(element.name)
+            elif element.kind == "rack":
+                self._rack(element.name)
+            elif element.kind == "pinion":
+                self._pinion(element.name)
             elif element.kind == "shaft":
                 self._shaft(element.name)
         self._input()
@@ -296,6 +303,39 @@ class Reactions:
         self._loads.push(shaft.geared_to, at, -force)
         self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
         self._in_pivot(name, self._loads.total(name))
+
+    def _rack(self, name: str) -> None:
+        """Teeth balance all that acts on a rack along its guide, which takes the rest."""
+        rack, found, load = self.scene.racks[name], toothing(self.kinematics, name), self._loads.total(name)
+        tangential = -load.force.dot(found.along)
+        apart = self._apart(name, f"racks.{name}", tangential)
+        force = tangential * found.along - apart * found.away
+        self._between_teeth(found, force, name, rack.pinion)
+        left = self._loads.total(name)
+        normal = -left.force.dot(self.kinematics.links[name].u.normal)
+        self._prismatic(self._pairs[name], normal, -left.moment, {name})
+
+    def _pinion(self, name: str) -> None:
+        """Teeth balance the moments on a pinion; its pivot takes the rest, its rack bears the force."""
+        pinion, found, load = self.scene.pinions[name], toothing(self.kinematics, name), self._loads.total(name)
+        tangential = -load.moment / found.radius
+        apart = self._apart(name, f"pinions.{name}", tangential)
+        bearer = pinion.rack or self.scene.guides[pinion.guide].link
+        self._between_teeth(found, tangential * found.along + apart * found.away, name, bearer)
+        self._in_pivot(name, self._loads.total(name))
+
+    def _apart(self, name: str, at: str, tangential: Node) -> Node:
+        """Force by which teeth push apart: by its magnitude, so it bends where what drives changes its sign."""
+        slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"{at}.pressure_angle"]))
+        apart = abs(tangential) * slope
+        self.graph.bends(apart, tangential)
+        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        return apart
+
+    def _between_teeth(self, found: Toothing, force: Vector, on: str, bearer: str) -> None:
+        at = self.kinematics.at_rest(found.pitch_point)
+        self._loads.push(on, at, force)
+        self._loads.push(bearer, at, -force)
 
     def _in_pivot(self, name: str, load: Wrench) -> Node:
         """Register the reaction of a pivot on the frame; the moment of its friction."""

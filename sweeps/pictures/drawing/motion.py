@@ -80,6 +80,7 @@ class DrawnMotion:
         free = [name for name, link in scene.links.items() if link.guide is None]
         free += [cam.follower.link for cam in scene.cams.values() if not cam.translating]
         free += [name for name, shaft in scene.shafts.items() if shaft.carrier is not None]
+        free += list(scene.pinions)
         fields += [f"{n}.angle" for n in free]
         fields += [f"{n}.contact_{axis}" for n in scene.cams for axis in "xy"]
         machine = Machine(scene, fields=fields, varied=values, positions=POSITIONS)
@@ -150,6 +151,11 @@ class DrawnMotion:
         if link in self.scene.shafts:
             ratio, phase = self.numbers[f"shafts.{link}.ratio"], self.numbers[f"shafts.{link}.phase"]
             return self.points[self.scene.shafts[link].pivot], np.exp(1j * (ratio * self.q + phase))
+        if link in self.scene.pinions:
+            return self.points[self.scene.pinions[link].pivot], self._turned[link]
+        if link in self.scene.racks:
+            place, along = self.guide(self.scene.racks[link].guide)
+            return place + self.slides[link] * along, along
         if link in self.scene.links:
             return self._free_axes(link)
         if link in self._followers:
@@ -243,6 +249,10 @@ class DrawnMotion:
             found = [drive.pivot, drive.pin] if isinstance(drive, CrankInput) else [drive.point]
         elif link in self.scene.shafts:
             found = [self.scene.shafts[link].pivot]
+        elif link in self.scene.pinions:
+            found = [self.scene.pinions[link].pivot]
+        elif link in self.scene.racks:
+            found = []
         elif link in self.scene.links:
             found = list(self.scene.links[link].joints)
         elif link in self._followers:
@@ -265,6 +275,7 @@ class DrawnMotion:
         drive = self.scene.input
         found = {drive.pivot} if isinstance(drive, CrankInput) else set()
         found |= {s.pivot for s in self.scene.shafts.values() if s.pivot is not None}
+        found |= {pinion.pivot for pinion in self.scene.pinions.values()}
         found |= {cam.follower.pivot for cam in self.scene.cams.values() if not cam.translating}
         for group in self.scene.groups.values():
             found |= {p.joint for p in (group.first, group.second) if hasattr(p, "joint")}
