@@ -22,7 +22,10 @@ def rides_along(scene: Scene, point: str, guide: str) -> str | None:
 
 def mesh_problems(scene: Scene) -> list[Problem]:
     """Everything that keeps racks and pinions of a scene from meshing."""
-    problems: list[Problem] = []
+    # What racks do is looked at once all pinions have racks.
+    problems = [problem for name in scene.pinions for problem in _wrong_pinion(scene, name)]
+    if problems:
+        return problems
     for name, rack in scene.racks.items():
         at, turning = f"racks.{name}", sorted(_turning(scene))
         if rack.pinion not in turning:
@@ -35,8 +38,6 @@ def mesh_problems(scene: Scene) -> list[Problem]:
             message = f"{rack.pivot!r} is no point of {rack.pinion!r}; name the axis that this pinion turns about"
             problems.append((f"{at}.pivot", message))
         problems += _unheld(scene, f"{at}.pivot", rack.pivot, rack.guide) or _runs_away(scene, name)
-    for name in scene.pinions:
-        problems += _wrong_pinion(scene, name)
     return problems
 
 
