@@ -21,6 +21,7 @@ TEMPLATE_NAMES = (
     "geared_five_bar",
     "offset_slider_crank",
     "press_with_motor",
+    "rack_doubler",
     "scotch_yoke",
     "slider_crank",
     "stephenson_six_bar",
