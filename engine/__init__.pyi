@@ -65,6 +65,7 @@ from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
 from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.higher_pairs.cams.driving_cams import DrivingCam
+from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion
 from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
@@ -204,12 +205,14 @@ __all__ = [
     "Move",
     "NaturalVibration",
     "Near",
+    "NoncircularWheel",
     "OscillatorElement",
     "Outcome",
     "OverTime",
     "Pair",
     "PathFourBar",
     "PatternError",
+    "Pinion",
     "PlainNumber",
     "PlainText",
     "PlaneDyad",

@@ -18,6 +18,7 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.laws.friction.feedback import guide_pressing
 from engine.laws.inertia_forces import inertia_force, inertia_moment
+from engine.laws.kinematics.noncircular_wheels import noncircular_tooth_force
 from engine.laws.kinematics.prp import prp_reactions
 from engine.laws.kinematics.rpp import rpp_reactions
 from engine.laws.kinematics.rpr import rpr_reactions
@@ -97,6 +98,8 @@ class Reactions:
                 self._free_group(kinematics.free[element.name])
             elif element.kind == "cam":
                 self._cam(element.name)
+            elif element.kind == "noncircular wheel":
+                self._noncircular_wheel(element.name)
             elif element.kind == "rack":
                 self._rack(element.name)
             elif element.kind == "pinion":
@@ -302,6 +305,32 @@ class Reactions:
         self._loads.push(name, at, force)
         self._loads.push(shaft.geared_to, at, -force)
         self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        self._in_pivot(name, self._loads.total(name))
+
+    def _noncircular_wheel(self, name: str) -> None:
+        """Teeth balance the moments on a wheel: as a moment passed on by the ratio, or by forces at the pitch point."""
+        wheel, found, load = (
+            self.scene.noncircular_wheels[name],
+            self.kinematics.noncircular[name],
+            self._loads.total(name),
+        )
+        if wheel.pressure_angle is None:
+            passed = -(found.rate * load.moment)
+            self._loads.twist(wheel.geared_to, passed)
+            self._loads.twist(FRAME, load.moment - passed)
+            self._in_pivot(name, load)
+            return
+        arm = found.pitch_point - self.kinematics.links[name].origin.r
+        path = f"noncircular_wheels.{name}.pressure_angle"
+        slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[path]))
+        levers = arm.cross(found.tangent), arm.cross(found.away)
+        tangential, apart = self.graph.apply(noncircular_tooth_force, load.moment, *levers, slope)
+        self.graph.bends(tangential, load.moment)
+        self.graph.bends(apart, load.moment)
+        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        at, force = self.kinematics.at_rest(found.pitch_point), tangential * found.tangent + apart * found.away
+        self._loads.push(name, at, force)
+        self._loads.push(wheel.geared_to, at, -force)
         self._in_pivot(name, self._loads.total(name))
 
     def _rack(self, name: str) -> None:

@@ -77,7 +77,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
         define(links, name, f"links.{name}")
     for name in scene.shafts:
         define(links, name, f"shafts.{name}")
-    for table in ("racks", "pinions"):
+    for table in ("noncircular_wheels", "racks", "pinions"):
         for name in getattr(scene, table):
             define(links, name, f"{table}.{name}")
     for name, cam in scene.cams.items():
@@ -126,6 +126,9 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
             refs.append((f"shafts.{name}.carrier", "link", shaft.carrier))
         if shaft.pivot is not None:
             refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    for name, wheel in scene.noncircular_wheels.items():
+        refs.append((f"noncircular_wheels.{name}.geared_to", "link", wheel.geared_to))
+        refs.append((f"noncircular_wheels.{name}.pivot", "point", wheel.pivot))
     for table, keys in (("racks", ("pinion", "pivot", "guide")), ("pinions", ("rack", "pivot", "guide"))):
         kinds = {"pivot": "point", "guide": "guide"}
         for name, part in getattr(scene, table).items():
@@ -237,6 +240,7 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
     fixed = {n: s.pivot for n, s in scene.shafts.items() if s.pivot is not None and s.carrier is None}
     pivots += [(f"shafts.{n}.pivot", pivot) for n, pivot in fixed.items()]
+    pivots += [(f"noncircular_wheels.{n}.pivot", wheel.pivot) for n, wheel in scene.noncircular_wheels.items()]
     pivots += [(f"cams.{n}.follower.pivot", c.follower.pivot) for n, c in scene.cams.items() if not c.translating]
     pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
     problems = [

@@ -15,7 +15,7 @@ OF_GUIDES = ("form", "vee_angle", "length")
 class Pair(NamedTuple):
     """A lower pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`.
 
-    Shafts, racks and pinions have one each, of their own name.
+    Shafts, non-circular wheels, racks and pinions have one each, of their own name.
 
     A cam's follower is held in `CAM.guide` or `CAM.pivot`.
 
@@ -69,6 +69,7 @@ def pairs(scene: Scene) -> list[Pair]:
     found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
     for name in scene.groups:
         found += pairs_of_group(scene, name)
+    found += [_joint(scene, name, name, wheel.pivot) for name, wheel in scene.noncircular_wheels.items()]
     found += [_on_guide(scene, name, name, rack.guide) for name, rack in scene.racks.items()]
     found += [_joint(scene, name, name, pinion.pivot) for name, pinion in scene.pinions.items()]
     return [*found, *free_pairs(scene), *(follower_pair(scene, name) for name in scene.cams)]
@@ -142,7 +143,7 @@ def friction_problems(scene: Scene) -> list[Problem]:
             )
             problems.append((f"{path}.pair", f"{message}: leave out one, or shafts.{friction.pair}.pressure_angle"))
             continue
-        if friction.pair in scene.racks or friction.pair in scene.pinions:
+        if friction.pair in {*scene.noncircular_wheels, *scene.racks, *scene.pinions}:
             message = f"{friction.pair!r} has forces between teeth: friction isn't computed there; leave it out"
             problems.append((f"{path}.pair", message))
             continue

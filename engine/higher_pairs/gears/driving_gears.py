@@ -1,11 +1,15 @@
-"""Racks, pinions and their like that drive a mechanism, as a scene describes them."""
+"""Racks, pinions and non-circular wheels that drive a mechanism, as a scene describes them."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from engine.scene.parts import Angle, Length, Name, Part
+from engine.scene.parts import Angle, Length, Name, Number, Part
+
+# Lobes of a wheel, and harmonics of a law: more would be teeth.
+MOST_LOBES, MOST_HARMONICS = 8, 12
 
 
 class ToothedBar(Part):
@@ -56,3 +60,62 @@ class Pinion(ToothedBar):
         if (self.rack is None) == (self.guide is None):
             raise ValueError("give either rack, the slider that drives it, or guide, along which a fixed rack lies")
         return self
+
+
+class EllipticalLaw(Part):
+    """Ellipses that turn about their foci; with lobes, their like of higher order.
+
+    The driven wheel turns fastest where the law begins. With equal numbers of lobes `eccentricity` is the ellipse's.
+    """
+
+    type: Literal["elliptical"]
+    eccentricity: Annotated[Number, Field(ge=0, lt=1)]
+
+
+class RateHarmonic(Part):
+    """A harmonic of the driven wheel's speed over a lobe of the driver: coefficients as shares of the mean."""
+
+    order: Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
+    cosine: Number = 0.0
+    sine: Number = 0.0
+
+
+class HarmonicLaw(Part):
+    """The driven wheel's speed is 1 + Σ c cos kθ + s sin kθ of its mean, θ the driver's angle times its lobes."""
+
+    type: Literal["harmonic"]
+    harmonics: Annotated[dict[Name, RateHarmonic], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _goes_on(self) -> "HarmonicLaw":
+        # Thirty steps to a period of the highest harmonic.
+        angles = np.linspace(0.0, 2.0 * math.pi, 30 * MOST_HARMONICS + 1)
+        terms = [
+            h.cosine * np.cos(h.order * angles) + h.sine * np.sin(h.order * angles) for h in self.harmonics.values()
+        ]
+        speeds = 1.0 + sum(terms)
+        if speeds.min() <= 0.0:
+            place = math.degrees(angles[speeds.argmin()])
+            raise ValueError(
+                f"harmonics: the driven wheel would stand or turn back {place:.0f}° after the law's beginning, where "
+                f"its speed is {speeds.min():.3g} of the mean; wheels in mesh can't do that: make coefficients smaller"
+            )
+        return self
+
+
+class NoncircularWheel(Part):
+    """A link that turns about a `pivot` of the frame, in mesh with a wheel on the crank, a shaft or another such wheel.
+
+    They turn against each other, `driver_lobes` turns of it to `lobes` of the driver's on average; within a lobe of
+    the driver the `law` says how unevenly. It begins at the driver's angle `begin`, where this wheel's is `phase`. With
+    the `pressure_angle` of the teeth, forces between them are part of reactions.
+    """
+
+    geared_to: Name
+    pivot: Name
+    law: Annotated[EllipticalLaw | HarmonicLaw, Field(discriminator="type")]
+    lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
+    driver_lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
+    begin: Angle = 0.0
+    phase: Angle = 0.0
+    pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None

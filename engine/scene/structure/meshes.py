@@ -1,4 +1,4 @@
-"""Racks and pinions that can't mesh: axes at a distance that changes, angles that aren't known, racks that run away.
+"""Wheels and racks that can't mesh: axes at a distance that changes, unknown angles, racks that run away.
 
 The angle of a pinion against what carries its rack must be known all the way, over many turns too. It is for what is
 geared to the crank, for what racks drive, and for what never turns or slides on such; links of structural groups swing
@@ -23,15 +23,19 @@ def rides_along(scene: Scene, point: str, guide: str) -> str | None:
 def mesh_problems(scene: Scene) -> list[Problem]:
     """Everything that keeps racks and pinions of a scene from meshing."""
     # What racks do is looked at once all pinions have racks.
-    problems = [problem for name in scene.pinions for problem in _wrong_pinion(scene, name)]
+    problems = [problem for name in scene.noncircular_wheels for problem in _wrong_wheel(scene, name)]
+    problems += [problem for name in scene.pinions for problem in _wrong_pinion(scene, name)]
     if problems:
         return problems
     for name, rack in scene.racks.items():
         at, turning = f"racks.{name}", sorted(_turning(scene))
         if rack.pinion not in turning:
-            message = f"the angle of {rack.pinion!r} isn't known over its turns: a rack is driven by the crank, by a "
+            message = f"the angle of {rack.pinion!r} isn't known over its turns: a rack is driven by the crank, a "
             problems.append(
-                (f"{at}.pinion", f"{message}shaft with a pivot or by a pinion; {did_you_mean(rack.pinion, turning)}")
+                (
+                    f"{at}.pinion",
+                    f"{message}shaft with a pivot, a pinion or a wheel; {did_you_mean(rack.pinion, turning)}",
+                )
             )
             continue
         if rack.pivot not in places_on(scene, rack.pinion):
@@ -39,6 +43,26 @@ def mesh_problems(scene: Scene) -> list[Problem]:
             problems.append((f"{at}.pivot", message))
         problems += _unheld(scene, f"{at}.pivot", rack.pivot, rack.guide) or _runs_away(scene, name)
     return problems
+
+
+def _wrong_wheel(scene: Scene, name: str) -> list[Problem]:
+    wheel, drive, at = scene.noncircular_wheels[name], scene.input, f"noncircular_wheels.{name}"
+    on_frame = {n for n, shaft in scene.shafts.items() if shaft.pivot is not None and shaft.carrier is None}
+    on_frame |= set(scene.noncircular_wheels) | ({drive.link} if isinstance(drive, CrankInput) else set())
+    if wheel.geared_to not in on_frame:
+        message = "is in mesh with the crank, a shaft with a pivot on the frame, or another such wheel; "
+        return [(f"{at}.geared_to", message + did_you_mean(wheel.geared_to, on_frame - {name}))]
+    axes = {drive.link: drive.pivot} | {n: s.pivot for n, s in (scene.shafts | scene.noncircular_wheels).items()}
+    axis = axes[wheel.geared_to]
+    if scene.points[wheel.pivot] == scene.points[axis]:
+        return [(f"{at}.pivot", f"lies on the axis of {wheel.geared_to!r}: wheels in mesh have two axes; move it")]
+    turns = net_turns(scene, name) * drive.revolutions
+    if drive.start is None and abs(turns - round(turns)) > _NO_TURN:
+        message = (
+            f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and doesn't come back "
+        )
+        return [(f"{at}.lobes", f"{message}to its place: set input.revolutions so that its turns are whole")]
+    return []
 
 
 def _wrong_pinion(scene: Scene, name: str) -> list[Problem]:
@@ -90,7 +114,11 @@ def _runs_away(scene: Scene, name: str) -> list[Problem]:
 def _turning(scene: Scene) -> set[str]:
     """Links that turn, with an angle that is known over all turns."""
     crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
-    return crank | {n for n, s in scene.shafts.items() if s.pivot is not None} | set(scene.pinions)
+    return (
+        crank
+        | {n for n, s in scene.shafts.items() if s.pivot is not None}
+        | {*scene.pinions, *scene.noncircular_wheels}
+    )
 
 
 def _angle_is_known(scene: Scene, link: str) -> bool:
@@ -101,6 +129,9 @@ def _angle_is_known(scene: Scene, link: str) -> bool:
 
 def net_turns(scene: Scene, link: str) -> float:
     """Turns of a link whose angle is known, for each turn of the crank."""
+    if link in scene.noncircular_wheels:
+        wheel = scene.noncircular_wheels[link]
+        return -wheel.driver_lobes / wheel.lobes * net_turns(scene, wheel.geared_to)
     if link in scene.pinions:
         pinion = scene.pinions[link]
         return net_turns(scene, scene.guides[pinion.guide or guide_of(scene, pinion.rack)].link)

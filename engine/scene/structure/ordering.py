@@ -30,7 +30,8 @@ from engine.scene.structure.meshes import mesh_problems
 class Element(NamedTuple):
     """A step of the ordering.
 
-    Its `kind` is "input", "shaft", "rack", "pinion", "cam", "group", "free group", "point" or "guide".
+    Its `kind` is "input", "shaft", "noncircular wheel", "rack", "pinion", "cam", "group", "free group", "point" or
+    "guide".
     """
 
     kind: str
@@ -111,6 +112,11 @@ def _ordered(scene: Scene) -> _Ordering:
             ):
                 known_links.add(name)
                 elements.append(Element("shaft", name))
+                grown = True
+        for name, wheel in scene.noncircular_wheels.items():
+            if name not in known_links and wheel.geared_to in known_links and wheel.pivot in points:
+                known_links.add(name)
+                elements.append(Element("noncircular wheel", name))
                 grown = True
         for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
             for name, part in table.items():
@@ -218,6 +224,10 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
         problems.append(
             (f"shafts.{shafts[0]}.geared_to", f"gears that nothing drives: {chain}; gear one to a link that moves")
         )
+    wheels = [name for name in scene.noncircular_wheels if Element("noncircular wheel", name) not in elements]
+    if wheels:
+        message = "a wheel that nothing drives; gear it to the crank, to a shaft with a pivot, or to such a wheel"
+        problems.append((f"noncircular_wheels.{wheels[0]}.geared_to", message))
     for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
         found = [name for name in table if Element(kind, name) not in elements]
         if found:
@@ -278,8 +288,8 @@ def order(scene: Scene) -> Structure:
     problems += why_not_grouped(scene, ordering.links)
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
-        problems += mesh_problems(scene)
         problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)
+        problems = problems or mesh_problems(scene)
     if not problems:
         problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:
@@ -290,5 +300,6 @@ def order(scene: Scene) -> Structure:
 def _moving_links(scene: Scene) -> tuple[str, ...]:
     pivoted = [name for name, shaft in scene.shafts.items() if shaft.pivot is not None]
     in_groups = (link for name in scene.groups for link in group_links(scene, name))
+    geared = (*scene.noncircular_wheels, *scene.racks, *scene.pinions)
     followers = (cam.follower.link for cam in scene.cams.values())
-    return (scene.input.link, *pivoted, *in_groups, *scene.links, *scene.racks, *scene.pinions, *followers)
+    return (scene.input.link, *pivoted, *in_groups, *scene.links, *geared, *followers)
