@@ -107,8 +107,8 @@ class NoncircularWheel(Part):
     """A link that turns about a `pivot` of the frame, in mesh with a wheel on the crank, a shaft or another such wheel.
 
     They turn against each other, `driver_lobes` turns of it to `lobes` of the driver's on average; within a lobe of
-    the driver the `law` says how unevenly. It begins at the driver's angle `begin`, where this wheel's is `phase`. With
-    the `pressure_angle` of the teeth, forces between them are part of reactions.
+    the driver the `law` says how unevenly. `begin` is the driver's angle at which the law begins, and `phase` this
+    wheel's angle there. With the `pressure_angle` of the teeth, forces between them are part of reactions.
     """
 
     geared_to: Name
