@@ -24,10 +24,11 @@ LINKAGE = """{"joints": [
      "distance0": 20, "distance1": 14}]}"""
 
 
+AXIS = '[points]\nC = { x = "300 mm", y = 0 }'
 # What the compressor lacks for the fragments of each chapter, in their order.
 HOSTS = {
     "cams": ['[points]\nC = { x = "-200 mm", y = 0 }\n[input]\nrevolutions = 2'],
-    "gears": ['[points]\nC = { x = "300 mm", y = 0 }', ""],
+    "gears": [AXIS, "", "", AXIS, AXIS],
     "motion": [
         """[input]
         start = "20 deg"
