@@ -13,6 +13,7 @@ from noncircular_wheels import CHAIN, ELLIPSES
 
 from engine import Machine, Scene, SceneError, Verdict
 from engine.scene.structure.ordering import order
+from sweeps.pictures.drawing import primitives
 
 EPS = np.finfo(float).eps
 BALANCE = ("input_moment_disagreement", "equilibrium_residual")
@@ -169,3 +170,15 @@ def test_harmonics_that_turn_back__are_refused():
     law = {"type": "harmonic", "harmonics": {"one": {"order": 1, "cosine": 1.1}}}
     with pytest.raises(ValueError, match="would stand or turn back 180°"):
         Scene.model_validate(changed(ELLIPSES, **{f"{AT}__law": law}))
+
+
+def test_pitch_curves__are_drawn_and_touch_at_the_pitch_point():
+    drawn = primitives(Scene.model_validate(ELLIPSES), 1.0)
+    own, other = (np.array(p.points) for p in drawn if p.layer == "pitch")
+    distance = complex(0.2, 0.05)
+    assert own.size == other.size == 721
+    theta = 1.0 - 0.3
+    touch = abs(distance) / 2 * (1 - 0.16) / (1 - 0.4 * math.cos(theta)) * distance / abs(distance)
+    # Points of the curves lie half a degree apart, and the drawing is of the node nearest to 1 rad.
+    assert min(abs(own - touch)) < 0.002
+    assert min(abs(other - touch)) < 0.002

@@ -1,5 +1,6 @@
 """Racks and pinions in mechanisms: s = r φ, 50 digits, forces by hand, and what must balance."""
 
+import cmath
 import math
 
 import numpy as np
@@ -12,6 +13,7 @@ from racks import DOUBLER, LIFT, ON_CRANK
 
 from engine import Machine, Scene, SceneError, Verdict
 from engine.scene.structure.ordering import order
+from sweeps.pictures.drawing import primitives
 
 EPS = np.finfo(float).eps
 BALANCE = ("input_moment_disagreement", "equilibrium_residual")
@@ -170,3 +172,16 @@ def test_wrong_racks__are_refused_in_words(data, changes, told):
 def test_pinions_without_sense__are_refused(changes, told):
     with pytest.raises(ValueError, match=told):
         Scene.model_validate(changed(LIFT, **changes))
+
+
+def test_racks__are_drawn_along_the_pitch_circle():
+    drawn = primitives(Scene.model_validate(DOUBLER), 1.0)
+    circles = [p for p in drawn if p.layer == "pitch"]
+    (joint,) = [p for p in drawn if p.layer == "joints" and p.text == "B"]
+    assert [p.size for p in circles] == [0.03, 0.03]
+    assert all(p.points == joint.points for p in circles)
+    along = cmath.exp(0.2j)
+    bars = [p for p in drawn if p.kind == "polygon" and len(p.points) == 4]
+    heights = [((corner - joint.points[0]) / along).imag for bar in bars for corner in bar.points]
+    # The table's bar begins at the top of the circle; positions pass through a few dozen operations.
+    assert min(abs(height - 0.03) for height in heights) < 1e-12
