@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from drawn_machines import GALLERY, slider_crank
 
-from sweeps.pictures.drawing import LAYERS, DrawnMotion
+from sweeps.pictures.drawing import DrawnMotion, primitives
 from sweeps.pictures.drawing.dxf import write_dxf
 from sweeps.pictures.picture_error import PictureError
 
@@ -20,7 +20,9 @@ def test_dxf__layers_millimetres_and_joints_in_place(tmp_path):
     file, phi = tmp_path / "a.dxf", math.pi / 3
     write_dxf(file, slider_crank(), phi, paths=["B"])
     document = ezdxf.readfile(file)
-    assert set(LAYERS) <= {layer.dxf.name for layer in document.layers}
+    assert {p.layer for p in primitives(slider_crank(), phi, paths=["B"])} <= {
+        layer.dxf.name for layer in document.layers
+    }
     assert document.units == ezdxf.units.MM
     space = document.modelspace()
     for layer in ("links", "joints", "frame", "paths", "names"):

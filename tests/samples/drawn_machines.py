@@ -1,6 +1,7 @@
 """Mechanisms that the tests of pictures draw, one of each kind of symbol."""
 
 import math
+from fractions import Fraction
 
 from engine import Scene
 
@@ -117,7 +118,7 @@ def geared_five_bar(ratio=-2.0):
                 "E": {"link": "wheel", "x": 0.04, "y": 0},
                 "H": {"x": 0.05, "y": -0.2},
             },
-            "input": crank(0.04),
+            "input": crank(0.04) | {"revolutions": Fraction(ratio).denominator},
             "shafts": {"wheel": {"geared_to": "crank", "ratio": ratio, "pivot": "D", "phase": 1.5}},
             "groups": {
                 "g": {

@@ -59,8 +59,15 @@ TURNING_YOKE = four_bar(
     gravity=9.81,
 )
 SCENES = {name: read_scene(TEMPLATES / f"{name}.toml") for name in templates()}
-# Plans are drawn of dyads.
-MECHANISMS = [name for name, scene in SCENES.items() if scene.input is not None and not scene.links]
+
+
+def has_plans(scene):
+    """Plans are drawn of dyads, without cams, planets and forces of teeth."""
+    toothed = any(shaft.carrier or shaft.pressure_angle is not None for shaft in scene.shafts.values())
+    return scene.input is not None and not (scene.links or scene.cams or toothed)
+
+
+MECHANISMS = [name for name, scene in SCENES.items() if has_plans(scene)]
 MACHINES = {name: SCENES[name] for name in MECHANISMS} | GALLERY
 MACHINES |= {"PRP": PRP, "geared to a rocker": GEARED_TO_A_ROCKER, "turning yoke": TURNING_YOKE}
 MACHINES |= {"without inertia": GEARED_TO_A_ROCKER.model_copy(update={"inertia_in_reactions": False})}

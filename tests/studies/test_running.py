@@ -66,6 +66,7 @@ CODES = {
     23: "other_mode",
     24: "grows",
     25: "turns_back",
+    26: "too_coarse",
     255: "not_computed",
 }
 
