@@ -212,6 +212,25 @@ def test_variants__rows_do_not_depend_on_those_beside_them():
             assert alone.errors[name][0] == together.errors[name][i]
 
 
+def test_variants__as_many_instants_in_a_piece_as_there_are_variants_may_all_be_of_one():
+    # A turn is a piece: in its first the heavy rotor meets both instants, in its second the light one.
+    inertias, times = np.array([0.3, 0.5]), np.array([0.76, 0.8])
+    epsilon = 3.0 / inertias[:, None]
+    turned, speed = (5.0 + 0.5 * epsilon * times) * times, 5.0 + epsilon * times
+    assert (turned > 2.0 * math.pi).tolist() == [[True, True], [False, False]]
+    scene = rotor({"go": run("push", from_speed=5.0, time=0.9, at={"times": list(times)})}, push={"moment": 3.0})
+    together = ask(scene, "go.time", 240, "go.speed go.turned", {"bodies.eccentric.inertia": inertias})
+    for name, true in (("go.speed", speed), ("go.turned", turned)):
+        error = np.abs(together.fields[name] - true).max(axis=1)
+        assert (error <= together.errors[name] + 2e-16 * true.max()).all(), name
+        assert error.max() <= 1e-9 * true.max(), name
+    for i in range(2):
+        alone = ask(scene, "go.time", 240, "go.speed go.turned", {"bodies.eccentric.inertia": inertias[i : i + 1]})
+        for name, rows in alone.fields.items():
+            assert np.array_equal(rows[0], together.fields[name][i]), name
+            assert alone.errors[name][0] == together.errors[name][i]
+
+
 # Refusals
 
 

@@ -109,7 +109,11 @@ def test_steady_motion__is_in_balance_at_every_instant_and_without_friction_what
     assert (way * found[1.0].fields["on.friction_moment"] < 0.0).all()
     room = found[1e-12].figure("on.mean_speed") + smooth.figure("on.mean_speed")
     assert found[1e-12]["on.mean_speed"] == pytest.approx(smooth["on.mean_speed"], rel=0, abs=room)
-    np.testing.assert_allclose(found[1e-12].fields["on.speed"], smooth.fields["on.speed"], rtol=0, atol=2 * room)
+    # With friction the cycle is a run in time. Within a step of H ≤ 0.1 rad the angle is a polynomial of degree five
+    # that is right at both ends up to the second derivative: its slope misses ω·H⁵/720·max|d/ds s³(1 − s)³|·ω⁽⁵⁾/ω⁶,
+    # where the greatest of |d/ds s³(1 − s)³| is 0.0537 and ω⁽⁵⁾ at most 1.1 ω⁶.
+    within = 0.1**5 / 720.0 * 0.0537 * 1.1 * smooth["on.mean_speed"]
+    np.testing.assert_allclose(found[1e-12].fields["on.speed"], smooth.fields["on.speed"], rtol=0, atol=room + within)
 
 
 def test_heavy_flywheel__needs_the_moment_of_uniform_speed():

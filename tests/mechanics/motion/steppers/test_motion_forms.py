@@ -29,7 +29,14 @@ def test_unloaded_machine__keeps_its_energy_over_3000_revolutions():
     # The angle is known to 2π·3e3·1.1e-16 rad, where ½ω²·dI/dφ is some 2 J/rad.
     assert abs(both["go.energy_change"]) <= 2.1e-12 * 4
     assert both["go.final_speed"] == pytest.approx(short["go.final_speed"], rel=2.1e-12)
-    assert both["go.speed_max"] == whole["go.speed_max"]
+    # The first cycle is the same step by step; those after it go with steps of their own, which see the top elsewhere.
+    with mp.workdps(30):
+        least = min(reduced(phi)[0] for phi in (mp.mpf(0), mp.pi))
+        fast = float(20 * mp.sqrt(reduced(mp.mpf(0.3))[0] / least))
+    assert abs(whole["go.speed_max"] - fast) <= whole.figure("go.speed_max")
+    assert abs(both["go.speed_max"] - fast) <= both.figure("go.speed_max")
+    # Cubics between places of a step.
+    assert fast * (1.0 - 1e-6) <= whole["go.speed_max"] <= both["go.speed_max"] <= fast * (1.0 + 1e-6)
     # Steps miss 1e-10 of a cycle's time each, and all cycles the same.
     assert both["go.time"] == pytest.approx(3e3 * whole["go.time"] + short["go.time"], rel=1e-10)
 

@@ -17,10 +17,12 @@ from sweeps.text.templates import bundled_templates, template_text, templates
 TEMPLATE_NAMES = (
     "cam_roller_follower",
     "crank_shaper",
+    "elliptical_wheels",
     "four_bar",
     "geared_five_bar",
     "offset_slider_crank",
     "press_with_motor",
+    "rack_doubler",
     "scotch_yoke",
     "slider_crank",
     "stephenson_six_bar",
@@ -56,7 +58,7 @@ ELEMENT_STUDY_NAMES = (
 )
 SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
-HIGHER_PAIR_STUDY_NAMES = ("geared_five_bar", "valve_gear")
+HIGHER_PAIR_STUDY_NAMES = ("elliptical_quick_return", "geared_five_bar", "valve_gear")
 FREE_LINK_STUDY_NAMES = ("triad_dwell",)
 MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_coupling", "press_start")
 TURN = 2 * math.pi
@@ -118,8 +120,9 @@ def test_template__says_first_what_to_change(name):
 @pytest.mark.parametrize("name", TEMPLATE_NAMES)
 def test_template__assembles_with_every_summary_finite(name):
     values, _, _ = template(name)
-    # A link that goes round has no swing: the crank always, Whitworth's slotted link and its block too.
-    turning = ("crank", "slotted", "block") if name == "whitworth" else ("crank",)
+    # A link that goes round has no swing: the crank always, Whitworth's slotted link and its block, wheels in mesh.
+    others = {"whitworth": ("slotted", "block"), "elliptical_wheels": ("first", "second")}
+    turning = ("crank", *others.get(name, ()))
     for summary, (value, error) in values.items():
         link, _, kind = summary.partition(".")
         # Nothing drives a press that is braked: its stop has no efficiency.
@@ -157,6 +160,21 @@ def test_scotch_yoke_template__does_the_work_of_its_force_over_twice_the_crank()
     values, _, _ = template("scotch_yoke")
     assert close(values["yoke.stroke"], 2 * 0.050)
     assert close(values["required_power"], 1500 * 2 * 0.050 * 150 / 60)
+
+
+def test_elliptical_wheels_template__returns_as_fast_as_its_closed_form():
+    """The driven crank is at its dead centres a quarter turn off its fastest place: tan(θ/2) = (1 − e)/(1 + e)."""
+    values, _, _ = template("elliptical_wheels")
+    back = 4 * math.atan((1 - 0.3) / (1 + 0.3))
+    assert close(values["ram.stroke"], 2 * 0.060)
+    assert close(values["ram.stroke_time_ratio"], (TURN - back) / back)
+    assert close(values["required_power"], 800 * 4 * 0.060 * 120 / 60)
+
+
+def test_rack_doubler_template__does_the_work_of_its_force_over_twice_the_stroke():
+    values, _, _ = template("rack_doubler")
+    assert close(values["table.stroke"], 4 * 0.050)
+    assert close(values["required_power"], 300 * 8 * 0.050 * 120 / 60)
 
 
 def test_offset_slider_crank_template__returns_as_fast_as_its_closed_form():
