@@ -52,6 +52,9 @@ from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_
 from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
 from engine.elastic.trains.train_columns import is_excited, train_numbers
 from engine.elastic.trains.train_element import TorsionalTrain
+from engine.elements.bodies.body_elements import RotatingGuide, WoundFlywheel
+from engine.elements.bodies.rotating_guides import slides_out
+from engine.elements.bodies.wound_flywheels import wound_stresses
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.governors.governor_curves import (
     GovernorCurves,
@@ -221,6 +224,7 @@ __all__ = [
     "QuickSliderCrank",
     "ReducedTrain",
     "Regime",
+    "RotatingGuide",
     "RotorElement",
     "RunRegime",
     "Scene",
@@ -243,6 +247,7 @@ __all__ = [
     "UnitError",
     "VelocityPicture",
     "Verdict",
+    "WoundFlywheel",
     "Yoke",
     "acting_fields",
     "any_quantity",
@@ -343,6 +348,7 @@ __all__ = [
     "set_threads",
     "slider_tilts",
     "sliders_of",
+    "slides_out",
     "sliding_quantity",
     "sources_digest",
     "split_on_neighbours",
@@ -363,4 +369,5 @@ __all__ = [
     "v_engine",
     "velocity_picture",
     "w_engine",
+    "wound_stresses",
 ]
