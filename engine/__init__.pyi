@@ -33,7 +33,7 @@ from engine.balancing.rotors.influence import (
     residual_confidence,
 )
 from engine.balancing.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
-from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.rotor_element import RotorElement, StaticRotor
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.kept_code import is_compiling
 from engine.compiling.sources import sources_digest
@@ -233,6 +233,7 @@ __all__ = [
     "ScenePart",
     "Sliding",
     "StabilityPoint",
+    "StaticRotor",
     "SteadyRegime",
     "SupportOverTime",
     "SynthesisError",

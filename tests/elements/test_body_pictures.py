@@ -1,14 +1,15 @@
-"""Pictures of single bodies: curves against equilibrium, hyperbolic functions and the elements' own results."""
+"""Pictures of single bodies and flat rotors: curves against equilibrium, closed forms and the elements' own results."""
 
 import math
 
 import numpy as np
 import pytest
-from element_samples import LEVER, WOUND, one, scene
+from element_samples import DISC, LEVER, WOUND, one, scene
 
 from engine import wound_stresses
 from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, wound_flywheel_sheet
 from sweeps.pictures.elements.element_pictures import element_pictures
+from sweeps.pictures.elements.unbalance_plan import static_plan
 from sweeps.pictures.style import new_figure
 
 
@@ -54,7 +55,21 @@ def test_curves_of_a_wound_flywheel__are_its_results():
     assert "at its speed" not in {line.get_label() for line in axes_of(loose, "hoop").get_lines()}
 
 
+def test_polygon_of_a_flat_rotor__is_closed_by_the_mass_that_balances_it():
+    (ax,) = static_plan(scene(it=DISC).elements["it"], new_figure(110, 90), "disc").axes
+    drawn = {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
+    start, end = drawn["correction, as made"].T
+    unbalance, angle = one(DISC, "unbalance", "correction_angle")
+    way = 1e3 * unbalance * np.array([math.cos(angle), math.sin(angle)])
+    assert end - start == pytest.approx(way, abs=1e-12 * 1e3 * unbalance)
+    assert end == pytest.approx(0.0, abs=1e-12)
+
+
 def test_bodies__are_drawn_with_the_other_elements(tmp_path):
-    made = element_pictures(scene(lever=LEVER, tape=WOUND), tmp_path / "bodies.svg")
-    assert [path.name for path in made] == ["bodies_lever_sliding.svg", "bodies_tape_stresses.svg"]
+    made = element_pictures(scene(lever=LEVER, tape=WOUND, disc=DISC), tmp_path / "bodies.svg")
+    assert [path.name for path in made] == [
+        "bodies_lever_sliding.svg",
+        "bodies_tape_stresses.svg",
+        "bodies_disc_plan.svg",
+    ]
     assert all(path.stat().st_size > 1000 for path in made)

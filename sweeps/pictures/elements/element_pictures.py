@@ -14,6 +14,7 @@ from engine import (
     RotatingGuide,
     RotorElement,
     Scene,
+    StaticRotor,
     TorsionalTrain,
     TwoMassDrive,
     WoundFlywheel,
@@ -31,7 +32,7 @@ from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
-from sweeps.pictures.elements.unbalance_plan import unbalance_plan
+from sweeps.pictures.elements.unbalance_plan import static_plan, unbalance_plan
 from sweeps.pictures.elements.vehicle_sheets import car_sheet, locomotive_sheet
 
 
@@ -65,6 +66,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case RotorElement():
                 made.append(path.with_name(f"{path.stem}_{name}_plan{path.suffix}"))
                 unbalance_plan(element, made[-1], title)
+            case StaticRotor():
+                made.append(path.with_name(f"{path.stem}_{name}_plan{path.suffix}"))
+                static_plan(element, made[-1], title)
             case EngineElement():
                 made.append(path.with_name(f"{path.stem}_{name}_orders{path.suffix}"))
                 engine_sheet(element, made[-1], title)
