@@ -372,9 +372,9 @@ def kinds() -> list[Kind]:
     return [*_slider_cranks(), *_four_bars(), *_six_bars(), *_quick_returns()]
 
 
-def machines(kind: Kind, count: int) -> Varied:
+def machines(kind: Kind, count: int, seed: int = SEED) -> Varied:
     """Numbers of machines that can be assembled all the way round and run through the cycle."""
-    random = np.random.default_rng([SEED, *kind.name.encode()])
+    random = np.random.default_rng([seed, *kind.name.encode()])
     found: Varied = {}
     asked = [f"{g}.transmission_angle" for g in kind.scene.groups] + ["speed_fluctuation"]
     while not found or next(iter(found.values())).size < count:

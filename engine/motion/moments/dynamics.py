@@ -84,8 +84,8 @@ class Variants(NamedTuple):
         return self.direction.size
 
     def some(self, chosen: np.ndarray) -> "Variants":
-        """Some of them, by index, in order."""
-        if chosen.size == self.count:
+        """Some of them, by index, in any order, and as often as they are named."""
+        if np.array_equal(chosen, np.arange(self.count)):
             return self
         drive = self.drive
         return Variants(

@@ -1,0 +1,65 @@
+"""`sweeps compare`: two results beside each other."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from commands import STUDY, refused, said
+from press_texts import PRESS
+
+from sweeps.report.comparison import comparison
+from sweeps.report.sweep_result import SweepResult
+
+
+@pytest.fixture
+def results(press_result):
+    """The study's result, and one with a longer rod and a variant more."""
+    Path("press.toml").write_text(PRESS.replace("200 mm", "210 mm"))
+    Path("study.toml").write_text(STUDY.replace('"100 kg"', '"100 kg", "150 kg"'))
+    assert said("run", "study.toml", "--no-plots", "--quiet", "--out", "b.h5").exit_code == 0
+    return press_result, "b.h5"
+
+
+def row(text: str, name: str) -> list[str]:
+    return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
+
+
+def test_result_beside_itself__agrees(press_result):
+    answer = said("compare", press_result, press_result)
+    assert answer.exit_code == 0
+    assert "the same" in answer.stdout
+    assert row(answer.stdout, "excess_work")[1:3] == ["8", "0"]
+
+
+def test_results_of_other_machines__differ_where_they_should(results):
+    answer = said("compare", *results)
+    assert answer.exit_code == 1
+    assert "groups.slide.first.length: 200 mm and 210 mm" in answer.stdout
+    assert "Variants: 8 and 12, 8 in common" in answer.stdout
+    # In line, the stroke is twice the crank whatever the rod; the two longest cranks assemble with neither.
+    assert row(answer.stdout, "ram.stroke")[1:3] == ["8", "0"]
+    assert row(answer.stdout, "excess_work")[1:3] == ["2", "6"]
+
+
+def test_value_just_beyond_its_figure__is_outside(press_result):
+    one, other = SweepResult(Path(press_result)), SweepResult(Path(press_result))
+    changed = {name: column.copy() for name, column in other.columns.items()}
+    figure = changed["ram.stroke_error"]
+    # Both results have this figure, and rounding is let pass besides.
+    changed["ram.stroke"][0] += 1.5 * figure[0]
+    changed["ram.stroke"][1] += 3.0 * figure[1] + 1e-15
+    vars(other)["_mapped"] = SimpleNamespace(columns=changed, release=lambda: None)
+    found = comparison(one, other)
+    assert not found.agrees
+    words = row(found.text, "ram.stroke")
+    assert words[1:3] == ["7", "1"]
+    assert words[4] == "1:"
+
+
+def test_what_is_no_result__is_refused(press_result):
+    assert "no result of a sweep" in refused("compare", press_result, "press.toml")
+
+
+def test_results_without_a_variant_in_common__are_refused(press_result):
+    assert said("run", "press.toml", "--no-plots", "--quiet", "--out", "b.h5").exit_code == 0
+    assert "nothing to compare" in refused("compare", press_result, "b.h5")

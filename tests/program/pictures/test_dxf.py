@@ -1,0 +1,54 @@
+"""DXF: layers, millimetres, and hidden lines left out."""
+
+import math
+import sys
+
+import ezdxf
+import numpy as np
+import pytest
+from drawn_machines import GALLERY, slider_crank
+
+from sweeps.pictures.drawing import DrawnMotion, primitives
+from sweeps.pictures.drawing.dxf import write_dxf
+from sweeps.pictures.picture_error import PictureError
+
+# Positions pass through a few dozen operations of the engine on lengths below 1 m.
+EXACT = 1e-12
+
+
+def test_dxf__layers_millimetres_and_joints_in_place(tmp_path):
+    file, phi = tmp_path / "a.dxf", math.pi / 3
+    write_dxf(file, slider_crank(), phi, paths=["B"])
+    document = ezdxf.readfile(file)
+    assert {p.layer for p in primitives(slider_crank(), phi, paths=["B"])} <= {
+        layer.dxf.name for layer in document.layers
+    }
+    assert document.units == ezdxf.units.MM
+    space = document.modelspace()
+    for layer in ("links", "joints", "frame", "paths", "names"):
+        assert space.query(f"*[layer=='{layer}']"), layer
+    centres = [complex(*c.dxf.center.xyz[:2]) for c in space.query("CIRCLE[layer=='joints']")]
+    pin = 50 * complex(math.cos(phi), math.sin(phi))
+    assert min(abs(c - pin) for c in centres) < 1000 * EXACT
+    assert {t.dxf.text for t in space.query("TEXT")} == {"O", "A", "B"}
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_dxf__no_link_seen_through_a_hinge(name, tmp_path):
+    file = tmp_path / "a.dxf"
+    scene = GALLERY[name]
+    write_dxf(file, scene, DrawnMotion(scene).q[120])
+    space = ezdxf.readfile(file).modelspace()
+    for hinge in space.query("CIRCLE[layer=='joints']"):
+        centre, radius = complex(*hinge.dxf.center.xyz[:2]), hinge.dxf.radius
+        for line in space.query("LINE[layer=='links' | layer=='frame' | layer=='hatching']"):
+            a, b = complex(*line.dxf.start.xyz[:2]), complex(*line.dxf.end.xyz[:2])
+            share = np.clip((((centre - a) / (b - a)).real), 0, 1)
+            # Circles hide by the polygon of 24 sides inside them, which leaves 1 − cos 7.5° = 0.9 % of the radius.
+            assert abs(a + share * (b - a) - centre) > 0.99 * radius
+
+
+def test_dxf_without_its_package__says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    with pytest.raises(PictureError, match=r"pip install 'machine-sweeps\[dxf\]'"):
+        write_dxf(tmp_path / "a.dxf", slider_crank(), 0.0)

@@ -1,0 +1,177 @@
+"""Mechanisms that the tests of pictures draw, one of each kind of symbol."""
+
+import math
+from fractions import Fraction
+
+from engine import Scene
+
+
+def crank(length=0.05, **others):
+    return {"type": "crank", "pivot": "O", "pin": "A", "length": length, "speed": 6.0, **others}
+
+
+def slider_crank(angle=0.0, offset=0.0, **others):
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}},
+            "guides": {"way": {"angle": angle, "y": offset}},
+            "input": crank(),
+            "groups": {
+                "g": {
+                    "type": "RRP",
+                    "inner": "B",
+                    "first": {"link": "rod", "joint": "A", "length": 0.2},
+                    "second": {"link": "piston", "guide": "way"},
+                }
+            },
+            "bodies": {
+                "rod": {"link": "rod", "mass": 2.0, "x": 0.07, "inertia": 0.01},
+                "piston": {"link": "piston", "mass": 1.5},
+            },
+        }
+        | others
+    )
+
+
+def four_bar(**others):
+    return Scene.model_validate(
+        {
+            "points": {
+                "O": {"x": 0, "y": 0},
+                "D": {"x": 0.22, "y": 0.01},
+                "P": {"link": "rod", "x": 0.1, "y": 0.08},
+            },
+            "input": crank(),
+            "groups": {
+                "g": {
+                    "type": "RRR",
+                    "inner": "B",
+                    "first": {"link": "rod", "joint": "A", "length": 0.2},
+                    "second": {"link": "rocker", "joint": "D", "length": 0.15},
+                }
+            },
+        }
+        | others
+    )
+
+
+def on_moving_guide(offset=0.0):
+    scene = four_bar().model_dump(exclude_none=True)
+    scene["points"]["G"] = {"x": 0.33, "y": 0.0}
+    scene["guides"] = {"bar": {"link": "rocker", "x": 0.07, "y": 0.035, "angle": 0.2}}
+    scene["groups"]["h"] = {
+        "type": "RRP",
+        "inner": "F",
+        "first": {"link": "arm", "joint": "G", "length": 0.18},
+        "second": {"link": "sleeve", "guide": "bar", "offset": offset},
+    }
+    return Scene.model_validate(scene)
+
+
+def quick_return(offset=0.0):
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0.3}, "D": {"x": 0, "y": 0}, "E": {"link": "rocker", "x": 0.56, "y": 0}},
+            "guides": {"way": {"y": 0.6}},
+            "input": crank(0.11),
+            "groups": {
+                "q": {
+                    "type": "RPR",
+                    "first": {"link": "stone", "joint": "A"},
+                    "second": {"link": "rocker", "joint": "D", "offset": offset},
+                },
+                "r": {
+                    "type": "RRP",
+                    "inner": "F",
+                    "mode": -1,
+                    "first": {"link": "rod", "joint": "E", "length": 0.2},
+                    "second": {"link": "ram", "guide": "way"},
+                },
+            },
+        }
+    )
+
+
+def scotch_yoke():
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}},
+            "guides": {"way": {"angle": 0.3}},
+            "input": crank(),
+            "groups": {
+                "g": {
+                    "type": "RPP",
+                    "first": {"link": "stone", "joint": "A"},
+                    "second": {"link": "yoke", "guide": "way", "slot_angle": math.pi / 2},
+                }
+            },
+        }
+    )
+
+
+def geared_five_bar(ratio=-2.0):
+    return Scene.model_validate(
+        {
+            "points": {
+                "O": {"x": 0, "y": 0},
+                "D": {"x": 0.16, "y": 0},
+                "E": {"link": "wheel", "x": 0.04, "y": 0},
+                "H": {"x": 0.05, "y": -0.2},
+            },
+            "input": crank(0.04) | {"revolutions": Fraction(ratio).denominator},
+            "shafts": {"wheel": {"geared_to": "crank", "ratio": ratio, "pivot": "D", "phase": 1.5}},
+            "groups": {
+                "g": {
+                    "type": "RRR",
+                    "inner": "B",
+                    "first": {"link": "left", "joint": "A", "length": 0.16},
+                    "second": {"link": "right", "joint": "E", "length": 0.16},
+                }
+            },
+            "springs": {"s": {"between": ("B", "H"), "stiffness": 100.0}},
+        }
+    )
+
+
+def sliding_input():
+    return Scene.model_validate(
+        {
+            "points": {"D": {"x": 0.26, "y": 0.12}, "T": {"link": "lever", "x": 0.22, "y": 0.03}},
+            "guides": {"way": {}},
+            "input": {
+                "type": "slider",
+                "link": "rack",
+                "guide": "way",
+                "point": "A",
+                "start": 0.0,
+                "stop": 0.12,
+                "speed": 0.1,
+            },
+            "groups": {
+                "g": {
+                    "type": "RRR",
+                    "inner": "B",
+                    "first": {"link": "rod", "joint": "A", "length": 0.15},
+                    "second": {"link": "lever", "joint": "D", "length": 0.14},
+                }
+            },
+            "bodies": {"lever": {"link": "lever", "mass": 2.0, "x": 0.1, "inertia": 0.01}},
+        }
+    )
+
+
+def crowded():
+    near = {name: {"link": "rod", "x": 0.1 + 0.001 * i, "y": 0.08} for i, name in enumerate("PQR")}
+    return four_bar(points={"O": {"x": 0, "y": 0}, "D": {"x": 0.22, "y": 0.01}, **near})
+
+
+GALLERY = {
+    "slider crank": slider_crank(),
+    "four-bar": four_bar(),
+    "crowded": crowded(),
+    "moving guide": on_moving_guide(),
+    "quick return": quick_return(),
+    "Scotch yoke": scotch_yoke(),
+    "geared five-bar": geared_five_bar(),
+    "sliding input": sliding_input(),
+}
