@@ -65,6 +65,7 @@ from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
 from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.higher_pairs.cams.driving_cams import DrivingCam
+from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion
 from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
@@ -126,7 +127,7 @@ from engine.scene.formulas.expressions import Tree as ExpressionTree
 from engine.scene.formulas.expressions import parse as parse_expression
 from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
-from engine.scene.names import did_you_mean, input_point, joint_owners
+from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of
 from engine.scene.pairs import pairs as pairs_of
@@ -204,12 +205,14 @@ __all__ = [
     "Move",
     "NaturalVibration",
     "Near",
+    "NoncircularWheel",
     "OscillatorElement",
     "Outcome",
     "OverTime",
     "Pair",
     "PathFourBar",
     "PatternError",
+    "Pinion",
     "PlainNumber",
     "PlainText",
     "PlaneDyad",
@@ -293,6 +296,7 @@ __all__ = [
     "governor_curves",
     "group_links",
     "guide_edge_forces",
+    "guide_of",
     "has_cycle",
     "history",
     "history_fields",

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from sweeps.interruption import finish, listen
+from sweeps.text.interruption import finish, listen
 
 
 def start() -> None:

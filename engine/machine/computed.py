@@ -69,6 +69,8 @@ def _kind(mechanics: Mechanics, group: str) -> str:
     """Type of a dyad; class of a group of free links."""
     if group in mechanics.scene.cams:
         return "cam"
+    if group in mechanics.scene.noncircular_wheels:
+        return "non-circular wheel"
     free = mechanics.structure.free_groups.get(group)
     return mechanics.scene.groups[group].type if free is None else f"class {free.group_class}"
 
@@ -76,6 +78,8 @@ def _kind(mechanics: Mechanics, group: str) -> str:
 def _links(mechanics: Mechanics, group: str) -> tuple[str, ...]:
     if group in mechanics.scene.cams:
         return (mechanics.scene.cams[group].follower.link,)
+    if group in mechanics.scene.noncircular_wheels:
+        return (group,)
     if group in mechanics.structure.free_groups:
         return mechanics.structure.free_groups[group].links
     parts = mechanics.scene.groups[group]

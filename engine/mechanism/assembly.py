@@ -92,6 +92,8 @@ class Assembly:
     ----------
     points, links, guides, slides : dict
         By their names in the scene.
+    angles : dict of str to Node
+        Of links that turn evenly or by racks, over all their turns [rad].
     sines, closures : dict of str to Node
         Of each group the quality of force transmission, and what its loop misses of being closed.
     certificates : dict of str to Node
@@ -110,6 +112,7 @@ class Assembly:
         self.links: dict[str, Turning] = {FRAME: frame}
         self.guides: dict[str, GuideLine] = {}
         self.slides: dict[str, Slide] = {}
+        self.angles: dict[str, Node] = {FRAME: graph.zero}
         self.sines: dict[str, Node] = {}
         self.closures: dict[str, Node] = {}
         self.certificates: dict[str, Node] = {}

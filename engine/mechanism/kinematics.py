@@ -9,6 +9,8 @@ from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, T
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.groups.free import FreeMotion, add_free_group
 from engine.mechanism.higher_pairs.cam_motion import CamMotion, add_cam
+from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion, add_noncircular_wheel
+from engine.mechanism.higher_pairs.rack_motion import add_pinion, add_rack
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
@@ -36,6 +38,8 @@ class Kinematics(Assembly):
     free : dict of str to FreeMotion
         Groups of free links.
     cams : dict of str to CamMotion
+    noncircular : dict of str to NoncircularMotion
+        Non-circular wheels.
     """
 
     def __init__(self, scene: Scene, structure: Structure, graph: Graph, varied: frozenset[str]) -> None:
@@ -44,6 +48,7 @@ class Kinematics(Assembly):
         self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
         self.free: dict[str, FreeMotion] = {}
         self.cams: dict[str, CamMotion] = {}
+        self.noncircular: dict[str, NoncircularMotion] = {}
         # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
         for name, point in scene.points.items():
             if point.link == FRAME:
@@ -54,6 +59,9 @@ class Kinematics(Assembly):
         add = {
             "input": self._input,
             "shaft": self._shaft,
+            "noncircular wheel": self._noncircular_wheel,
+            "rack": lambda name: add_rack(self, name),
+            "pinion": lambda name: add_pinion(self, name),
             "cam": self._cam,
             "group": lambda name: GROUPS[scene.groups[name].type](self, name),
             "free group": lambda name: self._free_group(structure.free_groups[name]),
@@ -104,6 +112,7 @@ class Kinematics(Assembly):
         if isinstance(drive, CrankInput):
             crank = Turning(self.points[drive.pivot], Vector(g.cos_q, g.sin_q), g.one, g.zero)
             self.links[name] = crank
+            self.angles[name] = g.q
             self.points[drive.pin] = crank.at(crank.u * self.number("input.length")).called(drive.pin)
             return
         guide = self.guides[drive.guide]
@@ -116,6 +125,9 @@ class Kinematics(Assembly):
         drive = self.scene.input
         turns = isinstance(drive, CrankInput) and drive.start is None
         self.free[group.name] = add_free_group(self, group, input_span(self.scene, self.graph), turns)
+
+    def _noncircular_wheel(self, name: str) -> None:
+        self.noncircular[name] = add_noncircular_wheel(self, name)
 
     def _cam(self, name: str) -> None:
         self.cams[name] = add_cam(self, name)
@@ -135,3 +147,4 @@ class Kinematics(Assembly):
         angle = w * self.graph.q + self.number(f"shafts.{name}.phase")
         self.links[name] = Turning(self.points[shaft.pivot], Vector(*self.graph.apply(direction_of, angle)), w, e)
         self.links[name].called(name)
+        self.angles[name] = angle

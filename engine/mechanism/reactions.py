@@ -13,9 +13,12 @@ the input moment by virtual power.
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 
+import numpy as np
+
 from engine.graph.nodes import Node
 from engine.laws.friction.feedback import guide_pressing
 from engine.laws.inertia_forces import inertia_force, inertia_moment
+from engine.laws.kinematics.noncircular_wheels import noncircular_tooth_force
 from engine.laws.kinematics.prp import prp_reactions
 from engine.laws.kinematics.rpp import rpp_reactions
 from engine.laws.kinematics.rpr import rpr_reactions
@@ -30,6 +33,7 @@ from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.higher_pairs.cam_forces import cam_forces
 from engine.mechanism.higher_pairs.mesh import mesh_of
+from engine.mechanism.higher_pairs.rack_motion import Toothing, toothing
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
@@ -94,6 +98,12 @@ class Reactions:
                 self._free_group(kinematics.free[element.name])
             elif element.kind == "cam":
                 self._cam(element.name)
+            elif element.kind == "noncircular wheel":
+                self._noncircular_wheel(element.name)
+            elif element.kind == "rack":
+                self._rack(element.name)
+            elif element.kind == "pinion":
+                self._pinion(element.name)
             elif element.kind == "shaft":
                 self._shaft(element.name)
         self._input()
@@ -296,6 +306,65 @@ class Reactions:
         self._loads.push(shaft.geared_to, at, -force)
         self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
         self._in_pivot(name, self._loads.total(name))
+
+    def _noncircular_wheel(self, name: str) -> None:
+        """Teeth balance the moments on a wheel: as a moment passed on by the ratio, or by forces at the pitch point."""
+        wheel, found, load = (
+            self.scene.noncircular_wheels[name],
+            self.kinematics.noncircular[name],
+            self._loads.total(name),
+        )
+        if wheel.pressure_angle is None:
+            passed = -(found.rate * load.moment)
+            self._loads.twist(wheel.geared_to, passed)
+            self._loads.twist(FRAME, load.moment - passed)
+            self._in_pivot(name, load)
+            return
+        arm = found.pitch_point - self.kinematics.links[name].origin.r
+        path = f"noncircular_wheels.{name}.pressure_angle"
+        slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[path]))
+        levers = arm.cross(found.tangent), arm.cross(found.away)
+        tangential, apart = self.graph.apply(noncircular_tooth_force, load.moment, *levers, slope)
+        self.graph.bends(tangential, load.moment)
+        self.graph.bends(apart, load.moment)
+        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        at, force = self.kinematics.at_rest(found.pitch_point), tangential * found.tangent + apart * found.away
+        self._loads.push(name, at, force)
+        self._loads.push(wheel.geared_to, at, -force)
+        self._in_pivot(name, self._loads.total(name))
+
+    def _rack(self, name: str) -> None:
+        """Teeth balance all that acts on a rack along its guide, which takes the rest."""
+        rack, found, load = self.scene.racks[name], toothing(self.kinematics, name), self._loads.total(name)
+        tangential = -load.force.dot(found.along)
+        apart = self._apart(name, f"racks.{name}", tangential)
+        force = tangential * found.along - apart * found.away
+        self._between_teeth(found, force, name, rack.pinion)
+        left = self._loads.total(name)
+        normal = -left.force.dot(self.kinematics.links[name].u.normal)
+        self._prismatic(self._pairs[name], normal, -left.moment, {name})
+
+    def _pinion(self, name: str) -> None:
+        """Teeth balance the moments on a pinion; its pivot takes the rest, its rack bears the force."""
+        pinion, found, load = self.scene.pinions[name], toothing(self.kinematics, name), self._loads.total(name)
+        tangential = -load.moment / found.radius
+        apart = self._apart(name, f"pinions.{name}", tangential)
+        bearer = pinion.rack or self.scene.guides[pinion.guide].link
+        self._between_teeth(found, tangential * found.along + apart * found.away, name, bearer)
+        self._in_pivot(name, self._loads.total(name))
+
+    def _apart(self, name: str, at: str, tangential: Node) -> Node:
+        """Force by which teeth push apart: by its magnitude, so it bends where what drives changes its sign."""
+        slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"{at}.pressure_angle"]))
+        apart = abs(tangential) * slope
+        self.graph.bends(apart, tangential)
+        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        return apart
+
+    def _between_teeth(self, found: Toothing, force: Vector, on: str, bearer: str) -> None:
+        at = self.kinematics.at_rest(found.pitch_point)
+        self._loads.push(on, at, force)
+        self._loads.push(bearer, at, -force)
 
     def _in_pivot(self, name: str, load: Wrench) -> Node:
         """Register the reaction of a pivot on the frame; the moment of its friction."""

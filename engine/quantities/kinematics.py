@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from engine.graph.nodes import Node
+from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits
@@ -55,6 +56,25 @@ def declare(mechanics: Mechanics) -> Declared:
         yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
         words = f"h of Newton and Kantorovich in {name}: no more than 1/2 proves its assembly mode"
         yield Field(f"{name}.certificate", words, "1", _known(h))
+    for name, motion in k.noncircular.items():
+        yield from _of_wheel(name, scene.noncircular_wheels[name].geared_to, motion)
+
+
+def _of_wheel(name: str, driver: str, motion: NoncircularMotion) -> Declared:
+    """Fields of a non-circular wheel."""
+    words = f"ratio of the speed of {name} to that of {driver}, by magnitude"
+    yield Field(f"{name}.ratio", words, "1", _known(motion.rate), "i")
+    for axis, node in zip("xy", motion.pitch_point, strict=True):
+        yield Field(f"{name}.pitch_{axis}", f"{axis} coordinate of the pitch point of {name}", "m", _known(node))
+    wheels = (
+        ("", name, motion.radius, motion.curvature),
+        ("driver_", driver, motion.driver_radius, motion.driver_curvature),
+    )
+    for prefix, wheel, radius, curvature in wheels:
+        words = f"radius of the pitch curve of {wheel} at the pitch point with {name if prefix else driver}"
+        yield Field(f"{name}.{prefix}pitch_radius", words, "m", _known(radius), "r")
+        words = f"curvature of the pitch curve of {wheel} there, positive where it is convex"
+        yield Field(f"{name}.{prefix}curvature", words, "m-1", _known(curvature), "κ")
 
 
 def _moving_points(mechanics: Mechanics) -> list[str]:

@@ -98,6 +98,19 @@ def tooth_force_fields(scene: Scene) -> list[Quantity]:
             words = f"tangential force {where}: the moment of what acts on {name} over its pitch radius"
             found.append(Quantity(f"{name}.tangential_force", words, "N", "F_t"))
             found.append(Quantity(f"{name}.radial_force", f"force {where} that pushes them apart", "N", "F_r"))
+    for name, wheel in scene.noncircular_wheels.items():
+        if wheel.pressure_angle is not None:
+            where = f"between the teeth of {name} and of {wheel.geared_to}, along"
+            words = f"force {where} the common tangent of their pitch curves"
+            found.append(Quantity(f"{name}.tangential_force", words, "N", "F_t"))
+            words = f"force {where} the normal of their pitch curves, which pushes them apart"
+            found.append(Quantity(f"{name}.radial_force", words, "N", "F_r"))
+    for table, words in (("racks", "pinion"), ("pinions", "rack")):
+        for name in getattr(scene, table):
+            where = f"between the teeth of {name} and of its {words}"
+            along = f"force {where} on {name}, along the rack in the direction of its guide"
+            found.append(Quantity(f"{name}.tangential_force", along, "N", "F_t"))
+            found.append(Quantity(f"{name}.radial_force", f"force {where} that pushes them apart", "N", "F_r"))
     return found
 
 

@@ -6,7 +6,6 @@ from collections.abc import Callable
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.mechanism.kinematics import Turning
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     FULL_TURN,
@@ -19,6 +18,7 @@ from engine.quantities.expressions import (
     StrokeEnd,
 )
 from engine.quantities.register import Declared, InputUnits, Summary
+from engine.scene.structure.meshes import net_turns
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -28,8 +28,7 @@ def declare(mechanics: Mechanics) -> Declared:
         slide = k.slides[name]
         yield from _ends(mechanics, name, "stroke", "m", lambda which, s=slide: StrokeEnd(s.d, s.v, which))
     for name in swinging_links(mechanics):
-        link = k.links[name]
-        yield from _ends(mechanics, name, "swing", "rad", lambda which, u=link: _swing_end(mechanics, u, which))
+        yield from _ends(mechanics, name, "swing", "rad", lambda which, n=name: _swing_end(mechanics, n, which))
 
 
 def swinging_links(mechanics: Mechanics) -> list[str]:
@@ -38,8 +37,11 @@ def swinging_links(mechanics: Mechanics) -> list[str]:
     return [n for n in mechanics.structure.links if links[n].w is not zero and links[n].e is not zero]
 
 
-def _swing_end(mechanics: Mechanics, link: Turning, which: str) -> Expression:
+def _swing_end(mechanics: Mechanics, name: str, which: str) -> Expression:
     """End of the swing of a link, or the position there; undefined for a link that turns all the way round."""
+    link = mechanics.kinematics.links[name]
+    if name in mechanics.scene.pinions and net_turns(mechanics.scene, name) == 0.0:
+        return StrokeEnd(mechanics.kinematics.angles[name], link.w, which)
     angle, sense = Angle(link.u), "least" if which.startswith("low") else "greatest"
     found = ExtremePosition(angle, sense) if which.endswith("_at") else Extreme(angle, sense)
     return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found

@@ -77,6 +77,9 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
         define(links, name, f"links.{name}")
     for name in scene.shafts:
         define(links, name, f"shafts.{name}")
+    for table in ("noncircular_wheels", "racks", "pinions"):
+        for name in getattr(scene, table):
+            define(links, name, f"{table}.{name}")
     for name, cam in scene.cams.items():
         define(links, cam.follower.link, f"cams.{name}.follower.link")
     for name in scene.points:
@@ -123,6 +126,14 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
             refs.append((f"shafts.{name}.carrier", "link", shaft.carrier))
         if shaft.pivot is not None:
             refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
+    for name, wheel in scene.noncircular_wheels.items():
+        refs.append((f"noncircular_wheels.{name}.geared_to", "link", wheel.geared_to))
+        refs.append((f"noncircular_wheels.{name}.pivot", "point", wheel.pivot))
+    for table, keys in (("racks", ("pinion", "pivot", "guide")), ("pinions", ("rack", "pivot", "guide"))):
+        kinds = {"pivot": "point", "guide": "guide"}
+        for name, part in getattr(scene, table).items():
+            given = [key for key in keys if getattr(part, key) is not None]
+            refs += [(f"{table}.{name}.{key}", kinds.get(key, "link"), getattr(part, key)) for key in given]
     for name, cam in scene.cams.items():
         refs.append((f"cams.{name}.on", "link", cam.on))
         kind = "guide" if cam.translating else "pivot"
@@ -169,7 +180,21 @@ def sliders(scene: Scene) -> tuple[str, ...]:
             found.append(group.first.link)
     found += [name for name, link in scene.links.items() if link.guide is not None]
     found += [cam.follower.link for cam in scene.cams.values() if cam.translating]
-    return tuple(found)
+    return (*found, *scene.racks)
+
+
+def guide_of(scene: Scene, link: str) -> str | None:
+    """Guide that a link slides on; None for a link that turns, and for a block in a slot."""
+    if link == scene.input.link:
+        return None if isinstance(scene.input, CrankInput) else scene.input.guide
+    for group in scene.groups.values():
+        for part in (group.first, group.second):
+            if part.link == link:
+                return part.guide if isinstance(part, (Sliding, Yoke)) else None
+    for cam in scene.cams.values():
+        if cam.follower.link == link:
+            return cam.follower.guide if cam.translating else None
+    return getattr({**scene.links, **scene.racks}.get(link), "guide", None)
 
 
 def joint_owners(scene: Scene) -> dict[str, str]:
@@ -215,6 +240,7 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
     fixed = {n: s.pivot for n, s in scene.shafts.items() if s.pivot is not None and s.carrier is None}
     pivots += [(f"shafts.{n}.pivot", pivot) for n, pivot in fixed.items()]
+    pivots += [(f"noncircular_wheels.{n}.pivot", wheel.pivot) for n, wheel in scene.noncircular_wheels.items()]
     pivots += [(f"cams.{n}.follower.pivot", c.follower.pivot) for n, c in scene.cams.items() if not c.translating]
     pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
     problems = [
@@ -251,13 +277,13 @@ def _wrong_shafts(scene: Scene) -> list[Problem]:
     return problems
 
 
-def _turns_of(scene: Scene, link: str) -> float:
+def turns_of(scene: Scene, link: str) -> float:
     """Turns of the crank, of a shaft with a pivot, or of the frame for each turn of the crank."""
     if link in (FRAME, scene.input.link):
         return float(link != FRAME)
     shaft = scene.shafts[link]
-    carrier = _turns_of(scene, shaft.carrier or FRAME)
-    return carrier + shaft.ratio * (_turns_of(scene, shaft.geared_to) - carrier)
+    carrier = turns_of(scene, shaft.carrier or FRAME)
+    return carrier + shaft.ratio * (turns_of(scene, shaft.geared_to) - carrier)
 
 
 def _open_shafts(scene: Scene) -> list[Problem]:
@@ -273,7 +299,7 @@ def _open_shafts(scene: Scene) -> list[Problem]:
     bearing |= {part.link for name, part in scene.guides.items() if name in guides}
     problems = []
     for name in sorted(bearing & (_turning_evenly(scene) - {drive.link})):
-        turns = _turns_of(scene, name) * drive.revolutions
+        turns = turns_of(scene, name) * drive.revolutions
         if not _is_whole(turns):
             message = (
                 f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and what hangs on it "
@@ -385,6 +411,7 @@ def _still_links(scene: Scene) -> set[str]:
         for name, link in scene.links.items():
             if link.guide is not None and scene.guides[link.guide].link in still:
                 found.add(name)
+        found |= {name for name, rack in scene.racks.items() if scene.guides[rack.guide].link in still}
         found |= {cam.follower.link for cam in scene.cams.values() if cam.translating}
         grown, still = found != still, found
     return still

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
-from engine.scene.names import Problem, did_you_mean, joint_owners
+from engine.scene.names import Problem, did_you_mean, guide_of, joint_owners
 from engine.scene.pair_friction import PairFriction
 from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.scene import Scene
@@ -13,7 +13,9 @@ OF_GUIDES = ("form", "vee_angle", "length")
 
 
 class Pair(NamedTuple):
-    """A lower pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`, a shaft's pivot.
+    """A lower pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`.
+
+    Shafts, non-circular wheels, racks and pinions have one each, of their own name.
 
     A cam's follower is held in `CAM.guide` or `CAM.pivot`.
 
@@ -48,8 +50,8 @@ def holder_of(scene: Scene, point: str) -> str:
 
 def bearer_of(scene: Scene, slider: str) -> str:
     """Link that carries the guide or slot of a slider."""
-    if slider in scene.links:
-        return scene.guides[scene.links[slider].guide].link
+    if slider in scene.links or slider in scene.racks:
+        return scene.guides[guide_of(scene, slider)].link
     for group in scene.groups.values():
         for part in (group.first, group.second):
             if part.link == slider:
@@ -67,6 +69,9 @@ def pairs(scene: Scene) -> list[Pair]:
     found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
     for name in scene.groups:
         found += pairs_of_group(scene, name)
+    found += [_joint(scene, name, name, wheel.pivot) for name, wheel in scene.noncircular_wheels.items()]
+    found += [_on_guide(scene, name, name, rack.guide) for name, rack in scene.racks.items()]
+    found += [_joint(scene, name, name, pinion.pivot) for name, pinion in scene.pinions.items()]
     return [*found, *free_pairs(scene), *(follower_pair(scene, name) for name in scene.cams)]
 
 
@@ -137,6 +142,10 @@ def friction_problems(scene: Scene) -> list[Problem]:
                 f"forces between the teeth of {friction.pair!r} and friction in its pivot aren't computed together"
             )
             problems.append((f"{path}.pair", f"{message}: leave out one, or shafts.{friction.pair}.pressure_angle"))
+            continue
+        if friction.pair in {*scene.noncircular_wheels, *scene.racks, *scene.pinions}:
+            message = f"{friction.pair!r} has forces between teeth: friction isn't computed there; leave it out"
+            problems.append((f"{path}.pair", message))
             continue
         if friction.pair.partition(".")[0] in scene.cams:
             message = f"{friction.pair!r} holds a cam's follower: friction isn't computed there; leave it out"

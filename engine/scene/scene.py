@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.higher_pairs.cams.driving_cams import DrivingCam
+from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.motion.coupled.coupling_models import Coupling
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
@@ -75,6 +76,9 @@ class Scene(Part):
     links: dict[Name, FreeLink] = {}
     near: dict[Name, Near] = {}
     shafts: dict[Name, Shaft] = {}
+    noncircular_wheels: dict[Name, NoncircularWheel] = {}
+    racks: dict[Name, Rack] = {}
+    pinions: dict[Name, Pinion] = {}
     cams: dict[Name, DrivingCam] = {}
     couplings: dict[Name, Coupling] = {}
     bodies: dict[Name, Body] = {}

@@ -43,7 +43,9 @@ def child(name: str, way: str, setting: str, file: str) -> None:
     from engine import Machine
     from sweeps import read_study
 
-    study = read_study(Path(sweeps.__file__).parent / "studies" / f"{name}.toml")
+    # Versions differ in the folders they keep their studies in.
+    files = (Path(sweeps.__file__).parent / "studies").rglob(f"{name}.toml")
+    study = read_study(next(path for path in files if path.parent.name != "scenes"))
     given = {way: int(setting)} if way == "positions" else ({"accuracy": float(setting)} if setting else {})
     machine = Machine(study.scene, study.summaries, (), study.paths, **given)
 

@@ -28,10 +28,10 @@ def seconds(template: str, path: str, share: float, positions: int) -> float:
     """Processor time of a sweep of a number of a template, by up to a share of it."""
     from engine import Machine, scene_numbers, set_threads
     from sweeps.text.scene_text import read_scene
-    from sweeps.text.templates import TEMPLATES
+    from sweeps.text.templates import bundled_templates
 
     set_threads(1)
-    scene = read_scene(TEMPLATES / f"{template}.toml")
+    scene = read_scene(bundled_templates()[template])
     machine = Machine(scene, fields=FIELDS, varied=[path], positions=positions)
     values = scene_numbers(scene)[path].value * np.linspace(1.0, 1.0 + share, VARIANTS)
     machine.evaluate({path: values[:64]})
@@ -66,9 +66,9 @@ def once(template: str, path: str) -> None:
     """Evaluate one variant."""
     from engine import Machine, scene_numbers
     from sweeps.text.scene_text import read_scene
-    from sweeps.text.templates import TEMPLATES
+    from sweeps.text.templates import bundled_templates
 
-    scene = read_scene(TEMPLATES / f"{template}.toml")
+    scene = read_scene(bundled_templates()[template])
     machine = Machine(scene, fields=FIELDS, varied=[path], positions=FEW)
     machine.evaluate({path: np.array([scene_numbers(scene)[path].value])})
 

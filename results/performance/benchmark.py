@@ -203,12 +203,12 @@ def cycle_time(name: str) -> float:
 
 def studied() -> dict[str, tuple[Scene, Sequence[str], dict[str, np.ndarray]]]:
     """Machines of the benchmark and bundled ones: scene, what is asked, what varies."""
-    import sweeps
     from sweeps import read_study
+    from sweeps.study.bundled import bundled_studies
 
     found = {title(name): (case.scene, asked(name), geometry_and_loads(name)) for name, case in CASES.items()}
     for name in ("crank_press", "four_stroke_engine", "compressor"):
-        study = read_study(Path(sweeps.__file__).parent / "studies" / f"{name}.toml")
+        study = read_study(bundled_studies()[name])
         values, dropped = study.values(0, min(VARIANTS, study.design.size))
         varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
         found[name.replace("_", " ")] = (study.scene, study.summaries, varied)
@@ -263,7 +263,9 @@ def child_study(name: str) -> dict[str, float]:
     import sweeps
     from sweeps import read_study
 
-    study = read_study(Path(sweeps.__file__).parent / "studies" / f"{name}.toml")
+    # Versions differ in the folders they keep their studies in.
+    files = (Path(sweeps.__file__).parent / "studies").rglob(f"{name}.toml")
+    study = read_study(next(path for path in files if path.parent.name != "scenes"))
     machine = study.machine()
     values, dropped = study.values(0, min(STUDY_VARIANTS, study.design.size))
     varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}

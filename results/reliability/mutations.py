@@ -296,7 +296,7 @@ def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[
     (folder / name).write_text(garbled, encoding="utf8", errors="surrogatepass")
     try:
         target = name
-        if not name.endswith(".toml") or "studies/scenes" in name:
+        if not name.endswith(".toml") or "/scenes/" in name:
             users = [p for p, text in bundled.items() if p.endswith(".toml") and Path(name).name in text]
             target = dice.choice(users) if users else name
         code, said, took = command(["check", "--source", target], READ_WITHIN)
@@ -349,7 +349,8 @@ def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> N
             pipe.send((case, how, content, took, memory))
 
         if kind == "lines":
-            line = garbled_lines(dice, [p for p in stock() if p.startswith("templates")], "studies/scenes/press.toml")
+            templates = [p for p in stock() if p.startswith("templates")]
+            line = garbled_lines(dice, templates, "studies/flywheels/scenes/press.toml")
             code, said, took = command(line, READ_WITHIN * 6)
             how = judged(code, said, folder)
             report("results" if how.startswith("message of") and "--help" in line else how, " ".join(line), took)

@@ -22,7 +22,7 @@ from sweeps.cli.shared import (
     use_threads,
     workers_text,
 )
-from sweeps.interruption import keeping
+from sweeps.text.interruption import keeping
 
 
 @click.command()

@@ -119,6 +119,7 @@ def _show_at(
     "--with", "shown", default="", help="What else the drawing shows, with commas: masses, forces, links, scale."
 )
 @click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
+@click.option("--bearings", default="", help="Also loads of these bearings: input, GROUP.first and so on, with commas.")
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
 @click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")
 @click.option("-x", help="Column along x (results); a field along x instead of the crank angle.")
@@ -136,6 +137,7 @@ def plot(
     paths: str,
     shown: str,
     plans: bool,
+    bearings: str,
     hodograph: bool,
     beside: str | None,
     x: str | None,
@@ -154,11 +156,11 @@ def plot(
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files
     from sweeps.pictures.elements.element_pictures import element_tables
-    from sweeps.pictures.plans import plan_pictures
+    from sweeps.pictures.plans import bearing_pictures, plan_pictures
     from sweeps.text.scene_text import with_values
 
     tables = ""
-    if is_result(file) and variant is None and not (plans or hodograph or beside or settings):
+    if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
         made = picture_files.result_pictures(Path(file), out, x, y, colour)
     elif x or y:
         scene, values, name = machine_of(file, variant, settings)
@@ -170,13 +172,14 @@ def plot(
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
         made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths), names_in(shown))
         made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
+        made += bearing_pictures(scene, stem, names_in(bearings), values)
         if hodograph or beside:
             other = machine_of(beside, None) if beside else None
             made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
         tables = element_tables(with_values(scene, values))
     if tables:
         tell(tables)
-    tell("\n".join(f"Wrote {path}" for path in made))
+    tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))
 
 
 @click.command()

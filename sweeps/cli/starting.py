@@ -11,14 +11,16 @@ from sweeps.cli.shared import errors_as_messages, tell, write_text
 @errors_as_messages
 def list_command() -> None:
     """List the bundled studies and the templates for scenes."""
-    from sweeps.study.bundled import questions
-    from sweeps.text.tables import table
-    from sweeps.text.templates import templates
+    from sweeps.study.bundled import bundled_studies, questions
+    from sweeps.text.tables import table_by_subject
+    from sweeps.text.templates import bundled_templates, templates
 
     tell("Studies (sweeps run NAME):")
-    tell(table(list(questions().items()), "  "))
+    subjects = {name: path.parent.name for name, path in bundled_studies().items()}
+    tell(table_by_subject(list(questions().items()), subjects))
     tell("Templates (sweeps new NAME):")
-    tell(table(list(templates().items()), "  "))
+    subjects = {name: path.parent.name for name, path in bundled_templates().items()}
+    tell(table_by_subject(list(templates().items()), subjects))
 
 
 @click.command()

@@ -1,6 +1,7 @@
 """The chapters of the guide, told in the terminal."""
 
 from importlib.resources import files
+from pathlib import Path
 
 from engine import unknown_name_message
 from sweeps.text.input_files import InputError
@@ -9,8 +10,8 @@ from sweeps.text.tables import table
 
 def chapters() -> dict[str, str]:
     """The chapters' texts in Markdown, by name."""
-    pages = (page for page in (files("sweeps") / "guide").iterdir() if page.name.endswith(".md"))
-    return {page.name.removesuffix(".md"): page.read_text("utf8") for page in sorted(pages, key=lambda page: page.name)}
+    pages = Path(str(files("sweeps") / "guide")).rglob("*.md")
+    return {page.stem: page.read_text("utf8") for page in sorted(pages, key=lambda page: page.stem)}
 
 
 def chapters_text() -> str:

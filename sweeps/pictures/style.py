@@ -7,6 +7,7 @@ from pathlib import Path
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from sweeps.pictures.picture_error import PictureError
 from sweeps.text.whole_files import whole_file
@@ -69,12 +70,23 @@ def house_style() -> Iterator[None]:
         yield
 
 
+class PlainNumbers(ScalarFormatter):
+    """Numbers along an axis as plain text; the power of ten at its end stays a formula.
+
+    Matplotlib makes formulas of both, and lays out each formula several times as slowly as a plain text.
+    """
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Text of one number."""
+        return super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+
+
 class Sheet(Figure):
     """A figure that a notebook shows as it is saved, without pyplot, which keeps figures until they are closed."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         made = BytesIO()
-        _title_as_written(self)
+        _lettered(self)
         with house_style():
             self.savefig(made, format="png")
         width, height = self.get_size_inches()
@@ -86,11 +98,16 @@ def new_figure(width: float, height: float) -> Figure:
     return Sheet(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout="constrained")
 
 
-def _title_as_written(figure: Figure) -> None:
-    """A title is the user's own; a $ in it begins no formula."""
+def _lettered(figure: Figure) -> None:
+    """A title is the user's own, and a $ in it begins no formula; numbers along axes are plain."""
     for text in figure.texts:
         if text.get_text() == figure.get_suptitle():
             text.set_parse_math(False)
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                with house_style():
+                    axis.set_major_formatter(PlainNumbers())
 
 
 def save(figure: Figure, path: Path | str) -> None:
@@ -107,7 +124,7 @@ def save(figure: Figure, path: Path | str) -> None:
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
     try:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
-        _title_as_written(figure)
+        _lettered(figure)
         with house_style(), whole_file(path) as draft:
             figure.savefig(draft, metadata=undated)
     except OSError as error:

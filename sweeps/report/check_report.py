@@ -50,7 +50,8 @@ def structure_text(scene: Scene) -> str:
         return "none; machine elements alone"
     free = order_groups(scene).free_groups.values()
     planets = [(name, shaft) for name, shaft in scene.shafts.items() if shaft.carrier is not None]
-    touching = len(scene.cams) + len(planets)
+    touching = len(scene.cams) + len(planets) + len(scene.racks) + len(scene.pinions)
+    touching += len(scene.noncircular_wheels)
     links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + touching
     pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
     lines = [f"input {scene.input.link} ({scene.input.type})"]
@@ -64,6 +65,13 @@ def structure_text(scene: Scene) -> str:
         for name, cam in scene.cams.items()
     ]
     lines += [f"planet {name} on {shaft.carrier}, geared to {shaft.geared_to}" for name, shaft in planets]
+    lines += [
+        f"non-circular wheel {name} about {wheel.pivot}, driven by {wheel.geared_to}: {wheel.law.type}"
+        for name, wheel in scene.noncircular_wheels.items()
+    ]
+    lines += [f"rack {name} on guide {rack.guide}, driven by {rack.pinion}" for name, rack in scene.racks.items()]
+    rolls = {n: p.rack or f"a fixed rack along {p.guide}" for n, p in scene.pinions.items()}
+    lines += [f"pinion {name} about {scene.pinions[name].pivot}, driven by {rack}" for name, rack in rolls.items()]
     higher = (" − p₂", f" − {touching}") if touching else ("", "")
     lines.append(f"W = 3n − 2p₁{higher[0]} = 3·{links} − 2·{pairs}{higher[1]} = {3 * links - 2 * pairs - touching}")
     return "\n".join(lines)

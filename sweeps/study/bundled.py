@@ -11,8 +11,8 @@ STUDIES = Path(str(files("sweeps") / "studies"))
 
 
 def bundled_studies() -> dict[str, Path]:
-    """Studies that come with the package, by name."""
-    return {path.stem: path for path in sorted(STUDIES.glob("*.toml"))}
+    """Studies that come with the package, by name; the folder of each is its subject."""
+    return {path.stem: path for path in sorted(STUDIES.glob("*/*.toml"), key=lambda path: path.stem)}
 
 
 def questions() -> dict[str, str]:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -32,8 +31,6 @@ from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml
-
-STUDIES = Path(str(files("sweeps") / "studies"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,9 +10,14 @@ from sweeps.text.input_files import InputError
 TEMPLATES = Path(str(files("sweeps") / "templates"))
 
 
+def bundled_templates() -> dict[str, Path]:
+    """Files of the templates, by name; the folder of each is its subject."""
+    return {path.stem: path for path in sorted(TEMPLATES.glob("*/*.toml"), key=lambda path: path.stem)}
+
+
 def templates() -> dict[str, str]:
     """Titles of the templates, by name."""
-    return {p.stem: tomllib.loads(p.read_text(encoding="utf8"))["title"] for p in sorted(TEMPLATES.glob("*.toml"))}
+    return {name: tomllib.loads(path.read_text(encoding="utf8"))["title"] for name, path in bundled_templates().items()}
 
 
 def template_text(name: str) -> str:
@@ -23,7 +28,7 @@ def template_text(name: str) -> str:
     InputError
         There is no such template.
     """
-    known = templates()
+    known = bundled_templates()
     if name not in known:
         raise InputError(name, [(None, "", f"there is no such template. {unknown_name_message(name, known)}")])
-    return (TEMPLATES / f"{name}.toml").read_text(encoding="utf8")
+    return known[name].read_text(encoding="utf8")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sweeps.interruption import half_written
+from sweeps.text.interruption import half_written
 
 
 @contextmanager

@@ -334,6 +334,8 @@ class CoupledRuns:
         past = np.where(joined.crank_way == 0.0, -np.inf, joined.crank_way * (step.end[CRANK] - goal))
         beyond = live & (past > LANDED)
         shorter = np.clip(1.0 - past / (np.abs(step.end[CRANK_SPEED]) * h), NEWTON_LEAST, 1.0)
+        # Where a step missed, its end says nothing of how far the jump is.
+        shorter = np.where(step.missed <= 1.0, shorter, np.fmin(shorter, share))
         self.aims[who] = np.where(beyond, h * shorter, np.inf)
         taken = live & (step.missed <= 1.0) & ~beyond
         limited = beyond | (taken & (h < self.pace[who]))

@@ -4,8 +4,10 @@ A mechanism is ordered when every group hangs on points and guides that are know
 degrees of freedom as input links, one. Lower pairs only: W = 3n − 2p₁ (Chebyshev), and W = 0 for each group.
 """
 
+from collections.abc import Container
 from typing import NamedTuple
 
+from engine.higher_pairs.gears.driving_gears import Pinion, Rack
 from engine.scene.formulas.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
 from engine.scene.names import (
@@ -22,10 +24,15 @@ from engine.scene.pairs import friction_problems, pairs
 from engine.scene.parts import FRAME, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
 from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
+from engine.scene.structure.meshes import mesh_problems
 
 
 class Element(NamedTuple):
-    """A step of the ordering: `kind` is "input", "shaft", "cam", "group", "free group", "point" or "guide"."""
+    """A step of the ordering.
+
+    Its `kind` is "input", "shaft", "noncircular wheel", "rack", "pinion", "cam", "group", "free group", "point" or
+    "guide".
+    """
 
     kind: str
     name: str
@@ -74,6 +81,13 @@ class _Ordering(NamedTuple):
     free_groups: dict[str, FreeGroup]
 
 
+def _in_mesh(part: Rack | Pinion, links: Container[str], points: Container[str], guides: Container[str]) -> bool:
+    """Whether all that a rack or a pinion hangs on is known."""
+    driver = part.pinion if isinstance(part, Rack) else part.rack
+    driven = driver is None or driver in links
+    return driven and part.pivot in points and (part.guide is None or part.guide in guides)
+
+
 def _ordered(scene: Scene) -> _Ordering:
     elements = [Element("input", scene.input.link)]
     known_links = {FRAME, scene.input.link}
@@ -99,6 +113,17 @@ def _ordered(scene: Scene) -> _Ordering:
                 known_links.add(name)
                 elements.append(Element("shaft", name))
                 grown = True
+        for name, wheel in scene.noncircular_wheels.items():
+            if name not in known_links and wheel.geared_to in known_links and wheel.pivot in points:
+                known_links.add(name)
+                elements.append(Element("noncircular wheel", name))
+                grown = True
+        for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
+            for name, part in table.items():
+                if name not in known_links and _in_mesh(part, known_links, points, guides):
+                    known_links.add(name)
+                    elements.append(Element(kind, name))
+                    grown = True
         for name, cam in scene.cams.items():
             held = cam.follower.guide in guides if cam.translating else cam.follower.pivot in points
             if cam.follower.link not in known_links and cam.on in known_links and held:
@@ -199,6 +224,15 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
         problems.append(
             (f"shafts.{shafts[0]}.geared_to", f"gears that nothing drives: {chain}; gear one to a link that moves")
         )
+    wheels = [name for name in scene.noncircular_wheels if Element("noncircular wheel", name) not in elements]
+    if wheels:
+        message = "a wheel that nothing drives; gear it to the crank, to a shaft with a pivot, or to such a wheel"
+        problems.append((f"noncircular_wheels.{wheels[0]}.geared_to", message))
+    for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
+        found = [name for name in table if Element(kind, name) not in elements]
+        if found:
+            message = f"a {kind} that nothing drives, or whose axis or guide nothing holds; hang it on what moves"
+            problems.append((f"{kind}s.{found[0]}", message))
     cams = [name for name in scene.cams if Element("cam", name) not in elements]
     if cams:
         message = "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft"
@@ -255,6 +289,7 @@ def order(scene: Scene) -> Structure:
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
         problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)
+        problems = problems or mesh_problems(scene)
     if not problems:
         problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:
@@ -265,5 +300,6 @@ def order(scene: Scene) -> Structure:
 def _moving_links(scene: Scene) -> tuple[str, ...]:
     pivoted = [name for name, shaft in scene.shafts.items() if shaft.pivot is not None]
     in_groups = (link for name in scene.groups for link in group_links(scene, name))
+    geared = (*scene.noncircular_wheels, *scene.racks, *scene.pinions)
     followers = (cam.follower.link for cam in scene.cams.values())
-    return (scene.input.link, *pivoted, *in_groups, *scene.links, *followers)
+    return (scene.input.link, *pivoted, *in_groups, *scene.links, *geared, *followers)

@@ -1,8 +1,8 @@
-"""Cams that drive a mechanism, their followers, and planets, as they are drawn at a position."""
+"""Cams that drive a mechanism, their followers, planets and non-circular wheels, as they are drawn at a position."""
 
 import numpy as np
 
-from engine import FRAME
+from engine import FRAME, has_cycle
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive, hatched, line
 
@@ -66,6 +66,17 @@ def planet_circles(m: DrawnMotion, k: int) -> list[Primitive]:
             found += [
                 Primitive("pitch", "circle", (c,), r) for c, r in ((centre, radius), (other, abs(ratio) * radius))
             ]
+    return found
+
+
+def pitch_curves(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Pitch curves of non-circular wheels and of what drives them at a node."""
+    found = []
+    for name, curves in m.pitch_curves.items():
+        for link, curve in zip((name, m.scene.noncircular_wheels[name].geared_to), curves, strict=True):
+            place, along = m.axes(link)
+            drawn = np.append(curve, curve[:1]) if has_cycle(m.scene) else curve
+            found.append(line(*(place[k] + drawn * along[k]), layer="pitch"))
     return found
 
 

@@ -2,8 +2,9 @@
 
 from engine import FRAME
 from sweeps.pictures.drawing.frame import bush_at
-from sweeps.pictures.drawing.higher_pairs import cam_shapes, planet_circles
+from sweeps.pictures.drawing.higher_pairs import cam_shapes, pitch_curves, planet_circles
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
+from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, line, link_shape, weld, zigzag
 
 
@@ -26,7 +27,8 @@ def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primi
     boxes = [box(m.axes(s.link)[0][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
     spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
     springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
-    return [*under, *boxes, *plates], [*planet_circles(m, k), *cam_shapes(m, k), *over, *springs, *joints(m, k)]
+    touching = [*planet_circles(m, k), *cam_shapes(m, k), *rack_shapes(m, k), *pitch_curves(m, k)]
+    return [*under, *boxes, *plates], [*touching, *over, *springs, *joints(m, k)]
 
 
 def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:

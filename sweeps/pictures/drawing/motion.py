@@ -15,6 +15,8 @@ from engine import (
     DrivingCam,
     Hinged,
     Machine,
+    NoncircularWheel,
+    Pinion,
     Scene,
     SceneNumbers,
     Sliding,
@@ -59,6 +61,8 @@ class DrawnMotion:
         Where cams touch their followers.
     profiles : dict of str to complex ndarray (points,)
         Of cams, in the axes of the links that they sit on: closed where the cam makes a turn.
+    pitch_curves : dict of str to (complex ndarray, complex ndarray)
+        Of non-circular wheels, each in the axes of its own link: its own, and that of its driver.
     radius : float
         Radius of a hinge, which scales all symbols [m].
 
@@ -80,8 +84,10 @@ class DrawnMotion:
         free = [name for name, link in scene.links.items() if link.guide is None]
         free += [cam.follower.link for cam in scene.cams.values() if not cam.translating]
         free += [name for name, shaft in scene.shafts.items() if shaft.carrier is not None]
+        free += [*scene.pinions, *scene.noncircular_wheels]
         fields += [f"{n}.angle" for n in free]
         fields += [f"{n}.contact_{axis}" for n in scene.cams for axis in "xy"]
+        fields += [f"{n}.pitch_{axis}" for n in scene.noncircular_wheels for axis in "xy"]
         machine = Machine(scene, fields=fields, varied=values, positions=POSITIONS)
         outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
         self.numbers = SceneNumbers(scene_numbers(scene), values)
@@ -103,9 +109,14 @@ class DrawnMotion:
             verdict = SENTENCES[Verdict(int(outcome.status[0]))]
             raise PictureError(f"this mechanism can't be drawn at any position: {verdict}")
         self.contacts = {n: rows[f"{n}.contact_x"] + 1j * rows[f"{n}.contact_y"] for n in scene.cams}
+        pitch_points = {n: rows[f"{n}.pitch_x"] + 1j * rows[f"{n}.pitch_y"] for n in scene.noncircular_wheels}
         self.links = (*structure.links, FRAME)
         self.axes, self.guide = cache(self._axes), cache(self._guide)
         self.profiles = {name: self._profile(name) for name in scene.cams}
+        self.pitch_curves = {
+            name: tuple((point - self.axes(link)[0]) / self.axes(link)[1] for link in (name, wheel.geared_to))
+            for (name, wheel), point in zip(scene.noncircular_wheels.items(), pitch_points.values(), strict=True)
+        }
         self.sliders = tuple(self._sliders())
         self.radius = self._radius()
 
@@ -150,6 +161,11 @@ class DrawnMotion:
         if link in self.scene.shafts:
             ratio, phase = self.numbers[f"shafts.{link}.ratio"], self.numbers[f"shafts.{link}.phase"]
             return self.points[self.scene.shafts[link].pivot], np.exp(1j * (ratio * self.q + phase))
+        if link in self._wheels:
+            return self.points[self._wheels[link].pivot], self._turned[link]
+        if link in self.scene.racks:
+            place, along = self.guide(self.scene.racks[link].guide)
+            return place + self.slides[link] * along, along
         if link in self.scene.links:
             return self._free_axes(link)
         if link in self._followers:
@@ -243,6 +259,10 @@ class DrawnMotion:
             found = [drive.pivot, drive.pin] if isinstance(drive, CrankInput) else [drive.point]
         elif link in self.scene.shafts:
             found = [self.scene.shafts[link].pivot]
+        elif link in self._wheels:
+            found = [self._wheels[link].pivot]
+        elif link in self.scene.racks:
+            found = []
         elif link in self.scene.links:
             found = list(self.scene.links[link].joints)
         elif link in self._followers:
@@ -260,11 +280,17 @@ class DrawnMotion:
         return {cam.follower.link: cam for cam in self.scene.cams.values()}
 
     @property
+    def _wheels(self) -> dict[str, Pinion | NoncircularWheel]:
+        """Pinions that racks drive, and non-circular wheels."""
+        return {**self.scene.pinions, **self.scene.noncircular_wheels}
+
+    @property
     def hinges(self) -> set[str]:
         """Points that are revolute pairs."""
         drive = self.scene.input
         found = {drive.pivot} if isinstance(drive, CrankInput) else set()
         found |= {s.pivot for s in self.scene.shafts.values() if s.pivot is not None}
+        found |= {wheel.pivot for wheel in self._wheels.values()}
         found |= {cam.follower.pivot for cam in self.scene.cams.values() if not cam.translating}
         for group in self.scene.groups.values():
             found |= {p.joint for p in (group.first, group.second) if hasattr(p, "joint")}

@@ -5,7 +5,7 @@ matplotlib. Plans are drawn to round scales that hold on paper, with the scale Î
 """
 
 from sweeps.pictures.plans.bearing_loads import bearing_load, bearing_sheet, least_loaded, load_polar, load_rose, shares
-from sweeps.pictures.plans.files import plan_pictures, reaction_pictures
+from sweeps.pictures.plans.files import bearing_pictures, plan_pictures, reaction_pictures
 from sweeps.pictures.plans.force_plan import force_plan, force_polygon
 from sweeps.pictures.plans.free_body import free_body
 from sweeps.pictures.plans.kinematic_plans import acceleration_plan, velocity_plan
@@ -26,6 +26,7 @@ __all__ = [
     "acceleration_plan",
     "accelerations",
     "bearing_load",
+    "bearing_pictures",
     "bearing_sheet",
     "force_plan",
     "force_polygon",

@@ -75,7 +75,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     Raises
     ------
     PictureError
-        There is no such pair, or it is not revolute, or the axes are of neither link.
+        There is no such pair, it is not revolute or bears no load, or the axes are of neither link.
     """
     known = {p.name: p for p in pairs_of(cycle.scene) if p.kind == "revolute"}
     if pair not in known:
@@ -85,6 +85,8 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     if axes not in allowed:
         raise PictureError(f"bearing load of {pair}: axes {axes!r} are of neither link; {did_you_mean(axes, allowed)}")
     force = cycle.force(f"{pair}.reaction")
+    if not np.nanmax(np.abs(force)) > 0:
+        raise PictureError(f"bearing load: nothing loads {pair}; give the machine masses, forces or gravity")
     on = found.other if axes == found.other != FRAME else found.link
     sign = 1 if on == found.link else -1
     turned = sign * force * cycle.motion.axes(axes)[1].conj()

@@ -1,8 +1,9 @@
 """Files of plans: velocities, accelerations and forces at a position, reactions and bearing loads over the cycle."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from engine import Scene, pairs_of
@@ -12,6 +13,9 @@ from sweeps.pictures.plans.reaction_curves import reaction_sheet
 from sweeps.pictures.plans.sheets import force_sheet, kinematic_sheet
 from sweeps.pictures.style import save
 
+# Bearings that have a sheet unasked: a machine of ten dyads has 31, and few of them decide anything.
+MOST_BEARINGS = 8
+
 
 def plan_pictures(
     scene: Scene, path: Path, at: float | None = None, values: Mapping[str, float] | None = None
@@ -19,7 +23,7 @@ def plan_pictures(
     """Draw all plans of a machine at one position, and its reactions over the cycle.
 
     Plans of velocities and accelerations; where anything loads the machine, a sheet of forces for each group and for
-    the input link, the reactions of all pairs, and the load of each bearing.
+    the input link, the reactions of all pairs, and the load of each bearing, or of the eight most heavily loaded ones.
 
     Parameters
     ----------
@@ -48,8 +52,43 @@ def plan_pictures(
     if revolute_pairs(cycle):
         parts = (scene.input.link, *cycle.groups)
         made += [_saved(force_sheet(pose, part), path, f"forces_{part}") for part in parts]
-        made += _reactions(cycle, path, {pair.name for pair in pairs_of(scene)})
+        made += _reactions(cycle, path, _most_loaded(cycle))
     return made
+
+
+def bearing_pictures(
+    scene: Scene, path: Path, bearings: Collection[str], values: Mapping[str, float] | None = None
+) -> list[Path]:
+    """Draw the load of some bearings over the cycle; arguments as for `plan_pictures`.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+    bearings : collection of str
+        Names of revolute pairs.
+    values : mapping of path to float, optional
+
+    Returns
+    -------
+    list of Path
+        The files made.
+
+    Raises
+    ------
+    PictureError
+        There is no such pair, or it is not revolute or bears no load.
+    """
+    return _bearing_sheets(MachineCycle(scene, values), path, dict.fromkeys(bearings)) if bearings else []
+
+
+def _most_loaded(cycle: MachineCycle) -> list[str]:
+    peaks = {pair.name: np.nanmax(np.abs(cycle.force(f"{pair.name}.reaction"))) for pair in revolute_pairs(cycle)}
+    return sorted(peaks, key=peaks.__getitem__, reverse=True)[:MOST_BEARINGS]
+
+
+def _bearing_sheets(cycle: MachineCycle, path: Path, names: Iterable[str]) -> list[Path]:
+    return [_saved(bearing_sheet(cycle, name), path, f"bearing_{name.replace('.', '_')}") for name in names]
 
 
 def reaction_pictures(
@@ -72,7 +111,8 @@ def reaction_pictures(
     list of Path
         The files made.
     """
-    higher = scene.cams or any(s.carrier or s.pressure_angle is not None for s in scene.shafts.values())
+    higher = scene.cams or scene.noncircular_wheels or scene.racks or scene.pinions
+    higher = higher or any(s.carrier or s.pressure_angle is not None for s in scene.shafts.values())
     known = {pair.name for pair in pairs_of(scene)} if not higher else set()
     asked = {name.rpartition(".reaction")[0] for name in fields} & known
     return _reactions(MachineCycle(scene, values), path, asked) if asked else []
@@ -81,7 +121,7 @@ def reaction_pictures(
 def _reactions(cycle: MachineCycle, path: Path, asked: Collection[str]) -> list[Path]:
     made = [_saved(reaction_sheet(cycle), path, "reactions")]
     bearings = [pair.name for pair in revolute_pairs(cycle) if pair.name in asked]
-    return made + [_saved(bearing_sheet(cycle, name), path, f"bearing_{name.replace('.', '_')}") for name in bearings]
+    return made + _bearing_sheets(cycle, path, bearings)
 
 
 def _saved(figure: Figure, path: Path, what: str) -> Path:

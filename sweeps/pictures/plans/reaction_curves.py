@@ -8,10 +8,16 @@ from matplotlib.figure import Figure
 
 from engine import CrankInput, Pair, pairs_of
 from sweeps.pictures.plans.pose import MachineCycle
-from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style, new_figure
+from sweeps.pictures.plans.sheets import heading, place, sheet
+from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style
 from sweeps.text.engineer_units import engineer_unit
 
 COLUMNS = 3
+# Sizes on paper [mm]: of a panel with what stands around it, and what stands left, right, below and above.
+PANEL_WIDTH, PANEL_HEIGHT = 59.0, 56.0
+LEFT, RIGHT, BELOW, ABOVE = 15.0, 4.0, 11.0, 10.0
+# Right of a panel with moments.
+OF_MOMENTS = 14.0
 # Smaller shares of the greatest reaction are rounding.
 NOTHING = 1e-9
 
@@ -37,15 +43,20 @@ def reaction_panel(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
     ax.set_title(f"{what}\npeak {factor * abs(force[peak]):.4g} {unit}", fontsize=7.5)
     if cycle.is_closed:
         ax.set_xticks(np.linspace(0, q[-1], 5))
-    if pair.kind == "prismatic":
-        _moment(cycle, pair, ax, q, force)
+    if _bears_moment(cycle, pair):
+        _moment(cycle, pair, ax, q)
 
 
-def _moment(cycle: MachineCycle, pair: Pair, ax: Axes, q: np.ndarray, force: np.ndarray) -> None:
-    """The moment of a prismatic pair against an axis of its own, where there is one."""
+def _bears_moment(cycle: MachineCycle, pair: Pair) -> bool:
+    if pair.kind != "prismatic":
+        return False
+    moment, force = cycle.forces[f"{pair.name}.reaction_moment"], cycle.force(f"{pair.name}.reaction")
+    return bool(np.nanmax(np.abs(moment)) > NOTHING * np.nanmax(np.abs(force)) * cycle.motion.radius)
+
+
+def _moment(cycle: MachineCycle, pair: Pair, ax: Axes, q: np.ndarray) -> None:
+    """The moment of a prismatic pair against an axis of its own."""
     moment = cycle.forces[f"{pair.name}.reaction_moment"]
-    if not np.nanmax(np.abs(moment)) > NOTHING * np.nanmax(np.abs(force)) * cycle.motion.radius:
-        return
     factor, unit = engineer_unit("N m", moment)
     right = ax.twinx()
     right.grid(False)
@@ -70,17 +81,19 @@ def reaction_sheet(cycle: MachineCycle) -> Figure:
     """Sheet of the reactions of all pairs over the cycle and of the input moment, 180 mm wide."""
     shown = pairs_of(cycle.scene)
     rows = math.ceil((len(shown) + 1) / COLUMNS)
+    right = OF_MOMENTS if any(_bears_moment(cycle, pair) for pair in shown) else RIGHT
     with house_style():
-        figure = new_figure(180, 12 + 56 * rows)
-        axes = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
+        figure = sheet(180, 16 + PANEL_HEIGHT * rows)
+        heading(figure, cycle.scene, "reactions at uniform speed")
+        axes = []
+        for i in range(len(shown) + 1):
+            row, column = divmod(i, COLUMNS)
+            left, bottom = 2 + PANEL_WIDTH * column + LEFT, 6 + PANEL_HEIGHT * (rows - 1 - row) + BELOW
+            axes.append(place(figure, left, bottom, PANEL_WIDTH - LEFT - right, PANEL_HEIGHT - BELOW - ABOVE))
         for ax, pair in zip(axes, shown, strict=False):
             reaction_panel(cycle, pair, ax)
-        _input_panel(cycle, axes[len(shown)])
-        for ax in axes[len(shown) + 1 :]:
-            ax.set_axis_off()
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower right", ncols=3)
-        if cycle.scene.title:
-            figure.suptitle(f"{cycle.scene.title}: reactions at uniform speed", fontweight="bold")
+        _input_panel(cycle, axes[-1])
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="lower right", ncols=3)
     return figure
 
 

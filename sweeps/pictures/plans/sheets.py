@@ -11,7 +11,7 @@ from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.polygons import velocities
 from sweeps.pictures.plans.pose import Pose
-from sweeps.pictures.style import MM_PER_INCH, house_style
+from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
 
 WIDTH, HEIGHT = 180.0, 130.0
 HEADING = 8.0
@@ -19,7 +19,7 @@ HEADING = 8.0
 
 def sheet(width: float = WIDTH, height: float = HEIGHT) -> Figure:
     """An empty sheet of paper [mm]; its axes keep the places they are given."""
-    return Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+    return Sheet(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
 
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float, **kind: str) -> Axes:

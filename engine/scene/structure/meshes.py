@@ -1,0 +1,139 @@
+"""Wheels and racks that can't mesh: axes at a distance that changes, unknown angles, racks that run away.
+
+The angle of a pinion against what carries its rack must be known all the way, over many turns too. It is for what is
+geared to the crank, for what racks drive, and for what never turns or slides on such; links of structural groups swing
+or turn as their loops allow, and have none.
+"""
+
+from engine.scene.masses import places_on
+from engine.scene.names import Problem, did_you_mean, guide_of, sliders, turns_of
+from engine.scene.parts import FRAME, CrankInput
+from engine.scene.scene import Scene
+
+# Turns over a cycle below this come from rounded ratios.
+_NO_TURN = 1e-9
+
+
+def rides_along(scene: Scene, point: str, guide: str) -> str | None:
+    """Slider on a guide that a point belongs to; None for a point that rides on none."""
+    on_guide = [link for link in sliders(scene) if guide_of(scene, link) == guide]
+    return next((link for link in on_guide if point in places_on(scene, link)), None)
+
+
+def mesh_problems(scene: Scene) -> list[Problem]:
+    """Everything that keeps racks and pinions of a scene from meshing."""
+    # What racks do is looked at once all pinions have racks.
+    problems = [problem for name in scene.noncircular_wheels for problem in _wrong_wheel(scene, name)]
+    problems += [problem for name in scene.pinions for problem in _wrong_pinion(scene, name)]
+    if problems:
+        return problems
+    for name, rack in scene.racks.items():
+        at, turning = f"racks.{name}", sorted(_turning(scene))
+        if rack.pinion not in turning:
+            message = f"the angle of {rack.pinion!r} isn't known over its turns: a rack is driven by the crank, a "
+            problems.append(
+                (
+                    f"{at}.pinion",
+                    f"{message}shaft with a pivot, a pinion or a wheel; {did_you_mean(rack.pinion, turning)}",
+                )
+            )
+            continue
+        if rack.pivot not in places_on(scene, rack.pinion):
+            message = f"{rack.pivot!r} is no point of {rack.pinion!r}; name the axis that this pinion turns about"
+            problems.append((f"{at}.pivot", message))
+        problems += _unheld(scene, f"{at}.pivot", rack.pivot, rack.guide) or _runs_away(scene, name)
+    return problems
+
+
+def _wrong_wheel(scene: Scene, name: str) -> list[Problem]:
+    wheel, drive, at = scene.noncircular_wheels[name], scene.input, f"noncircular_wheels.{name}"
+    on_frame = {n for n, shaft in scene.shafts.items() if shaft.pivot is not None and shaft.carrier is None}
+    on_frame |= set(scene.noncircular_wheels) | ({drive.link} if isinstance(drive, CrankInput) else set())
+    if wheel.geared_to not in on_frame:
+        message = "is in mesh with the crank, a shaft with a pivot on the frame, or another such wheel; "
+        return [(f"{at}.geared_to", message + did_you_mean(wheel.geared_to, on_frame - {name}))]
+    axes = {drive.link: drive.pivot} | {n: s.pivot for n, s in (scene.shafts | scene.noncircular_wheels).items()}
+    axis = axes[wheel.geared_to]
+    if scene.points[wheel.pivot] == scene.points[axis]:
+        return [(f"{at}.pivot", f"lies on the axis of {wheel.geared_to!r}: wheels in mesh have two axes; move it")]
+    turns = net_turns(scene, name) * drive.revolutions
+    if drive.start is None and abs(turns - round(turns)) > _NO_TURN:
+        message = (
+            f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and doesn't come back "
+        )
+        return [(f"{at}.lobes", f"{message}to its place: set input.revolutions so that its turns are whole")]
+    return []
+
+
+def _wrong_pinion(scene: Scene, name: str) -> list[Problem]:
+    pinion, at = scene.pinions[name], f"pinions.{name}"
+    guide = pinion.guide if pinion.rack is None else guide_of(scene, pinion.rack)
+    if guide is None:
+        known = [link for link in sliders(scene) if guide_of(scene, link) is not None]
+        message = f"{pinion.rack!r} doesn't slide on a guide, and can't be a rack; {did_you_mean(pinion.rack, known)}"
+        return [(f"{at}.rack", message)]
+    problems = _unheld(scene, f"{at}.pivot", pinion.pivot, guide)
+    if problems:
+        return problems
+    rides = rides_along(scene, pinion.pivot, guide)
+    if pinion.rack is None and rides is None:
+        message = f"{pinion.pivot!r} doesn't move along {guide!r}, so the pinion wouldn't turn; name the joint "
+        return [(f"{at}.pivot", f"{message}of a slider on that guide, or give the rack that moves")]
+    if pinion.rack is not None and rides == pinion.rack:
+        message = f"{pinion.pivot!r} goes along with {pinion.rack!r}, so the pinion wouldn't turn; name another point"
+        return [(f"{at}.pivot", message)]
+    return []
+
+
+def _unheld(scene: Scene, path: str, pivot: str, guide: str) -> list[Problem]:
+    """An axis that doesn't keep its distance from the rack, and a guide on a link whose angle isn't known."""
+    carrier = scene.guides[guide].link
+    if not _angle_is_known(scene, carrier):
+        message = f"guide {guide!r} is on {carrier!r}, whose angle isn't known over its turns; put it on the frame, on "
+        return [(path, f"{message}the crank, a shaft or pinion, or on what slides on those")]
+    if pivot in places_on(scene, carrier) or rides_along(scene, pivot, guide) is not None:
+        return []
+    message = f"{pivot!r} doesn't keep its distance from guide {guide!r}: name a point of {carrier!r}, which carries "
+    return [(path, f"{message}that guide, or the joint of a slider on it")]
+
+
+def _runs_away(scene: Scene, name: str) -> list[Problem]:
+    rack, drive = scene.racks[name], scene.input
+    if not isinstance(drive, CrankInput) or drive.start is not None:
+        return []
+    turns = net_turns(scene, rack.pinion) - net_turns(scene, scene.guides[rack.guide].link)
+    if abs(turns) <= _NO_TURN:
+        return []
+    message = (
+        f"{rack.pinion!r} goes on turning, by {turns * drive.revolutions:g} turns in a cycle, and the rack would run "
+        "away: give input.start and input.stop, or drive it by a pinion that comes back"
+    )
+    return [(f"racks.{name}.pinion", message)]
+
+
+def _turning(scene: Scene) -> set[str]:
+    """Links that turn, with an angle that is known over all turns."""
+    crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
+    return (
+        crank
+        | {n for n, s in scene.shafts.items() if s.pivot is not None}
+        | {*scene.pinions, *scene.noncircular_wheels}
+    )
+
+
+def _angle_is_known(scene: Scene, link: str) -> bool:
+    while (guide := guide_of(scene, link)) is not None:
+        link = scene.guides[guide].link
+    return link == FRAME or link in _turning(scene)
+
+
+def net_turns(scene: Scene, link: str) -> float:
+    """Turns of a link whose angle is known, for each turn of the crank."""
+    if link in scene.noncircular_wheels:
+        wheel = scene.noncircular_wheels[link]
+        return -wheel.driver_lobes / wheel.lobes * net_turns(scene, wheel.geared_to)
+    if link in scene.pinions:
+        pinion = scene.pinions[link]
+        return net_turns(scene, scene.guides[pinion.guide or guide_of(scene, pinion.rack)].link)
+    guide = guide_of(scene, link)
+    return turns_of(scene, link) if guide is None else net_turns(scene, scene.guides[guide].link)

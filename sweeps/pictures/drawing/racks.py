@@ -1,0 +1,47 @@
+"""Racks and their pinions as they are drawn at a position: pitch circles, and bars along the pitch lines."""
+
+import numpy as np
+
+from engine import FRAME, guide_of
+from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, hatched, line
+
+
+def rack_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Bars of the racks at a node, with the pitch circles of their pinions and a spoke that turns with each.
+
+    Parameters
+    ----------
+    m : DrawnMotion
+    k : int
+        Number of the node.
+    """
+    found = []
+    for name, rack in m.scene.racks.items():
+        found += _meshing(m, k, f"racks.{name}.radius", name, rack.pinion, rack.guide, rack.pivot)
+    for name, pinion in m.scene.pinions.items():
+        guide = pinion.guide or guide_of(m.scene, pinion.rack)
+        found += _meshing(m, k, f"pinions.{name}.radius", pinion.rack, name, guide, pinion.pivot)
+    return found
+
+
+def _meshing(
+    m: DrawnMotion, k: int, path: str, rack: str | None, pinion: str, guide: str, pivot: str
+) -> list[Primitive]:
+    radius, axis = m.numbers[path], m.points[pivot]
+    place, u = m.guide(guide)
+    touches = axis - 1j * radius * u
+    carried = place if rack is None else m.axes(rack)[0]
+    reach = ((touches - carried) / u).real
+    low, high = np.nanmin(reach) - HALF_LENGTH * m.radius, np.nanmax(reach) + HALF_LENGTH * m.radius
+    ends = [touches[k] + (end - reach[k]) * u[k] for end in (low, high)]
+    spoke = axis[k] + abs(radius) * m.axes(pinion)[1][k]
+    found = [Primitive("pitch", "circle", (complex(axis[k]),), abs(radius)), line(axis[k], spoke)]
+    if rack is None and m.scene.guides[guide].link == FRAME:
+        return found + hatched(*(ends if radius > 0 else ends[::-1]), m.radius)
+    half, away = 0.5 * HALF_HEIGHT * m.radius, -1j * np.sign(radius) * u[k]
+    bar = box(sum(ends) / 2 + half * away, u[k], abs(ends[1] - ends[0]) / 2, half)
+    if rack is None or rack in m.scene.racks:
+        return [bar, *found]
+    foot = carried[k] + 1j * ((touches[k] - carried[k]) / u[k]).imag * u[k]
+    return [line(carried[k], foot), bar, *found]

@@ -1,0 +1,300 @@
+"""A rotor as an element of a scene: its results against its masses in space, its errors, its plan."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.figure import Figure
+
+from engine import ElementsAlone, Scene, SceneError, Verdict, scene_numbers
+from engine.balancing.rotors.rotor_columns import rotor_columns, rotor_law, rotor_numbers
+from sweeps.pictures.elements.unbalance_plan import plan_of, unbalance_plan
+from sweeps.pictures.picture_error import PictureError
+from sweeps.study.bundled import STUDIES
+from sweeps.text.scene_text import read_scene
+
+EPS = np.finfo(float).eps
+
+
+def rotor_of(**changes):
+    """A rotor with three masses and two planes without holes."""
+    rotor = {
+        "type": "rotor",
+        "mass": 100.0,
+        "speed": 150.0,
+        "centre": 0.4,
+        "first_bearing": 0.0,
+        "second_bearing": 1.0,
+        "unbalances": {
+            "a": {"mass": 0.1, "radius": 0.3, "angle": 0.3, "position": 0.2},
+            "b": {"mass": 0.2, "radius": 0.2, "angle": 2.0, "position": 0.7},
+            "c": {"mass": 0.05, "radius": 0.1, "angle": -1.0, "position": 1.2},
+        },
+        "planes": {
+            "left": {"position": 0.25, "radius": 0.3},
+            "right": {"position": 0.75, "radius": 0.25},
+        },
+    }
+    return rotor | changes
+
+
+def planes_with(**keys):
+    return {name: plane | keys for name, plane in rotor_of()["planes"].items()}
+
+
+def element(**changes):
+    return Scene.model_validate({"elements": {"fan": rotor_of(**changes)}}).elements["fan"]
+
+
+def results(varied=None, **changes):
+    scene = Scene.model_validate({"elements": {"fan": rotor_of(**changes)}})
+    asked = list(ElementsAlone(scene).available_summaries)
+    outcome = ElementsAlone(scene, asked, varied=list(varied or ())).evaluate(dict(varied or {}))
+    return {k.removeprefix("fan."): v for k, v in outcome.summaries.items()}, outcome
+
+
+def in_space(masses, speed, first, second):
+    """Turning bearing forces of point masses (mass, radius, angle, position), by moments about each bearing."""
+    pulls = [(m * r * speed**2 * complex(math.cos(a), math.sin(a)), z) for m, r, a, z in masses]
+    at_second = sum(f * (z - first) for f, z in pulls) / (second - first)
+    return sum(f for f, _ in pulls) - at_second, at_second
+
+
+def own_masses():
+    return [tuple(u[k] for k in ("mass", "radius", "angle", "position")) for u in rotor_of()["unbalances"].values()]
+
+
+def added_masses(found, planes):
+    return [(found[f"{n}.mass"][0], p["radius"], found[f"{n}.angle"][0], p["position"]) for n, p in planes.items()]
+
+
+def test_rotor__correction_leaves_no_bearing_force_and_its_masses_are_those_that_do():
+    found, outcome = results()
+    assert outcome.status[0] == Verdict.OK
+    before = in_space(own_masses(), 150.0, 0.0, 1.0)
+    after = in_space(own_masses() + added_masses(found, rotor_of()["planes"]), 150.0, 0.0, 1.0)
+    # A few dozen roundings of forces of some hundred newtons.
+    assert np.abs(before) == pytest.approx([found[f"{b}_force_before"][0] for b in ("first", "second")], rel=1e-14)
+    assert np.abs(after).max() < 1e-11
+    assert max(found["first_force_after"][0], found["second_force_after"][0]) < 1e-11
+    assert found["quality_after"][0] < 1e-15
+    weight = 100 * 9.80665
+    assert found["first_peak_before"][0] == pytest.approx(abs(before[0]) + 0.6 * weight, rel=1e-14)
+    assert found["second_peak_after"][0] == pytest.approx(0.4 * weight, rel=1e-13)
+
+
+@pytest.mark.parametrize(("holes", "used"), [(12, 2), (9, 1), (8, 3), (2, 3)])
+def test_rotor__whole_pieces_in_holes_leave_what_their_masses_leave(holes, used):
+    planes = planes_with(holes=holes, piece=0.02, first_hole=0.1, used=used)
+    found, _ = results(planes=planes)
+    added = []
+    for name, plane in planes.items():
+        pieces = [found[f"{name}.pieces_{k}"][0] for k in range(1, used + 1)]
+        at = [found[f"{name}.hole_{k}"][0] for k in range(1, used + 1)]
+        assert sum(pieces) == found[f"{name}.pieces"][0]
+        assert [p > 0 for p in pieces] == [hole > 0 for hole in at]
+        added += [
+            (0.02 * p, plane["radius"], 0.1 + math.tau * (hole - 1) / holes, plane["position"])
+            for p, hole in zip(pieces, at, strict=True)
+        ]
+    after = in_space(own_masses() + added, 150.0, 0.0, 1.0)
+    # Roundings of forces of some hundred newtons.
+    assert [found[f"{b}_force_after"][0] for b in ("first", "second")] == pytest.approx(np.abs(after), abs=1e-11)
+    assert found["correction_mass"][0] == pytest.approx(sum(mass for mass, *_ in added), rel=8 * EPS)
+
+
+def test_rotor__quality_is_the_grade_whose_tolerances_just_hold_it():
+    found, _ = results(planes=planes_with(holes=8, piece=0.05))
+    shares = 0.6, 0.4
+    for word in ("before", "after"):
+        forces = [found[f"{b}_force_{word}"][0] for b in ("first", "second")]
+        needed = max(f / 150.0**2 / s for f, s in zip(forces, shares, strict=True)) * 150.0 / 100.0
+        assert found[f"quality_{word}"][0] == pytest.approx(needed, rel=1e-13)
+        grades = [0.0004, 0.001, 0.0025, 0.0063, 0.016, 0.04, 0.1, 0.25, 0.63, 1.6, 4.0]
+        assert found[f"grade_{word}"][0] == pytest.approx(next(g for g in grades if g >= needed), rel=4 * EPS)
+    # G 6.3: 0.0063 m/s · 100 kg/(150 rad/s).
+    assert found["permissible_unbalance"][0] == pytest.approx(0.0042, rel=4 * EPS)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.floats(0, 0.2), st.floats(0, 0.3), st.lists(st.floats(-1, 1), min_size=4, max_size=4))
+def test_rotor__errors_of_mass_and_angle_leave_at_most_the_quality_at_worst(mass_error, angle_error, parts):
+    planes = planes_with(mass_error=mass_error, angle_error=angle_error)
+    rotor = element(planes=planes)
+    found, _ = rotor_columns(rotor, rotor_numbers(rotor))
+    added = [
+        (m * (1 + mass_error * p), r, a + angle_error * q, z)
+        for (m, r, a, z), p, q in zip(added_masses(found, planes), parts[:2], parts[2:], strict=True)
+    ]
+    forces = np.abs(in_space(own_masses() + added, 150.0, 0.0, 1.0))
+    quality = max(forces / 150.0**2 / [0.6, 0.4]) * 150.0 / 100.0
+    assert quality <= found["quality_at_worst"][0] * (1 + 1e-12) + 1e-15
+
+
+@pytest.mark.parametrize("centre", [0.1, 0.9])
+def test_rotor__quality_at_worst_adds_what_each_bearing_feels_of_each_error(centre):
+    planes = planes_with(mass_error=0.1, angle_error=0.2)
+    found, _ = results(planes=planes, centre=centre)
+    felt = sum(np.abs(in_space([added], 150.0, 0.0, 1.0)) for added in added_masses(found, planes))
+    # Nothing remains without errors; the bearing nearer to the centre of mass has 0.7 of the tolerance.
+    share = abs(1.1 * np.exp(0.2j) - 1)
+    shares = np.array([0.7, 0.3] if centre < 0.5 else [0.3, 0.7])
+    worst = (share * felt / 150.0**2 / shares).max() * 150.0 / 100.0
+    assert found["quality_at_worst"][0] == pytest.approx(worst, rel=1e-12)
+
+
+def test_rotor__error_allowance_is_the_error_at_which_the_grade_is_just_held():
+    planes = planes_with(holes=24, piece=0.03)
+    allowance = results(planes=planes)[0]["error_allowance"][0]
+    assert 0 < allowance < 1
+    # A mass error alone of that share leaves the same share of the correction.
+    held = results(planes=planes_with(holes=24, piece=0.03, mass_error=allowance))[0]
+    assert held["quality_at_worst"][0] == pytest.approx(0.0063, rel=1e-12)
+
+
+def test_rotor__many_variants_are_those_one_by_one_with_honest_error_figures():
+    speeds, holes = np.array([100.0, 150.0, 200.0, 150.0]), np.array([8.0, 12.0, 8.0, 12.5])
+    paths = {"elements.fan.speed": speeds, "elements.fan.planes.left.holes": holes}
+    together, outcome = results(paths, planes=planes_with(holes=8, piece=0.03))
+    assert outcome.status.tolist() == [Verdict.OK, Verdict.OK, Verdict.OK, Verdict.NOT_FINITE]
+    for k in range(3):
+        planes = planes_with(holes=8, piece=0.03)
+        planes["left"]["holes"] = holes[k]
+        alone, one = results(speed=speeds[k], planes=planes)
+        assert {n: v[k] for n, v in together.items()} == {n: v[0] for n, v in alone.items()}
+        for name, figure in one.errors.items():
+            # Results of some dozen roundings; an exact one has none.
+            value = max(abs(one.summaries[name][0]), 1e-3)
+            assert 0 <= figure[0] < 1e-11 * value
+
+
+def test_rotor__error_figures_cover_the_rounding_of_what_should_be_nothing():
+    found, outcome = results()
+    for name in ("first_force_after", "second_force_after", "quality_after"):
+        assert 0 < found[name][0] <= outcome.errors[f"fan.{name}"][0]
+
+
+def test_rotor__without_what_a_result_needs_does_not_offer_it():
+    def offered(**keys):
+        return set(ElementsAlone(Scene.model_validate({"elements": {"fan": rotor_of(**keys)}})).available_summaries)
+
+    assert offered(rolling_arm=1e-5) - offered() == {"fan.knife_edge_unbalance", "fan.knife_edge_angle"}
+    with_holes = offered(planes=planes_with(holes=8, piece=0.01))
+    kinds = ("pieces", "hole_1", "pieces_1", "hole_2", "pieces_2")
+    assert with_holes - offered() == {f"fan.{plane}.{kind}" for plane in ("left", "right") for kind in kinds}
+    assert results(rolling_arm=1e-5)[0]["knife_edge_unbalance"][0] == pytest.approx(100 * 1e-5)
+
+
+def test_rotor__single_plane_is_where_a_correction_leaves_the_least_couple():
+    found, outcome = results()
+    plane, error = found["single_plane"][0], outcome.errors["fan.single_plane"][0]
+    single = {"one": {"position": plane, "radius": 0.3}}
+    forces = []
+    for moved in (-1e-3, 0.0, 1e-3):
+        single["one"]["position"] = plane + moved
+        added = added_masses(results(planes=single)[0], single)
+        forces.append(np.abs(in_space(own_masses() + added, 150.0, 0.0, 1.0)).max())
+    # A couple that grows as √(c² + (U d)²) beside the least one: the same on both sides.
+    assert forces[0] == pytest.approx(forces[2], rel=1e-9)
+    assert forces[1] < forces[0]
+    assert 0 < error < 1e-12
+    alone = {"a": rotor_of()["unbalances"]["a"]}
+    assert results(unbalances=alone)[0]["single_plane"][0] == pytest.approx(0.2, abs=1e-14)
+
+
+def test_rotor__heavy_side_rests_where_rolling_friction_holds_it():
+    found, outcome = results(rolling_arm=1e-5)
+    angle, error = found["knife_edge_angle"][0], outcome.errors["fan.knife_edge_angle"][0]
+    # D sin(theta) = m k.
+    assert found["unbalance"][0] * math.sin(angle) == pytest.approx(100 * 1e-5, rel=1e-14)
+    assert 0 < error < 1e-13
+    assert results(rolling_arm=1.0)[0]["knife_edge_angle"][0] == math.pi
+
+
+def test_rotor__beyond_g4000_has_no_grade_and_is_computed_all_the_same():
+    found, outcome = results(speed=1e5)
+    assert outcome.status[0] == Verdict.OK
+    assert math.isnan(found["grade_before"][0])
+    assert found["quality_before"][0] > 4.0
+
+
+def test_rotor__moves_planes_into_one_place_is_not_finite():
+    paths = {"elements.fan.planes.left.position": np.array([0.25, 0.75])}
+    assert results(paths)[1].status.tolist() == [Verdict.OK, Verdict.NOT_FINITE]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"second_bearing": 0.0}, "first_bearing and second_bearing are in one place"),
+        ({"planes": {}}, "planes"),
+        ({"planes": planes_with(position=0.5)}, "planes left, right are in one place; move one"),
+        ({"planes": planes_with(holes=12)}, "holes and piece .* belong together: give both, or neither"),
+        ({"planes": planes_with(holes=7.5, piece=0.01)}, "holes = 7.5: give a whole number"),
+        ({"planes": planes_with(holes=200, piece=0.01, most=9, used=3)}, "200 holes with up to 9 pieces in 3"),
+    ],
+)
+def test_rotor__that_cannot_be_is_refused_in_words(changes, message):
+    with pytest.raises((ValueError, SceneError), match=message):
+        element(**changes)
+
+
+def test_rotor_law__takes_every_number_of_the_element_once():
+    scene = Scene.model_validate({"elements": {"fan": rotor_of(planes=planes_with(holes=8, piece=0.03))}})
+    rotor = scene.elements["fan"]
+    numbers, law = rotor_numbers(rotor), rotor_law(rotor)
+    taken = law.arguments(rotor, lambda key: numbers[key][0])
+    rows, sizes = law.function(np.array(taken)[:, None])
+    columns, _ = rotor_columns(rotor, numbers)
+    assert np.array_equal(rows[:, 0], [columns[r.name][0] for r in law.results], equal_nan=True)
+    assert rows.shape == sizes.shape
+    slots = {path for path in scene_numbers(scene) if path.startswith("elements.")}
+    assert slots == {f"elements.fan.{key}" for key in numbers}
+    assert len(taken) == len(slots)
+
+
+def test_rotor__beside_other_elements_gives_what_it_gives_alone():
+    screw = {
+        "type": "screw", "load": 6400.0, "mean_diameter": 0.03, "pitch": 0.004, "thread": "square", "friction": 0.08,
+    }  # fmt: skip
+    scene = Scene.model_validate({"elements": {"low": screw, "fan": rotor_of(), "high": screw | {"pitch": 0.006}}})
+    asked = list(ElementsAlone(scene).available_summaries)
+    outcome = ElementsAlone(scene, asked).evaluate({})
+    alone = {f"fan.{name}": v for name, v in results()[0].items()}
+    for name, pitch in (("low", 0.004), ("high", 0.006)):
+        single = ElementsAlone(Scene.model_validate({"elements": {name: screw | {"pitch": pitch}}}))
+        names = list(single.available_summaries)
+        alone |= ElementsAlone(single.scene, names).evaluate({}).summaries
+    assert {k: v[0] for k, v in outcome.summaries.items()} == {k: v[0] for k, v in alone.items()}
+
+
+# The plan
+
+
+def test_plan__shows_masses_corrections_and_what_the_bearings_feel():
+    rotor = read_scene(STUDIES / "balancing" / "scenes" / "fan_rotor.toml").elements["fan"]
+    plan = plan_of(rotor)
+    assert plan.names == ("left_disc", "right_disc", "coupling", "left", "right")
+    found, _ = rotor_columns(rotor, rotor_numbers(rotor))
+    square = rotor.speed**2
+    assert plan.bearings[0] * square == pytest.approx([found[f"{b}_force_before"][0] for b in ("first", "second")])
+    assert plan.bearings[1] * square == pytest.approx([found[f"{b}_force_after"][0] for b in ("first", "second")])
+    figure = Figure()
+    unbalance_plan(rotor, figure, "Fan")
+    polygon, moments, bars = figure.axes
+    end = plan.unbalances.sum() * 1e3
+    last = polygon.lines[-2].get_xydata()[0]
+    assert last == pytest.approx([end.real, end.imag])
+    about_left = (plan.unbalances * (plan.positions - 0.35)).sum() * 1e3
+    assert moments.lines[-2].get_xydata()[0] == pytest.approx([about_left.real, about_left.imag])
+    heights = [bar.get_height() for bar in bars.patches]
+    assert heights == pytest.approx((plan.bearings[:2] * 1e6).ravel())
+
+
+def test_plan__is_written_and_an_impossible_one_refused(tmp_path):
+    unbalance_plan(element(), tmp_path / "plan.png")
+    assert (tmp_path / "plan.png").stat().st_size > 10_000
+    with pytest.raises(PictureError, match="ending"):
+        unbalance_plan(element(), tmp_path / "plan.doc")

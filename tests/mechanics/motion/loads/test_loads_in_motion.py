@@ -1,0 +1,347 @@
+"""Loads on the pairs at true motion: against the equations of Newton and Euler, balances, limits and closed forms.
+
+Speeds and accelerations are the machine's own; the equation of motion they come from has tests of its own, and here
+the moment that Newton's equations need on the input is held against the motor's characteristic, worked out by hand.
+"""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+from machines import compare
+from motion_scenes import ECCENTRIC_MASS, MOMENTS, RAM_MASS, Found, ask, slider_crank, steady
+from newton_euler import reactions
+from oracle import EPS
+from press import actions, bodies, press
+
+from engine import Machine, Scene, Verdict
+from engine.quantities.quantity import STATISTICS
+from engine.scene.pairs import pairs
+from sweeps.report.files.exports import position_table
+from sweeps.study.bundled import STUDIES
+from sweeps.text.scene_text import read_scene
+
+MOTOR = {"type": "dc_motor", "on": "motor_shaft", "no_load_speed": 80.0, "stall_moment": 4000.0}
+PARTS = {"revolute": ("reaction_x", "reaction_y"), "prismatic": ("reaction", "reaction_moment")}
+FRAME = ("frame.reaction_x", "frame.reaction_y", "frame.reaction_moment")
+SHAKING = ("shaking_force", "shaking_force_x", "shaking_force_y", "shaking_moment")
+
+
+def loads_of(scene: dict) -> list[str]:
+    """Loads on all pairs and on the frame."""
+    found = [f"{pair.name}.{part}" for pair in pairs(Scene.model_validate(scene)) for part in PARTS[pair.kind]]
+    return [*found, *FRAME]
+
+
+# Of the slider-crank of `motion_scenes` always the same is asked: all machines then share their kernels.
+PAIRS = ("input.reaction", "drive.first.reaction", "drive.inner.reaction", "drive.second.reaction")
+LOADS = (*loads_of(slider_crank({})), *PAIRS[:3], *SHAKING, "input_moment_by_equilibrium")
+FIELDS = (*LOADS, "input_moment", "speed", "acceleration", "motor_moment")
+
+
+def settled(only: str, positions: int = 240, changes: dict | None = None, more: str = "", **scene: object) -> Found:
+    """Loads on the slider-crank in steady motion, with the statistics of the loads on its pairs."""
+    regime = steady(only)
+    machine = slider_crank({"on": regime}, **scene) | (changes or {})
+    rows = (*PAIRS, "shaking_force", "input_moment", "speed")
+    names = [f"on.{row}.{statistic}" for row in rows for statistic in STATISTICS]
+    return ask(machine, f"{' '.join(names)} {more}", positions, " ".join(f"on.{field}" for field in FIELDS))
+
+
+def rows_of(found: Found) -> dict[str, np.ndarray]:
+    """Fields of the only variant, without the regime's name."""
+    assert found.status == [Verdict.OK], found.status
+    return {name.partition(".")[2]: row[0] for name, row in found.fields.items()}
+
+
+def numbers_of(found: Found) -> list[str]:
+    """Statistics that aren't places: of two that are nearly as great, either may be the place of the greatest."""
+    return [name for name in found.values if not name.endswith("_at")]
+
+
+def without(scene: dict, names: set[str]) -> dict:
+    """A scene without some of its actions and motors, and without regimes."""
+    scene = copy.deepcopy(scene)
+    for table in ("forces", "moments", "springs", "cylinders"):
+        scene[table] = {name: part for name, part in scene.get(table, {}).items() if name not in names}
+    scene.pop("regimes")
+    return scene
+
+
+# Against Newton and Euler
+
+
+@pytest.fixture(scope="module", params=[7.0, -3.0])
+def pressed(request) -> tuple[dict, dict]:
+    """A press with every action in steady motion, either way; what is left of its scene without motor, its rows."""
+    parts = actions()
+    parts["moments"]["motor"] = MOTOR
+    scene = press(bodies=bodies(), **parts) | {"flywheel": {"inertia": 2.0}, "gravity": 9.81}
+    scene["input"]["speed"] = request.param
+    scene["regimes"] = {"on": {"type": "steady", "off": ["by_time"]}}
+    fields = [*loads_of(scene), "input_moment_by_equilibrium", "input_moment", "speed", "acceleration", "motor_moment"]
+    found = ask(scene, "on.speed_fluctuation", 360, " ".join(f"on.{field}" for field in fields))
+    assert found["on.speed_fluctuation"] > 0.02
+    return without(scene, {"motor", "by_time"}), rows_of(found)
+
+
+def expected_rows(scene: Scene, rows: dict, some: slice) -> dict[str, np.ndarray]:
+    """Reactions by Newton and Euler at the machine's own ω and ε."""
+    q = np.arange(360) * math.pi / 180
+    omega = rows["speed"] * math.copysign(1.0, scene.input.speed)
+    found = reactions(scene, q[some], omega[some], rows["acceleration"][some])
+    found["input_moment_by_equilibrium"] = found["input_moment"]
+    # The flywheel on the crank: what it takes turns the frame.
+    found["frame.reaction_moment"] = found["frame.reaction_moment"] - 2.0 * rows["acceleration"][some]
+    return found
+
+
+def test_press_with_every_action__newton_euler_at_its_speed_and_acceleration(pressed):
+    scene, rows = pressed
+    # Each of these lies well between the positions at which resistances change their sign.
+    some = slice(5, None, 24)
+    found = {name: rows[name][some] for name in (*loads_of(scene), "input_moment", "input_moment_by_equilibrium")}
+    compare(found, scene, lambda of: expected_rows(of, rows, some))
+
+
+def test_press_with_every_action__power_of_motor_loads_and_inertia_is_in_balance(pressed):
+    scene, rows = pressed
+    # The motor's line through its two points, on a shaft that turns six times as fast; a flywheel of 2 kg·m².
+    way = math.copysign(1.0, scene["input"]["speed"])
+    motor = 6 * way * MOTOR["stall_moment"] * (1 - 6 * rows["speed"] / MOTOR["no_load_speed"])
+    given = motor - 2.0 * rows["acceleration"]
+    some = slice(5, None, 24)
+    needed = expected_rows(Scene.model_validate(scene), rows, some)["input_moment"].astype(float)
+    # The motor's moment is a small difference: its stall moment, a hundred times what the speed leaves of it.
+    room = 1000 * EPS * 6 * MOTOR["stall_moment"]
+    np.testing.assert_allclose(given[some], needed, rtol=0, atol=room)
+    np.testing.assert_allclose(rows["input_moment"], given, rtol=0, atol=room)
+    np.testing.assert_allclose(rows["input_moment_by_equilibrium"], given, rtol=0, atol=room)
+
+
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+def test_slider_crank__shaking_force_is_what_all_masses_take(speed):
+    rows = rows_of(settled("dc cut fan", flywheel=0.05, speed=speed))
+    phi = np.arange(240) * math.pi / 120
+    omega, epsilon = rows["speed"], rows["acceleration"]
+    assert np.ptp(omega) > 1.0
+    s, c = np.sin(phi), np.cos(phi)
+    root = np.sqrt(0.2**2 - (0.05 * s) ** 2)
+    first = -0.05 * s - 0.05**2 * s * c / root
+    second = -0.05 * c - 0.05**2 * (c * c - s * s) / root - (0.05**2 * s * c) ** 2 / root**3
+    ram = RAM_MASS * (omega**2 * second + epsilon * first)
+    arm = ECCENTRIC_MASS * 0.03
+    x = -ram + arm * (omega**2 * c + epsilon * s)
+    y = arm * (omega**2 * s - epsilon * c)
+    # Ram on the line through the pivot, crank of 0.02 kg·m² with its eccentric mass, flywheel of 0.05 kg·m².
+    moment = -(0.02 + arm * 0.03 + 0.05) * epsilon
+    for name, row in (("force_x", x), ("force_y", y), ("force", np.hypot(x, y)), ("moment", moment)):
+        np.testing.assert_allclose(rows[f"shaking_{name}"], row, rtol=0, atol=100 * EPS * np.abs(row).max())
+
+
+# Limits
+
+
+def uniform(only: str, speed: float, positions: int = 240) -> dict[str, np.ndarray]:
+    """Loads on the slider-crank at uniform speed."""
+    scene = slider_crank({"on": steady(only)}, speed)
+    gone = without(scene, {*scene["regimes"]["on"]["off"], "dc", "induction"})
+    names = [name for name in LOADS if name != "input_moment_by_equilibrium"]
+    found = ask(gone, "", positions, " ".join([*names, "input_moment"]))
+    return {name: row[0] for name, row in found.fields.items()}
+
+
+@pytest.mark.parametrize(
+    ("numbers", "flywheel"),
+    [({"flywheel": 1e3}, 1e3), ({"dc": {"stall_moment": 2e10}}, None)],
+    ids=["flywheel", "motor"],
+)
+def test_even_running__as_at_uniform_speed(numbers, flywheel):
+    rows = rows_of(settled("dc cut gravity fan", 960, **numbers))
+    speed = rows["speed"].mean()
+    # What is left of the fluctuation: 11 J of excess work over I ω², or 50 N·m over the motor's slope of 2e8 N·m·s.
+    assert np.ptp(rows["speed"]) < 5e-6 * speed
+    about_epsilon = ("frame.reaction_moment", "shaking_moment")
+    if flywheel is not None:
+        # However small ε gets, what the flywheel does to the frame stays.
+        rows |= {name: rows[name] + flywheel * rows["acceleration"] for name in about_epsilon}
+    for name, row in uniform("dc cut gravity fan", speed, 960).items():
+        # A motor so steep follows a load by 1/600 of a step, and ε is a difference of second order in the step.
+        if flywheel is not None or name not in about_epsilon:
+            # Inertia forces go with the square of the speed, and input moments are a third of their parts.
+            # What is left of ε, 0.02 rad/s², takes 0.0005 N·m for the crank alone.
+            room = 5e-5 * np.abs(row).max() + 1e-3
+            np.testing.assert_allclose(rows[name], row, rtol=0, atol=room, err_msg=name)
+
+
+# The other way round, other places for the same inertia
+
+
+def test_clockwise_machine__is_the_mirror_image():
+    one = settled("dc fan rub cut push", flywheel=0.2)
+    two = settled("dc fan rub cut push", flywheel=0.2, speed=-10.0, push={"moment": -3.0})
+    rows, mirrored = rows_of(one), rows_of(two)
+    for name, row in rows.items():
+        # Fields are over the crank angle: φ is −φ now.
+        other = np.roll(mirrored[name][::-1], 1)
+        even = name in ("speed", "shaking_force") or (name.endswith(("_x", ".reaction")) and "second" not in name)
+        even = even or name.endswith("reaction_along")
+        other = other if even else -other
+        np.testing.assert_allclose(other, row, rtol=0, atol=1e-8 * np.abs(row).max() + 1e-12, err_msg=name)
+    for name, value in one.values.items():
+        if name.endswith((".peak", ".rms")):
+            assert two[name] == pytest.approx(value[0], rel=1e-8, abs=1e-12), name
+
+
+def test_flywheel_on_a_faster_shaft__loads_the_frame_as_that_shaft_does():
+    wheel = {"inertia": 0.2, "wheel": {"type": "disc", "ratio": 7.5}}
+    one = rows_of(settled("dc cut fan", changes={"flywheel": wheel}))
+    shafts = {"motor_shaft": {"geared_to": "crank", "ratio": 7.5, "inertia": 0.2 / 7.5**2}}
+    two = rows_of(settled("dc cut fan", changes={"shafts": shafts, "flywheel": {"inertia": 0.0}}))
+    for name in LOADS:
+        if name != "input_moment_by_equilibrium":
+            np.testing.assert_allclose(one[name], two[name], rtol=0, atol=1e-9 * np.abs(two[name]).max() + 1e-12)
+
+
+def test_brake_left_on__is_borne_by_the_frame():
+    braked = rows_of(settled("dc cut brake", flywheel=0.2))
+    # Two blocks of 20 N with 0.2 on 0.1 m: 0.8 N·m, as a resistance from outside.
+    rubbed = rows_of(settled("dc cut rub", flywheel=0.2, rub={"moment": 0.8}))
+    for name in LOADS:
+        shift = 0.8 if name == "frame.reaction_moment" else 0.0
+        size = np.abs(rubbed[name]).max()
+        np.testing.assert_allclose(braked[name], rubbed[name] + shift, rtol=0, atol=1e-9 * size + 1e-12, err_msg=name)
+
+
+def test_what_is_off__loads_nothing():
+    heavy, light = (rows_of(settled(f"dc fan {more}", flywheel=0.2)) for more in ("gravity", ""))
+    weight = 9.81 * (RAM_MASS + ECCENTRIC_MASS)
+    # Whatever the motion: the frame bears the weight of all, and what all masses take.
+    for rows, down in ((heavy, weight), (light, 0.0)):
+        size = np.abs(rows["frame.reaction_y"]).max()
+        np.testing.assert_allclose(
+            rows["frame.reaction_y"], rows["shaking_force_y"] - down, rtol=0, atol=200 * EPS * size
+        )
+
+
+# Statistics and their error figures
+
+
+def test_statistics__of_the_field_over_time():
+    found = settled("dc cut gravity fan rub", flywheel=0.02, positions=480, more="on.speed_max on.mean_speed")
+    rows = rows_of(found)
+    assert found["on.speed.max"] <= found["on.speed_max"] <= found["on.speed.max"] + found.figure("on.speed.max")
+    # Over time; by the trapezoid rule over nodes, of order four between jumps.
+    assert found["on.speed.mean"] == pytest.approx(found["on.mean_speed"], rel=1e-8)
+    for name in (*PAIRS, "shaking_force", "input_moment"):
+        row, omega = rows[name], rows["speed"]
+        own = {key: found[f"on.{name}.{key}"] for key in STATISTICS}
+        figures = {key: found.figure(f"on.{name}.{key}") for key in STATISTICS}
+        mean, square = (np.sum(row**n / omega) / np.sum(1 / omega) for n in (1, 2))
+        # Equal steps miss the jumps by up to half a step of them; on average over five breaks less than one step.
+        step = np.ptp(row) / 480
+        assert own["mean"] == pytest.approx(mean, abs=2 * step)
+        assert own["rms"] ** 2 == pytest.approx(square, abs=4 * step * np.abs(row).max())
+        assert own["max"] >= row.max()
+        assert own["min"] <= row.min()
+        assert own["peak"] == max(abs(own["max"]), abs(own["min"]))
+        assert own["range"] == own["max"] - own["min"]
+        for end, value in (("max", row.max()), ("min", row.min())):
+            assert 0.0 <= own[f"{end}_at"] < 2 * math.pi
+            assert figures[f"{end}_at"] >= 2 * math.pi / 480
+            if own[end] == value:
+                assert own[f"{end}_at"] == pytest.approx(2 * math.pi * int(np.argmax(row == value)) / 480, abs=1e-9)
+
+
+@pytest.mark.parametrize("only", ["dc cut gravity fan", "induction rub gravity cut"])
+def test_error_figures__cover_what_more_positions_change(only):
+    flywheel = 0.02 if only.startswith("dc") else 2.0
+    best = settled(only, 1440, flywheel=flywheel)
+    for positions in (60, 120, 240):
+        found = settled(only, positions, flywheel=flywheel)
+        for name in numbers_of(found):
+            assert abs(found[name] - best[name]) <= found.figure(name) + best.figure(name), (name, positions)
+
+
+@pytest.mark.parametrize("steeper", [1e2, 1e4, 1e6])
+def test_error_figures_with_a_steep_motor__cover_what_more_positions_change(steeper):
+    stall = MOMENTS["dc"]["stall_moment"] * steeper
+    rough, fine = (settled("dc cut gravity fan", n, flywheel=0.02, dc={"stall_moment": stall}) for n in (60, 960))
+    for name in numbers_of(rough):
+        assert abs(rough[name] - fine[name]) <= rough.figure(name) + fine.figure(name), name
+
+
+def test_sized_flywheel__loads_are_those_with_it():
+    asked = {"flywheel": {"speed_fluctuation": 0.05}}
+    sized = settled("dc cut fan", changes=asked, more="on.flywheel")
+    fitted = settled("dc cut fan", flywheel=sized["on.flywheel"])
+    assert sized["on.flywheel"] > 0.01
+    for name in numbers_of(fitted):
+        size = abs(fitted[f"{name.rpartition('.')[0]}.peak"]) + 1e-9
+        assert sized[name] == pytest.approx(fitted[name], rel=0, abs=1e-7 * size), name
+    np.testing.assert_allclose(
+        rows_of(sized)["shaking_moment"],
+        rows_of(fitted)["shaking_moment"],
+        rtol=0,
+        atol=1e-7 * np.abs(rows_of(fitted)["shaking_moment"]).max(),
+    )
+
+
+# An engine
+
+
+def test_idling_engine__gas_of_the_ignition_on_its_pin():
+    scene = read_scene(STUDIES / "motion" / "scenes" / "idling_engine.toml")
+    names = ["idle.drive.inner.reaction.max", "idle.drive.inner.reaction.max_at"]
+    fields = ["idle.speed", "idle.input_moment", "idle.input_moment_by_equilibrium"]
+    # The piston is at the top between two positions, at some of these its stroke has begun there, at others not yet.
+    top = np.radians(90 + np.linspace(-0.9, 0.9, 9))
+    largest, place = names
+    machine = Machine(scene, names, fields, ["guides.bore_axis.angle"], positions=360)
+    outcome = machine.evaluate({"guides.bore_axis.angle": top})
+    assert (outcome.status == Verdict.OK).all()
+    # 13.5 bar against 1 bar on 88 mm; a piston of 0.42 kg hangs on, with its weight. r″ = −r − r²/l at the top.
+    at = outcome.summaries[place]
+    np.testing.assert_allclose(at % (2 * math.pi), top, rtol=0, atol=1e-9)
+    rows = outcome.fields["idle.speed"]
+    omega = np.array([np.interp(q, machine.nodes, row) for q, row in zip(at, rows, strict=True)])
+    gas, second = (13.5e5 - 1e5) * math.pi / 4 * 0.088**2, -0.032 - 0.032**2 / 0.11
+    pin = gas + 0.42 * (9.81 + omega**2 * second)
+    # The speed between positions, and what the rod takes across: some 1e-6 of the gas.
+    np.testing.assert_allclose(outcome.summaries[largest], pin, rtol=1e-5)
+    given, needed = (outcome.fields[name] for name in fields[1:])
+    np.testing.assert_allclose(given, needed, rtol=0, atol=1e-9 * np.abs(given).max())
+
+
+# What can't be
+
+
+def test_table_of_positions__without_regimes():
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": 10.0},
+        "bodies": {"wheel": {"link": "crank", "mass": 2.0, "inertia": 0.1}},
+        "moments": {"dc": MOMENTS["dc"] | {"on": "crank"}, "fan": MOMENTS["fan"]},
+        "regimes": {"on": {"type": "steady"}},
+    }
+    names = position_table(Scene.model_validate(scene), {}, 8).columns
+    assert "input.reaction" in names
+    assert not [name for name in names if name.startswith("on.")]
+
+
+def test_machine_that_stalls__has_its_verdict_and_no_loads():
+    found = settled("load cut", flywheel=0.2)
+    assert found.status == [Verdict.STALLS]
+    assert all(np.isnan(value).all() for value in found.values.values())
+    assert all(np.isnan(row).all() for row in found.fields.values())
+
+
+def test_group_without_mass__is_asked_to_assemble_where_its_loads_are():
+    scene = slider_crank({"on": steady("dc fan")}, flywheel=0.2)
+    scene["points"]["P"] = {"x": 0.5, "y": 0.0}
+    arms = {"first": {"link": "a", "joint": "A", "length": 0.3}, "second": {"link": "b", "joint": "P", "length": 0.1}}
+    scene["groups"]["extra"] = {"type": "RRR", "inner": "C", **arms}
+    assert ask(scene, "on.mean_speed").status == [Verdict.OK]
+    found = ask(scene, "on.extra.inner.reaction.max")
+    assert found.status == [Verdict.CANNOT_ASSEMBLE]

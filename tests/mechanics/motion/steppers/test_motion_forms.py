@@ -1,0 +1,145 @@
+"""The energy form and the form in time: conservation, references at 30 digits, orders, agreement with each other."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from motion_scenes import ask, reduced, run, slider_crank
+from mpmath import mp
+
+from engine.motion.regimes_in_order import Schedule
+from engine.motion.runs.run_progress import Stepping
+from engine.motion.steppers.radau import ORDER_NINE
+
+REFERENCE = json.loads((Path(__file__).parents[3] / "oracles" / "motion" / "motion_reference.json").read_text())
+
+
+# Energy
+
+
+def test_unloaded_machine__keeps_its_energy_over_3000_revolutions():
+    def found(cycles: float) -> tuple:
+        scene = slider_crank({"go": run("", from_speed=20.0, from_angle=0.3, cycles=cycles, at_most=1e4)})
+        return ask(scene, "go.time go.final_speed go.energy_change go.speed_max", 60)
+
+    short, whole, both = found(0.3), found(1.0), found(3e3 + 0.3)
+    assert whole["go.energy_change"] == 0.0
+    # The angle is known to 2π·3e3·1.1e-16 rad, where ½ω²·dI/dφ is some 2 J/rad.
+    assert abs(both["go.energy_change"]) <= 2.1e-12 * 4
+    assert both["go.final_speed"] == pytest.approx(short["go.final_speed"], rel=2.1e-12)
+    # The first cycle is the same step by step; those after it go with steps of their own, which see the top elsewhere.
+    with mp.workdps(30):
+        least = min(reduced(phi)[0] for phi in (mp.mpf(0), mp.pi))
+        fast = float(20 * mp.sqrt(reduced(mp.mpf(0.3))[0] / least))
+    assert abs(whole["go.speed_max"] - fast) <= whole.figure("go.speed_max")
+    assert abs(both["go.speed_max"] - fast) <= both.figure("go.speed_max")
+    # Cubics between places of a step.
+    assert fast * (1.0 - 1e-6) <= whole["go.speed_max"] <= both["go.speed_max"] <= fast * (1.0 + 1e-6)
+    # Steps miss 1e-10 of a cycle's time each, and all cycles the same.
+    assert both["go.time"] == pytest.approx(3e3 * whole["go.time"] + short["go.time"], rel=1e-10)
+
+
+def test_unloaded_machine__a_turn_takes_the_integral_of_one_over_omega():
+    with mp.workdps(30):
+        energy = reduced(0)[0] * 200
+        time = mp.quad(lambda phi: mp.sqrt(reduced(phi)[0] / (2 * energy)), mp.linspace(0, 2 * mp.pi, 9))
+        slow = mp.sqrt(2 * energy / max(reduced(phi)[0] for phi in mp.linspace(0, mp.pi, 2001)))
+    found = ask(slider_crank({"go": run("", from_speed=20.0, cycles=1.0)}), "go.time go.speed_min", 120)
+    # Each of some ten steps may miss 1e-10 of the time.
+    assert found["go.time"] == pytest.approx(float(time), rel=1e-10)
+    assert abs(found["go.time"] - float(time)) <= found.figure("go.time")
+    # Cubics between places a twelfth of a turn apart.
+    assert found["go.speed_min"] == pytest.approx(float(slow), rel=1e-5)
+
+
+# Two machines against mpmath at 30 digits
+
+MACHINES = {"dc": ("dc fan gravity", 20.0, 0.0), "induction": ("induction load gravity", 15.0, 0.5)}
+
+
+def three_turns(name: str, positions: int, more: str = "") -> dict[str, float]:
+    only, begin, flywheel = MACHINES[name]
+    scene = slider_crank({"go": run(only + more, from_speed=begin, cycles=3.0)}, flywheel=flywheel)
+    found = ask(scene, "go.time go.final_speed", positions)
+    return {
+        "omega": found["go.final_speed"],
+        "time": found["go.time"],
+        "omega_figure": found.figure("go.final_speed"),
+        "time_figure": found.figure("go.time"),
+    }
+
+
+# What steps may miss, for order eight to show: each of a few a turn adds as much.
+TOLERANCES = (1e-5, 1e-7, 1e-9, 1e-11)
+
+
+def steps_and_errors(name: str, more: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, np.ndarray]:
+    """Relative errors by tolerance, within their figures."""
+    errors = {"omega": [], "time": []}
+    for tolerance in TOLERANCES:
+        monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", tolerance)
+        found = three_turns(name, 120, more)
+        for key, seen in errors.items():
+            true = float(REFERENCE[name][key])
+            error = abs(found[key] - true)
+            assert error <= found[f"{key}_figure"] + 1e-13 * true, (key, tolerance)
+            seen.append(error / true)
+    return {key: np.array(seen) for key, seen in errors.items()}
+
+
+@pytest.mark.parametrize("more", ["", " nothing"], ids=["energy form", "time form"])
+@pytest.mark.parametrize("name", MACHINES)
+def test_three_turns__as_mpmath_at_30_digits_within_figures(name, more, monkeypatch):
+    for errors in steps_and_errors(name, more, monkeypatch).values():
+        # Some tens of steps, none of them amplified.
+        assert (errors <= 100 * np.array(TOLERANCES)).all(), errors
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_implicit_steps__as_mpmath_at_30_digits_within_figures(name, monkeypatch):
+    monkeypatch.setattr("engine.motion.runs.run_in_angle.METHODS", (ORDER_NINE, ORDER_NINE))
+    for errors in steps_and_errors(name, "", monkeypatch).values():
+        assert (errors <= 100 * np.array(TOLERANCES)).all(), errors
+
+
+# Order
+
+
+@pytest.mark.parametrize("more", ["", " nothing"], ids=["energy form", "time form"])
+def test_steps_of_equal_length__order_8(more, monkeypatch):
+    # Nothing is refused: steps are as long as they may be.
+    monkeypatch.setattr("engine.motion.runs.run_in_time.GROW", 1.0)
+    errors = []
+    for length in (math.pi / 8, math.pi / 16):
+        equal = Stepping(tolerance=1e25, farthest=length)
+        monkeypatch.setattr(Schedule, "_stepping", lambda self, name, equal=equal: equal)
+        found = three_turns("dc", round(2 * math.pi / length), more)
+        errors.append(abs(found["omega"] / float(REFERENCE["dc"]["omega"]) - 1.0))
+    assert math.log2(errors[0] / errors[1]) > 7.0, errors
+
+
+# One form against the other
+
+
+@pytest.mark.parametrize(
+    ("only", "regime"),
+    [
+        ("dc fan gravity", {"from_speed": 20.0, "cycles": 2.3}),
+        ("induction load gravity cut", {"from_speed": 15.0, "time": 0.9}),
+        ("dc fan cut", {"speed": 40.0}),
+        ("brake gravity cut", {"from_speed": 20.0, "speed": 10.0}),
+        ("rub cut", {"from_speed": 10.0, "rest": True}),
+    ],
+)
+def test_energy_form_and_time_form__agree_within_their_figures(only, regime):
+    names = "go.time go.angle go.final_speed go.motor_work go.useful_work go.harmful_work"
+    energy, time = (
+        ask(slider_crank({"go": run(only + more, **regime)}, flywheel=0.5), names, 240) for more in ("", " nothing")
+    )
+    for name in names.split():
+        sum_of_figures = energy.figure(name) + time.figure(name)
+        assert abs(energy[name] - time[name]) <= 3 * sum_of_figures + 1e-12 * abs(energy[name]), name
+        # Figures alone could be large.
+        assert energy[name] == pytest.approx(time[name], rel=2e-6, abs=1e-9), name

@@ -1,0 +1,258 @@
+"""Studies on a real cluster of processes: the same files, bit for bit, as one machine writes."""
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import cluster_jobs
+import h5py
+import pytest
+import searches
+from commands import STUDY, refused, said
+from press_sweeps import DISTINCT, GOOD, contents, run, study_of
+from press_texts import PRESS
+
+from sweeps.optimising.runner import optimise_study
+from sweeps.run import runner
+from sweeps.run.carrying import Blocks
+from sweeps.run.cluster.cluster_errors import ClusterError
+from sweeps.run.cluster.connecting import connected
+from sweeps.run.cluster.crew import UNDER_WAY, Crew
+from sweeps.run.cluster.limits import ClusterLimits
+from sweeps.run.cluster.on_workers import time_variant
+from sweeps.run.runner import layout_of, run_study
+from sweeps.store import describe_result
+from sweeps.store.creating import write_final_text
+from sweeps.study.bundled import STUDIES
+from sweeps.study.study import read_study
+
+
+@pytest.fixture(scope="module")
+def client():
+    with connected("local:2") as client:
+        yield client
+
+
+@pytest.fixture(autouse=True)
+def blocks_of_forty(monkeypatch):
+    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
+    monkeypatch.setattr(Crew, "block_size", lambda self: 40)
+
+
+def without_its_end(path: Path) -> bytes:
+    """A file's bytes, but for when it was finished and by whom."""
+    copy = path.with_suffix(".copy")
+    shutil.copyfile(path, copy)
+    with h5py.File(copy, "r+") as file:
+        for name in ("finished", "outcome"):
+            write_final_text(file, name, "")
+    return copy.read_bytes()
+
+
+def test_sweep__is_byte_for_byte_that_of_one_machine(client, tmp_path):
+    alone = run(tmp_path, DISTINCT, "alone")
+    (tmp_path / "on").mkdir()
+    calls = []
+    study = study_of(tmp_path / "on", DISTINCT, "alone")
+    path = run_study(study, tmp_path / "on" / "alone.h5", progress=lambda *c: calls.append(c), client=client)
+    assert calls == [(0, 0), (40, 0), (80, 0), (120, 0), (160, 0), (200, 0)]
+    assert without_its_end(path) == without_its_end(alone)
+    outcome = describe_result(path).attributes["outcome"]
+    assert re.fullmatch(r"computed by 2 workers, \d+ threads; processors: \S+ \(2\)", outcome)
+    assert said("verify", str(path)).exit_code == 0
+    # Nothing left to do: nobody is asked.
+    assert run_study(study, path, client=None) == path
+
+
+def test_motion_study_with_files_in_other_folders__is_that_of_one_machine(client, tmp_path, monkeypatch):
+    shutil.copytree(STUDIES / "motion" / "scenes", tmp_path / "machines" / "presses" / "driven")
+    shutil.copytree(STUDIES / "tables", tmp_path / "machines" / "tables")
+    folder, elsewhere = tmp_path / "studies", tmp_path / "elsewhere"
+    folder.mkdir()
+    elsewhere.mkdir()
+    text = (STUDIES / "motion" / "press_start.toml").read_text().replace('"scenes/', '"../machines/presses/driven/')
+    text = text.replace("positions =", 'variants = "motors.csv"\npositions =', 1).replace("count = 7", "count = 2")
+    text = re.sub(r'^"(moments.motor.power|flywheel.inertia)" = .*\n', "", text, flags=re.M)
+    (folder / "press.toml").write_text(text)
+    table = "moments.motor.power [kW],flywheel.inertia [kg m2]\n4,900\n5.5,1100\n7.5,2000\n"
+    (folder / "motors.csv").write_text(table)
+    monkeypatch.chdir(elsewhere)
+    alone = run_study(read_study("../studies/press.toml"), "alone.h5")
+    study = read_study("../studies/press.toml")
+    shutil.rmtree(tmp_path / "machines")
+    shutil.rmtree(folder)
+    path = run_study(study, "on.h5", client=client)
+    assert contents(path) == contents(alone)
+    assert describe_result(path).variants == 6
+
+
+def test_edited_study__is_extended_as_on_one_machine(client, tmp_path):
+    edited = GOOD.replace("'40 mm', '50 mm'", "'40 mm', '45 mm', '50 mm', '900 mm'")
+    edited = edited.replace('"excess_work"]', '"excess_work", "ram.slide.max"]')
+    found = {}
+    for name, on in (("alone", None), ("on", client)):
+        folder = tmp_path / name
+        folder.mkdir()
+        run_study(study_of(folder, GOOD), folder / "study.h5", client=on)
+        told = []
+        path = run_study(study_of(folder, edited), folder / "study.h5", client=on, tell=told.append)
+        assert told == []
+        found[name] = contents(path)
+    assert found["on"] == found["alone"]
+
+
+class Stop(Exception):
+    """Stands for whatever ends a run."""
+
+
+@pytest.mark.parametrize("first", ["on", "alone"])
+def test_interrupted_run__goes_on_with_or_without_the_cluster(first, client, tmp_path):
+    whole = contents(run(tmp_path, DISTINCT, "whole"))
+
+    def stop(done: int, before: int) -> None:
+        if done >= 80:
+            raise Stop
+
+    here = {"on": client, "alone": None}
+    with pytest.raises(Stop):
+        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop, client=here.pop(first))
+    assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
+    calls = []
+    (other,) = here.values()
+    study = study_of(tmp_path, DISTINCT)
+    run_study(study, tmp_path / "study.h5", progress=lambda *call: calls.append(call), client=other)
+    assert calls == [(80, 80), (120, 80), (160, 80), (200, 80)]
+    assert contents(tmp_path / "study.h5") == whole
+
+
+def test_search__is_that_of_one_machine(client, tmp_path, monkeypatch):
+    asked = searches.ONE.replace("population = 10", "population = 40").replace("generations = 12", "generations = 4")
+    study = searches.study_of(tmp_path, asked)
+    alone = optimise_study(study, tmp_path / "alone.h5")
+    path = optimise_study(study, tmp_path / "on.h5", client=client)
+    assert contents(path) == contents(alone)
+    assert "; computed by 2 workers" in describe_result(path).attributes["outcome"]
+    monkeypatch.chdir(tmp_path)
+    address = client.scheduler.address
+    answer = said("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
+    assert answer.exit_code == 0, answer.output
+    assert contents(Path("told.h5")) == contents(alone)
+
+
+# What is under way
+
+
+@pytest.fixture
+def crew(client, tmp_path):
+    study = study_of(tmp_path, GOOD)
+    with Crew(client, Blocks(study, layout_of(study, study.machine())), print) as crew:
+        yield crew
+
+
+def test_jobs__are_taken_only_as_they_are_needed(crew):
+    taken, most, found = 0, 0, {}
+
+    def jobs():
+        nonlocal taken
+        for number in range(50):
+            taken += 1
+            yield number, (number,)
+
+    for number, result in crew.results(cluster_jobs.squared, jobs()):
+        found[number] = result
+        most = max(most, taken - len(found))
+    assert found == {number: number**2 for number in range(50)}
+    assert most <= UNDER_WAY * 2
+
+
+def test_job_that_fails__is_given_up_and_the_others_are_not(crew):
+    found = dict(crew.results(cluster_jobs.squared_but_one, ((n, (n,)) for n in range(8))))
+    assert found == {n: n**2 for n in range(8) if n != 3}
+    assert crew.failures == {3: "ArithmeticError: three is refused"}
+
+
+def test_workers_started_anew_under_their_addresses__get_the_study_again(client, crew):
+    crew.assemble()
+    client.run(cluster_jobs.forget)
+    found = dict(crew.results(time_variant, ((n, ()) for n in range(5))))
+    assert (sorted(found), crew.failures) == ([0, 1, 2, 3, 4], {})
+
+
+# Commands
+
+
+@pytest.mark.parametrize(
+    ("rates", "least", "seconds"),
+    [((100.0, 1e3, 1e3), "workers", 1e-2), ((1e6, 1e3, 1e4), "network", 1.1e-3), ((1e6, 1e4, 1e3), "disk", 1.1e-3)],
+)
+def test_limits__count_fetching_and_writing_one_after_the_other(rates, least, seconds):
+    limits = ClusterLimits(*rates)
+    assert limits.least == least
+    assert limits.seconds == pytest.approx(seconds, rel=1e-12)
+
+
+def test_commands__compute_on_the_cluster(client, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("press.toml").write_text(PRESS)
+    Path("study.toml").write_text(STUDY)
+    address = client.scheduler.address
+    answer = said("check", "study.toml", "--cluster", address)
+    assert answer.exit_code == 0, answer.output
+    told = answer.output.partition("\nCluster\n")[2]
+    kinds = r"  workers: \S+ variants a second\n  network: \S+ variants a second\n  disk: \S+ variants a second\n"
+    assert re.fullmatch(rf"  2 workers, .*\n{kinds}  limit: (workers|network|disk); about \S+ s\n", told)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["press.toml", "study.toml"]
+    answer = said("run", "study.toml", "--no-plots", "--cluster", address)
+    assert answer.exit_code == 0, answer.output
+    assert said("run", "study.toml", "--no-plots", "--out", "alone.h5").exit_code == 0
+    assert contents(Path("results/study.h5")) == contents(Path("alone.h5"))
+
+
+def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, monkeypatch):
+    study_of(tmp_path, DISTINCT)
+    monkeypatch.chdir(tmp_path)
+    arguments = ("run", "study.toml", "--no-plots", "--cluster", client.scheduler.address)
+    with monkeypatch.context() as patch:
+        patch.setattr("sweeps.run.cluster.on_workers.compute_block", cluster_jobs.block_but_one)
+        answer = said(*arguments)
+    part = Path("results/study.part.h5")
+    assert answer.exit_code == 1
+    assert answer.stderr == (
+        "Error: variants 80 … 119 couldn't be computed (ArithmeticError: this block is refused). All others are kept "
+        f"in {part}; the same command tries these again.\n"
+    )
+    assert describe_result(part).blocks_done == 4
+    assert said(*arguments).exit_code == 0
+    assert contents(Path("results/study.h5")) == contents(run(tmp_path, DISTINCT, "alone"))
+
+
+def test_wrong_addresses__are_told_in_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("press.toml").write_text(PRESS)
+    Path("study.toml").write_text(STUDY)
+    monkeypatch.setattr("sweeps.run.cluster.connecting.PATIENCE", 0.5)
+
+    def told(*arguments: str) -> str:
+        message = refused("run", "study.toml", *arguments)
+        assert message.count("\n") == 1
+        return message
+
+    assert "no Dask scheduler answers at tcp://127.0.0.1:9 (" in told("--cluster", "tcp://127.0.0.1:9")
+    assert "no Dask scheduler answers at foo://x (unknown address scheme" in told("--cluster", "foo://x")
+    assert "write local:8" in told("--cluster", "local")
+    assert "dask worker --nthreads 8" in told("--cluster", "tcp://127.0.0.1:9", "--jobs", "2")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert "pip install 'machine-sweeps[cluster]'" in told("--cluster", "local:2")
+
+
+def test_no_worker_fits__is_refused(client, tmp_path, monkeypatch):
+    study = study_of(tmp_path, GOOD)
+    other = {"numba": "0.1"}
+    found = runner.crew_of(client, study, layout_of(study, study.machine()), print)
+    import sweeps.run.cluster.crew as crews
+
+    own = crews.own_greeting()
+    monkeypatch.setattr(crews, "own_greeting", lambda: own._replace(versions=own.versions | other))
+    with found as crew, pytest.raises(ClusterError, match=r"it has numba .*, and here is 0\.1; install the same there"):
+        crew.assemble()

@@ -1,0 +1,257 @@
+"""`sweeps balance`: counterweights of mechanisms, balance shafts of engines, corrections of rotors by trial runs."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import refused, said
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Machine
+from sweeps.report.sizing.trial_runs import correction_of, read_runs
+from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import bundled_templates
+
+HEAD = "plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg], right [mm/s], right_phase [deg]\n"
+# S. S. Rao, Mechanical Vibrations, example 9.2, in mm/s for mils and g for ounces.
+RAO = HEAD + "1, 0, 0, 8.5, 60, 6.5, 205\n1, 10, 270, 6.0, 125, 4.5, 230\n2, 12, 180, 6.0, 35, 10.5, 160\n"
+TRIPLE = """
+[elements.triple]
+type = "engine"
+layout = "in-line"
+cylinders = 3
+spacing = "90 mm"
+stroke = "80 mm"
+rod = "140 mm"
+piston_mass = "400 g"
+rod_mass = "500 g"
+rod_centre = "40 mm"
+speed = "3000 rpm"
+"""
+AMPLITUDES = "plane, weight [g], weight_angle [deg], frame [um]\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("four_bar", "slider_crank", "rotor", "scotch_yoke"):
+        Path(f"{name}.toml").write_text(bundled_templates()[name].read_text(encoding="utf8"), encoding="utf8")
+    return tmp_path
+
+
+def row_of(answer: str, name: str) -> str:
+    return next(line for line in answer.splitlines() if line.strip().startswith(name))
+
+
+# Counterweights
+
+
+def test_four_bar__is_balanced_fully_by_what_berkof_and_lowen_give(folder):
+    answer = said("balance", "four_bar.toml", "--links", "crank, rocker", "--criterion", "full").stdout
+    # Half the coupler's 0.6 kg sits in either of its hinges, at 60 mm on the crank and 140 mm on the rocker; the crank
+    # has 0.8 kg at 20 mm, the rocker 7850 kg/m3 x 5 cm2 x 140 mm at its middle.
+    for name, expected in (("crank", 0.3 * 60 + 0.8 * 20), ("rocker", 0.3 * 140 + 7850 * 5e-4 * 0.14 * 70)):
+        found = re.match(r"\s+(\w+)\s+([\d.]+) kg·mm\s+180\.0°", row_of(answer, name))
+        assert float(found[2]) == pytest.approx(expected, rel=1e-4)
+    without, left = re.findall(r"([\d.e-]+) ± [\d.e-]+ N\b", row_of(answer, "shaking force, rms"))
+    # Roundings of what was there.
+    assert float(left) < 1e-13 * float(without)
+    assert "proven" not in answer
+
+
+def test_counterweight__written_to_a_scene_does_what_is_said(folder):
+    answer = said("balance", "slider_crank.toml", "--most", "300 g", "--radius", "50 mm", "--out", "b.toml").stdout
+    assert re.search(r"crank\s+15 kg·mm\s+180\.0°\s+300 g\s+50 mm", answer)
+    before, after = (
+        float(Machine(read_scene(name), ["shaking_force.rms"]).evaluate({}).summaries["shaking_force.rms"][0])
+        for name in ("slider_crank.toml", "b.toml")
+    )
+    left = re.search(r"They leave ([\d.]+) N; it is proven that no others .* leave less than ([\d.]+) N", answer)
+    assert after < before
+    assert float(left[1]) == pytest.approx(after, rel=1e-4)
+    # The mass is at its limit, which leaves no choice: the bound is what is left.
+    assert left[1] == left[2]
+
+
+def test_place_on_the_rod__lets_a_slider_crank_be_balanced_fully(folder):
+    places = ["--place", "rod: -80 mm, 0 mm", "--place", "crank: -40 mm, 0 mm"]
+    answer = said("balance", "slider_crank.toml", *places, "--criterion", "full").stdout
+    assert "no shaking force at all" in answer
+    assert re.search(r"rod\s+[\d.]+ kg·mm\s+180\.0°\s+[\d.]+ k?g\s+80 mm", answer)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["slider_crank.toml", "--criterion", "full"], "don't balance this machine fully"),
+        (["slider_crank.toml", "--links", "cramk"], "did you mean 'crank'"),
+        (["slider_crank.toml", "--place", "rod"], "--place: 'rod': write a link and a place on it"),
+        (["slider_crank.toml", "--place", "rod: 3, 0"], "3 has no unit"),
+        (["slider_crank.toml", "--radius", "60"], "--radius: 60 has no unit"),
+        (["slider_crank.toml", "--most", "3 N"], "--most: expected a mass"),
+        (["rotor.toml"], "machine elements alone have no links to balance"),
+        (["none.toml"], "there is no such file"),
+        ([], "give a scene, study or result to balance, or --trial-runs"),
+        (["slider_crank.toml", "--trial-runs", "runs.csv"], "one of them"),
+    ],
+)
+def test_counterweights_that_cannot_be_had__are_refused(folder, arguments, words):
+    assert words in refused("balance", *arguments)
+
+
+# Balance shafts
+
+
+def test_engine__gets_the_shafts_that_leave_neither_force_nor_couple(folder):
+    Path("triple.toml").write_text(TRIPLE)
+    answer = said("balance", "triple.toml", "--planes", "-120 mm, 120 mm").stdout
+    # The primary couple √3 m r ω² a of an in-line three with balanced rotating masses.
+    mass = 0.4 + 0.5 * 40 / 140
+    couple = re.search(r"couple\s+([\d.]+) N·m", answer)
+    assert float(couple[1]) == pytest.approx(math.sqrt(3) * mass * 0.04 * (100 * math.pi) ** 2 * 0.09, rel=1e-4)
+    # Half of it turns against the crank: on a shaft 240 mm long m r √3/2 a/240 mm in each plane.
+    shaft = re.search(r"primary\s+1 × crank\s+against it\s+([\d.]+) kg·mm at 150.0°\s+\1 kg·mm at 330.0°", answer)
+    assert float(shaft[1]) == pytest.approx(mass * 40 * math.sqrt(3) / 2 * 90 / 240, rel=1e-4)
+    assert answer.count("2 × crank") == 2
+
+
+def test_engine_without_spacing__gets_shafts_for_its_forces(folder):
+    Path("four.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 4").replace('spacing = "90 mm"', ""))
+    answer = said("balance", "four.toml").stdout
+    assert "couple " not in answer
+    assert len(re.findall(r"secondary\s+2 × crank\s+(with the crank|against it)\s+3.1679 kg·mm at 180.0°", answer)) == 2
+    assert "Couples are left out" in answer
+
+
+def test_engine_that_is_balanced__needs_no_shafts(folder):
+    Path("six.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 6"))
+    assert "No balance shafts are needed" in said("balance", "six.toml").stdout
+
+
+@pytest.mark.parametrize(
+    ("planes", "words"), [("3, 4", "--planes: 3 has no unit"), ("30 mm", "--planes: '30 mm': give two positions")]
+)
+def test_planes_that_cannot_be_read__are_refused(folder, planes, words):
+    Path("triple.toml").write_text(TRIPLE)
+    assert words in refused("balance", "triple.toml", "--planes", planes)
+
+
+# Trial runs
+
+
+def test_trial_runs__give_the_weights_of_a_textbook(folder):
+    Path("runs.csv").write_text(RAO)
+    answer = said("balance", "--trial-runs", "runs.csv").stdout
+    # The book: 10.0561 at 325.5548 degrees and 5.8774 at 68.2559 degrees.
+    assert re.search(r"^1\s+10\.06 g\s+325\.6°$", answer, re.M)
+    assert re.search(r"^2\s+5\.877 g\s+68\.3°$", answer, re.M)
+    assert "noise" not in answer
+
+
+def test_noise__leaves_in_proportion_to_it(folder):
+    Path("runs.csv").write_text(RAO)
+    runs = read_runs(Path("runs.csv"))
+    small, large = (correction_of(Path("runs.csv"), runs, noise).radii for noise in ("0.1 mm/s", "3 cm/s"))
+    np.testing.assert_allclose(large, 300 * small, rtol=1e-12)
+    answer = said("balance", "--trial-runs", "runs.csv", "--noise", "0.1 mm/s").stdout
+    assert re.search(r"^1\s+10\.06 g\s+325\.6°\s+0\.51 g$", answer, re.M)
+
+
+def test_holes__take_the_weights_of_trial_runs(folder):
+    Path("runs.csv").write_text(RAO)
+    answer = said("balance", "--trial-runs", "runs.csv", "--holes", "12").stdout
+    # Two weights 30 degrees apart at the angles of their holes.
+    for weight, angle in ((10.0561, 325.5548), (5.8774, 68.2559)):
+        found = re.search(rf"{weight:.4g} g .* ([\d.]+) g in (\d+), ([\d.]+) g in (\d+)", answer)
+        first, hole, second, beside = (float(part) for part in found.groups())
+        parts = first * np.exp(1j * np.radians(30 * (hole - 1))) + second * np.exp(1j * np.radians(30 * (beside - 1)))
+        assert abs(parts - weight * np.exp(1j * np.radians(angle))) < 1e-3 * weight
+    assert "at least 3 equally spaced holes" in refused("balance", "--trial-runs", "runs.csv", "--holes", "2")
+
+
+def table_of_runs(coefficients: np.ndarray, unbalances: np.ndarray, weights: np.ndarray) -> str:
+    """What a linear machine reads as it is and with a trial weight in each plane, to all digits."""
+    names = [f"s{i}" for i in range(len(coefficients))]
+    head = ", ".join(["weight [g]", "weight_angle [rad]", "plane", *(f"{n} [um], {n}_phase [rad]" for n in names)])
+    lines = [head]
+    for plane, added in [(1, np.zeros_like(weights)), *enumerate(np.diag(weights), 1)]:
+        weight = added[plane - 1]
+        read = coefficients @ (unbalances + added)
+        cells = [abs(weight), np.angle(weight), plane, *(part for v in read for part in (abs(v), np.angle(v)))]
+        lines.append(", ".join(repr(float(cell)) for cell in cells))
+    # The order of the runs doesn't matter.
+    return "\n".join([lines[0], *reversed(lines[1:])])
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 3), st.integers(0, 2))
+def test_planted_unbalance__is_found_again(tmp_path_factory, seed, planes, more):
+    rng = np.random.default_rng(seed)
+    coefficients, unbalances, weights = (
+        rng.normal(size=shape) + 1j * rng.normal(size=shape) for shape in ((planes + more, planes), planes, planes)
+    )
+    path = tmp_path_factory.mktemp("runs") / "runs.csv"
+    path.write_text(table_of_runs(coefficients, unbalances, weights))
+    found = correction_of(path, read_runs(path))
+    # Roundings of readings, over trial weights, through the inverse of the coefficients.
+    size = (
+        np.linalg.cond(coefficients) * np.abs(unbalances).max() * (1 + np.abs(unbalances).max() / np.abs(weights).min())
+    )
+    assert np.abs(found.weights + unbalances).max() < 1e3 * np.finfo(float).eps * size
+    assert found.left.max() < 1e3 * np.finfo(float).eps * size * np.abs(coefficients).max() * planes
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 2**32 - 1), st.permutations(range(4)))
+def test_amplitudes_of_four_runs__give_one_plane(tmp_path_factory, seed, order):
+    rng = np.random.default_rng(seed)
+    unbalance, first = rng.uniform(0.5, 2) * np.exp(1j * rng.uniform(0, 7)), rng.uniform(0, 360)
+    size = rng.uniform(0.5, 2)
+    rows = [(0.0, 0.0), *((size, first + 120 * k) for k in range(3))]
+    amplitudes = [3.0 * abs(unbalance + w * np.exp(1j * np.radians(a))) for w, a in rows]
+    lines = [f"2, {float(w)!r}, {float(a)!r}, {float(v)!r}" for (w, a), v in zip(rows, amplitudes, strict=True)]
+    path = tmp_path_factory.mktemp("runs") / "runs.csv"
+    path.write_text(AMPLITUDES + "\n".join(lines[k] for k in order))
+    found = correction_of(path, read_runs(path))
+    assert found.planes == (2,)
+    # Squares of up to (2 + 2)², each with some roundings, over the least rise of 0.5², times 2/0.5: below 1e-12.
+    assert abs(found.weights[0] + unbalance) < 1e-12
+    assert found.coefficients[0, 0].real == pytest.approx(3.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (RAO.replace("plane,", "level,"), ("line 1", "no column 'plane'", "the header is such as")),
+        (RAO.replace("left_phase", "phase_left"), ("line 1", "every sensor needs an amplitude")),
+        (RAO.replace("right [mm/s]", "right [um]"), ("line 1", "read in one unit", "mm/s, um")),
+        (RAO.replace("right [mm/s]", "right [mm/z]"), ("line 1", "all sensors are read in one unit")),
+        (RAO.replace("[g]", "[gg]"), ("line 1", "unknown unit 'gg'")),
+        (RAO.replace("weight_angle [deg]", "weight_angle [mm]"), ("weight_angle", "expected an angle")),
+        (RAO.replace("1, 0, 0", "1, 1, 0"), ("one run is without a trial weight", "there are 0")),
+        (RAO.replace("2, 12", "1, 12"), ("each plane has one trial run",)),
+        (RAO.replace("2, 12", "1.5, 12"), ("planes are numbered with whole numbers",)),
+        (RAO.replace("2, 12, 180, 6.0, 35, 10.5, 160", "2, 12, 180, 8.5, 60, 6.5, 205"), ("tell the planes apart",)),
+        (RAO + "3, 9, 0, 1, 0, 1, 0\n", ("3 planes need as many sensors",)),
+        (RAO.replace("8.5", "high"), ("line 2", "high' is not a number")),
+        (AMPLITUDES + "1, 0, 0, 5\n1, 1, 0, 4\n1, 1, 120, 6\n", ("without phases: one plane, one sensor",)),
+        (AMPLITUDES + "1, 0, 0, 5\n1, 1, 0, 4\n1, 1, 120, 6\n1, 1, 200, 6\n", ("120 deg apart",)),
+        (AMPLITUDES + "1, 0, 0, 9\n1, 1, 0, 1\n1, 1, 120, 1\n1, 1, 240, 1\n", ("no linear machine",)),
+    ],
+)
+def test_runs_that_tell_nothing__are_refused(folder, table, words):
+    Path("runs.csv").write_text(table)
+    answer = refused("balance", "--trial-runs", "runs.csv")
+    assert all(word in answer for word in words), answer
+
+
+@pytest.mark.parametrize(
+    ("noise", "words"),
+    [("3 kg", "in the unit of the readings"), ("0.1 foo", "foo"), ("-1 mm/s", "-1")],
+)
+def test_noise_in_other_units__is_refused(folder, noise, words):
+    Path("runs.csv").write_text(RAO)
+    assert words in refused("balance", "--trial-runs", "runs.csv", "--noise", noise)

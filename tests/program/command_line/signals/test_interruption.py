@@ -1,0 +1,161 @@
+"""Signals, a full disk under what is written, and readers that go away: a sentence and an exit code each."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from commands import ROOT, said
+
+from sweeps.text.interruption import farewell, half_written, keeping
+from sweeps.text.whole_files import whole_file
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
+
+BUSY = {
+    "loading": "import xml.dom, email, ast, tomllib; time.sleep(30)",
+    "computing": "while True: pass",
+    "waiting for a thread": "import threading; threading.Event().wait()",
+    "in code that swallows what is raised": "while True:\n    try: time.sleep(30)\n    except BaseException: pass",
+}
+
+
+@pytest.mark.parametrize("busy", BUSY)
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signal__ends_the_program_with_one_sentence(number, code, busy, tmp_path):
+    head = "import sys, time\nfrom sweeps.text.interruption import half_written, listen\nlisten()\n"
+    head += "half_written.add('draft'); open('draft', 'w').close(); print('here', flush=True)\n"
+    with subprocess.Popen(
+        [sys.executable, "-c", head + BUSY[busy], "run", "a b.toml", "--restart"],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout.readline() == "here\n"
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert errors == "Interrupted: no file is left half-written; go on with: sweeps run 'a b.toml'\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_ignored_signal__stays_ignored(tmp_path):
+    code = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); from sweeps.text.interruption import listen; "
+    code += "listen(); import os; os.kill(os.getpid(), signal.SIGINT); import time; time.sleep(0.3); print('well')"
+    done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "well\n", "")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signal_while_python_ends__changes_nothing(number, tmp_path):
+    code = "import atexit, os, sys, time; sys.argv = ['sweeps', 'list']; from sweeps.__main__ import start; "
+    code += f"atexit.register(lambda: (os.kill(os.getpid(), {int(number)}), time.sleep(0.5))); start()"
+    done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "crank_press" in done.stdout
+
+
+def test_farewell__tells_what_the_innermost_run_keeps():
+    with keeping(lambda: "two eggs are kept"):
+        assert farewell().startswith("Interrupted: two eggs are kept; go on with: sweeps")
+    assert "two eggs" not in farewell()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a full device")
+@pytest.mark.parametrize("arguments", [["list"], ["new", "--help"], ["check", "fan_rotor"]])
+def test_full_disk_under_standard_output__one_sentence(arguments):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "sweeps", *arguments],
+            env=ENVIRONMENT,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    assert done.returncode == 2
+    assert done.stderr.startswith("Error: ")
+    assert done.stderr.endswith("No space left on device\n")
+    assert done.stderr.count("\n") == 1
+
+
+def test_reader_that_goes_away__nothing_said():
+    with subprocess.Popen(
+        [sys.executable, "-m", "sweeps", "list"],
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        process.stdout.close()
+        errors = process.stderr.read()
+        process.wait()
+    assert errors == ""
+
+
+# Files written whole
+
+
+def test_file__is_replaced_at_the_end_only(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("good")
+    with whole_file(path) as draft:
+        draft.write_text("new")
+        assert path.read_text() == "good"
+        assert draft.suffix == ".txt"
+        assert str(draft) in half_written
+    assert path.read_text() == "new"
+    with pytest.raises(TypeError), whole_file(path) as draft:
+        draft.write_bytes("not bytes")
+    assert path.read_text() == "new"
+    assert (list(tmp_path.iterdir()), half_written) == ([path], set())
+
+
+def test_link_and_device__stay_what_they_are(tmp_path):
+    path, link = tmp_path / "a.txt", tmp_path / "link.txt"
+    path.write_text("good")
+    link.symlink_to(path)
+    with whole_file(link) as draft:
+        draft.write_text("new")
+    assert link.is_symlink()
+    assert path.read_text() == "new"
+    with whole_file("/dev/null") as draft:
+        assert draft == Path("/dev/null")
+
+
+WRITES = [
+    ("export", "results/study.h5", "--to", "out.csv"),
+    ("export", "press.toml", "--to", "out.csv"),
+    ("export", "press.toml", "--overwrite", "--to", "out.toml"),
+    ("export", "press.toml", "--to", "out.svg"),
+    ("export", "press.toml", "--to", "out.dxf"),
+    ("plot", "press.toml", "--out", "out.pdf"),
+    ("animate", "press.toml", "--frames", "4", "--out", "out.gif"),
+    ("new", "rotor", "--out", "new.toml"),
+]
+
+
+@pytest.mark.parametrize("arguments", WRITES, ids=lambda a: " ".join(a[:2] + a[-1:]))
+def test_full_disk_under_a_file__one_sentence_and_the_earlier_file_stays(arguments, press_folder, monkeypatch):
+    if arguments[1] == "results/study.h5":
+        assert said("run", "study.toml", "--no-plots").exit_code == 0
+    earlier = Path(arguments[-1])
+    if arguments[0] != "new":
+        earlier.write_text("earlier")
+
+    def refuse(self: Path, target: Path) -> None:
+        raise OSError(28, "No space left on device")
+
+    before = sorted(press_folder.rglob("*"))
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", refuse)
+        answer = said(*arguments)
+    assert answer.exit_code == 2
+    assert "No space left on device" in answer.stderr
+    assert answer.stderr.count("\n") == 1
+    assert sorted(press_folder.rglob("*")) == before
+    if arguments[0] != "new":
+        assert earlier.read_text() == "earlier"

@@ -1,0 +1,214 @@
+"""The texts and commands of README and guide are run as they stand."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomlkit
+from click.testing import CliRunner
+
+from engine import ElementsAlone, Machine, Scene, Verdict
+from sweeps import read_scene
+from sweeps.cli import main
+
+ROOT = Path(__file__).parents[3]
+README = (ROOT / "README.md").read_text(encoding="utf8")
+GUIDE = {page.stem: page.read_text(encoding="utf8") for page in sorted((ROOT / "sweeps" / "guide").rglob("*.md"))}
+# What the chapter on Python imports.
+LINKAGE = """{"joints": [
+    {"type": "Static", "name": "O", "x": 0, "y": 0}, {"type": "Static", "name": "D", "x": 22, "y": 0},
+    {"type": "Crank", "name": "A", "x": 6, "y": 0, "joint0": {"ref": "O"}, "distance": 6, "angle": 0.1},
+    {"type": "Revolute", "name": "B", "x": 20, "y": 14, "joint0": {"ref": "A"}, "joint1": {"ref": "D"},
+     "distance0": 20, "distance1": 14}]}"""
+
+
+AXIS = '[points]\nC = { x = "300 mm", y = 0 }'
+# What the compressor lacks for the fragments of each chapter, in their order.
+HOSTS = {
+    "cams": ['[points]\nC = { x = "-200 mm", y = 0 }\n[input]\nrevolutions = 2'],
+    "gears": [AXIS, "", "", AXIS, AXIS],
+    "motion": [
+        """[input]
+        start = "20 deg"
+        stop = "160 deg"
+        [forces]
+        oil = { type = "constant", on = "B", force = "9 kN", angle = 0, role = "driving" }
+        return_oil = { type = "constant", on = "B", force = "9 kN", angle = "180 deg", role = "driving" }""",
+        '[shafts]\ndrum = { geared_to = "crank", ratio = 0.1 }\naxle = { geared_to = "crank", ratio = 0.2 }',
+        "",
+    ],
+}
+
+
+def merged(*texts):
+    """One scene of several texts, whose tables may meet; without the flywheel, which needs a crank that turns fully."""
+    whole = {}
+    for text in texts:
+        for name, table in tomlkit.parse(text).unwrap().items():
+            whole[name] = whole.get(name, {}) | table
+    return tomlkit.dumps({name: table for name, table in whole.items() if name != "flywheel"})
+
+
+def blocks(language, text=README):
+    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.S)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with the scenes, the study and the tables of README and guide."""
+    path = tmp_path_factory.mktemp("readme")
+    scene, study = blocks("toml")
+    chapters = {name: "".join(blocks("toml", text)) for name, text in GUIDE.items()}
+    texts = {
+        "compressor": scene,
+        "compressor_friction": scene + chapters["forces"],
+        "compressor_formulas": scene + chapters["formulas"],
+        "compressor_motion": scene + chapters["motion"],
+        "compressor_coupled": scene + chapters["motion"] + chapters["couplings"],
+        "compressor_whole": scene + chapters["formulas"] + chapters["motion"] + chapters["forces"],
+        "study": study,
+        "plate": chapters["links"],
+        "cam": chapters["cams"],
+        "reducer": chapters["gears"],
+    }
+    for name, text in texts.items():
+        (path / f"{name}.toml").write_text(text, encoding="utf8")
+    places = [f"{60 * np.cos(t)}, {25 * np.sin(t)}" for t in np.linspace(0, 2 * np.pi, 16, endpoint=False)]
+    (path / "wanted.csv").write_text("\n".join(["x [mm], y [mm]", *places]), encoding="utf8")
+    (path / "linkage.json").write_text(LINKAGE, encoding="utf8")
+    (runs,) = blocks("csv", GUIDE["balancing"])
+    (path / "runs.csv").write_text(runs, encoding="utf8")
+    (path / "torque.csv").write_text("phi [deg], moment [N m]\n0,0\n90,1000\n180,0\n270,-200\n360,0\n", encoding="utf8")
+    return path
+
+
+def commands():
+    """Every `sweeps` command of README and guide, without its comment."""
+    texts = [block for text in (README, *GUIDE.values()) for block in blocks("sh", text)]
+    lines = [line.split("  #")[0].strip() for block in texts for line in block.splitlines()]
+    return [line for line in lines if line.startswith("sweeps ")]
+
+
+def test_chapters__are_all_in_the_readme():
+    assert set(re.findall(r"\(sweeps/guide/(?:[a-z]+/)?([a-z]+)\.md\)", README)) == set(GUIDE)
+
+
+def test_readme__is_read_in_one_go():
+    assert len(README.splitlines()) <= 250
+
+
+def test_commands__run_in_the_order_written(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    ran = commands()
+    assert len(ran) >= 12
+    for command in ran:
+        words = shlex.split(command)[1:]
+        # The bundled studies have tests of their own.
+        if words in (["run", "crank_press"], ["optimise", "four_bar_counterweights"]):
+            continue
+        result = CliRunner().invoke(main, words)
+        assert result.exit_code == 0, f"{command}\n{result.output}"
+    for name in ("results/study.h5", "study.csv", "variant.toml", "offset_slider_crank.gif"):
+        assert (folder / name).stat().st_size > 0
+
+
+def test_python__runs(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    names = {"lengths_in_metres": np.linspace(0.04, 0.06, 5)}
+    (text,) = blocks("python")
+    exec(compile(text.replace('run_study(read_study("study.toml"), "results/study.h5")', ""), "README", "exec"), names)
+    assert names["outcome"].summaries["flywheel_wittenbauer"].shape == (5,)
+    assert dict(names["data"].sizes)["variant"] == 21 * 3 * 256
+
+
+def test_formulas__work_as_the_guide_says(folder):
+    """The spring of the buffer is met on the way out, over 10 mm of the 250 mm that the piston reaches."""
+    scene = read_scene(folder / "compressor_formulas.toml")
+    asked = ["rings.moment.mean", "buffer.moment.mean", "fan.moment.mean"]
+    outcome = Machine(scene, asked, varied=["forces.buffer.numbers.x0"]).evaluate(
+        {"forces.buffer.numbers.x0": np.array([0.24, 0.245])}
+    )
+    assert (outcome.status == Verdict.OK).all()
+    turn, rings, stop, fan = 2 * np.pi, *(outcome.summaries[name] for name in asked)
+    # There and back over the stroke of 100 mm.
+    np.testing.assert_allclose(rings, -2 * 0.1 * (40 + 120 / 3) / turn, rtol=1e-12)
+    np.testing.assert_allclose(stop, -0.5 * 8e3 * np.array([0.01, 0.005]) ** 2 / turn, rtol=1e-11)
+    np.testing.assert_allclose(fan, -1 - 3e-4 * (10 * np.pi) ** 2, rtol=1e-13)
+
+
+@pytest.mark.parametrize("chapter", HOSTS)
+def test_fragments__are_understood_in_a_scene(chapter, tmp_path):
+    found = blocks("toml fragment", GUIDE[chapter])
+    for fragment, host in zip(found, HOSTS[chapter], strict=True):
+        (tmp_path / "scene.toml").write_text(merged(blocks("toml")[0], host, fragment), encoding="utf8")
+        read_scene(tmp_path / "scene.toml")
+
+
+def test_all_together__can_be_ordered(folder):
+    scene = read_scene(folder / "compressor_whole.toml")
+    assert {"rings", "buffer", "fan", "motor"} <= {*scene.forces, *scene.moments}
+
+
+def test_friction__works_as_the_guide_says(folder):
+    scene = read_scene(folder / "compressor_friction.toml")
+    asked = ["friction_loss", "drive.inner.friction_work", "mechanical_efficiency", "input.reaction.max"]
+    outcome = Machine(scene, [*asked, "shaking_force.order_1", "jamming_margin"]).evaluate({})
+    assert outcome.status == [Verdict.OK]
+    assert outcome.summaries["friction_loss"] > 0.0
+
+
+def test_gear_train__has_what_the_guide_names(folder):
+    scene = read_scene(folder / "reducer.toml")
+    known = ElementsAlone(scene).available_summaries
+    named = [
+        name for name in re.findall(r"`(reducer\.[a-z_.]+)`", GUIDE["gears"]) if not name.endswith("reduced_inertia")
+    ]
+    assert len(named) >= 12
+    assert set(named) <= set(known)
+    assert ElementsAlone(scene, named).evaluate({}).status == [Verdict.OK]
+
+
+def test_guide__shows_its_chapters():
+    listed = CliRunner().invoke(main, ["guide"])
+    assert all(name in listed.output for name in GUIDE)
+    assert CliRunner().invoke(main, ["guide", "cams"]).output == GUIDE["cams"]
+    wrong = CliRunner().invoke(main, ["guide", "motoin"])
+    assert wrong.exit_code != 0
+    assert "did you mean 'motion'" in wrong.output
+
+
+def test_couplings__have_what_the_guide_names(folder):
+    # What the text says of fluid couplings is of other machines.
+    dry, _ = GUIDE["couplings"].split("A `fluid_coupling`")
+    named = sorted(set(re.findall(r"`((?:couple|work)\.[a-z_]+)`", dry)))
+    assert len(named) >= 7
+    outcome = Machine(read_scene(folder / "compressor_coupled.toml"), named).evaluate({})
+    assert outcome.status == [Verdict.OK]
+    assert np.isfinite([outcome.summaries[name] for name in named]).all()
+
+
+def test_stiff_fluid_coupling__is_stepped_through(folder):
+    """The first attempt at a step goes off to speeds of 1e12 rad/s, far beyond the next place where moments jump."""
+    given = read_scene(folder / "compressor_motion.toml").model_dump(exclude_none=True, exclude_unset=True)
+    start = {"type": "run", "off": ["brake"], "cycles": 0.01}
+    given["regimes"] = {"go": start | {"from_speed": 32.14044178382065, "from_shaft_speed": 4.8 * 32.1502283757}}
+    fluid = {"type": "fluid_coupling", "shaft": "motor_shaft", "diameter": 0.22, "density": 860.0}
+    given["couplings"] = {
+        "fluid": fluid | {"slip": [0.0, 0.05, 1.0], "coefficient": [0.0, 0.01, 0.02], "interpolation": "linear"}
+    }
+    asked = ["go.final_speed", "go.motor_shaft_final_speed", "go.work_residual"]
+    outcome = Machine(Scene.model_validate(given), asked).evaluate({})
+    assert outcome.status == [Verdict.OK]
+    crank, shaft, residual = (outcome.summaries[name] for name in asked)
+    # λ' ρ D⁵ ω² is 2 kN m a unit of slip; the shaft's motor and inertia pass no more than 10 N m.
+    np.testing.assert_allclose(shaft, 4.8 * crank, rtol=5e-3)
+    assert abs(residual) < 1e-8
+
+
+def test_groups_of_free_links__have_what_the_guide_names(folder):
+    machine = Machine(read_scene(folder / "plate.toml"))
+    assert {"group_of_plate.certificate", "group_of_plate.transmission", "rod.A.reaction_x"} <= set(
+        machine.available_fields
+    )

@@ -1,0 +1,228 @@
+"""`sweeps run`: what is said, where the result goes, interrupts, and with which exit code it ends."""
+
+import itertools
+import os
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from commands import STUDY, refused, said
+from press_texts import PRESS
+
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.progress import ProgressBar
+from sweeps.text.interruption import farewell
+
+
+def test_run__tells_counts_blame_answer_and_files(press_folder):
+    answer = said("run", "study.toml", "--no-plots")
+    assert answer.exit_code == 0
+    lines = answer.stdout.splitlines()
+    assert lines[0] == "Which crank?: 8 variants"
+    assert any(line.split()[:2] == ["6", "ok"] for line in lines)
+    assert any(line.startswith("2") and "cannot assemble" in line and "lengthen" in line for line in lines)
+    assert any("group slide: 2" in line for line in lines)
+    assert "Which crank does the least work?" in lines
+    assert any(line.startswith("Answer: the least excess_work where ram.stroke > '90 mm' is") for line in lines)
+    assert any(line.split() == ["input.length", "=", "50", "mm"] for line in lines)
+    assert lines[-1].strip() == str(Path("results/study.h5"))
+    assert answer.stderr == ""
+    assert SweepResult(Path("results/study.h5")).best() == 6
+
+
+def test_run_of_a_scene__answers_for_the_machine_as_it_is(press_folder):
+    answer = said("run", "press.toml", "--no-plots", "--out", "p.h5")
+    assert answer.exit_code == 0
+    assert "Crank press: 1 variant" in answer.stdout
+    assert SweepResult(Path("p.h5")).columns["status"].tolist() == [0]
+
+
+def test_run_twice__leaves_the_finished_file(press_result):
+    before = Path(press_result).stat().st_mtime_ns
+    assert said("run", "study.toml", "--no-plots", "--out", press_result).exit_code == 0
+    assert Path(press_result).stat().st_mtime_ns == before
+
+
+def test_run_of_a_changed_study__keeps_the_former_result(press_result):
+    Path("study.toml").write_text(STUDY.replace('"50 kg"', '"55 kg"'))
+    answer = said("run", "study.toml", "--no-plots", "--out", press_result)
+    assert answer.exit_code == 0
+    former = Path(press_result).with_suffix(".1.h5")
+    assert answer.stderr == f"The former {press_result} is kept as {former}.\n"
+    assert SweepResult(Path(press_result)).columns["bodies.ram.mass"][0] == 55
+    assert SweepResult(former).columns["bodies.ram.mass"][0] == 50
+
+
+def test_run_with_another_question__answers_that_one(press_result):
+    Path("study.toml").write_text(STUDY.replace("minimise", "maximise"))
+    before = SweepResult(Path(press_result)).best()
+    answer = said("run", "study.toml", "--no-plots", "--out", press_result)
+    assert "Answer: the greatest excess_work" in answer.stdout
+    assert "Answer: the greatest excess_work" in said("show", press_result).stdout
+    assert SweepResult(Path(press_result)).best() != before
+
+
+def test_run_with_jobs__gives_the_same_numbers(press_result):
+    assert said("run", "study.toml", "--no-plots", "--out", "one.h5", "--jobs", "1").exit_code == 0
+    one, all_cores = SweepResult(Path("one.h5")).columns, SweepResult(Path(press_result)).columns
+    assert all(one[name].tobytes() == all_cores[name].tobytes() for name in all_cores)
+
+
+@pytest.mark.parametrize("jobs", ["0", "-1", "many"])
+def test_run_with_impossible_jobs__is_refused(jobs, press_folder):
+    assert "--jobs" in refused("run", "study.toml", "--jobs", jobs)
+
+
+def test_run_without_candidates__says_so_and_succeeds(press_folder):
+    Path("study.toml").write_text(STUDY.replace("> '90 mm'", "> '9 m'"))
+    answer = said("run", "study.toml", "--no-plots")
+    assert answer.exit_code == 0
+    assert "No variant was computed that meets the conditions" in answer.stdout
+
+
+def test_run_where_nothing_assembles__says_so_and_has_an_exit_code_of_its_own(press_folder):
+    Path("study.toml").write_text(STUDY.replace('"40 mm", "60 mm", "250 mm", "50 mm"', '"250 mm"'))
+    answer = said("run", "study.toml", "--no-plots")
+    assert answer.exit_code == 1
+    assert "cannot assemble" in answer.stdout
+    assert "No variant" in answer.stdout
+
+
+def test_run_of_an_unknown_study__suggests_the_near_one(press_folder):
+    message = refused("run", "crank_pres")
+    assert "no such file" in message
+    assert "did you mean 'crank_press'?" in message
+
+
+def test_run_of_a_bad_study__tells_file_line_and_key(press_folder):
+    Path("study.toml").write_text(STUDY.replace('"60 mm"', '"60 kg"'))
+    message = refused("run", "study.toml", "--no-plots")
+    assert message.startswith("Error: study.toml, line 7: vary.input.length: expected a length")
+    assert not Path("results").exists()
+
+
+def test_run_of_a_bad_scene__tells_the_scene_s_file(press_folder):
+    Path("press.toml").write_text(PRESS.replace('joint = "A"', 'joint = "Z"'))
+    assert "press.toml, line 19: groups.slide.first.joint: 'Z' is not a point" in refused("run", "study.toml")
+
+
+def test_out_under_a_file__is_refused(press_folder):
+    assert "press.toml" in refused("run", "study.toml", "--no-plots", "--out", "press.toml/r.h5")
+
+
+def test_out_that_is_a_folder__is_refused(press_folder):
+    Path("there.h5").mkdir()
+    assert "there.h5 is a folder" in refused("run", "study.toml", "--no-plots", "--out", "there.h5")
+
+
+def test_out_in_a_read_only_place__is_refused(press_folder):
+    # The system's own tree is read-only even for an administrator.
+    place = Path("/sys") if os.geteuid() == 0 else press_folder / "locked"
+    place.mkdir(exist_ok=True)
+    if os.geteuid():
+        place.chmod(0o500)
+    message = refused("run", "study.toml", "--no-plots", "--out", str(place / "r.h5"))
+    assert str(place / "r") in message
+    assert "--out" in message
+
+
+def test_out_of_another_program__is_refused_and_kept(press_folder):
+    Path("r.h5").write_text("my notes")
+    assert "r.h5" in refused("run", "study.toml", "--no-plots", "--out", "r.h5")
+    assert Path("r.h5").read_text() == "my notes"
+
+
+def interrupted(after: int) -> str:
+    """What a run stopped after so many variants, in blocks of three, says on the way out."""
+    words = []
+    update = ProgressBar.update
+
+    def stop(self: ProgressBar, done: int, *more: int) -> None:
+        update(self, done, *more)
+        if done >= after:
+            words.append(farewell())
+            raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
+        patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
+        patch.setattr("sys.argv", ["sweeps", "run", "study.toml", "--restart", "--no-plots", "--out", "my r.h5"])
+        assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 1
+    return words[0]
+
+
+def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(press_folder, monkeypatch):
+    again = "go on with: sweeps run study.toml --no-plots --out 'my r.h5'"
+    assert interrupted(3) == f"Interrupted: 3 of 8 variants are done and kept; {again}"
+    assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
+    assert "Interrupted: 6 of 8 variants" in interrupted(6)
+    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
+    assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
+
+
+REQUIRE = """require = [
+  "bodies.ram.mass < '90 kg'",
+  "input.length <= '60 mm'",
+]
+"""
+
+
+def test_what_each_condition_drops__is_told_by_check_run_and_show(press_folder):
+    Path("study.toml").write_text(STUDY.replace("positions", f"{REQUIRE}positions"))
+    # Of 4 lengths × 2 masses: one mass in four lengths, one length in two masses; one variant fails both.
+    counts = ["bodies.ram.mass < '90 kg': 4, 3 by this alone", "input.length <= '60 mm': 2, 1 by this alone"]
+    checked = said("check", "study.toml").stdout
+    assert "required, 5 of 8 dropped:" in checked
+    assert all(line in checked for line in counts)
+    ran, shown = said("run", "study.toml", "--no-plots", "--out", "r.h5").stdout, said("show", "r.h5").stdout
+    for text in (ran, shown):
+        lines = [line.strip() for line in text.splitlines()]
+        dropped = next(i for i, line in enumerate(lines) if "dropped by a constraint" in line)
+        assert lines[dropped].startswith("5 ")
+        assert lines[dropped + 1 : dropped + 3] == counts
+        # Failures of groups are told apart from what is dropped.
+        assert "group slide" not in text
+
+
+def test_what_each_condition_drops__counts_only_what_is_done(press_folder):
+    Path("study.toml").write_text(STUDY.replace("positions", f"{REQUIRE}positions"))
+    interrupted(3)
+    # The first three variants: 40 mm with both masses, 60 mm with 50 kg.
+    assert "bodies.ram.mass < '90 kg': 1, 1 by this alone" in said("show", "r.part.h5").stdout
+    assert "input.length <= '60 mm': 0, 0 by this alone" in said("show", "r.part.h5").stdout
+
+
+def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_many(press_folder, monkeypatch):
+    from sweeps.report import check_report as report
+
+    monkeypatch.setattr(report, "MOST_COUNTED", 64)
+    monkeypatch.setattr(report, "LARGEST_BLOCK", 4)
+    vary = '"input.length" = {from = "40 mm", to = "60 mm", count = 4001}'
+    start, end = STUDY.index('"input.length"'), STUDY.index("[outputs]")
+    text = STUDY[:start] + vary + "\n" + STUDY[end:]
+    Path("study.toml").write_text(text.replace("positions", "require = [\"input.length > '45 mm'\"]\npositions"))
+    line = next(line for line in said("check", "study.toml").stdout.splitlines() if "required" in line)
+    share = float(line.split("about ")[1].split(" %")[0])
+    # Sixteen samples evenly taken: the border lies within one of them.
+    assert abs(share - 25) <= 100 / 15
+
+
+def test_words_of_reports__are_the_engineer_s(press_result):
+    texts = [said(*arguments).stdout for arguments in (("check", "study.toml"), ("show", press_result))]
+    assert not any("block" in text for text in texts)
+
+
+def test_progress_into_a_pipe__is_plain_lines_now_and_then(press_folder, monkeypatch):
+    ticks = itertools.count(0.0, 40.0)
+    clock = SimpleNamespace(monotonic=lambda: next(ticks), perf_counter=time.perf_counter)
+    monkeypatch.setattr("sweeps.run.progress.time", clock)
+    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 4)
+    answer = said("run", "study.toml", "--no-plots")
+    lines = answer.stderr.splitlines()
+    assert len(lines) == 2
+    assert lines[0].startswith("4 of 8 variants, ")
+    assert lines[0].endswith(" s left")
+    assert "\r" not in answer.stderr
+    assert said("run", "study.toml", "--no-plots", "--restart", "--quiet").stderr == ""

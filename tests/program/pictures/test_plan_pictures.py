@@ -1,0 +1,244 @@
+"""Plans as pictures: scales that hold on paper, letters clear of each other, loads of bearings, files."""
+
+import math
+from itertools import combinations
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from drawn_machines import crank, four_bar
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from plan_machines import MACHINES, MECHANISMS, cycle_of
+
+from engine import Scene
+from engine.scene.pairs import pairs
+from engine.scene.parts import FRAME
+from sweeps.cli import main
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.plans import (
+    MachineCycle,
+    acceleration_plan,
+    bearing_load,
+    bearing_pictures,
+    force_plan,
+    force_polygon,
+    free_body,
+    least_loaded,
+    plan_pictures,
+    reaction_pictures,
+    shares,
+    velocity_plan,
+)
+from sweeps.pictures.plans.free_body import LONGEST
+from sweeps.pictures.plans.paper import Paper, round_scale
+from sweeps.pictures.style import MM_PER_INCH
+from sweeps.text.templates import bundled_templates
+
+# Bearings
+
+
+def heavy_crank():
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}},
+            "gravity": 10.0,
+            "input": crank(speed=1e-6),
+            "bodies": {"disc": {"link": "crank", "mass": 3.0}},
+        }
+    )
+
+
+def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():
+    cycle = MachineCycle(heavy_crank())
+    frame, shaft = bearing_load(cycle, "input"), bearing_load(cycle, "input", "crank")
+    assert np.allclose(frame.force, 30j, rtol=0, atol=1e-10)
+    assert np.allclose(shaft.force, 30j * np.exp(-1j * frame.q), rtol=0, atol=1e-10)
+    assert shares(frame)[9] == 1.0
+    # 20 of 720 positions to a sector; one on its edge may go to either side.
+    assert shares(shaft) == pytest.approx(np.full(36, 1 / 36), abs=1.01 / 720)
+    assert least_loaded(frame) == pytest.approx(math.radians(270))
+
+
+@pytest.mark.parametrize("name", ["stephenson_six_bar", "crank_shaper", "sliding input"])
+def test_bearing_loads__one_magnitude_in_all_axes_and_opposite_on_the_two_links(name):
+    cycle = cycle_of(name)
+    for pair in pairs(cycle.scene):
+        if pair.kind != "revolute":
+            continue
+        frame, own = (bearing_load(cycle, pair.name, axes) for axes in (FRAME, pair.link))
+        assert np.allclose(np.abs(own.force), np.abs(frame.force), rtol=1e-12)
+        assert abs(frame.force[frame.peak]) == pytest.approx(np.abs(frame.force).max(), rel=1e-15)
+        assert shares(own).sum() == pytest.approx(1.0)
+        if pair.other != FRAME:
+            other = bearing_load(cycle, pair.name, pair.other)
+            assert other.on == pair.other
+            assert np.allclose(other.force * cycle.motion.axes(pair.other)[1], -frame.force, rtol=1e-12)
+
+
+def test_bearing_load_of_a_guide__refused():
+    with pytest.raises(PictureError, match=r"'drive\.second' is not a revolute pair"):
+        bearing_load(cycle_of("slider_crank"), "drive.second")
+    with pytest.raises(PictureError, match=r"axes 'ram' are of neither link"):
+        bearing_load(cycle_of("slider_crank"), "input", "ram")
+
+
+# Drawing
+
+
+@given(st.floats(1e-12, 1e12))
+@settings(deadline=None, max_examples=200)
+def test_round_scale__at_most_half_as_large_again_and_one_of_the_series(least):
+    scale = round_scale(least)
+    # The series' widest step is from 2.5 to 4.
+    assert least * (1 - 1e-9) <= scale <= 1.6 * least * (1 + 1e-9)
+    digits = scale / 10.0 ** math.floor(math.log10(scale) + 1e-9)
+    assert min(abs(digits - step) for step in (1, 1.5, 2, 2.5, 4, 5, 7.5, 10)) < 1e-9
+
+
+def axes_on_paper(width=98.0, height=120.0):
+    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
+    return figure.add_axes((0, 0, 1, 1))
+
+
+def arrows_on_paper(ax):
+    """Lengths on paper [mm] of shafts with their heads."""
+    to_mm = MM_PER_INCH / ax.figure.dpi
+    corners = [ax.transData.transform(patch.get_xy()) * to_mm for patch in ax.patches if hasattr(patch, "get_xy")]
+    shafts = [line for line in ax.lines if line.get_zorder() == 7]
+    starts = [ax.transData.transform(np.column_stack(line.get_data()))[0] * to_mm for line in shafts]
+    return [math.dist(start, tip[0]) for start, tip in zip(starts, corners, strict=True)]
+
+
+def test_vectors_on_paper__as_long_as_the_scale_says():
+    ax = axes_on_paper()
+    loads = force_plan(cycle_of("slider_crank").at(1.0), "drive", ax)
+    (note,) = [text.get_text() for text in ax.texts if "mu_F" in text.get_text()]
+    value, unit = note.split("= ")[1].removesuffix("/mm").split(" ")
+    per_mm = float(value) * {"N": 1.0, "kN": 1e3}[unit]
+    expected = [abs(load.force) / per_mm for load in loads]
+    assert arrows_on_paper(ax) == pytest.approx([length for length in expected if length >= 0.4], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", [*MECHANISMS, "PRP", "moving guide", "geared five-bar", "turning yoke"])
+def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
+    pose = cycle_of(name).at()
+    drawn = [(velocity_plan, ()), (acceleration_plan, ())]
+    drawn += [(force_plan, (group,)) for group in pose.scene.groups if force_polygon(pose, group)]
+    for draw, arguments in drawn:
+        ax = axes_on_paper()
+        draw(pose, *arguments, ax)
+        renderer = FigureCanvasAgg(ax.figure).get_renderer()
+        boxes = [text.get_window_extent(renderer) for text in ax.texts]
+        assert len(boxes) > 2
+        page = ax.figure.bbox
+        for box in boxes:
+            assert box.x0 >= page.x0 - 1
+            assert box.x1 <= page.x1 + 1
+        for one, two in combinations(boxes, 2):
+            wide = min(one.x1, two.x1) - max(one.x0, two.x0)
+            high = min(one.y1, two.y1) - max(one.y0, two.y0)
+            # Boxes hold the room of letters that aren't there, above and below: a third of a line may be shared.
+            assert min(wide, high) < 4, (draw.__name__, one, two)
+
+
+def test_free_body__an_arrow_for_each_load_none_longer_than_the_longest():
+    ax = axes_on_paper()
+    loads = free_body(cycle_of("four_bar").at(1.0), "coupler", ax)
+    lengths = arrows_on_paper(ax)
+    forces, moments = sum(not load.is_moment for load in loads), sum(load.is_moment for load in loads)
+    assert (forces, moments) == (4, 1)
+    assert len(lengths) == forces + moments
+    assert max(lengths) == pytest.approx(LONGEST, rel=1e-9)
+    assert {text.get_text() for text in ax.texts} >= {load.text for load in loads}
+
+
+def test_paper__a_vector_too_short_to_be_seen_left_out():
+    ax = axes_on_paper()
+    paper = Paper(ax, [0j, 100 + 0j])
+    paper.arrow(0j, 0.3 * paper.per_mm + 0j, "short", "black")
+    paper.letter()
+    assert not ax.texts
+
+
+# Files
+
+
+def test_plan_pictures__a_sheet_for_each_plan(tmp_path):
+    made = plan_pictures(MACHINES["slider_crank"], tmp_path / "press.svg", math.radians(40))
+    assert [path.name for path in made] == [
+        f"press_{what}.svg"
+        for what in (
+            "velocity",
+            "acceleration",
+            "forces_crank",
+            "forces_drive",
+            "reactions",
+            "bearing_input",
+            "bearing_drive_first",
+            "bearing_drive_inner",
+        )
+    ]
+    for path in made:
+        ElementTree.parse(path)
+
+
+def test_plan_pictures_of_a_machine_without_masses_and_forces__kinematics_alone(tmp_path):
+    made = plan_pictures(four_bar(), tmp_path / "a.png")
+    assert [path.name for path in made] == ["a_velocity.png", "a_acceleration.png"]
+
+
+def test_reaction_pictures__bearings_of_the_fields_alone(tmp_path):
+    scene = MACHINES["slider_crank"]
+    made = reaction_pictures(scene, tmp_path / "a.png", ["drive.inner.reaction", "ram.slide"])
+    assert [path.name for path in made] == ["a_reactions.png", "a_bearing_drive_inner.png"]
+    assert reaction_pictures(scene, tmp_path / "b.png", ["ram.slide"]) == []
+
+
+def test_bearing_pictures__those_named_once_each(tmp_path):
+    made = bearing_pictures(MACHINES["slider_crank"], tmp_path / "a.svg", ("drive.inner", "input", "drive.inner"))
+    assert [path.name for path in made] == ["a_bearing_drive_inner.svg", "a_bearing_input.svg"]
+    with pytest.raises(PictureError, match="nothing loads input"):
+        bearing_pictures(four_bar(), tmp_path / "b.svg", ["input"])
+
+
+def test_plan_pictures_of_many_bearings__those_that_bear_most(tmp_path, monkeypatch):
+    scene = MACHINES["slider_crank"]
+    monkeypatch.setattr("sweeps.pictures.plans.files.MOST_BEARINGS", 1)
+    drawn = [path.stem for path in plan_pictures(scene, tmp_path / "a.svg") if "bearing" in path.stem]
+    peaks = {pair: np.abs(bearing_load(MachineCycle(scene), pair).force).max() for pair in ("input", "drive.inner")}
+    peaks["drive.first"] = np.abs(bearing_load(MachineCycle(scene), "drive.first").force).max()
+    assert drawn == [f"a_bearing_{max(peaks, key=peaks.get).replace('.', '_')}"]
+
+
+def test_names_on_paper__are_lettered_as_the_formulas_they_stand_for():
+    ax = axes_on_paper()
+    paper = Paper(ax, [0j, 100 + 0j])
+    for at, text in ((10, r"$\mathrm{B3}$"), (40, "$A$"), (70, "$R_{12}$")):
+        paper.name(at + 0j, text)
+    paper.letter()
+    assert [(t.get_text(), t.get_fontstyle()) for t in ax.texts] == [
+        ("B3", "normal"),
+        ("A", "italic"),
+        ("$R_{12}$", "normal"),
+    ]
+
+
+def test_plot_with_plans__made_at_the_first_angle_asked(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr("sweeps.pictures.plans.plan_pictures", lambda *arguments: asked.append(arguments) or [])
+    monkeypatch.chdir(tmp_path)
+    scene = str(bundled_templates()["four_bar"])
+    outcome = CliRunner().invoke(main, ["plot", scene, "--plans", "--at", "90,120", "--out", "a.svg"])
+    assert outcome.exit_code == 0, outcome.output
+    ((_, path, at, values),) = asked
+    assert (path.name, values) == ("a.svg", {})
+    assert at == pytest.approx(math.pi / 2)
+
+
+def test_position_that_cannot_be_drawn__refused():
+    with pytest.raises(PictureError, match="outside the input's range"):
+        cycle_of("sliding input").at(5.0)

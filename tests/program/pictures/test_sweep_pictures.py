@@ -1,0 +1,274 @@
+"""Pictures of sweeps: what is drawn is what the result holds, failed variants are told apart."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+
+from engine import Verdict
+from sweeps.optimising.pareto import pareto_front
+from sweeps.pictures.machine.diagrams import diagrams
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import PALE, new_figure
+from sweeps.pictures.sweep.maps import curves, field_band, map2d, plot_result, scatter
+from sweeps.pictures.sweep.parallel_coordinates import parallel
+from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.store import FieldAxis
+from sweeps.study.bundled import STUDIES
+from sweeps.text.scene_text import read_scene
+
+
+def grid_data(shape, failed=(), parameters=("a", "b")):
+    places = [np.linspace(0.1, 0.2, n) * (k + 1) for k, n in enumerate(shape)]
+    columns = [column.ravel() for column in np.meshgrid(*places, indexing="ij")]
+    count = math.prod(shape)
+    status = np.zeros(count, np.uint8)
+    status[list(failed)] = Verdict.CANNOT_ASSEMBLE
+    mass = np.where(status == 0, sum(columns) ** 2, np.nan)
+    phi = np.arange(36) * math.pi / 18
+    field = np.where(status[:, None] == 0, mass[:, None] * np.sin(phi), np.nan)
+    arrays = dict(zip(parameters, columns, strict=True))
+    arrays |= {"mass": mass, "mass_error": 0.1 * mass, "cost": -(sum(columns) ** 2), "moment": field}
+    units = dict.fromkeys(parameters, "m") | {"mass": "kg", "cost": "1", "moment": "N m"}
+    names = {"a": "a", "b": "b", "mass": "mass of the wheel", "cost": "cost", "moment": "moment"}
+    return SweepData(
+        arrays,
+        units,
+        names,
+        parameters,
+        ("mass", "cost"),
+        shape,
+        status,
+        {"moment": FieldAxis("phi", "crank angle", "rad", phi)},
+    )
+
+
+def test_curves__values_error_band_and_failed_variants():
+    figure = Figure()
+    curves(figure, grid_data((9,), failed=[0, 1], parameters=("a",)), "a", ["mass", "cost"], best=4)
+    top, bottom = figure.axes
+    assert top.lines[0].get_xdata() == pytest.approx(np.linspace(100, 200, 9))
+    assert np.isnan(top.lines[0].get_ydata()[:2]).all()
+    # A variant that failed isn't shown, whatever number it left behind.
+    assert np.isnan(bottom.lines[0].get_ydata()[:2]).all()
+    assert top.lines[1].get_xdata() == pytest.approx([100, 112.5])
+    assert top.lines[2].get_xdata() == pytest.approx([150])
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["error figure", "can't be assembled", "best"]
+    assert top.get_legend() is None
+    assert top.get_ylabel() == "Mass of the wheel, g"
+    assert bottom.get_xlabel() == "a, mm"
+
+
+def test_field_band__least_and_greatest_of_the_computed_variants():
+    data = grid_data((4, 3), failed=[11])
+    axes = Figure().add_subplot()
+    field_band(axes, data, "moment", best=2)
+    (band,) = axes.collections
+    heights = band.get_paths()[0].vertices[:, 1]
+    sound = data.arrays["moment"][:11]
+    assert [heights.min(), heights.max()] == pytest.approx([sound.min(), sound.max()])
+    assert axes.lines[1].get_ydata()[:-1] == pytest.approx(data.arrays["moment"][2])
+    assert axes.get_xlim() == pytest.approx((0, 360))
+
+
+@pytest.mark.parametrize(("x", "y"), [("a", "b"), ("b", "a")])
+def test_map__cells_where_their_parameters_are_and_failed_ones_hatched(x, y):
+    data = grid_data((5, 4), failed=[3, 19])
+    figure = Figure()
+    axes = figure.add_subplot()
+    map2d(axes, data, x, y, "mass", best=7)
+    mesh = axes.collections[1]
+    cells = np.ma.filled(mesh.get_array(), np.nan)
+    expected = data.arrays["mass"].reshape(5, 4) * 1000
+    assert cells == pytest.approx(expected.T if x == "a" else expected, nan_ok=True)
+    assert axes.collections[0].get_hatch()
+    assert axes.collections[0].get_array().count() == 2
+    star = axes.lines[0].get_xydata()[0]
+    assert star == pytest.approx([1000 * data.arrays[x][7], 1000 * data.arrays[y][7]])
+    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["best", "can't be assembled"]
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+def test_map__contour_lines_only_where_they_can_be_followed(smooth):
+    data = grid_data((30, 30))
+    mass = data.arrays["mass"] if smooth else np.random.default_rng(1).random(900)
+    axes = Figure().add_subplot()
+    map2d(axes, data._replace(arrays=dict(data.arrays) | {"mass": mass}), "a", "b", "mass")
+    assert any(isinstance(drawn, ContourSet) for drawn in axes.collections) == smooth
+
+
+def test_scatter__front_of_the_two_shown():
+    data = grid_data((20, 20))
+    rng = np.random.default_rng(3)
+    mass, cost = rng.random((2, 400))
+    data = data._replace(arrays=dict(data.arrays) | {"mass": mass, "cost": cost})
+    axes = Figure().add_subplot()
+    scatter(axes, data, "mass", "cost", "a", minimise=(True, False))
+    front = pareto_front(np.column_stack([mass, cost]), (True, False))
+    drawn = axes.lines[0].get_xydata() / [1000, 1]
+    order = np.argsort(mass[front])
+    assert drawn == pytest.approx(np.column_stack([mass, cost])[front][order])
+
+
+@pytest.mark.parametrize(
+    ("shape", "asked", "axes"),
+    [
+        ((12,), {}, 2),
+        ((6, 5), {}, 2),
+        ((6, 1), {}, 2),
+        ((6, 5), {"y": "moment"}, 1),
+        ((6, 5), {"x": "mass", "y": "cost"}, 1),
+        ((3, 4, 5), {}, 2),
+        ((3, 4, 5), {"x": "mass", "colour": "a"}, 2),
+    ],
+)
+@pytest.mark.parametrize("failed", [(), (1, 2), "all"])
+def test_plot_result__suits_the_grid(shape, asked, axes, failed, tmp_path):
+    failed = range(math.prod(shape)) if failed == "all" else failed
+    data = grid_data(shape, failed, ("a", "b", "c")[: len(shape)])
+    file = tmp_path / "a.svg"
+    nothing_to_show = len(failed) > 2 and (asked.get("y") == "moment" or (len(shape) == 3 and not asked))
+    if nothing_to_show:
+        with pytest.raises(PictureError, match="variant"):
+            plot_result(data, file, **asked)
+        return
+    figure = plot_result(data, file, best=None if failed else 3, **asked)
+    ElementTree.parse(file)
+    # A map loses its colour bar where no cell has a colour.
+    assert len(figure.axes) == (1 if len(failed) > 2 and shape == (6, 5) else axes)
+
+
+def test_random_samples__are_no_grid():
+    data = grid_data((30,), parameters=("a",))
+    shuffled = np.random.default_rng(1).permutation(30)
+    data = data._replace(arrays={name: values[shuffled] for name, values in data.arrays.items()})
+    assert data.grid_parameters() == []
+    assert grid_data((4, 1, 5), parameters=("a", "b", "c")).grid_parameters() == ["a", "c"]
+
+
+# Variants that miss the condition for the best one
+
+
+def conditioned(shape, out, failed=(), parameters=("a", "b")):
+    data = grid_data(shape, failed, parameters)
+    candidates = data.ok.copy()
+    candidates[list(out)] = False
+    return data._replace(condition="mass < '2 kg' and b > '3 mm'", candidates=candidates)
+
+
+def texts_of(legend):
+    return [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in legend.get_texts()]
+
+
+def labels_of(figure):
+    return texts_of(figure.legends[0])
+
+
+MISSING = "doesn't meet: mass < '2 kg' and b > '3 mm'"
+
+
+def test_out__is_what_was_computed_but_misses_the_condition():
+    data = conditioned((4,), [0, 1], failed=[1], parameters=("a",))
+    assert data.out.tolist() == [True, False, False, False]
+    assert grid_data((4,), parameters=("a",)).out.tolist() == [False] * 4
+
+
+def test_curves__missing_variants_are_pale():
+    figure = Figure()
+    data = conditioned((9,), [0, 1, 2], failed=[8], parameters=("a",))
+    curves(figure, data, "a", ["mass"])
+    pale = next(line for line in figure.axes[0].lines if line.get_color() == PALE)
+    assert np.isfinite(pale.get_ydata()).tolist() == [True] * 3 + [False] * 6
+    assert pale.get_ydata()[:3] == pytest.approx(1000 * data.arrays["mass"][:3])
+    assert labels_of(figure) == ["error figure", MISSING, "can't be assembled"]
+
+
+def test_map__missing_cells_are_veiled():
+    figure = Figure()
+    axes = figure.add_subplot()
+    data = conditioned((5, 4), [0, 7, 8], failed=[3])
+    map2d(axes, data, "a", "b", "mass")
+    veil = axes.collections[-1].get_array()
+    # Rows of the picture run along b, the second axis of the grid.
+    assert np.argwhere(~np.ma.getmaskarray(veil)).tolist() == [[0, 0], [0, 2], [3, 1]]
+    assert labels_of(figure) == [MISSING, "can't be assembled"]
+
+
+def test_scatter__missing_dots_are_pale_and_not_on_the_front():
+    figure = Figure()
+    axes = figure.add_subplot()
+    data = conditioned((5, 4), range(10), failed=[19])
+    scatter(axes, data, "mass", "cost", "a", minimise=(True, False))
+    pale, coloured = axes.collections
+    assert len(pale.get_offsets()) == 10
+    assert len(coloured.get_offsets()) == 9
+    assert axes.lines[0].get_xdata().min() == pytest.approx(1000 * data.arrays["mass"][10:19].min())
+    assert labels_of(figure) == [MISSING, "Pareto front"]
+
+
+def test_parallel__missing_lines_are_pale():
+    figure = Figure()
+    axes = figure.add_subplot()
+    data = conditioned((5, 4), range(15), failed=[19])
+    parallel(axes, data, ["a", "b", "mass"], "mass")
+    pale, coloured = axes.collections
+    assert len(pale.get_paths()) == 15
+    assert np.asarray(coloured.get_array()) == pytest.approx(1000 * data.arrays["mass"][15:19])
+    assert labels_of(figure) == [MISSING]
+
+
+def test_field_band__of_what_meets_the_condition_within_that_of_all():
+    axes = Figure().add_subplot()
+    data = conditioned((4, 3), range(6), failed=[11])
+    field_band(axes, data, "moment")
+    of_all, of_chosen = (band.get_paths()[0].vertices[:, 1].max() for band in axes.collections)
+    assert of_all == pytest.approx(data.arrays["moment"][:11].max())
+    assert of_chosen == pytest.approx(data.arrays["moment"][6:11].max())
+    assert texts_of(axes.get_legend()) == ["all 11 variants", "5 variants with mass < '2 kg' and b > '3 mm'", "median"]
+
+
+@pytest.mark.parametrize("asked", [{}, {"y": "moment"}, {"x": "mass", "y": "cost", "colour": "a"}])
+@pytest.mark.parametrize("shape", [(6,), (6, 5), (3, 4, 5)])
+def test_picture_where_no_variant_meets_the_condition__is_drawn_all_the_same(shape, asked, tmp_path):
+    data = conditioned(shape, range(math.prod(shape)), parameters=("a", "b", "c")[: len(shape)])
+    figure = plot_result(data, tmp_path / "a.svg", **asked)
+    ElementTree.parse(tmp_path / "a.svg")
+    # Fields have a band of all variants, and none of those that meet the condition.
+    told = f"all {math.prod(shape)} variants" if asked == {"y": "moment"} else MISSING
+    (texts,) = [texts_of(legend) for legend in figure.findobj(Legend)]
+    assert texts[-1] == told
+
+
+def test_long_condition__is_cut_in_a_legend():
+    data = grid_data((2,), parameters=("a",))._replace(condition=" and ".join(["mass < '2 kg'"] * 50))
+    label = data.legend_of("doesn't meet:")
+    assert len(label) < 220
+    assert label.endswith(" …")
+    assert all(len(line) <= 70 for line in label.splitlines())
+    assert "2\N{NO-BREAK SPACE}kg" in label
+    assert "2 kg" not in label
+
+
+def test_legend_of_the_energy_loop__lies_beside_all_axes():
+    figure = new_figure(180, 115)
+    scene = read_scene(STUDIES / "flywheels" / "scenes" / "crank_press.toml")
+    diagrams(scene, figure)
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert not any(legend.overlaps(ax.get_window_extent()) for ax in figure.axes)
+    assert not any(ax.get_legend() for ax in figure.axes)
+
+
+def test_unknown_column__refused_with_those_there_are(tmp_path):
+    with pytest.raises(PictureError, match="'weight' is not in this result; there are: a, b, mass, cost, moment"):
+        plot_result(grid_data((3, 3)), tmp_path / "a.png", y="weight")
+
+
+def test_field_as_colour__refused(tmp_path):
+    with pytest.raises(PictureError, match=r"'moment' is a field.*shown as y"):
+        plot_result(grid_data((3, 3)), tmp_path / "a.png", colour="moment")

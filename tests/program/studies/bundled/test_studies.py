@@ -1,0 +1,455 @@
+"""Templates and bundled studies: they read, assemble, and give numbers that a hand calculation confirms."""
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from engine import Machine, Verdict, any_quantity, scene_numbers
+from engine.scene.formulas.expressions import parse
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
+from sweeps.text.scene_text import read_scene
+from sweeps.text.templates import bundled_templates, template_text, templates
+
+TEMPLATE_NAMES = (
+    "cam_roller_follower",
+    "crank_shaper",
+    "elliptical_wheels",
+    "four_bar",
+    "geared_five_bar",
+    "offset_slider_crank",
+    "press_with_motor",
+    "rack_doubler",
+    "scotch_yoke",
+    "slider_crank",
+    "stephenson_six_bar",
+    "toggle",
+    "triad",
+    "watt_six_bar",
+    "whitworth",
+)
+STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
+ELEMENT_TEMPLATE_NAMES = (
+    "cam",
+    "engine",
+    "rotor",
+    "governor",
+    "oscillator",
+    "torsional_train",
+    "elastic_drive",
+    "planetary_train",
+    "driven_machine",
+)
+ELEMENT_STUDY_NAMES = (
+    "braking_car",
+    "crankshaft_vibration",
+    "engine_governor",
+    "fan_rotor",
+    "governed_set",
+    "locomotive",
+    "planetary_reducer",
+    "press_backlash",
+    "screw_jack",
+    "v_twin",
+    "valve_train",
+)
+SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
+FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
+HIGHER_PAIR_STUDY_NAMES = ("elliptical_quick_return", "geared_five_bar", "valve_gear")
+FREE_LINK_STUDY_NAMES = ("triad_dwell",)
+MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_coupling", "press_start")
+TURN = 2 * math.pi
+
+
+# Asked along with everything else, so that one kernel serves all tests of a machine.
+FIELDS = {
+    "offset_slider_crank": ("saw.slide_phi", "cutting.moment"),
+    "whitworth": ("ram.slide_phi", "cutting.moment"),
+    "crank_shaper": ("ram.slide_phi", "cutting.moment"),
+    "stephenson_six_bar": ("feeder.angle",),
+    "toggle": ("B.x",),
+    "crank_press": ("ram.slide", "ram.slide_phi"),
+    "four_stroke_engine": ("gas.moment",),
+    "jaw_crusher": ("S.x",),
+    "shaper": ("lever.angle", "ram.slide_phi", "cutting.moment"),
+    "compressor": (),
+    "stirling_engine": (),
+    "engine_bearings": ("gas.moment",),
+    "toggle_press": (),
+}
+
+
+@functools.cache
+def template(name):
+    """All summaries of a template but where bearings are loaded, with error figures; its fields, and its scene."""
+    scene = read_scene(bundled_templates()[name])
+    # Eight of each bearing: more than all others together, and a compiler's time grows faster than their number.
+    of_bearings = ("load_direction_of", "load_spread_of", "unloaded_arc_of", "unloaded_middle_of")
+    asked = [n for n in Machine(scene).available_summaries if not n.rpartition(".")[2].startswith(of_bearings)]
+    outcome = Machine(scene, asked, FIELDS.get(name, ())).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    values = {k: (v[0], outcome.errors[k][0]) for k, v in outcome.summaries.items()}
+    return values, {k: v[0] for k, v in outcome.fields.items()}, scene
+
+
+def close(value, exact, relative=1e-12):
+    """Whether a summary lies within its own error figure, and rounding, of what it should be."""
+    return abs(value[0] - exact) <= value[1] + relative * abs(exact)
+
+
+# Templates
+
+
+def test_templates__are_these_mechanisms_and_elements_with_a_title_each():
+    found = templates()
+    assert set(found) == {*TEMPLATE_NAMES, *ELEMENT_TEMPLATE_NAMES}
+    assert all(found.values())
+
+
+@pytest.mark.parametrize("name", TEMPLATE_NAMES + ELEMENT_TEMPLATE_NAMES)
+def test_template__says_first_what_to_change(name):
+    text = template_text(name)
+    opening = text[: text.index("How to read this file")]
+    assert opening.startswith("# ")
+    assert "# Change first: " in opening
+
+
+@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+def test_template__assembles_with_every_summary_finite(name):
+    values, _, _ = template(name)
+    # A link that goes round has no swing: the crank always, Whitworth's slotted link and its block, wheels in mesh.
+    others = {"whitworth": ("slotted", "block"), "elliptical_wheels": ("first", "second")}
+    turning = ("crank", *others.get(name, ()))
+    for summary, (value, error) in values.items():
+        link, _, kind = summary.partition(".")
+        # Nothing drives a press that is braked: its stop has no efficiency.
+        if (link in turning and kind.startswith("swing")) or summary == "stop.efficiency":
+            assert math.isnan(value)
+        else:
+            assert math.isfinite(value)
+            assert math.isfinite(error)
+
+
+@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+def test_template__needs_a_motor_and_a_flywheel_of_sensible_proportions(name):
+    values, _, _ = template(name)
+    names = ("required_power", "wheel_mass", "wheel_width", "wheel_diameter")
+    power, mass, width, diameter = (values[n][0] for n in names)
+    assert 5 < power < 5000
+    assert 1 < mass < 200
+    assert width < diameter / 4
+
+
+@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+def test_template__transmits_forces_well(name):
+    values, _, scene = template(name)
+    # Textbooks ask for 40 deg, 30 deg at the least.
+    assert all(values[f"{group}.transmission_angle"][0] > math.radians(30) for group in scene.groups)
+
+
+def test_slider_crank_template__does_the_work_of_its_force_over_twice_the_crank():
+    values, _, _ = template("slider_crank")
+    assert close(values["piston.stroke"], 2 * 0.040)
+    assert close(values["required_power"], 2000 * 2 * 0.040 * 180 / 60)
+
+
+def test_scotch_yoke_template__does_the_work_of_its_force_over_twice_the_crank():
+    values, _, _ = template("scotch_yoke")
+    assert close(values["yoke.stroke"], 2 * 0.050)
+    assert close(values["required_power"], 1500 * 2 * 0.050 * 150 / 60)
+
+
+def test_elliptical_wheels_template__returns_as_fast_as_its_closed_form():
+    """The driven crank is at its dead centres a quarter turn off its fastest place: tan(θ/2) = (1 − e)/(1 + e)."""
+    values, _, _ = template("elliptical_wheels")
+    back = 4 * math.atan((1 - 0.3) / (1 + 0.3))
+    assert close(values["ram.stroke"], 2 * 0.060)
+    assert close(values["ram.stroke_time_ratio"], (TURN - back) / back)
+    assert close(values["required_power"], 800 * 4 * 0.060 * 120 / 60)
+
+
+def test_rack_doubler_template__does_the_work_of_its_force_over_twice_the_stroke():
+    values, _, _ = template("rack_doubler")
+    assert close(values["table.stroke"], 4 * 0.050)
+    assert close(values["required_power"], 300 * 8 * 0.050 * 120 / 60)
+
+
+def test_offset_slider_crank_template__returns_as_fast_as_its_closed_form():
+    r, rod, e = 0.060, 0.220, 0.070
+    values, _, _ = template("offset_slider_crank")
+    stroke = math.sqrt((rod + r) ** 2 - e**2) - math.sqrt((rod - r) ** 2 - e**2)
+    lag = math.asin(e / (rod - r)) - math.asin(e / (rod + r))
+    assert close(values["saw.stroke"], stroke)
+    assert close(values["saw.stroke_time_ratio"], (math.pi + lag) / (math.pi - lag))
+    assert close(values["required_power"], 400 * stroke * 90 / 60)
+
+
+def cuts_slowly(rate, moment):
+    """Whether a resistance acts on the stroke that takes more of the turn, and there alone."""
+    slow = 1 if np.count_nonzero(rate > 0) > np.count_nonzero(rate < 0) else -1
+    cutting = moment != 0
+    return cutting.any() and (np.sign(rate[cutting]) == slow).all()
+
+
+@pytest.mark.parametrize("name", ["offset_slider_crank", "whitworth", "crank_shaper"])
+def test_quick_return_template__cuts_on_the_slow_stroke(name):
+    _, fields, _ = template(name)
+    assert cuts_slowly(*fields.values())
+
+
+def test_whitworth_template__returns_as_fast_as_its_closed_form():
+    values, _, _ = template("whitworth")
+    half = math.asin(50 / 75)
+    assert close(values["ram.stroke"], 2 * 0.090)
+    assert close(values["ram.stroke_time_ratio"], (math.pi + 2 * half) / (math.pi - 2 * half))
+    assert close(values["required_power"], 1200 * 2 * 0.090 * 45 / 60)
+
+
+def test_crank_shaper_template__returns_as_fast_as_its_closed_form():
+    values, _, _ = template("crank_shaper")
+    half = math.asin(90 / 240)
+    assert close(values["ram.stroke"], 2 * 0.420 * 90 / 240)
+    assert close(values["ram.stroke_time_ratio"], (math.pi + 2 * half) / (math.pi - 2 * half))
+    assert close(values["required_power"], 2000 * (0.300 - 0.015) * 40 / 60)
+
+
+def test_toggle_template__spends_half_of_force_times_way_and_does_not_pass_through():
+    values, fields, _ = template("toggle")
+    assert close(values["required_power"], 400e3 * 0.002 / 2 * 60 / 60)
+    # The knee comes within 2 mm of straight (the line x = 0) and stays on the crank's side.
+    assert -0.0021 < fields["B.x"].max() < -0.0015
+
+
+def test_watt_six_bar_template__swings_as_its_comment_says():
+    values, _, _ = template("watt_six_bar")
+    assert round(math.degrees(values["bell_crank.swing"][0])) == 74
+    assert round(math.degrees(values["agitator.swing"][0])) == 172
+
+
+def test_stephenson_six_bar_template__dwells_as_its_comment_says():
+    values, fields, _ = template("stephenson_six_bar")
+    assert round(math.degrees(values["feeder.swing"][0])) == 38
+    angle = np.degrees(np.concatenate([fields["feeder.angle"]] * 2))
+    assert min(np.ptp(angle[k : k + 200]) for k in range(720)) < 0.2
+
+
+# Bundled studies
+
+
+class Sample(NamedTuple):
+    """Some variants of a study from all over its design space, none of them dropped, and the scene as it is, last."""
+
+    values: dict
+    summaries: dict
+    errors: dict
+    fields: dict
+
+
+@functools.cache
+def study(name):
+    return read_study(bundled_studies()[name])
+
+
+@functools.cache
+def sample(name, count=12, places=4):
+    s = study(name)
+    starts = np.linspace(0, s.design.size - count, places).astype(int)
+    parts = [s.values(int(start), int(start) + count) for start in starts]
+    keep = ~np.concatenate([drop for _, drop in parts])
+    values = {key: np.concatenate([part[key] for part, _ in parts])[keep] for key in parts[0][0]}
+    nominal = scene_numbers(s.scene)
+    tried = {path: np.append(values[path], nominal[path].value) for path in s.paths}
+    outcome = Machine(s.scene, s.summaries, FIELDS[name], s.paths, s.positions).evaluate(tried)
+    assert (outcome.status == Verdict.OK).all()
+    return Sample(values, outcome.summaries, outcome.errors, outcome.fields)
+
+
+def variants(name):
+    """Parameters, summaries and error figures of sampled variants."""
+    s = sample(name)
+    return s.values, *({k: v[:-1] for k, v in table.items()} for table in (s.summaries, s.errors))
+
+
+def as_it_is(name):
+    """Summaries with their error figures, and fields, of a study's scene."""
+    s = sample(name)
+    return {k: (v[-1], s.errors[k][-1]) for k, v in s.summaries.items()}, {k: v[-1] for k, v in s.fields.items()}
+
+
+def test_studies__are_the_six_with_one_question_each_and_those_of_elements_and_motion():
+    named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
+    named += HIGHER_PAIR_STUDY_NAMES + FREE_LINK_STUDY_NAMES
+    assert tuple(bundled_studies()) == tuple(sorted(named))
+    for name in STUDY_NAMES:
+        assert study(name).question.count("?") == 1
+        assert study(name).title
+        assert study(name).best is not None
+        assert 1000 <= study(name).design.size <= 20000
+
+
+@pytest.mark.parametrize("name", STUDY_NAMES)
+def test_study__gives_finite_numbers_all_over_its_design_space(name):
+    found = sample(name)
+    assert len(found.values[study(name).parameters[0]]) > 10
+    assert all(np.isfinite(v).all() for v in (*found.summaries.values(), *found.errors.values()))
+
+
+@pytest.mark.parametrize("name", STUDY_NAMES)
+def test_study__drops_some_variants_and_keeps_many(name):
+    _, drop = study(name).values(0, study(name).design.size)
+    assert 0.2 < drop.mean() < 0.7
+
+
+@pytest.mark.parametrize("name", STUDY_NAMES)
+def test_study__chooses_by_columns_that_it_has(name):
+    best = study(name).best
+    assert best.goal in study(name).summaries
+    assert set(parse(best.where, any_quantity).names) <= {*study(name).parameters, *study(name).summaries}
+
+
+def test_crank_press_study__has_the_power_and_flywheel_of_a_hand_calculation():
+    values, o, e = variants("crank_press")
+    speed, r, scale = values["input.speed"], values["input.length"], values["forces.punching.scale"]
+    rod = values["groups.drive.first.length"]
+    # Trapezium of the force: full over 2.4 mm, with flanks of 0.8 and 1.6 mm; then stripping and friction.
+    punching = scale * 703.7e3 * (0.0024 + (0.0008 + 0.0016) / 2)
+    work = punching + 28e3 * 0.009 + 250 * TURN
+    assert np.allclose(o["ram.stroke"], 2 * r, rtol=1e-9, atol=0)
+    assert (abs(o["required_power"] - work * speed / TURN) <= e["required_power"] + 1e-9).all()
+    # The excess is the work of the punch, less what the mean moment supplies while it is in the plate: from 9 to
+    # 4.2 mm above the bottom, angles by the law of cosines. That leaves out stripping, the weight of the ram, and the
+    # ends of the push, where the moment is below its mean: 10 %.
+    into, out = (np.arccos(((r + rod - h) ** 2 + r**2 - rod**2) / (2 * r * (r + rod - h))) for h in (0.009, 0.0042))
+    excess = punching - (work / TURN - 250) * (into - out)
+    assert np.allclose(o["excess_work"], excess, rtol=0.1, atol=0)
+    assert np.allclose(o["flywheel_excess_work"], o["excess_work"] / (0.1 * speed**2), rtol=1e-12, atol=0)
+    # A rim of 1 m outer and 0.8 m inner diameter on a shaft 7.5 times as fast.
+    mass = o["flywheel_wittenbauer"] / 7.5**2 / ((0.5**2 + 0.4**2) / 2)
+    assert np.allclose(o["wheel_mass"], mass, rtol=1e-9, atol=0)
+
+
+def test_crank_press_study__knows_how_fast_the_punch_meets_the_plate():
+    values, _, _ = variants("crank_press")
+    slide, rate = (sample("crank_press").fields[k][0] for k in ("ram.slide", "ram.slide_phi"))
+    touch = values["input.length"][0] + values["groups.drive.first.length"][0] - 0.009
+    k = np.flatnonzero((slide[:-1] < touch) & (slide[1:] >= touch))
+    assert k.size == 1
+    share = (touch - slide[k]) / (slide[k + 1] - slide[k])
+    met = (rate[k] + share * (rate[k + 1] - rate[k])) * values["input.speed"][0]
+    # Linear between two positions a quarter of a degree apart: some (0.004)^2 / 8 of the value.
+    assert values["contact_speed"][0] == pytest.approx(met[0], rel=1e-5)
+
+
+def test_stirling_study__does_the_work_of_schmidts_theory():
+    """p = S/(1 + b cos ψ) against dV = −½ V sin φ: work π V S sin θ (1/√(1 − b²) − 1)/b, of both volumes in turn."""
+    values, o, e = variants("stirling_engine")
+    volumes = {side: values[f"{side}_volume"] for side in ("hot", "cold")}
+    warm, alpha, ratio = 0.378 * volumes["hot"], values["v_angle"], 0.378
+    swing = np.hypot(warm + volumes["cold"] * np.cos(alpha), volumes["cold"] * np.sin(alpha)) / 2
+    theta = np.arctan2(volumes["cold"] * np.sin(alpha), warm + volumes["cold"] * np.cos(alpha))
+    mean = (warm + volumes["cold"]) / 2 + 40e-6
+    b, pressure = swing / mean, 11e5 * (mean - swing) / mean
+    work = math.pi * volumes["hot"] * pressure * np.sin(theta) * (1 / np.sqrt(1 - b**2) - 1) / b
+    # Clockwise, so that what drives is negative. What the cold side takes is the work times the temperatures' ratio.
+    for side, share in (("hot", 1.0), ("cold", -ratio)):
+        apart = np.abs(o[f"{side}_gas.moment.mean"] + share * work / TURN)
+        assert (apart <= e[f"{side}_gas.moment.mean"] + 1e-12 * work).all()
+    speed = 1000 * TURN / 60
+    power = (work * (1 - ratio) / TURN - 0.5 - 0.01 * speed) * speed
+    assert np.allclose(o["required_power"], -power, rtol=1e-11, atol=0)
+    assert np.allclose(o["hot.stroke"], 2 * values["input.length"], rtol=1e-12, atol=0)
+
+
+def test_compressor_study__does_the_indicated_work_of_the_closed_form():
+    values, o, e = variants("compressor")
+    n, p1, p2, clearance = 1.13, 101.4e3, 910.1e3, 0.05
+    drawn_in = 1 + clearance - clearance * (p2 / p1) ** (1 / n)
+    swept = math.pi / 4 * values["cylinders.air.bore"] ** 2 * o["piston.stroke"]
+    # Every variant delivers the same.
+    assert np.allclose(swept * drawn_in * values["input.speed"] / TURN, 0.4311 / 60, rtol=1e-9, atol=0)
+    work = n / (n - 1) * p1 * swept * drawn_in * ((p2 / p1) ** ((n - 1) / n) - 1)
+    assert (abs(-o["air.moment.mean"] * TURN - work) <= e["air.moment.mean"] * TURN + 1e-9).all()
+    power = (work + 2 * TURN) * values["input.speed"] / TURN
+    assert (abs(o["required_power"] - power) <= e["required_power"] + 1e-9).all()
+
+
+def test_compressor_scene__has_the_mean_effective_pressure_of_its_source():
+    values, _ = as_it_is("compressor")
+    swept = math.pi / 4 * 0.079375**2 * values["piston.stroke"][0]
+    # 26 psi in the source, where the clearance is not stated; 5 % gives 1 % less.
+    assert -values["air.moment.mean"][0] * TURN / swept == pytest.approx(26 * 6894.757, rel=0.02)
+
+
+def otto_work(compression_ratio, peak, swept):
+    """Work of the ideal cycle with polytropic compression and expansion, and of the exchange of gas."""
+    intake, exhaust, n_c, n_e = 0.92e5, 1.05e5, 1.32, 1.28
+    least = swept / (compression_ratio - 1)
+    expansion = peak * least / (n_e - 1) * (1 - compression_ratio ** (1 - n_e))
+    compression = intake * least * compression_ratio / (n_c - 1) * (compression_ratio ** (n_c - 1) - 1)
+    return expansion - compression - (exhaust - intake) * swept
+
+
+def test_four_stroke_engine_study__does_the_work_of_the_ideal_cycle():
+    values, o, e = variants("four_stroke_engine")
+    swept = math.pi / 4 * values["cylinders.gas.bore"] ** 2 * 2 * values["input.length"]
+    assert np.allclose(swept, 389.26e-6, rtol=1e-12, atol=0)
+    work = otto_work(values["compression_ratio"], values["cylinders.gas.peak"], swept)
+    # One cycle is two turns; friction takes 4 N m of them.
+    assert (abs(o["gas.moment.mean"] * 2 * TURN - work) <= e["gas.moment.mean"] * 2 * TURN + 1e-9).all()
+    power = (work - 4 * 2 * TURN) * 3000 / 60 / 2
+    assert (abs(o["required_power"] + power) <= e["required_power"] + 1e-9).all()
+
+
+def test_four_stroke_engine_scene__fires_once_in_two_turns_with_the_listed_moment():
+    values, fields = as_it_is("four_stroke_engine")
+    # The source lists 27 N m, at 2500 rpm.
+    assert -values["required_power"][0] / (3000 * TURN / 60) == pytest.approx(27, rel=0.03)
+    # Power, exhaust, intake, compression: half a turn each, the first from 90 deg on. 1440 positions are two turns.
+    power, exhaust, intake, compression = np.roll(fields["gas.moment"], -180).reshape(4, 360).sum(axis=1)
+    assert power > 0 > compression
+    assert max(abs(exhaust), abs(intake)) < 0.02 * power
+    assert 90 < fields["gas.moment"].argmax() / 2 < 150
+
+
+def test_shaper_study__keeps_stroke_and_return_ratio():
+    values, o, e = variants("shaper")
+    assert (abs(o["ram.stroke"] - 0.450) <= e["ram.stroke"] + 1e-12).all()
+    ratio = values["time_ratio"]
+    assert (abs(o["ram.stroke_time_ratio"] - ratio) <= e["ram.stroke_time_ratio"] + 1e-9).all()
+    # Chip over nine tenths of the stroke, ways over both strokes, friction over the turn.
+    work = values["forces.cutting.scale"] * 3000 * 0.405 + 180 * 0.900 + 30 * TURN
+    assert (abs(o["required_power"] - work * values["input.speed"] / TURN) <= e["required_power"] + 1e-9).all()
+
+
+def test_shaper_scene__has_the_return_ratio_and_the_lever_of_its_source():
+    values, fields = as_it_is("shaper")
+    # Example 5.2: ratio 2, stroke 450 mm; the lever follows from the triangle of centres and crank.
+    assert close(values["ram.stroke_time_ratio"], 2)
+    assert close(values["ram.stroke"], 0.450)
+    phi = np.arange(720) * TURN / 720
+    lever = np.arctan2(0.240 + 0.120 * np.sin(phi), 0.120 * np.cos(phi))
+    assert np.allclose(fields["lever.angle"], lever, rtol=0, atol=1e-13)
+    assert cuts_slowly(fields["ram.slide_phi"], fields["cutting.moment"])
+
+
+def test_jaw_crusher_study__moves_the_jaw_as_its_toggles_slope():
+    values, o, _ = variants("jaw_crusher")
+    # Small displacements: each of two toggles spreads by 2 e tan(slope), the jaw takes 1100 mm of its 1500 mm.
+    rise = np.tan(np.radians(values["slope_in_degrees"]))
+    small = 4 * values["input.length"] * rise * 1100 / 1500
+    # Beyond that, terms of the order of (e / toggle)^2, magnified by the slope, and the jaw's own small angle.
+    beyond = (values["input.length"] / (values["groups.rear.second.length"] * rise)) ** 2
+    assert (abs(o["S.x.range"] / small - 1) <= 0.02 + beyond / 2).all()
+
+
+def test_jaw_crusher_scene__spends_its_power_on_the_stone():
+    values, fields = as_it_is("jaw_crusher")
+    x = np.roll(fields["S.x"], 180)[:361]
+    push = np.interp(np.arange(-90, 90.1, 0.5), [-90, 20, 60, 90], [0, 2e6, 2e6, 0])
+    steps = np.diff(x)
+    work = ((push[1:] + push[:-1]) / 2 * steps)[steps > 0].sum() + 1000 * TURN
+    # Two trapezoid rules over half a degree, errors of the order of (0.5 deg)^2.
+    assert values["required_power"][0] == pytest.approx(work * 170 / 60, rel=1e-4)

@@ -1,0 +1,72 @@
+"""Copies of scenes with other numbers in them: what changes, what is shared, what is refused."""
+
+import numpy as np
+import pytest
+
+from engine import Scene, SceneError, scene_numbers
+from sweeps.study.bundled import bundled_studies
+from sweeps.study.study import read_study
+from sweeps.text.scene_text import read_scene, scene_from, with_values, write_scene
+from sweeps.text.templates import TEMPLATES, bundled_templates
+from sweeps.text.toml_text import parse_toml
+
+
+def scene_of(name: str) -> Scene:
+    return read_scene(bundled_templates()[name])
+
+
+@pytest.mark.parametrize("name", bundled_studies())
+def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
+    study = read_study(bundled_studies()[name])
+    before = {path: number.value for path, number in scene_numbers(study.scene).items()}
+    values, _ = study.values(0, 1)
+    new = {path: float(values[path][0]) for path in study.paths}
+    after = {path: number.value for path, number in scene_numbers(with_values(study.scene, new)).items()}
+    assert after == before | new
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "cam",
+        "press_with_motor",
+        "engine",
+        "rotor",
+        "torsional_train",
+        "elastic_drive",
+        "planetary_train",
+        "watt_six_bar",
+    ],
+)
+def test_copy__is_what_its_text_says(name):
+    scene, rng = scene_of(name), np.random.default_rng(1)
+    numbers = {path: n for path, n in scene_numbers(scene).items() if not n.choices and n.value}
+    new = {path: number.value * rng.uniform(0.99, 1.01) for path, number in list(numbers.items())[::3]}
+    text = write_scene(scene, new)
+    again = scene_from(parse_toml(text, ""), text, "", TEMPLATES)
+    found, expected = (scene_numbers(made) for made in (again, with_values(scene, new)))
+    assert {p: n.value for p, n in found.items()} == {p: n.value for p, n in expected.items()}
+
+
+def test_copy__shares_what_does_not_change():
+    scene = scene_of("four_bar")
+    copy = with_values(scene, {"groups.swing.first.length": 0.21})
+    assert copy.groups["swing"].second is scene.groups["swing"].second
+    assert copy.bodies is scene.bodies or copy.bodies == scene.bodies
+    assert scene.groups["swing"].first.length == 0.2
+    assert with_values(scene, {}) is scene
+
+
+def test_mode__stays_a_whole_number():
+    scene = with_values(scene_of("four_bar"), {"groups.swing.mode": -1.0})
+    assert type(scene.groups["swing"].mode) is int
+
+
+@pytest.mark.parametrize(
+    ("values", "path"),
+    [({"input.length": -0.1}, "input.length"), ({"groups.swing.mode": 3.0}, "groups.swing.mode")],
+)
+def test_number_that_is_not_allowed__is_refused_by_its_path(values, path):
+    with pytest.raises(SceneError) as caught:
+        with_values(scene_of("four_bar"), values)
+    assert [place for place, _ in caught.value.problems] == [path]

@@ -1,0 +1,57 @@
+"""Commands as they are given and answered, and the study of a press to give them on."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from click.testing import CliRunner, Result
+
+from sweeps.cli import main
+
+ROOT = Path(__file__).parents[3]
+
+STUDY = """\
+title = "Which crank?"
+question = "Which crank does the least work?"
+scene = "press.toml"
+positions = 48
+
+[vary]
+"input.length" = {values = ["40 mm", "60 mm", "250 mm", "50 mm"]}
+"bodies.ram.mass" = {values = ["50 kg", "100 kg"]}
+
+[outputs]
+summaries = ["ram.stroke", "excess_work"]
+
+[best]
+minimise = "excess_work"
+where = "ram.stroke > '90 mm'"
+"""
+
+
+def said(*arguments: str) -> Result:
+    """A command's answer; it never ends in an exception of its own."""
+    answer = CliRunner().invoke(main, arguments)
+    assert answer.exception is None or isinstance(answer.exception, SystemExit), answer.exception
+    return answer
+
+
+def refused(*arguments: str) -> str:
+    """What a command says on standard error when it refuses."""
+    answer = said(*arguments)
+    assert answer.exit_code == 2, answer.output
+    assert answer.stderr
+    assert "Traceback" not in answer.output
+    return answer.stderr
+
+
+def python(*arguments: str, **options: object) -> subprocess.CompletedProcess:
+    """A command as a process of its own, with pipes for its output."""
+    return subprocess.run(
+        [sys.executable, "-m", "sweeps", *arguments],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        **options,
+    )
