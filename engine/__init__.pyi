@@ -33,7 +33,7 @@ from engine.balancing.rotors.influence import (
     residual_confidence,
 )
 from engine.balancing.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
-from engine.balancing.rotors.rotor_element import RotorElement
+from engine.balancing.rotors.rotor_element import RotorElement, StaticRotor
 from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.compiling.kept_code import is_compiling
 from engine.compiling.sources import sources_digest
@@ -52,6 +52,9 @@ from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_
 from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
 from engine.elastic.trains.train_columns import is_excited, train_numbers
 from engine.elastic.trains.train_element import TorsionalTrain
+from engine.elements.bodies.body_elements import RotatingGuide, WoundFlywheel
+from engine.elements.bodies.rotating_guides import slides_out
+from engine.elements.bodies.wound_flywheels import wound_stresses
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.governors.governor_curves import (
     GovernorCurves,
@@ -224,6 +227,7 @@ __all__ = [
     "QuickSliderCrank",
     "ReducedTrain",
     "Regime",
+    "RotatingGuide",
     "RotorElement",
     "RunRegime",
     "Scene",
@@ -232,6 +236,7 @@ __all__ = [
     "ScenePart",
     "Sliding",
     "StabilityPoint",
+    "StaticRotor",
     "SteadyRegime",
     "SupportOverTime",
     "SynthesisError",
@@ -246,6 +251,7 @@ __all__ = [
     "UnitError",
     "VelocityPicture",
     "Verdict",
+    "WoundFlywheel",
     "Yoke",
     "acting_fields",
     "any_quantity",
@@ -347,6 +353,7 @@ __all__ = [
     "set_threads",
     "slider_tilts",
     "sliders_of",
+    "slides_out",
     "sliding_quantity",
     "sources_digest",
     "split_on_neighbours",
@@ -367,4 +374,5 @@ __all__ = [
     "v_engine",
     "velocity_picture",
     "w_engine",
+    "wound_stresses",
 ]

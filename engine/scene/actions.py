@@ -381,21 +381,16 @@ class ConveyorMoment(Carried):
     incline: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
 
 
-class DCMotor(Part):
-    """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
+class DCCharacteristic(Part):
+    """The straight characteristic of a DC motor, M = stall_moment (1 − ω/no_load_speed)."""
 
-    Instead of the stall moment, the nameplate's power and rated speed may be given.
-    """
-
-    type: Literal["dc_motor"]
-    on: Name
     no_load_speed: Annotated[AngularSpeed, Field(gt=0)]
     stall_moment: Annotated[Moment, Field(gt=0)] | None = None
     power: Annotated[Power, Field(gt=0)] | None = None
     rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
 
     @model_validator(mode="after")
-    def _one_description(self) -> "DCMotor":
+    def _one_description(self) -> "DCCharacteristic":
         nameplate = (self.power, self.rated_speed)
         if (self.stall_moment is None) == (None in nameplate) or (None in nameplate and any(nameplate)):
             raise ValueError("give either stall_moment, or power and rated_speed (nameplate)")
@@ -404,11 +399,19 @@ class DCMotor(Part):
         return self
 
 
-class InductionMotor(Part):
-    """An induction motor by Kloss or by its nameplate, on the crank or a shaft geared to it."""
+class DCMotor(DCCharacteristic):
+    """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
 
-    type: Literal["induction_motor"]
+    Instead of the stall moment, the nameplate's power and rated speed may be given.
+    """
+
+    type: Literal["dc_motor"]
     on: Name
+
+
+class InductionCharacteristic(Part):
+    """The characteristic of an induction motor, by Kloss' formula or from its nameplate."""
+
     synchronous_speed: Annotated[AngularSpeed, Field(gt=0)]
     breakdown_moment: Annotated[Moment, Field(gt=0)] | None = None
     breakdown_slip: Annotated[Number, Field(gt=0)] | None = None
@@ -418,7 +421,7 @@ class InductionMotor(Part):
     starting_ratio: Annotated[Number, Field(gt=0)] | None = None
 
     @model_validator(mode="after")
-    def _one_description(self) -> "InductionMotor":
+    def _one_description(self) -> "InductionCharacteristic":
         kloss = (self.breakdown_moment, self.breakdown_slip)
         nameplate = (self.power, self.rated_speed, self.breakdown_ratio)
         if None not in kloss and all(v is None for v in (*nameplate, self.starting_ratio)):
@@ -434,6 +437,13 @@ class InductionMotor(Part):
             "give either breakdown_moment and breakdown_slip (Kloss), or power, rated_speed and "
             "breakdown_ratio, with starting_ratio if known (nameplate)"
         )
+
+
+class InductionMotor(InductionCharacteristic):
+    """An induction motor by Kloss or by its nameplate, on the crank or a shaft geared to it."""
+
+    type: Literal["induction_motor"]
+    on: Name
 
 
 ForceAction = Annotated[

@@ -38,6 +38,14 @@ START = {
     "load_moment": 60.0,
     "time": 0.05,
 }
+INDUCTION = {
+    "type": "induction",
+    "power": 15e3,
+    "rated_speed": 152.4,
+    "synchronous_speed": 157.1,
+    "breakdown_ratio": 2.6,
+    "starting_ratio": 1.4,
+}
 ROTOR = {
     "type": "oscillator",
     "mass": 40.0,
@@ -50,6 +58,10 @@ CASES = {
     "train of 20 masses: 19 frequencies and modes": (train(20), "shafts.s2.stiffness"),
     "train of 6 masses under 12 orders": (train(6, speed=10.0, excitations=ORDERS), "shafts.s2.stiffness"),
     "start through backlash, with its figures": (START, "stiffness"),
+    "the same under an induction motor": (
+        {key: value for key, value in START.items() if key != "motor_moment"} | {"motor": INDUCTION},
+        "stiffness",
+    ),
     "one mass, forced, with its figures": (ROTOR, "stiffness"),
     "one mass, run through its resonance too": (
         ROTOR | {"run_through": {"start": 150.0, "acceleration": -2.0}},

@@ -26,9 +26,29 @@ from engine.elastic.drives.backlash_phases import (
     follow_drives,
 )
 from engine.elastic.drives.elastic_shaft import ElasticShaft
-from engine.elastic.drives.two_mass_element import TwoMassDrive
+from engine.elastic.drives.motor_phases import (
+    GAP,
+    LOAD_RATE,
+    MOMENT_AT_BEGIN,
+    MOTOR_FOUND,
+    MOTOR_MOMENT,
+    MOTOR_RATE,
+    MOTOR_ROOM,
+    ORDER,
+    SHAFT_MOMENT,
+    SHOWN,
+    follow_motor_drives,
+)
+from engine.elastic.drives.two_mass_element import (
+    DriveDCMotor,
+    DriveInductionMotor,
+    DriveMotor,
+    DriveTableMotor,
+    TwoMassDrive,
+)
 from engine.elastic.oscillators.one_mass import free_motion
 from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
+from engine.mechanism.actions.motors import kloss_constants, stall_moment
 
 Numbers = Mapping[str, np.ndarray]
 
@@ -40,7 +60,7 @@ _RESULTS = (
     ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
     ElementResult("damping", "torsional damping of the shaft", "N m s rad-1"),
     ElementResult("natural_frequency", "natural frequency of the drive in touch", "rad s-1"),
-    ElementResult("rigid_moment", "moment of the shaft, were it rigid and without backlash", "N m"),
+    ElementResult("rigid_moment", "moment of the shaft at the begin, were it rigid and without backlash", "N m"),
     ElementResult("greatest_moment", "greatest magnitude of the shaft's moment", "N m"),
     ElementResult("greatest_moment_at", "when the shaft's moment is greatest", "s"),
     ElementResult("dynamic_factor", "greatest moment over that of a rigid shaft", "1"),
@@ -78,9 +98,16 @@ def drive_law(drive: TwoMassDrive) -> LawOfArrays:
 
 def drive_keys(drive: TwoMassDrive) -> Iterator[str]:
     """Keys of all numbers that a drive is given."""
-    yield from ("motor_inertia", "load_inertia", "backlash", "motor_moment", "load_moment", "time")
-    yield from (key for key in ("load_before", "speed") if getattr(drive, key) is not None)
+    yield from ("motor_inertia", "load_inertia", "backlash", "load_moment", "time")
+    yield from (key for key in ("motor_moment", "load_before", "speed") if getattr(drive, key) is not None)
+    if drive.motor is not None:
+        yield from (f"motor.{key}" for key in motor_keys(drive.motor))
     yield from shaft_keys(drive)
+
+
+def motor_keys(motor: DriveMotor) -> Iterator[str]:
+    """Keys of the numbers that a drive's motor is given."""
+    yield from (key for key, value in motor if isinstance(value, float))
 
 
 def shaft_keys(drive: ElasticShaft) -> Iterator[str]:
@@ -115,7 +142,7 @@ def drive_shaft(drive: ElasticShaft, n: Numbers) -> DriveShaft:
 
 
 def rigid_moment(motor: np.ndarray, load: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Moment of a rigid shaft between a motor of the first inertia and a load of the second [N·m].
+    """Moment of a rigid shaft between a motor of the first inertia and a load of the second that turn [N·m].
 
     (M I₂ + M_c I₁)/(I₁ + I₂), M being the motor's moment and M_c the load's.
     """
@@ -161,10 +188,87 @@ def followed_drive(drive: TwoMassDrive, n: Numbers, shown: int = 0) -> tuple[np.
     return found, phases, shaft
 
 
+def motor_curves(motor: DriveMotor, n: Numbers, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Characteristics of a drive's motor as compiled code takes them.
+
+    Parameters
+    ----------
+    motor : DriveMotor
+    n : mapping of str to ndarray (count,)
+        Its numbers by their keys, such as "motor.stall_moment".
+    count : int
+
+    Returns
+    -------
+    lines : ndarray (count, rows, 2)
+        Rows of speed and moment; none for Kloss' formula.
+    kloss : ndarray (count, 4)
+        Its constants; (count, 0) for lines.
+    """
+    lines, kloss = np.empty((count, 0, 2)), np.empty((count, 0))
+    match motor:
+        case DriveDCMotor():
+            lines = np.zeros((count, 2, 2))
+            lines[:, 0, 1] = stall_moment(motor, "motor", n)
+            lines[:, 1, 0] = n["motor.no_load_speed"]
+        case DriveInductionMotor():
+            constants = kloss_constants(motor, "motor", n)
+            kloss = np.stack([np.broadcast_to(value, count) for value in constants], axis=1)
+        case DriveTableMotor():
+            table = np.stack([motor.speed, motor.moment], axis=1)
+            lines = np.repeat(table[None], count, axis=0)
+            lines[:, :, 1] *= n["motor.scale"][:, None]
+    return lines, kloss
+
+
+def motor_driven(drive: TwoMassDrive, n: Numbers, instants: int = 0) -> tuple[np.ndarray, np.ndarray, DriveShaft]:
+    """Follow drives under their motors.
+
+    Parameters
+    ----------
+    drive : TwoMassDrive
+        One with a `motor`; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "motor.stall_moment".
+    instants : int
+        At how many instants, equally spaced, to return what they do.
+
+    Returns
+    -------
+    found : ndarray (MOTOR_FOUND, variants)
+    shown : ndarray (variants, instants, SHOWN)
+        Both as for `follow_motor_drives`.
+    shaft : DriveShaft
+    """
+    shaft = drive_shaft(drive, n)
+    none = np.zeros_like(shaft.stiffness)
+    backlash = np.where(n["backlash"] < SMALLEST, 0.0, n["backlash"])
+    running = none + (drive.begin == "running")
+    starts = running, n.get("speed", none), n.get("load_before", none)
+    inertias, elastic = (n["motor_inertia"], n["load_inertia"]), (shaft.stiffness, shaft.damping, backlash)
+    rows = (*inertias, *elastic, n["load_moment"], n["time"], *starts)
+    given = np.stack([np.broadcast_to(row, none.shape) for row in rows], axis=1)
+    lines, kloss = motor_curves(drive.motor, n, none.size)
+    found, shown = np.empty((none.size, MOTOR_FOUND)), np.full((none.size, instants, SHOWN), np.nan)
+    tables = given, lines, kloss, found, shown
+    room = np.empty((MOTOR_ROOM, ORDER + 1))
+    prepare(follow_motor_drives, [types.intp, types.intp, *(numba.typeof(a) for a in (*tables, room))])
+    spread(follow_motor_drives, none.size, lambda: (*tables, np.empty_like(room)))
+    return found.T, shown, shaft
+
+
 def _rows(drive: TwoMassDrive, keys: tuple[str, ...], table: np.ndarray) -> np.ndarray:
     n = dict(zip(keys, table, strict=True))
-    found, _, shaft = followed_drive(drive, n)
-    rigid = rigid_moment(n["motor_moment"], n["load_moment"], n["motor_inertia"], n["load_inertia"])
+    if drive.motor is None:
+        (found, _, shaft), motor = followed_drive(drive, n), n["motor_moment"]
+    else:
+        found, _, shaft = motor_driven(drive, n)
+        motor = found[MOMENT_AT_BEGIN]
+    load = n["load_moment"]
+    rigid = rigid_moment(motor, load, n["motor_inertia"], n["load_inertia"])
+    if drive.begin == "at rest":
+        # A load that the motor can't move holds all of its moment.
+        rigid = np.where(load >= motor, motor, rigid)
     return np.stack(
         [
             shaft.stiffness,
@@ -197,6 +301,8 @@ class DriveHistory(NamedTuple):
         [rad/s].
     gap : ndarray (instants,)
         e = φ₁ − φ₂, 0 where the shaft touches forwards [rad].
+    motor_moment : ndarray (instants,)
+        [N·m].
     """
 
     time: np.ndarray
@@ -204,6 +310,7 @@ class DriveHistory(NamedTuple):
     motor_speed: np.ndarray
     load_speed: np.ndarray
     gap: np.ndarray
+    motor_moment: np.ndarray
 
 
 def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
@@ -220,6 +327,11 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
         for name in key.split("."):
             part = part[name] if isinstance(part, Mapping) else getattr(part, name)
         numbers[key] = np.array([part], float)
+    if drive.motor is not None:
+        _, (shown,), _ = motor_driven(drive, numbers, instants)
+        time = np.linspace(0.0, drive.time, instants)
+        rates = shown[:, MOTOR_RATE], shown[:, LOAD_RATE]
+        return DriveHistory(time, shown[:, SHAFT_MOMENT], *rates, shown[:, GAP], shown[:, MOTOR_MOMENT])
     _, phases, shaft = followed_drive(drive, numbers, MOST_SHOWN)
     phases = phases[0][~np.isnan(phases[0, :, 0])]
     time = np.linspace(0.0, drive.time, instants)
@@ -247,4 +359,4 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
             momentum = momentum + (drive.motor_moment - moves * drive.load_moment) * t
             load[here] = (momentum - drive.motor_inertia * rate) / total if moves else 0.0
         motor[here] = load[here] + rate
-    return DriveHistory(time, moment, motor, load, gap)
+    return DriveHistory(time, moment, motor, load, gap, np.full(instants, drive.motor_moment))

@@ -16,6 +16,7 @@ Source: S. P. Timoshenko, Strength of Materials, Part II (wire-wound cylinders, 
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -60,6 +61,39 @@ def wound_flywheel_law(element: WoundFlywheel) -> LawOfArrays:
     return LawOfArrays(with_nudges(rows), lambda given_element, given: tuple(given(key) for key in keys), _RESULTS)
 
 
+def wound_stresses(
+    n: Mapping[str, float | np.ndarray], radius: np.ndarray, speed: float | np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Radial and hoop stress of a wound flywheel, in its ring and its winding.
+
+    Parameters
+    ----------
+    n : mapping of str to float or ndarray
+        Numbers of the element by their keys.
+    radius : ndarray
+        Between bore and outer radius [m]; that of the winding's inner edge belongs to the winding.
+    speed : float or ndarray
+        [rad/s]; 0 for the wheel at rest.
+
+    Returns
+    -------
+    radial, hoop : ndarray
+        Tension is positive [Pa].
+    """
+    a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
+    nu, tension = n["poisson_ratio"], n["winding_stress"]
+    spin = (3.0 + nu) / 8.0 * n["density"] * speed**2
+    # The ring is pressed by all layers, each layer by those outside it.
+    within = np.maximum(radius, c)
+    pressed = 0.5 * tension * np.log((b - a) * (b + a) / ((within - a) * (within + a)))
+    own = np.where(radius >= c, tension, 0.0)
+    radial = -pressed * (1.0 - (a / radius) ** 2)
+    radial = radial + spin * (b - radius) * (b + radius) * (1.0 - (a / radius) ** 2)
+    hoop = own - pressed * (1.0 + (a / radius) ** 2)
+    hoop = hoop + spin * (a**2 + b**2 + (a * b / radius) ** 2 - (1.0 + 3.0 * nu) / (3.0 + nu) * radius**2)
+    return radial, hoop
+
+
 def _wound(n: dict[str, np.ndarray]) -> np.ndarray:
     a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
     sound = (a < c) & (c < b)
@@ -70,13 +104,9 @@ def _wound(n: dict[str, np.ndarray]) -> np.ndarray:
     inertia = ring_inertia(mass, 2.0 * b, 2.0 * a)
     energy = 0.5 * inertia * speed**2
 
-    def wound_about(r: np.ndarray) -> np.ndarray:
-        return np.log((b - a) * (b + a) / ((r - a) * (r + a)))
-
     def layer(r: np.ndarray) -> np.ndarray:
         """Hoop stress of the winding."""
-        left = tension * (1.0 - 0.5 * (1.0 + (a / r) ** 2) * wound_about(r))
-        return left + spin * (a**2 + b**2 + (a * b / r) ** 2 - (1.0 + 3.0 * nu) / (3.0 + nu) * r**2)
+        return wound_stresses(n, r, speed)[1]
 
     # The greatest of some places, then golden section beside it.
     places = c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
@@ -88,7 +118,7 @@ def _wound(n: dict[str, np.ndarray]) -> np.ndarray:
         falls = layer(inner) > layer(outer)
         low, high = np.where(falls, low, inner), np.where(falls, outer, high)
     stress = np.maximum(np.maximum(layer(c), layer(b)), layer(0.5 * (low + high)))
-    about = wound_about(c)
+    about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
     pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
     spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
     parting = np.sqrt(4.0 * tension / ((3.0 + nu) * n["density"] * (b - a) * (b + a)))

@@ -193,14 +193,14 @@ def drive_sheet(drive: TwoMassDrive, target: Path | str | Figure, title: str = "
         figure = target if isinstance(target, Figure) else new_figure(180, 130)
         top, middle, bottom = figure.subplots(3, 1, sharex=True)
         factor, unit = engineer_unit("N m", history.moment)
-        top.plot(history.time, factor * history.moment, color=BLUE)
+        top.plot(history.time, factor * history.moment, color=BLUE, label="of the shaft")
         peak = np.abs(history.moment).argmax()
         top.plot(history.time[peak], factor * history.moment[peak], "o", color=VERMILION, markersize=4)
-        for value, label in ((drive.motor_moment, "motor"), (drive.load_moment, "load")):
-            top.axhline(factor * value, color=GREY, linewidth=0.8, linestyle=(0, (6, 2)))
-            top.annotate(label, (1.0, factor * value), (3, 0), xycoords=("axes fraction", "data"),
-                         textcoords="offset points", va="center", color=GREY, fontsize=7)  # fmt: skip
-        top.set_ylabel(f"shaft, {unit}")
+        top.plot(history.time, factor * history.motor_moment, color=GREY, linewidth=0.8, label="of the motor")
+        dashes = {"color": GREY, "linewidth": 0.8, "linestyle": (0, (6, 2))}
+        top.axhline(factor * drive.load_moment, label="of the load", **dashes)
+        top.legend(loc="best")
+        top.set_ylabel(f"moment, {unit}")
         for speed, colour, label in ((history.motor_speed, BLUE, "motor"), (history.load_speed, ORANGE, "load")):
             middle.plot(history.time, RPM * speed, color=colour, label=label)
         middle.set_ylabel("speed, rpm")

@@ -11,12 +11,16 @@ from engine import (
     LocomotiveElement,
     MachineDrive,
     OscillatorElement,
+    RotatingGuide,
     RotorElement,
     Scene,
+    StaticRotor,
     TorsionalTrain,
     TwoMassDrive,
+    WoundFlywheel,
     governed_scene,
 )
+from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, wound_flywheel_sheet
 from sweeps.pictures.elements.cam_sheet import cam_sheet
 from sweeps.pictures.elements.elastic_sheets import (
     drive_sheet,
@@ -29,7 +33,7 @@ from sweeps.pictures.elements.friction_sheet import CURVES, friction_sheet
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
-from sweeps.pictures.elements.unbalance_plan import unbalance_plan
+from sweeps.pictures.elements.unbalance_plan import static_plan, unbalance_plan
 from sweeps.pictures.elements.vehicle_sheets import car_sheet, locomotive_sheet
 
 
@@ -41,7 +45,8 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_shaking`, `_braking`,
-        `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam`, `_velocities` or `_friction` added.
+        `_sliding`, `_stresses`, `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam`, `_velocities` or
+        `_friction` added.
 
     Returns
     -------
@@ -62,6 +67,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case RotorElement():
                 made.append(path.with_name(f"{path.stem}_{name}_plan{path.suffix}"))
                 unbalance_plan(element, made[-1], title)
+            case StaticRotor():
+                made.append(path.with_name(f"{path.stem}_{name}_plan{path.suffix}"))
+                static_plan(element, made[-1], title)
             case EngineElement():
                 made.append(path.with_name(f"{path.stem}_{name}_orders{path.suffix}"))
                 engine_sheet(element, made[-1], title)
@@ -71,6 +79,12 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case CarElement():
                 made.append(path.with_name(f"{path.stem}_{name}_braking{path.suffix}"))
                 car_sheet(element, made[-1], title)
+            case RotatingGuide():
+                made.append(path.with_name(f"{path.stem}_{name}_sliding{path.suffix}"))
+                rotating_guide_sheet(element, made[-1], title)
+            case WoundFlywheel():
+                made.append(path.with_name(f"{path.stem}_{name}_stresses{path.suffix}"))
+                wound_flywheel_sheet(element, made[-1], title)
             case Governor():
                 made.append(path.with_name(f"{path.stem}_{name}_governor{path.suffix}"))
                 governor_sheet(element, made[-1], title, cycles.get(name))

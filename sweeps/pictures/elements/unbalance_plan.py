@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from engine import (
     RotorElement,
+    StaticRotor,
     corrected_unbalance,
     permissible_unbalance,
     resultant_unbalance,
@@ -101,6 +102,36 @@ def unbalance_plan(rotor: RotorElement, target: Path | str | Figure, title: str 
         )
         _bearings(axes[2], plan)
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def static_plan(rotor: StaticRotor, target: Path | str | Figure, title: str = "") -> Figure:
+    """Polygon of a flat rotor's unbalances, closed by the mass that balances it.
+
+    Parameters
+    ----------
+    rotor : StaticRotor
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, or it can't be written.
+    """
+    given = np.array([u.mass * u.radius * np.exp(1j * u.angle) for u in rotor.unbalances.values()])
+    vectors = np.append(given, -given.sum())
+    plan = RotorPlan((*rotor.unbalances, "correction"), vectors, np.zeros(vectors.size), 1, np.zeros((3, 2)))
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(110, 112)
+        ax = figure.subplots()
+        _polygon(ax, plan, vectors * KG_MM, "Unbalances, kg·mm")
+        figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=2)
         if title:
             figure.suptitle(title, fontweight="bold")
     if not isinstance(target, Figure):

@@ -1,0 +1,131 @@
+"""Single bodies to be looked at: the way of one that slides out on a turning lever, stresses in a wound flywheel."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from engine import ElementsAlone, RotatingGuide, Scene, WoundFlywheel, slides_out, wound_stresses
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, house_style, new_figure, save
+from sweeps.text.engineer_units import engineer_unit
+
+PLACES = 721
+# Stretches of the lever, in time alike, at which it is drawn.
+LEVERS = 8
+
+
+def rotating_guide_sheet(element: RotatingGuide, target: Path | str | Figure, title: str = "") -> Figure:
+    """Way of a body that slides out on a turning lever, from above, with its distance from the axis and the reaction.
+
+    Parameters
+    ----------
+    element : RotatingGuide
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, it can't be written, or the body doesn't leave the lever.
+    """
+    alone = ElementsAlone(Scene(elements={"it": element}), ["it.time"])
+    end = float(alone.evaluate({}).summaries["it.time"][0])
+    if not math.isfinite(end):
+        raise PictureError("no time in which the body leaves the lever could be found; sweeps run says why")
+    time = np.linspace(0.0, end, PLACES)
+    motion = element.speed, element.start_radius, element.start_velocity, element.friction
+    radius, rate = slides_out(*(np.full(time.shape, value) for value in motion), time)
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 90)
+        drawn = figure.subplot_mosaic([["plan", "distance"], ["plan", "reaction"]])
+        _plan(drawn["plan"], element, time, radius, rate)
+        curves = (
+            ("distance", radius, "m", "distance"),
+            ("reaction", 2.0 * element.mass * element.speed * rate, "N", "reaction"),
+        )
+        for name, values, si, label in curves:
+            factor, unit = engineer_unit(si, values)
+            drawn[name].plot(time, factor * values, color=BLUE)
+            drawn[name].plot(end, factor * values[-1], "o", color=VERMILION, markersize=4)
+            drawn[name].set(ylabel=f"{label}, {unit}", xlim=(0, 1.03 * end), ylim=(0, None))
+        drawn["reaction"].set_xlabel("time, s")
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _plan(ax: Axes, element: RotatingGuide, time: np.ndarray, radius: np.ndarray, rate: np.ndarray) -> None:
+    """The body's path, the lever on the way, and the velocity with which the body leaves it."""
+    factor, unit = engineer_unit("m", np.array([element.length]))
+    angle = element.speed * time
+    for k in np.linspace(0, PLACES - 1, LEVERS).astype(int):
+        tip = factor * element.length * np.exp(1j * angle[k])
+        ax.plot([0.0, tip.real], [0.0, tip.imag], color=GREY, linewidth=0.6)
+        here = factor * radius[k] * np.exp(1j * angle[k])
+        ax.plot(here.real, here.imag, "o", color=BLUE, markersize=3)
+    path = factor * radius * np.exp(1j * angle)
+    ax.plot(path.real, path.imag, color=BLUE)
+    leaves = (rate[-1] + 1j * element.speed * radius[-1]) * np.exp(1j * angle[-1])
+    beyond = path[-1] + 0.5 * factor * element.length * leaves / abs(leaves)
+    ax.annotate(
+        "", (beyond.real, beyond.imag), (path[-1].real, path[-1].imag),
+        arrowprops={"arrowstyle": "-|>", "color": VERMILION, "shrinkA": 0, "shrinkB": 0},
+    )  # fmt: skip
+    # An arrow alone doesn't widen the axes.
+    ax.plot(beyond.real, beyond.imag, alpha=0.0)
+    ax.plot(0.0, 0.0, "o", color="black", markersize=4)
+    ax.set(aspect="equal", adjustable="datalim", xlabel=f"x, {unit}", ylabel=f"y, {unit}", title="From above")
+
+
+def wound_flywheel_sheet(element: WoundFlywheel, target: Path | str | Figure, title: str = "") -> Figure:
+    """Hoop and radial stresses over the radius of a wound flywheel, at rest, at its speed, and where layers part.
+
+    Parameters
+    ----------
+    element : WoundFlywheel
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, or it can't be written.
+    """
+    numbers = {key: value for key, value in element if isinstance(value, float)}
+    inner, edge, outer = (0.5 * numbers[key] for key in ("bore", "winding_diameter", "diameter"))
+    stretches = np.linspace(inner, edge, PLACES), np.linspace(edge, outer, PLACES)
+    # The last place of the ring still is ring.
+    radius = np.concatenate([np.minimum(stretches[0], np.nextafter(edge, 0.0)), stretches[1]])
+    alone = ElementsAlone(Scene(elements={"it": element}), ["it.parting_speed"])
+    parting = float(alone.evaluate({}).summaries["it.parting_speed"][0])
+    # Beyond the speed at which layers part the stresses are others.
+    own = ((element.speed, BLUE, "at its speed"),) if element.speed <= parting else ()
+    speeds = ((0.0, GREY, "at rest"), *own, (parting, ORANGE, "where layers part"))
+    found = [(wound_stresses(numbers, radius, speed), colour, label) for speed, colour, label in speeds]
+    factor, unit = engineer_unit("Pa", np.concatenate([np.ravel(stresses) for stresses, _, _ in found]))
+    wide, length_unit = engineer_unit("m", radius)
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 80)
+        axes = figure.subplots(1, 2)
+        for ax, which, words in zip(axes, (1, 0), ("hoop", "radial"), strict=True):
+            for stresses, colour, label in found:
+                ax.plot(wide * radius, factor * stresses[which], color=colour, label=label)
+            ax.axhline(0.0, color="black", linewidth=0.6)
+            ax.axvline(wide * edge, color=GREY, linewidth=0.8, linestyle=(0, (6, 2)))
+            ax.set(xlabel=f"radius, {length_unit}", ylabel=f"{words} stress, {unit}", xlim=(wide * inner, wide * outer))
+        if element.strength is not None:
+            axes[0].axhline(factor * element.strength, color=VERMILION, linewidth=0.8, label="strength")
+        axes[0].legend(loc="best")
+        axes[1].set_title("Broken line: where the winding begins")
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure

@@ -1,0 +1,157 @@
+"""Two masses under a motor whose moment depends on its speed: exact phases, exponentials, other methods, refusals."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.linalg
+from element_samples import asked, one
+from pydantic import ValidationError
+
+from engine import Scene, Verdict
+from engine.elastic.drives.two_mass_columns import drive_history
+
+DRIVE = {
+    "type": "two_mass_drive",
+    "motor_inertia": 0.5,
+    "load_inertia": 3.0,
+    "stiffness": 2e4,
+    "backlash": 0.02,
+    "load_moment": 60.0,
+    "time": 0.2,
+}
+LINE = {"type": "dc", "stall_moment": 100.0, "no_load_speed": 20.0}
+KLOSS = {"type": "induction", "synchronous_speed": 20.0, "breakdown_moment": 150.0, "breakdown_slip": 0.3}
+TABLE = {"type": "table", "speed": [0.0, 2.0, 5.0, 20.0], "moment": [80.0, 60.0, 140.0, 0.0]}
+KEYS = ("motor_inertia", "load_inertia", "stiffness", "damping", "backlash", "load_moment")
+NAMES = ("greatest_moment", "greatest_moment_at", "motor_speed", "load_speed", "closings")
+
+
+def motor_moment(motor, w):
+    if motor["type"] == "dc":
+        return motor["stall_moment"] * (1 - w / motor["no_load_speed"])
+    if motor["type"] == "table":
+        x, y = np.array(motor["speed"]), np.array(motor["moment"])
+        i = np.clip(np.searchsorted(x, w, side="right") - 1, 0, x.size - 2)
+        return y[i] + (y[i + 1] - y[i]) / (x[i + 1] - x[i]) * (w - x[i])
+    s = 1 - w / motor["synchronous_speed"]
+    return 2 * motor["breakdown_moment"] / (s / motor["breakdown_slip"] + motor["breakdown_slip"] / s)
+
+
+@pytest.mark.parametrize("begin", ["at rest", "running"])
+def test_flat_characteristic__is_the_constant_moment_of_exact_phases(begin):
+    generator, n = np.random.default_rng(11), 60
+    first, second = 10 ** generator.uniform(-1, 0.5, (2, n))
+    k = 10 ** generator.uniform(3, 4.5, n)
+    b = generator.uniform(0, 1, n) ** 3 * 3 * np.sqrt(k * first * second / (first + second))
+    b[:15] = 0.0
+    gap = np.where(generator.random(n) < 0.3, 0.0, generator.uniform(0.001, 0.05, n))
+    # Without damper and load the backlash is crossed for ever, and its other end just grazed.
+    load = np.where(np.arange(n) > 50, 0.0, generator.uniform(0.05, 1.3, n) * 80.0)
+    numbers = dict(zip(KEYS, (first, second, k, b, gap, load), strict=True))
+    drive = DRIVE | {"damping": 0.0, "begin": begin}
+    if begin == "running":
+        drive |= {"speed": 5.0, "load_before": 1.0}
+        numbers |= {"speed": generator.uniform(1.0, 9.0, n), "load_before": generator.uniform(0, 200, n)}
+    varied = {f"it__{key}": v for key, v in numbers.items()}
+    exact, outcome = asked({"it": drive | {"motor_moment": 80.0}}, *(f"it.{x}" for x in NAMES), **varied)
+    flat = {"type": "table", "speed": [0.0, 3.0, 50.0], "moment": [80.0, 80.0, 80.0]}
+    found, other = asked({"it": drive | {"motor": flat}}, *(f"it.{x}" for x in NAMES), **varied)
+    assert (outcome.status == Verdict.OK).all()
+    assert (other.status == Verdict.OK).all()
+    assert len(set(exact[4])) > (3 if begin == "at rest" else 1)
+    # Some dozens of impacts let roundings grow by two digits.
+    size = np.abs(exact[2]).max()
+    for a, b, scale in zip(found, exact, (np.abs(exact[0]), 0.2, size, size, 0.5), strict=True):
+        assert (np.abs(a - b) <= 1e-12 * scale).all()
+
+
+@pytest.mark.parametrize("motor", [LINE, KLOSS, TABLE])
+def test_start_through_backlash__is_that_of_another_method(motor):
+    drive = DRIVE | {"motor": motor, "load_moment": 0.0, "time": 0.4}
+
+    def rates(t, y):
+        e, first, second = y
+        shaft = 2e4 * (max(e, 0.0) + min(e + 0.02, 0.0))
+        return first - second, (motor_moment(motor, first) - shaft) / 0.5, shaft / 3.0
+
+    # Straight pieces meet in kinks: short steps instead of events at them.
+    other = scipy.integrate.solve_ivp(rates, (0, 0.4), (-0.02, 0, 0), "DOP853", rtol=1e-11, atol=1e-12, max_step=2e-4)
+    greatest, _, first, second, _ = one(drive, *NAMES)
+    assert (first, second) == pytest.approx(tuple(other.y[1:, -1]), rel=2e-7)
+    shafts = 2e4 * np.maximum(other.y[0], 0.0)
+    # Between instants 2e-4 s apart the peak is 1/8 (ω h)² higher, ω = 216 rad/s.
+    assert greatest == pytest.approx(shafts.max(), rel=3e-4)
+
+
+def test_straight_characteristic_without_backlash__is_the_matrix_exponential():
+    drive = DRIVE | {"motor": LINE, "backlash": 0.0, "load_moment": 0.0, "damping": 40.0, "time": 1.0}
+    first, second, k, b = 0.5, 3.0, 2e4, 40.0
+    slope = -100.0 / 20.0
+    system = np.array(
+        [
+            [0, 1, -1, 0],
+            [-k / first, (slope - b) / first, b / first, 100.0 / first],
+            [k / second, b / second, -b / second, 0],
+            [0, 0, 0, 0],
+        ]
+    )
+    end = scipy.linalg.expm(system) @ [0, 0, 0, 1]
+    assert one(drive, "motor_speed", "load_speed") == pytest.approx(end[1:3], rel=1e-11)
+
+
+def test_nameplate__gives_the_motor_of_its_constants():
+    nameplate = {"power": 2e3, "rated_speed": 18.0, "no_load_speed": 20.0}
+    drive = DRIVE | {"motor": {"type": "dc"} | nameplate}
+    given = {"type": "dc", "stall_moment": 2e3 / 18.0 * 10.0, "no_load_speed": 20.0}
+    assert one(drive, *NAMES) == pytest.approx(one(DRIVE | {"motor": given}, *NAMES), rel=1e-12)
+
+
+def test_motors_of_many_variants__are_those_of_each():
+    slips = np.array([0.1, 0.3, 0.8])
+    together, outcome = asked({"it": DRIVE | {"motor": KLOSS}}, "it.greatest_moment", it__motor__breakdown_slip=slips)
+    each = [one(DRIVE | {"motor": KLOSS | {"breakdown_slip": s}}, "greatest_moment")[0] for s in slips]
+    assert (outcome.status == Verdict.OK).all()
+    assert together[0].tolist() == each
+    scaled, _ = asked({"it": DRIVE | {"motor": TABLE}}, "it.motor_speed", it__motor__scale=2.0)
+    twice = TABLE | {"moment": [2 * m for m in TABLE["moment"]]}
+    assert scaled[0] == one(DRIVE | {"motor": twice}, "motor_speed")
+
+
+def test_motor_in_balance_with_its_load__comes_to_that_speed():
+    steady = {"backlash": 0.0, "damping_ratio": 0.2, "time": 30.0, "load_moment": 60.0}
+    assert one(DRIVE | steady | {"motor": LINE}, "motor_speed", "load_speed") == pytest.approx([8.0, 8.0], rel=1e-9)
+    # M = 60 N m on the stable branch: s/s_b + s_b/s = 2 M_b/M.
+    ratio = 150.0 / 60.0
+    slip = 0.3 * (ratio - math.sqrt(ratio**2 - 1))
+    end = one(DRIVE | steady | {"motor": KLOSS | {"breakdown_slip": 0.3}, "load_moment": 60.0}, "motor_speed")
+    assert end == pytest.approx([20.0 * (1 - slip)], rel=1e-9)
+
+
+def test_history_under_a_motor__ends_as_the_results_do():
+    drive = DRIVE | {"motor": KLOSS, "damping_ratio": 0.05}
+    history = drive_history(Scene.model_validate({"elements": {"it": drive}}).elements["it"], 20_001)
+    greatest, at, first, second, _ = one(drive, *NAMES)
+    assert (history.motor_speed[-1], history.load_speed[-1]) == pytest.approx((first, second), rel=1e-12)
+    assert np.interp(at, history.time, history.moment) == pytest.approx(greatest, rel=1e-5)
+    apart = history.motor_speed - history.load_speed
+    slid = np.concatenate([[0], np.cumsum(0.5 * history.time[1] * (apart[1:] + apart[:-1]))])
+    # The trapezoidal rule: h²/12 times the change of the relative acceleration.
+    assert np.abs(history.gap - history.gap[0] - slid).max() < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({}, "give motor_moment"),
+        ({"motor": LINE, "motor_moment": 5.0}, "one of the two"),
+        ({"motor": TABLE | {"speed": [0.0, 2.0, 2.0, 20.0]}}, "above the one before"),
+        ({"motor": {"type": "table", "speed": [1.0], "moment": [5.0]}}, "at least 2"),
+        ({"motor": {"type": "table", "speed": [1.0, 2.0], "moment": [5.0]}}, "moment"),
+        ({"motor": {"type": "induction", "synchronous_speed": 150.0}}, "Kloss"),
+    ],
+)
+def test_motor_that_cannot_be__says_what_to_mend(change, said):
+    with pytest.raises(ValidationError, match=said):
+        Scene.model_validate({"elements": {"it": DRIVE | change}})

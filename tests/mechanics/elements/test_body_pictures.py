@@ -1,0 +1,75 @@
+"""Pictures of single bodies and flat rotors: curves against equilibrium, closed forms and the elements' own results."""
+
+import math
+
+import numpy as np
+import pytest
+from element_samples import DISC, LEVER, WOUND, one, scene
+
+from engine import wound_stresses
+from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, wound_flywheel_sheet
+from sweeps.pictures.elements.element_pictures import element_pictures
+from sweeps.pictures.elements.unbalance_plan import static_plan
+from sweeps.pictures.style import new_figure
+
+
+def axes_of(figure, label):
+    return next(ax for ax in figure.axes if ax.get_ylabel().startswith(label))
+
+
+def test_lever__shows_the_hyperbolic_cosine_and_the_coriolis_force_on_it():
+    figure = rotating_guide_sheet(scene(it=LEVER).elements["it"], new_figure(180, 90), "lever")
+    time, distance = axes_of(figure, "distance").get_lines()[0].get_data()
+    assert distance == pytest.approx(100.0 * np.cosh(20.0 * time), rel=1e-12)
+    assert (time[-1], distance[-1]) == pytest.approx((math.acosh(5.0) / 20.0, 500.0), rel=1e-12)
+    _, force = axes_of(figure, "reaction").get_lines()[0].get_data()
+    assert force == pytest.approx(2 * 0.4 * 20.0 * 0.1 * 20.0 * np.sinh(20.0 * time), rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("speed", [0.0, 400.0, 900.0])
+def test_stresses_of_a_wound_flywheel__are_in_equilibrium_everywhere(speed):
+    numbers = WOUND | {"poisson_ratio": 0.3}
+    for begin, end in ((0.05, 0.1 - 1e-12), (0.1, 0.3)):
+        r = np.linspace(begin, end, 4001)
+        radial, hoop = wound_stresses(numbers, r, speed)
+        # d(r σ_r)/dr = σ_t − ρω²r², by differences of order two: 3e-9 of the stresses' bends.
+        middle = slice(1, -1)
+        change = (r[2:] * radial[2:] - r[:-2] * radial[:-2]) / (r[2:] - r[:-2])
+        assert change == pytest.approx(hoop[middle] - 7850.0 * speed**2 * r[middle] ** 2, abs=1e-5 * 3e8)
+    inside, outside = (wound_stresses(numbers, np.array([x]), speed) for x in (np.nextafter(0.1, 0), 0.1))
+    assert inside[0] == pytest.approx(outside[0], rel=1e-12)
+    assert outside[1] - inside[1] == pytest.approx(3e8, rel=1e-12)
+    free = wound_stresses(numbers, np.array([0.05, 0.3]), speed)[0]
+    assert free == pytest.approx(0.0, abs=1e-6)
+
+
+def test_curves_of_a_wound_flywheel__are_its_results():
+    parting, bore, layer = one(WOUND, "parting_speed", "bore_stress", "layer_stress")
+    figure = wound_flywheel_sheet(scene(it=WOUND).elements["it"], new_figure(180, 80), "tape")
+    drawn = {line.get_label(): line.get_ydata() for line in axes_of(figure, "hoop").get_lines()}
+    assert parting > WOUND["speed"]
+    assert drawn["at its speed"][0] * 1e6 == pytest.approx(bore, rel=1e-12)
+    assert drawn["at its speed"].max() * 1e6 == pytest.approx(layer, rel=1e-6)
+    faster = scene(it=WOUND | {"speed": 1.1 * parting}).elements["it"]
+    loose = wound_flywheel_sheet(faster, new_figure(180, 80), "tape")
+    assert "at its speed" not in {line.get_label() for line in axes_of(loose, "hoop").get_lines()}
+
+
+def test_polygon_of_a_flat_rotor__is_closed_by_the_mass_that_balances_it():
+    (ax,) = static_plan(scene(it=DISC).elements["it"], new_figure(110, 90), "disc").axes
+    drawn = {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
+    start, end = drawn["correction, as made"].T
+    unbalance, angle = one(DISC, "unbalance", "correction_angle")
+    way = 1e3 * unbalance * np.array([math.cos(angle), math.sin(angle)])
+    assert end - start == pytest.approx(way, abs=1e-12 * 1e3 * unbalance)
+    assert end == pytest.approx(0.0, abs=1e-12)
+
+
+def test_bodies__are_drawn_with_the_other_elements(tmp_path):
+    made = element_pictures(scene(lever=LEVER, tape=WOUND, disc=DISC), tmp_path / "bodies.svg")
+    assert [path.name for path in made] == [
+        "bodies_lever_sliding.svg",
+        "bodies_tape_stresses.svg",
+        "bodies_disc_plan.svg",
+    ]
+    assert all(path.stat().st_size > 1000 for path in made)
