@@ -65,9 +65,9 @@ than that limits sooner), and {job:.1f} ms for each block, its scheduler with it
 """
 
 END = """
-The client saturates first: each GB is fetched, checked and written by it, and each block costs it some milliseconds. The
-last column says how many cores keep it busy. Beyond that more cores don't help; fewer columns, `require`, or parts of a
-study on several clients do. `sweeps check STUDY --cluster ADDRESS` measures the same on the cluster at hand.
+The client saturates first: each GB is fetched, checked and written by it, and each block costs it some milliseconds.
+The last column says how many cores keep it busy. Beyond that more cores don't help; fewer columns, `require`, or parts
+of a study on several clients do. `sweeps check STUDY --cluster ADDRESS` measures the same on the cluster at hand.
 """
 
 
