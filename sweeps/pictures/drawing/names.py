@@ -97,7 +97,7 @@ def texts_beside(
     found = [[] for _ in marked]
     marks = [outline_points(figures, 0.3 * height) for figures in drawn]
     around = np.exp(1j * np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]))
-    u, reach = np.tile(around, 4), np.repeat([0.25, 0.5, 1.0, 1.7], around.size)
+    u, reach = np.tile(around, 5), np.repeat([0.25, 0.5, 1.0, 1.7, 2.6], around.size)
     square = np.add.outer(np.linspace(-1, 1, 5), 1j * np.linspace(-1, 1, 5)).ravel()
     for same in zip(*marked, strict=True):
         joint = same[0]
@@ -116,4 +116,5 @@ def texts_beside(
 def _covered(marks: np.ndarray, places: np.ndarray, half: complex) -> np.ndarray:
     """How many of the marks a name of half this size would cover at each place."""
     gap = marks - places[:, None]
-    return ((np.abs(gap.real) < 1.35 * half.real) & (np.abs(gap.imag) < 1.2 * half.imag)).sum(axis=1)
+    # Half of a height is the imaginary part; a quarter of that is left free on either side.
+    return ((np.abs(gap.real) < half.real + 0.25 * half.imag) & (np.abs(gap.imag) < 1.2 * half.imag)).sum(axis=1)
