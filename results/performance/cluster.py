@@ -16,7 +16,7 @@ from llvmlite.binding import get_host_cpu_name
 from engine import set_threads
 from sweeps import Study, read_study, run_study
 from sweeps.run import runner
-from sweeps.run.blocks import largest_block
+from sweeps.run.blocks import LARGEST_BLOCK, block_size, most_at_once
 from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.connecting import connected
 from sweeps.run.cluster.crew import Crew
@@ -65,11 +65,9 @@ than that limits sooner), and {job:.1f} ms for each block, its scheduler with it
 """
 
 END = """
-The client saturates first: each GB is fetched, checked and written by it, and each block costs it some milliseconds. A
-study of the cycle, at some microseconds a variant, keeps it busy with about ten cores, one of motion with some two
-hundred: there blocks are bounded by memory to 4096 variants, which 32 threads compute in a twentieth of a second, and
-it is their number that counts. Beyond that more cores don't help; fewer columns, `require`, or parts of a study on
-several clients do. `sweeps check STUDY --cluster ADDRESS` measures the same on the cluster at hand.
+The client saturates first: each GB is fetched, checked and written by it, and each block costs it some milliseconds.
+The last column says how many cores keep it busy. Beyond that more cores don't help; fewer columns, `require`, or parts
+of a study on several clients do. `sweeps check STUDY --cluster ADDRESS` measures the same on the cluster at hand.
 """
 
 
@@ -90,7 +88,7 @@ def processor_time(function: Callable, *arguments: object) -> float:
 
 def variant_time(study: Study) -> float:
     """What a variant takes in a block of full size [s]."""
-    asked = again_and_again(study, largest_block(study, study.machine()))
+    asked = again_and_again(study, most_at_once(study, study.machine()))
     blocks = Blocks(asked, layout_of(asked, asked.machine()))
     return processor_time(blocks.columns, slice(0, asked.design.size)) / asked.design.size
 
@@ -145,7 +143,7 @@ def fetch_time(client: Client) -> float:
 
 def write_time(study: Study) -> float:
     """What writing blocks of full size takes, a byte [s]."""
-    size = largest_block(study, study.machine())
+    size = most_at_once(study, study.machine())
     asked = again_and_again(study, size * WRITTEN)
     blocks = Blocks(asked, replace(layout_of(asked, asked.machine()), block=size))
     columns = blocks.columns(slice(0, size))
@@ -169,7 +167,8 @@ def paper_rows(fetch: float, write: float, job: float) -> Iterator[str]:
     for name in STUDIES:
         study = read_study(bundled_studies()[name])
         seconds, row, cores = variant_time(study), row_bytes(study), HOSTS * THREADS
-        blocks = VARIANTS / largest_block(study, study.machine())
+        many = again_and_again(study, LARGEST_BLOCK)
+        blocks = VARIANTS / block_size(many, many.machine(), seconds / THREADS)
         parts = {
             "workers": VARIANTS * seconds / cores,
             "network": VARIANTS * row / NETWORK,

@@ -118,7 +118,12 @@ def _show_at(
 @click.option(
     "--with", "shown", default="", help="What else the drawing shows, with commas: masses, forces, links, scale."
 )
-@click.option("--plans", is_flag=True, help="Also velocity, acceleration and force plans at the first of --at.")
+@click.option(
+    "--plans",
+    is_flag=True,
+    help="Also velocity, acceleration and force plans at the first of --at, reactions over the cycle, and loads of the "
+    "eight most heavily loaded bearings.",
+)
 @click.option("--bearings", default="", help="Also loads of these bearings: input, GROUP.first and so on, with commas.")
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
 @click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from engine import Outcome, Verdict
-from sweeps.run.blocks import largest_block
+from sweeps.run.blocks import most_at_once
 from sweeps.study.search_task import Objective, SearchTask
 from sweeps.text.conditions import errors_in, value_with_error
 
@@ -61,7 +61,7 @@ class Trials:
 
     def __init__(self, task: SearchTask, crew: "Crew | None" = None) -> None:
         self.task, self.crew, self.machine = task, crew, task.study.machine()
-        self._most = largest_block(task.study, self.machine)
+        self._most = most_at_once(task.study, self.machine)
 
     def evaluate(self, coordinates: np.ndarray) -> Batch:
         """Evaluate the candidates at coordinates (candidates, variables), each from 0 to 1.

@@ -70,7 +70,8 @@ def machine_pictures(
     if scene.input is None:
         if not made:
             raise PictureError(
-                "the scene has machine elements alone, no rotor, engine, governor, spring, gear or cam: nothing to draw"
+                "the scene has machine elements alone, and none that there is a picture of, such as a rotor, "
+                "an engine, a governor, a gear train, a cam, a screw or a belt: nothing to draw"
             )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")

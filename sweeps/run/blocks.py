@@ -1,5 +1,7 @@
 """Blocks of variants: how many fall into one, and all their columns."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from engine import ElementsAlone, Machine, Outcome, Verdict
@@ -10,8 +12,8 @@ from sweeps.study.study import Study
 SECONDS_PER_BLOCK = 1.0
 BYTES_PER_BLOCK = 96e6
 LARGEST_BLOCK = 65_536
-# Motion keeps the tables of all steps of a block's variants.
-LARGEST_BLOCK_IN_MOTION = 4096
+# Motion keeps the tables of all steps of the variants that are evaluated together.
+MOST_AT_ONCE_IN_MOTION = 4096
 
 
 def bytes_of_fields(study: Study, machine: Machine | ElementsAlone) -> int:
@@ -23,11 +25,17 @@ def bytes_of_fields(study: Study, machine: Machine | ElementsAlone) -> int:
 
 
 def largest_block(study: Study, machine: Machine | ElementsAlone) -> int:
-    """Variants whose evaluation fits in memory at once, whatever it takes."""
+    """Variants whose columns fit in memory, however little time they take."""
     asked = len(study.summaries) + len(study.sensitivity.quantities)
     numbers = 8 * (2 * asked + 4 * len(study.parameters) + machine.numbers_kept + 8)
-    most = LARGEST_BLOCK if machine.schedule is None else LARGEST_BLOCK_IN_MOTION
-    return int(np.clip(2 ** int(np.log2(BYTES_PER_BLOCK / (bytes_of_fields(study, machine) + numbers))), 1, most))
+    fit = 2 ** int(np.log2(BYTES_PER_BLOCK / (bytes_of_fields(study, machine) + numbers)))
+    return int(np.clip(fit, 1, LARGEST_BLOCK))
+
+
+def most_at_once(study: Study, machine: Machine | ElementsAlone) -> int:
+    """Variants whose evaluation fits in memory: of a block, or of a part of it."""
+    block = largest_block(study, machine)
+    return block if machine.schedule is None else min(block, MOST_AT_ONCE_IN_MOTION)
 
 
 def block_size(study: Study, machine: Machine | ElementsAlone, seconds: float) -> int:
@@ -60,7 +68,7 @@ def evaluate_variants(
     drop: np.ndarray,
     buffer: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
-    """All columns of some variants.
+    """All columns of some variants, computed in parts where they don't fit in memory at once.
 
     Parameters
     ----------
@@ -74,6 +82,11 @@ def evaluate_variants(
     buffer : ndarray, optional
         Memory for their fields.
     """
+    if machine.schedule is not None and drop.size > MOST_AT_ONCE_IN_MOTION:
+        ends = [*range(0, drop.size, MOST_AT_ONCE_IN_MOTION), drop.size]
+        some = [slice(*part) for part in pairwise(ends)]
+        parts = [evaluate_variants(study, machine, {n: v[s] for n, v in values.items()}, drop[s]) for s in some]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     if study.paths:
         outcome = machine.evaluate({p: values[p] for p in study.paths}, drop, buffer)
     else:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import ElementsAlone, Machine, Outcome, threads
-from sweeps.run.blocks import evaluate_variants, largest_block
+from sweeps.run.blocks import evaluate_variants, most_at_once
 from sweeps.study.study import Study
 
 # Seconds after which no more variants are tried to see what they cost.
@@ -42,7 +42,7 @@ class Cost(NamedTuple):
 def probe(study: Study, machine: Machine | ElementsAlone) -> Cost:
     """Cost of a study, measured on some of its variants."""
     if machine.schedule is not None:
-        size, most = min(16 * threads(), study.design.size), min(largest_block(study, machine), study.design.size)
+        size, most = min(16 * threads(), study.design.size), min(most_at_once(study, machine), study.design.size)
         seconds = seconds_of_variant(study, machine)
         values, drop = _spread(study, size)
         memory = _peak_memory(machine, {path: values[path] for path in study.paths}, drop)
@@ -59,7 +59,7 @@ def seconds_of_variant(study: Study, machine: Machine | ElementsAlone) -> float:
 
     Each takes its own time, and many together less than one.
     """
-    most = min(largest_block(study, machine), study.design.size, MOST_TRIED)
+    most = min(most_at_once(study, machine), study.design.size, MOST_TRIED)
     # What isn't compiled yet is.
     evaluate_variants(study, machine, *_spread(study, 1))
     count = min(4 * threads(), most)

@@ -33,7 +33,12 @@ def _meshing(
     touches = axis - 1j * radius * u
     carried = place if rack is None else m.axes(rack)[0]
     reach = ((touches - carried) / u).real
-    low, high = np.nanmin(reach) - HALF_LENGTH * m.radius, np.nanmax(reach) + HALF_LENGTH * m.radius
+    reached = [reach]
+    if rack in m.scene.racks:
+        # The bar carries the points of its link.
+        reached += [((m.points[name] - carried) / u).real for name in m.members(rack)]
+    low = min(np.nanmin(some) for some in reached) - HALF_LENGTH * m.radius
+    high = max(np.nanmax(some) for some in reached) + HALF_LENGTH * m.radius
     ends = [touches[k] + (end - reach[k]) * u[k] for end in (low, high)]
     spoke = axis[k] + abs(radius) * m.axes(pinion)[1][k]
     found = [Primitive("pitch", "circle", (complex(axis[k]),), abs(radius)), line(axis[k], spoke)]

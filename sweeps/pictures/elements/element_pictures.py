@@ -29,6 +29,7 @@ from sweeps.pictures.elements.elastic_sheets import (
     oscillator_sheet,
 )
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
+from sweeps.pictures.elements.friction_sheet import CURVES, friction_sheet
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
@@ -37,15 +38,15 @@ from sweeps.pictures.elements.vehicle_sheets import car_sheet, locomotive_sheet
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the elements of a scene that have pictures: rotors, engines, vehicles, bodies, governors, springs, cams.
+    """Draw the elements of a scene that have pictures, from rotors and engines to gears and screws.
 
     Parameters
     ----------
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_shaking`, `_braking`,
-        `_sliding`, `_stresses`, `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam` or `_velocities`
-        added.
+        `_sliding`, `_stresses`, `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam`, `_velocities` or
+        `_friction` added.
 
     Returns
     -------
@@ -108,6 +109,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case GearTrain():
                 made.append(path.with_name(f"{path.stem}_{name}_velocities{path.suffix}"))
                 gear_sheet(element, made[-1], title)
+            case _ if element.type in CURVES:
+                made.append(path.with_name(f"{path.stem}_{name}_friction{path.suffix}"))
+                friction_sheet(element, made[-1], title)
     return made
 
 

@@ -1,5 +1,7 @@
 """Sheets of plans: the mechanism at a position beside its plan, with the values behind it."""
 
+from textwrap import fill
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -9,12 +11,14 @@ from sweeps.pictures.plans.free_body import free_body
 from sweeps.pictures.plans.kinematic_plans import acceleration_lines, acceleration_plan, velocity_lines, velocity_plan
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
-from sweeps.pictures.plans.polygons import velocities
+from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
 
 WIDTH, HEIGHT = 180.0, 130.0
 HEADING = 8.0
+# Letters of a note on a sheet of that width.
+LINE = 150
 
 
 def sheet(width: float = WIDTH, height: float = HEIGHT) -> Figure:
@@ -59,23 +63,30 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
     pose : Pose
     which : {"velocity", "acceleration"}
     """
-    draw, lines_of = {
-        "velocity": (velocity_plan, velocity_lines),
-        "acceleration": (acceleration_plan, acceleration_lines),
+    plan_of, draw, lines_of = {
+        "velocity": (velocities, velocity_plan, velocity_lines),
+        "acceleration": (accelerations, acceleration_plan, acceleration_lines),
     }[which]
     with house_style():
-        figure = sheet()
-        heading(figure, pose.scene, f"{which} plan at {pose.title}")
-        special = velocities(pose).special
-        mechanism_plan(pose, place(figure, 2, 54, 76, HEIGHT - HEADING - 54), special)
-        plan = draw(pose, place(figure, 80, 2, 98, HEIGHT - HEADING - 2))
-        for i, text in enumerate(columns(lines_of(pose, plan), 11)):
-            write(figure, 4 + 26 * i, 52, text, fontsize=6.5, linespacing=1.45)
+        plan, special = plan_of(pose), velocities(pose).special
         under = [f"${subscript(n)}$ on {pose.number(link)}" for n, link in plan.under.items()]
-        notes = [f"links: {links_line(pose)}"] + [f"places under points: {', '.join(under)}"] * bool(under)
+        notes = fill(f"links: {links_line(pose)}", LINE).splitlines()
+        notes += [f"places under points: {', '.join(under)}"] * bool(under)
         if special:
             points = ", ".join(f"${subscript(s.name)}$ on {pose.number(s.link)}" for s in special)
             notes.append(f"special points of Assur: {points}")
+        lines = lines_of(pose, plan)
+        # More values than fit beside the plan stand in a strip of their own under it.
+        few = len(lines) <= 33
+        rows = 11 if few else -(-len(lines) // 6)
+        strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9 + 3.4 * rows)
+        figure = sheet(height=HEIGHT + strip)
+        heading(figure, pose.scene, f"{which} plan at {pose.title}")
+        mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), special)
+        draw(pose, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
+        for i, text in enumerate(columns(lines, rows)):
+            at = (4 + 26 * i, 52 + strip) if few else (4 + 29 * i, strip)
+            write(figure, *at, text, fontsize=6.5, linespacing=1.45)
         write(figure, 4, 4 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
     return figure
 

@@ -213,7 +213,9 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
     assert run("export", "results/jack.h5", "--to", "jack.csv")[0] == 0
     assert run("export", "results/jack.h5", "--variant", "0", "--to", "again.toml")[0] == 0
     assert read_scene("again.toml").elements == read(TEXT).elements
-    for words in (("plot", "jack.toml"), ("animate", "jack.toml"), ("export", "jack.toml", "--to", "a.svg")):
+    code, out = run("plot", "jack.toml")
+    assert (code, out) == (0, "Wrote jack_jack_friction.png\n")
+    for words in (("animate", "jack.toml"), ("export", "jack.toml", "--to", "a.svg")):
         code, out = run(*words)
         assert code == 2
         assert "machine elements alone" in out
@@ -221,9 +223,9 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
     assert "def numbers" in out
 
 
-def test_plot_of_a_sweep_of_elements__is_made_without_a_drawing(result):
+def test_plot_of_a_sweep_of_elements__has_the_best_one_over_its_friction(result):
     from sweeps.pictures.picture_files import result_pictures
 
     made = result_pictures(result.path)
-    assert [path.name for path in made] == ["screw_jack.png"]
-    assert made[0].stat().st_size > 10_000
+    assert [path.name for path in made] == ["screw_jack.png", "screw_jack_best_jack_friction.png"]
+    assert all(path.stat().st_size > 10_000 for path in made)

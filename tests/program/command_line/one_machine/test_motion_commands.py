@@ -13,7 +13,7 @@ from engine import Machine, Scene, Verdict
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run import cost
-from sweeps.run.blocks import largest_block
+from sweeps.run.blocks import MOST_AT_ONCE_IN_MOTION, evaluate_block, most_at_once
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import read_study
 from sweeps.text.scene_text import read_scene
@@ -124,13 +124,20 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
     assert "the first time up to a minute more, to compile" in text
 
 
-def test_variants_saved_together__are_fewer_where_motion_is_asked(folder):
+def test_variants_computed_together__are_fewer_where_motion_is_asked(folder):
     many = '"flywheel.inertia" = {from = "10 kg m2", to = "90 kg m2", count = 40_000}\n\n[outputs]'
     Path("study.toml").write_text(STUDY.replace("[outputs]", many))
     Path("still.toml").write_text(Path("study.toml").read_text().split("summaries")[0] + 'summaries = ["excess_work"]')
     moving, still = (read_study(name) for name in ("study.toml", "still.toml"))
-    assert largest_block(moving, moving.machine()) == 4096
-    assert largest_block(still, still.machine()) > 30_000
+    assert most_at_once(moving, moving.machine()) == MOST_AT_ONCE_IN_MOTION
+    assert most_at_once(still, still.machine()) > 30_000
+    # A longer block is computed in parts.
+    cuts = (34_000, 34_000 + MOST_AT_ONCE_IN_MOTION, 34_005 + MOST_AT_ONCE_IN_MOTION)
+    whole, *parts = (
+        evaluate_block(moving, moving.machine(), slice(cuts[a], cuts[b])) for a, b in ((0, 2), (0, 1), (1, 2))
+    )
+    for name, column in whole.items():
+        np.testing.assert_array_equal(column, np.concatenate([part[name] for part in parts]), name)
 
 
 def test_probe__looks_at_variants_from_all_over_the_study(folder):
