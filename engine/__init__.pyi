@@ -134,7 +134,19 @@ from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import FRAME, RPP, RPR, CrankInput, DimensionMark, Hinged, Near, PlainText, Sliding, Yoke
+from engine.scene.parts import (
+    FRAME,
+    RPP,
+    RPR,
+    CrankInput,
+    DimensionMark,
+    Hinged,
+    Near,
+    PlainText,
+    SecondInput,
+    Sliding,
+    Yoke,
+)
 from engine.scene.parts import Number as PlainNumber
 from engine.scene.parts import Part as ScenePart
 from engine.scene.regimes import Regime, RunRegime, SteadyRegime, run_keys
@@ -234,6 +246,7 @@ __all__ = [
     "SceneError",
     "SceneNumbers",
     "ScenePart",
+    "SecondInput",
     "Sliding",
     "StabilityPoint",
     "StaticRotor",

@@ -229,7 +229,12 @@ def _probes(
     bare = {name: shaft.model_copy(update={"inertia": 0.0}) for name, shaft in scene.shafts.items()}
     kept = {"points": scene.points, "guides": scene.guides, "groups": scene.groups, "balance": scene.balance}
     kept |= {"links": scene.links, "near": scene.near, "cams": scene.cams}
-    kept |= {"racks": scene.racks, "pinions": scene.pinions, "noncircular_wheels": scene.noncircular_wheels}
+    kept |= {
+        "inputs": scene.inputs,
+        "racks": scene.racks,
+        "pinions": scene.pinions,
+        "noncircular_wheels": scene.noncircular_wheels,
+    }
     probes = Scene(input=scene.input).model_copy(update={**kept, "shafts": bare, "bodies": bodies})
     masses = np.eye(len(at))
     return probes, {f"bodies.{name}.mass": masses[i] for i, name in enumerate(bodies)}

@@ -26,10 +26,12 @@ from engine.cycle.measures.angles import ANGLE_ROWS, add_angle
 from engine.cycle.measures.averages import AVERAGES, find_averages
 from engine.cycle.measures.extremes import (
     CANDIDATE,
+    EACH_TURN,
     EXTREME,
     GREATEST,
     LEAST,
     LEAST_MAGNITUDE,
+    PERIOD,
     SEARCH,
     Search,
     find_extreme,
@@ -117,6 +119,8 @@ class Task(NamedTuple):
         1 for curves of which nothing but integrals is asked, else 0.
     longest : ndarray (1,) of float
         Longest panel.
+    periods : ndarray (2,) of float
+        After which length positions are the same again, of extremes of all and of those of EACH_TURN.
     """
 
     sizes: np.ndarray
@@ -143,6 +147,7 @@ class Task(NamedTuple):
     tolerances: np.ndarray
     only_integrals: np.ndarray
     longest: np.ndarray
+    periods: np.ndarray
 
 
 class DriverAnswers(NamedTuple):
@@ -584,6 +589,7 @@ def evaluate_blocks(
             hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
         for k in range(integrated):
             hand_out(two, integrals[k], first, two * k, answers.integrals)
+        fill(1, in_lanes(work.search[PERIOD:]), task.periods[0])
         for k in range(task.fluctuations.shape[0]):
             x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]
             speed, wheel = block[task.fluctuations[k, 2]], block[task.fluctuations[k, 3]]
@@ -595,6 +601,7 @@ def evaluate_blocks(
                     add_speed(record, steps, x, y, speed, wheel, result, first_speed + j, of_one, spare)
         for k in range(task.extremes.shape[0]):
             x, y, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
+            fill(1, in_lanes(work.search[PERIOD:]), task.periods[1 if sides & EACH_TURN else 0])
             for side in range(2):
                 if sides == LEAST_MAGNITUDE:
                     for lane in range(LANES):

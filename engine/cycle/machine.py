@@ -42,7 +42,7 @@ from engine.cycle.events import (
     VALUE_ERROR,
 )
 from engine.cycle.measured import Measured, maximum
-from engine.cycle.measures.extremes import BOTH
+from engine.cycle.measures.extremes import BOTH, EACH_TURN
 from engine.cycle.measures.fluctuation import (
     DELTA,
     DELTA_ERROR,
@@ -113,6 +113,9 @@ class Plan:
         What of each curve may be left beyond its series, as a share of its greatest magnitude.
     longest : float
         Longest panel, no more than π/2 where the input is an angle.
+    period, turn : float
+        After which length of the input all is the same again, and after which its crank is where it was; infinite where
+        the range is no cycle.
     scan : int
         Positions over the range at which switching functions are looked at.
     looks : int
@@ -142,6 +145,8 @@ class Plan:
     arcs: Sequence[tuple[int, int, int]] = ()
     tolerance: float | Sequence[float] = 1e-10
     longest: float = 1.26
+    period: float = math.inf
+    turn: float = math.inf
     scan: int = 36
     looks: int = 1
 
@@ -300,7 +305,7 @@ class CycleMachine:
             *((own["works", k], own["works", k], -1, BOTH) for k in range(len(plan.works))),
             *((row["works", m], curve[i], c, *(side or (BOTH,))) for m, i, c, *side in plan.combinations),
             *((row["runs", r], curve[b], c, BOTH) for r, b, c in plan.compared),
-            *((own["angles", k], own["angles", k], -1, BOTH) for k in range(len(plan.angles))),
+            *((own["angles", k], own["angles", k], -1, BOTH + EACH_TURN) for k in range(len(plan.angles))),
             *((own["speeds", k], own["speeds", k], -1, BOTH) for k in range(len(plan.speeds))),
         ]
         tolerances = np.broadcast_to(np.asarray(plan.tolerance, dtype=float), (plan.curves,)).copy()
@@ -329,6 +334,7 @@ class CycleMachine:
             tolerances,
             np.array([float(c in plan.integrals and c not in kept) for c in range(plan.curves)]),
             np.array([plan.longest]),
+            np.array([plan.period, plan.turn]),
         )
         object.__setattr__(self, "_kept", tuple(kept))
         object.__setattr__(self, "_task", task)

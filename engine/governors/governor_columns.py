@@ -26,6 +26,7 @@ from engine.governors.governor_elements import (
 )
 from engine.governors.governor_results import EPS, KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
 from engine.governors.places import (
+    ARM_NUMBERS,
     CYCLE_LENGTH,
     ENGINE,
     GEOMETRY_NUMBERS,
@@ -40,15 +41,17 @@ _FLAG = {"units": "1", "exact": True}
 _STATICS = (
     ElementResult("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),
     ElementResult("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"),
-    ElementResult("inner_force", "controlling force of one ball at the inner stop", "N"),
-    ElementResult("outer_force", "controlling force of one ball at the outer stop", "N"),
+    ElementResult("inner_force", "controlling force of one ball, with that of its arms, at the inner stop", "N"),
+    ElementResult("outer_force", "controlling force of one ball, with that of its arms, at the outer stop", "N"),
     ElementResult("stable_from", "radius at which the longest stable stretch begins", "m"),
     ElementResult("stable_to", "radius at which the longest stable stretch ends", "m"),
     ElementResult("least_speed", "least speed of the spindle in the stable stretch", "rad s-1"),
     ElementResult("greatest_speed", "greatest speed of the spindle in the stable stretch", "rad s-1"),
     ElementResult("mean_speed", "mean of the least and the greatest speed", "rad s-1"),
     ElementResult("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"),
-    ElementResult("least_stability", "least of (dF/dr)/(F/r) − 1 between the stops; 0 is isochronous", "1"),
+    ElementResult(
+        "least_stability", "least of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous", "1"
+    ),
     ElementResult("least_stability_radius", "radius at which the governor is least stable", "m"),
     ElementResult("isochronous", "the governor is isochronous (1 or 0)", **_FLAG),
     ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"),
@@ -155,10 +158,20 @@ def _going_on(table: Table) -> Table:
 
 def _arguments(governor: AnyGovernor, given: Given) -> tuple:
     """Numbers in their order; 0 where a governor has none."""
-    numbers = (*_masses(governor, given), *_geometry(governor, given), *_engine(governor, given))
+    numbers = _numbers(governor, given)
     if not (is_followed(governor) and governs_machine(governor)):
         return numbers
     return (*numbers, *(given(cycle_key(k)) for k in range(NUMBERS, CYCLE_LENGTH + 1)))
+
+
+def _numbers(governor: AnyGovernor, given: Given) -> tuple:
+    """A governor's own numbers in the order of `engine.governors.places`."""
+    return (
+        *_masses(governor, given),
+        *_geometry(governor, given),
+        *_arms(governor, given),
+        *_engine(governor, given),
+    )
 
 
 def cycle_key(k: int) -> str:
@@ -187,6 +200,19 @@ def _geometry(governor: AnyGovernor, given: Given) -> tuple:
         case _:
             keys = ("lift_ratio",)
     return tuple(given(key) for key in keys) + (0.0,) * (GEOMETRY_NUMBERS - len(keys))
+
+
+def _arms(governor: AnyGovernor, given: Given) -> tuple:
+    match governor:
+        case ProellGovernor():
+            keys = ("upper_arm_mass", "lower_arm_mass", "extension_mass")
+        case ArmGovernor():
+            keys = ("upper_arm_mass", "lower_arm_mass")
+        case HartnellGovernor():
+            keys = ("ball_arm_mass", "sleeve_arm_mass")
+        case _:
+            keys = ()
+    return tuple(given(key) for key in keys) + (0.0,) * (ARM_NUMBERS - len(keys))
 
 
 def _engine(governor: AnyGovernor, given: Given) -> tuple:
@@ -220,8 +246,7 @@ def governor_numbers(governor: AnyGovernor, cycle: np.ndarray | None = None) -> 
     def own(key: str) -> float:
         return float(reduce(getattr, key.split("."), governor))
 
-    numbers = (*_masses(governor, own), *_geometry(governor, own), *_engine(governor, own))
-    return np.concatenate([np.array(numbers, float), [] if cycle is None else cycle])[None]
+    return np.concatenate([np.array(_numbers(governor, own), float), [] if cycle is None else cycle])[None]
 
 
 def equilibria_of(governor: AnyGovernor, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -40,7 +40,7 @@ class GovernorCurves(NamedTuple):
     ----------
     radius, lift, force, speed, sleeve, margin : ndarray (positions,)
         Radius of the balls, lift of the sleeve from the inner stop, controlling force of one ball, speed of the
-        spindle, force at the sleeve that holds the balls, and (dF/dr)/(F/r) − 1. NaN where arms don't reach.
+        spindle, force at the sleeve that holds the balls, and (dω²/dr)/(ω²/r). NaN where arms don't reach.
     between : ndarray (positions,) of bool
         Whether a position lies between the stops.
     stops : tuple of 2 floats

@@ -24,7 +24,7 @@ from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
-from engine.quantities.quantity import STATISTICS, Quantity
+from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field, Summary
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -122,6 +122,10 @@ class Machine:
         told = [path for path in self.varied if path in turning]
         if told:
             raise AskError(f"{told[0]} turns cam {turning[told[0]]!r}, whose cycle must close; vary another number")
+        ratios = {f"inputs.{name}.ratio" for name in scene.inputs} if has_cycle(scene) else set()
+        told = [path for path in self.varied if path in ratios]
+        if told:
+            raise AskError(f"{told[0]}: its turns in a cycle are the same for all variants; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._elements = ElementColumns(scene, self.asked_summaries)

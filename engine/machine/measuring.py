@@ -5,6 +5,7 @@ the plan of the cycle that measures them; its answers are put back in their plac
 """
 
 import dataclasses
+import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import NamedTuple
@@ -19,6 +20,7 @@ from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
+    FULL_TURN,
     Angle,
     Average,
     Evaluation,
@@ -197,6 +199,8 @@ class Measuring:
         self._averages = list(dict.fromkeys(a.curve for a in of[Average]))
         unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._beside)
         unresolved -= self._resolved(of)
+        # An extreme that lasts, as in a cam's dwell, has no place of its own: figures then reach as far as it may be.
+        closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
         self.plan = cycle.Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
@@ -217,6 +221,8 @@ class Measuring:
             averages=[self._place_of(a) for a in self._averages],
             spaced=[self._place_of(s) for s in self._spaced],
             scan=SCANNED + SCANNED_PER_TURN * max(0, getattr(self.mechanics.scene.input, "revolutions", 1) - 2),
+            period=FULL_TURN * self.mechanics.scene.input.revolutions if closes else math.inf,
+            turn=FULL_TURN if closes else math.inf,
             intervals=self._grid[0],
             positions=self._grid[1],
             arcs=[(curve[force.x], curve[force.y], curve[square]) for force, square in self._arcs],

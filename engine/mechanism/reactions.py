@@ -2,7 +2,8 @@
 
 By d'Alembert inertia forces join the forces that act on a link; each group is then in equilibrium under its own loads
 and what later groups leave on it. The last step is the input link: the reaction of its pivot or guide, and the moment
-or force that drives it. Gears carry moments alone unless the pressure angle of their teeth is given.
+or force that drives it; second inputs come in their turn. Gears carry moments alone unless the pressure angle of their
+teeth is given.
 
 Friction in pairs acts back within its own group, and on what comes after it in this order.
 
@@ -71,6 +72,8 @@ class Reactions:
         Of each revolute pair and either of its links, the force on that link in its own axes.
     lost : dict of str to Node
         Work lost in each pair with friction, for each unit of the input's motion.
+    moment_of_drives : Node
+        Moment of the input and of second inputs, reduced to the input.
     settlings : dict of str to Settled
         Of each group with friction what presses in it, and how near it is to jamming.
     """
@@ -98,6 +101,8 @@ class Reactions:
                 self._free_group(kinematics.free[element.name])
             elif element.kind == "cam":
                 self._cam(element.name)
+            elif element.kind == "second input":
+                self._second_input(element.name)
             elif element.kind == "noncircular wheel":
                 self._noncircular_wheel(element.name)
             elif element.kind == "rack":
@@ -107,6 +112,7 @@ class Reactions:
             elif element.kind == "shaft":
                 self._shaft(element.name)
         self._input()
+        self.moment_of_drives = self._moment_of_drives()
         if self.scene.friction:
             self._losses()
         self._power()
@@ -393,6 +399,19 @@ class Reactions:
             self._loads.push(FRAME, link.origin, -needed * link.u)
         self.variables["input_moment_by_equilibrium"] = named(needed, "input_moment_by_equilibrium")
 
+    def _second_input(self, name: str) -> None:
+        """Its own drive, which stands on the frame, balances the moments on a second input."""
+        load = self._loads.total(name)
+        total = load.moment + self._in_pivot(name, load)
+        self._loads.twist(FRAME, total)
+        self.variables[f"{name}.driving_moment"] = named(-total, f"{name}_driving_moment")
+
+    def _moment_of_drives(self) -> Node:
+        """Moment of all drives, reduced to the input: M + Σ M_k dψ_k/dφ."""
+        links, own = self.kinematics.links, self.variables
+        reduced = (own[f"{name}.driving_moment"] * links[name].w for name in self.scene.inputs)
+        return sum(reduced, own["input_moment_by_equilibrium"])
+
     # Friction
 
     def _with_friction(
@@ -484,7 +503,7 @@ class Reactions:
             self.variables[f"{pair}.friction_power"] = self.motion.speed * lost
         total = sum(self.lost.values(), self.graph.zero)
         self.variables["friction_moment"] = named(-(input_sense(self.kinematics) * total), "friction_moment")
-        self.variables["input_moment_with_friction"] = self.variables["input_moment_by_equilibrium"]
+        self.variables["input_moment_with_friction"] = self.moment_of_drives
 
     # The whole
 

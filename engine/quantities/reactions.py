@@ -41,7 +41,11 @@ def declare(mechanics: Mechanics) -> Declared:
     yield _variable(m, "frame.reaction_moment", f"moment about the origin {on_frame}", "N m")
     kept = "input moment that keeps the speed uniform"
     rubbing = ", friction in pairs among them" if m.scene.friction else ""
-    yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link", unit)
+    own = ", without what second inputs give" if m.scene.inputs else ""
+    yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link{own}", unit)
+    for name in m.scene.inputs:
+        words = f"moment of the drive of {name} that keeps it to its law, by equilibrium"
+        yield _variable(m, f"{name}.driving_moment", words, "N m", "M")
     words = f"{kept}, by virtual power of all forces{rubbing} (Zhukovsky's lever)"
     yield _variable(m, "input_moment_by_power", words, unit)
     for field in acting_fields(m.scene):
@@ -136,7 +140,7 @@ def _disagreement(m: Mechanics) -> Expression:
     energy = m.input_moment if m.scene.inertia_in_reactions else -m.moment_of()
     if m.scene.friction:
         energy = energy - found["friction_moment"]
-    ways = (energy, found["input_moment_by_equilibrium"], found["input_moment_by_power"])
+    ways = (energy, m.reactions.moment_of_drives, found["input_moment_by_power"])
     apart = maximum(*(unresolved_peak(one - other) for one, other in combinations(ways, 2)))
     return share(apart, maximum(*(peak(way) for way in ways)))
 

@@ -248,7 +248,7 @@ def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None
     found |= {
         cam.follower.pivot: origin for cam in scene.cams.values() if cam.follower.link == link and not cam.translating
     }
-    for table in (scene.pinions, scene.noncircular_wheels):
+    for table in (scene.inputs, scene.pinions, scene.noncircular_wheels):
         if link in table:
             found[table[link].pivot] = origin
     for name, group in scene.groups.items():

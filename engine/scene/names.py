@@ -77,7 +77,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
         define(links, name, f"links.{name}")
     for name in scene.shafts:
         define(links, name, f"shafts.{name}")
-    for table in ("noncircular_wheels", "racks", "pinions"):
+    for table in ("inputs", "noncircular_wheels", "racks", "pinions"):
         for name in getattr(scene, table):
             define(links, name, f"{table}.{name}")
     for name, cam in scene.cams.items():
@@ -106,6 +106,7 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append(("input.pivot", "point", drive.pivot))
     else:
         refs.append(("input.guide", "guide", drive.guide))
+    refs += [(f"inputs.{name}.pivot", "point", second.pivot) for name, second in scene.inputs.items()]
     for name, group in scene.groups.items():
         for side in ("first", "second"):
             part, path = getattr(group, side), f"groups.{name}.{side}"
@@ -216,6 +217,7 @@ def misplaced(scene: Scene) -> list[Problem]:
         _off_the_frame,
         _wrong_shafts,
         _open_shafts,
+        _wrong_inputs,
         _wrong_cams,
         _wrong_bodies,
         _wrong_moments,
@@ -240,6 +242,7 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
     fixed = {n: s.pivot for n, s in scene.shafts.items() if s.pivot is not None and s.carrier is None}
     pivots += [(f"shafts.{n}.pivot", pivot) for n, pivot in fixed.items()]
+    pivots += [(f"inputs.{n}.pivot", second.pivot) for n, second in scene.inputs.items()]
     pivots += [(f"noncircular_wheels.{n}.pivot", wheel.pivot) for n, wheel in scene.noncircular_wheels.items()]
     pivots += [(f"cams.{n}.follower.pivot", c.follower.pivot) for n, c in scene.cams.items() if not c.translating]
     pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
@@ -306,6 +309,32 @@ def _open_shafts(scene: Scene) -> list[Problem]:
                 "doesn't come back to its place: set input.revolutions to the denominator of its ratio to the crank"
             )
             problems.append((f"shafts.{name}.ratio", message))
+    return problems
+
+
+def _wrong_inputs(scene: Scene) -> list[Problem]:
+    """Second inputs whose law has no angle to follow, or doesn't close, and what counts with one drive alone."""
+    if not scene.inputs:
+        return []
+    drive = scene.input
+    if not isinstance(drive, CrankInput):
+        return [("inputs", "laws of second inputs are of the crank's angle, and this input slides; make it a crank")]
+    problems = []
+    for name, second in scene.inputs.items():
+        if drive.start is None and not _is_whole(second.ratio * drive.revolutions):
+            message = (
+                f"{name!r} makes {second.ratio * drive.revolutions:g} turns in a cycle of {drive.revolutions} of the "
+                "crank, and doesn't come back to its place: set input.revolutions to the denominator of the ratio"
+            )
+            problems.append((f"inputs.{name}.ratio", message))
+    alone = "counts on one drive, and the inputs take what moments they need; leave it or [inputs] out"
+    problems += [(f"{table}.{n}", alone) for table in ("regimes", "couplings") for n in getattr(scene, table)]
+    problems += [(f"moments.{n}", alone) for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))]
+    problems += [("flywheel", alone)] if scene.flywheel is not None else []
+    for name, element in scene.elements.items():
+        excited = getattr(element, "machine_at", None) is not None
+        if excited or isinstance(element, MachineDrive) or governs_machine(element):
+            problems.append((f"elements.{name}", alone))
     return problems
 
 

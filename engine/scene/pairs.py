@@ -15,7 +15,7 @@ OF_GUIDES = ("form", "vee_angle", "length")
 class Pair(NamedTuple):
     """A lower pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`.
 
-    Shafts, non-circular wheels, racks and pinions have one each, of their own name.
+    Shafts, second inputs, non-circular wheels, racks and pinions have one each, of their own name.
 
     A cam's follower is held in `CAM.guide` or `CAM.pivot`.
 
@@ -60,13 +60,14 @@ def bearer_of(scene: Scene, slider: str) -> str:
 
 
 def pairs(scene: Scene) -> list[Pair]:
-    """All pairs of a scene: the input's, those of shafts, and those of groups."""
+    """All pairs of a scene: those of inputs, of shafts, and those of groups."""
     drive = scene.input
     if isinstance(drive, CrankInput):
         found = [_joint(scene, "input", drive.link, drive.pivot)]
     else:
         found = [_on_guide(scene, "input", drive.link, drive.guide)]
     found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
+    found += [_joint(scene, name, name, second.pivot) for name, second in scene.inputs.items()]
     for name in scene.groups:
         found += pairs_of_group(scene, name)
     found += [_joint(scene, name, name, wheel.pivot) for name, wheel in scene.noncircular_wheels.items()]

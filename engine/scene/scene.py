@@ -35,6 +35,7 @@ from engine.scene.parts import (
     Part,
     PlainText,
     Point,
+    SecondInput,
     Shaft,
     SliderInput,
 )
@@ -72,6 +73,7 @@ class Scene(Part):
     points: dict[Name, Point] = {}
     guides: dict[Name, Guide] = {}
     input: Annotated[CrankInput | SliderInput, Field(discriminator="type")] | None
+    inputs: dict[Name, SecondInput] = {}
     groups: dict[Name, Group] = {}
     links: dict[Name, FreeLink] = {}
     near: dict[Name, Near] = {}

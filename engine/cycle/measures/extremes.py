@@ -26,8 +26,9 @@ from engine.cycle.panels.series import TINY, larger, smaller
 # Rows of an extreme: its value, its place, what they may be off by, b − b₀ there.
 VALUE, VALUE_ERROR, AT, AT_ERROR, OTHER = range(5)
 EXTREME = 5
-# What is looked for: both, one of them, or the least magnitude of a curve that keeps the sign of its first value.
-LEAST, GREATEST, LEAST_MAGNITUDE = 1, 2, 4
+# What is looked for: both, one of them, or the least magnitude of a curve that keeps the sign of its first value; of
+# what follows a link, whose place is meant within a turn of the crank, in addition EACH_TURN.
+LEAST, GREATEST, LEAST_MAGNITUDE, EACH_TURN = 1, 2, 4, 8
 BOTH = LEAST + GREATEST
 # Rows of a step's candidates: how far the best may reach, its position, how far the next best may.
 REACH, POSITION, NEXT_REACH = range(3)
@@ -39,7 +40,9 @@ BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(
 # The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
 # top; value, slope and bend at X; a MARK.
 LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND, MARK = range(7, 18)
-SEARCH = 18
+# After which length positions are the same again; infinite where the range is no cycle.
+PERIOD = 18
+SEARCH = 19
 # Of no candidate.
 NONE = -1.0
 
@@ -306,16 +309,20 @@ def compare(record: Record, a: int, b: int, factor: Memory, others: Memory, sear
         bend = larger(-search[TOP_BEND, lane], TINY)
         aside = (2.0 * DEGREE * tail + 8.0 * noise / across) / bend + search[LENGTH, lane] * search[LENGTH, lane]
         place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if abs(x) < 1.0 else 0.0)
-        # Of two that may be the same, either may be the extreme.
+        # Of two that may be the same, either may be the extreme; where the cycle closes, they may be neighbours.
         before, at_before = found[VALUE, lane], found[AT, lane]
         taken = search[STEP, lane] >= 0.0
         higher = taken & (value > before)
         rivals = taken & (abs(value - before) <= value_error + found[VALUE_ERROR, lane])
         kept_error = place_error if higher else found[AT_ERROR, lane]
+        other_error = found[AT_ERROR, lane] if higher else place_error
+        distance, period = abs(place - at_before), search[PERIOD, lane]
+        periods = math.floor(distance / period + 0.5)
+        apart = other_error + (abs(distance - periods * period) if periods > 0.0 else distance)
         found[VALUE, lane] = value if higher else before
         found[VALUE_ERROR, lane] = value_error if higher else found[VALUE_ERROR, lane]
         found[AT, lane] = place if higher else at_before
-        found[AT_ERROR, lane] = larger(kept_error, abs(place - at_before)) if rivals else kept_error
+        found[AT_ERROR, lane] = larger(kept_error, apart) if rivals else kept_error
         found[OTHER, lane] = others[lane] - whole[b, FIRST, lane] if higher else found[OTHER, lane]
 
 

@@ -2,7 +2,9 @@
 
 With two balls of mass m at radius r on a spindle that turns at ω, the centrifugal forces do the work 2 m ω² r dr, and
 whatever holds the balls takes up the potential V: ω² 2 m r r' = V'. Dashes are derivatives by x; see
-`engine.laws.governors.linkages`. The controlling force is that of one ball, F_c = m ω² r.
+`engine.laws.governors.linkages`. The controlling force is that of one ball, F_c = m ω² r. With arms that have mass, of
+inertia J_a about the axis and of weights in V, it is ½ ω² (4 m r r' + J_a') = V', and F_c holds the centrifugal forces
+of the arms too, at the ball's radius.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 18; T. Bevan, The Theory of Machines, chapter 10
 (controlling force, stability, effort); I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on governors.
@@ -52,9 +54,15 @@ def controlling_force(potential_slope: float, radius_rate: float) -> float:
 
 
 @scalar
-def equilibrium_speed(force: float, ball_mass: float, radius: float) -> float:
-    """Speed of the spindle at which the balls keep their radius: √(F_c/(m r)) [rad/s]."""
-    return math.sqrt(force / (ball_mass * radius))
+def whirling_mass(ball_mass: float, radius: float, radius_rate: float, arms_rate: float) -> float:
+    """Mass of one ball whose centrifugal force is that of ball and arms: m + J_a'/(4 r r') [kg]."""
+    return ball_mass + arms_rate / (4.0 * radius * radius_rate)
+
+
+@scalar
+def equilibrium_speed(force: float, mass: float, radius: float) -> float:
+    """Speed of the spindle at which balls of a `whirling_mass` keep their radius: √(F_c/(m r)) [rad/s]."""
+    return math.sqrt(force / (mass * radius))
 
 
 @scalar
@@ -65,11 +73,19 @@ def sleeve_equivalent(potential_slope: float, lift_rate: float) -> float:
 
 @scalar
 def stability_margin(
-    radius: float, radius_rate: float, radius_rate_rate: float, potential_slope: float, potential_curvature: float
+    radius: float,
+    radius_rate: float,
+    radius_rate_rate: float,
+    potential_slope: float,
+    potential_curvature: float,
+    ball_mass: float,
+    arms_rate: float,
+    arms_rate_rate: float,
 ) -> float:
-    """How steep the controlling force is against a ray from the origin: (dF_c/dr)/(F_c/r) − 1.
+    """How steeply the square of the speed in equilibrium rises with the radius: (dω²/dr)/(ω²/r).
 
-    Above 0 the governor is stable, at 0 isochronous: the speed is the same at neighbouring radii.
+    Above 0 the governor is stable, at 0 isochronous: the speed is the same at neighbouring radii. Without mass of arms
+    it is how steep the controlling force is against a ray from the origin, (dF_c/dr)/(F_c/r) − 1.
 
     Parameters
     ----------
@@ -77,12 +93,19 @@ def stability_margin(
         r, r', r''.
     potential_slope, potential_curvature : float
         V', V''.
+    ball_mass, arms_rate, arms_rate_rate : float
+        m [kg], J_a' [kg·m], J_a'' [kg].
 
     Returns
     -------
     float
     """
-    return radius * (potential_curvature / potential_slope - radius_rate_rate / radius_rate) / radius_rate - 1.0
+    of_ball = radius * (potential_curvature / potential_slope - radius_rate_rate / radius_rate) / radius_rate - 1.0
+    # d ln/d ln r of the whirling mass 1 + J_a'/(4 m r r').
+    balls_rate = 4.0 * ball_mass * radius * radius_rate
+    balls_rate_rate = 4.0 * ball_mass * (radius_rate * radius_rate + radius * radius_rate_rate)
+    growth = (arms_rate_rate - arms_rate * balls_rate_rate / balls_rate) / (balls_rate + arms_rate)
+    return of_ball - growth * radius / radius_rate
 
 
 @scalar
@@ -112,7 +135,7 @@ def insensitivity_by_friction(friction: float, force: float) -> float:
 def sleeve_stiffness(force: float, margin: float, radius: float, radius_rate: float, lift_rate: float) -> float:
     """Force at the sleeve for each metre of lift at constant speed: c = E μ r'/(r z') [N/m].
 
-    It is (V'' − ½ ω² J'')/z'² with J = 2 m r² and the ω of equilibrium.
+    It is (V'' − ½ ω² J'')/z'² with J = 2 m r² + J_a and the ω of equilibrium.
 
     Parameters
     ----------

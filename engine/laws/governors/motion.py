@@ -1,7 +1,8 @@
 """Motion of a governor and its engine, by Lagrange's equations in the governor's position x and the engine's angle.
 
-The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², with J = 2 m r² of the balls about the spindle, which turns i
-times as fast as the engine at ω. Dashes are derivatives by x; see `engine.laws.governors.linkages`:
+The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², with J = 2 m r² of the balls, and that of arms with mass, about
+the spindle, which turns i times as fast as the engine at ω. Dashes are derivatives by x; see
+`engine.laws.governors.linkages`:
 
     A ẍ + ½ A' ẋ² = ½ i² ω² J' − V' − z' (b z' ẋ + F sgn ẋ),   (I + i² J) ω̇ + i² J' ẋ ω = M_d − M_c
 """
@@ -46,12 +47,12 @@ def governor_acceleration(driving: float, inertia: float, inertia_rate: float, v
 
 
 @scalar
-def engine_acceleration(moment: float, inertia: float, balls_rate: float, velocity: float, speed: float) -> float:
+def engine_acceleration(moment: float, inertia: float, whirl_rate: float, velocity: float, speed: float) -> float:
     """ω̇ of an engine: (M_d − M_c − i² J' ẋ ω)/(I + i² J) [rad/s²].
 
     Parameters
     ----------
-    moment, inertia, balls_rate : float
+    moment, inertia, whirl_rate : float
         M_d − M_c [N·m], I + i² J [kg·m²], i² J' [kg·m].
     velocity, speed : float
         ẋ [m/s], ω [rad/s].
@@ -60,7 +61,7 @@ def engine_acceleration(moment: float, inertia: float, balls_rate: float, veloci
     -------
     float
     """
-    return (moment - balls_rate * velocity * speed) / inertia
+    return (moment - whirl_rate * velocity * speed) / inertia
 
 
 @scalar

@@ -1,7 +1,7 @@
 """The structure of a mechanism: ordering it into an input link and structural groups, or saying why it can't be.
 
 A mechanism is ordered when every group hangs on points and guides that are known before it; it then has as many
-degrees of freedom as input links, one. Lower pairs only: W = 3n − 2p₁ (Chebyshev), and W = 0 for each group.
+degrees of freedom as input links. Lower pairs only: W = 3n − 2p₁ (Chebyshev), and W = 0 for each group.
 """
 
 from collections.abc import Container
@@ -30,8 +30,8 @@ from engine.scene.structure.meshes import mesh_problems
 class Element(NamedTuple):
     """A step of the ordering.
 
-    Its `kind` is "input", "shaft", "noncircular wheel", "rack", "pinion", "cam", "group", "free group", "point" or
-    "guide".
+    Its `kind` is "input", "second input", "shaft", "noncircular wheel", "rack", "pinion", "cam", "group",
+    "free group", "point" or "guide".
     """
 
     kind: str
@@ -112,6 +112,11 @@ def _ordered(scene: Scene) -> _Ordering:
             ):
                 known_links.add(name)
                 elements.append(Element("shaft", name))
+                grown = True
+        for name, second in scene.inputs.items():
+            if name not in known_links and second.pivot in points:
+                known_links.add(name)
+                elements.append(Element("second input", name))
                 grown = True
         for name, wheel in scene.noncircular_wheels.items():
             if name not in known_links and wheel.geared_to in known_links and wheel.pivot in points:
@@ -233,6 +238,10 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
         if found:
             message = f"a {kind} that nothing drives, or whose axis or guide nothing holds; hang it on what moves"
             problems.append((f"{kind}s.{found[0]}", message))
+    unheld = [name for name in scene.inputs if Element("second input", name) not in elements]
+    if unheld:
+        message = f"{scene.inputs[unheld[0]].pivot!r} hangs on what it would drive; name a point of the frame"
+        problems.append((f"inputs.{unheld[0]}.pivot", message))
     cams = [name for name in scene.cams if Element("cam", name) not in elements]
     if cams:
         message = "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft"
@@ -302,4 +311,4 @@ def _moving_links(scene: Scene) -> tuple[str, ...]:
     in_groups = (link for name in scene.groups for link in group_links(scene, name))
     geared = (*scene.noncircular_wheels, *scene.racks, *scene.pinions)
     followers = (cam.follower.link for cam in scene.cams.values())
-    return (scene.input.link, *pivoted, *in_groups, *scene.links, *geared, *followers)
+    return (scene.input.link, *scene.inputs, *pivoted, *in_groups, *scene.links, *geared, *followers)

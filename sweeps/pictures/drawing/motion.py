@@ -19,6 +19,7 @@ from engine import (
     Pinion,
     Scene,
     SceneNumbers,
+    SecondInput,
     Sliding,
     Verdict,
     has_cycle,
@@ -84,7 +85,7 @@ class DrawnMotion:
         free = [name for name, link in scene.links.items() if link.guide is None]
         free += [cam.follower.link for cam in scene.cams.values() if not cam.translating]
         free += [name for name, shaft in scene.shafts.items() if shaft.carrier is not None]
-        free += [*scene.pinions, *scene.noncircular_wheels]
+        free += [*scene.inputs, *scene.pinions, *scene.noncircular_wheels]
         fields += [f"{n}.angle" for n in free]
         fields += [f"{n}.contact_{axis}" for n in scene.cams for axis in "xy"]
         fields += [f"{n}.pitch_{axis}" for n in scene.noncircular_wheels for axis in "xy"]
@@ -280,9 +281,9 @@ class DrawnMotion:
         return {cam.follower.link: cam for cam in self.scene.cams.values()}
 
     @property
-    def _wheels(self) -> dict[str, Pinion | NoncircularWheel]:
-        """Pinions that racks drive, and non-circular wheels."""
-        return {**self.scene.pinions, **self.scene.noncircular_wheels}
+    def _wheels(self) -> dict[str, SecondInput | Pinion | NoncircularWheel]:
+        """Second inputs, pinions that racks drive, and non-circular wheels."""
+        return {**self.scene.inputs, **self.scene.pinions, **self.scene.noncircular_wheels}
 
     @property
     def hinges(self) -> set[str]:

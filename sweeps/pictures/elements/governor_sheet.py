@@ -51,7 +51,7 @@ def governor_sheet(
         figure = target if isinstance(target, Figure) else new_figure(180, 12 + 80 * rows)
         if curve.radius.size:
             axes = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.15, 1))
-            _characteristic(axes[0, 0], curve, governor.ball_mass)
+            _characteristic(axes[0, 0], curve)
             _speeds(axes[0, 1], curve, governor.friction)
             figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
             if rows > 1:
@@ -66,8 +66,8 @@ def governor_sheet(
     return figure
 
 
-def _characteristic(ax: Axes, curve: GovernorCurves, mass: float) -> None:
-    """Controlling force of one ball, with rays of constant speed and the stops."""
+def _characteristic(ax: Axes, curve: GovernorCurves) -> None:
+    """Controlling force of one ball, with lines of constant speed and the stops."""
     to_radius, radius_unit = engineer_unit("m", curve.radius)
     to_force, force_unit = engineer_unit("N", curve.force[curve.between])
     r, f = to_radius * curve.radius, to_force * curve.force
@@ -78,15 +78,27 @@ def _characteristic(ax: Axes, curve: GovernorCurves, mass: float) -> None:
             ax.plot(r, np.where(chosen & curve.between, f, np.nan), color=colour, linewidth=1.8, label=label)
     inside = curve.speed[curve.between]
     right = to_radius * (curve.stops[1] + 0.3 * (curve.stops[1] - curve.stops[0]))
+    # Arms with mass bend the lines of constant speed: those go as far as arms reach, the others to the axis.
+    mass = curve.force / (curve.radius * curve.speed**2)
+    known = np.isfinite(mass)
+    straight = np.ptp(mass[known]) <= 1e-9 * np.max(mass[known])
+    along = np.array([0, right / to_radius]) if straight else curve.radius[known]
+    whirling = np.full(along.size, np.mean(mass[known])) if straight else mass[known]
     speeds = {float(s) for s in (np.nanmin(inside), np.nanmax(inside)) if np.isfinite(s)}
     for speed, side in zip(sorted(speeds), ("top", "bottom"), strict=False):
-        top = to_force * mass * speed**2 * right / to_radius
-        ax.plot([0, right], [0, top], color=GREY, linewidth=0.7, linestyle=(0, (4, 3)))
-        ax.annotate(f"{RPM * speed:.4g} rpm", (right, top), (2, 0), textcoords="offset points", fontsize=7, va=side)
+        at, pull = to_radius * along, to_force * whirling * speed**2 * along
+        ax.plot(at, pull, color=GREY, linewidth=0.7, linestyle=(0, (4, 3)))
+        ax.annotate(
+            f"{RPM * speed:.4g} rpm", (at[-1], pull[-1]), (2, 0), textcoords="offset points", fontsize=7, va=side
+        )
     for k, stop in enumerate(curve.stops):
         ax.axvline(to_radius * stop, color="black", linewidth=0.9, label=None if k else "stops")
     ax.plot([], [], color=GREY, linewidth=0.7, linestyle=(0, (4, 3)), label="constant speed")
-    ax.set(xlim=(0, 1.22 * right), ylim=(0, None))
+    if straight:
+        ax.set(xlim=(0, 1.22 * right), ylim=(0, None))
+    else:
+        span = to_radius * np.ptp(along)
+        ax.set(xlim=(to_radius * along[0] - 0.1 * span, to_radius * along[-1] + 0.4 * span))
     ax.set(xlabel=f"radius of the balls, {radius_unit}", ylabel=f"controlling force of one ball, {force_unit}")
     ax.set_title("Controlling force")
 

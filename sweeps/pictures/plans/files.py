@@ -111,7 +111,7 @@ def reaction_pictures(
     list of Path
         The files made.
     """
-    higher = scene.cams or scene.noncircular_wheels or scene.racks or scene.pinions
+    higher = scene.inputs or scene.cams or scene.noncircular_wheels or scene.racks or scene.pinions
     higher = higher or any(s.carrier or s.pressure_angle is not None for s in scene.shafts.values())
     known = {pair.name for pair in pairs_of(scene)} if not higher else set()
     asked = {name.rpartition(".reaction")[0] for name in fields} & known

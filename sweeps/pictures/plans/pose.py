@@ -61,11 +61,12 @@ class MachineCycle:
                 "fields, such as 'CAM.contact_force'"
             )
         geared = [n for n, s in scene.shafts.items() if s.carrier is not None or s.pressure_angle is not None]
-        geared += [*scene.noncircular_wheels, *scene.racks, *scene.pinions]
+        geared += [*scene.inputs, *scene.noncircular_wheels, *scene.racks, *scene.pinions]
         if geared:
             raise PictureError(
-                "plans are drawn without planets, racks, non-circular wheels and forces between teeth, and "
-                f"{geared[0]} has them: leave out what asks for plans; forces are fields, such as 'SHAFT.reaction_x'"
+                "plans are drawn without second inputs, planets, racks, non-circular wheels and forces between "
+                f"teeth, and {geared[0]!r} is or has one: leave out what asks for plans; forces are fields, "
+                "such as 'SHAFT.reaction_x'"
             )
         self.scene, self._values = scene, dict(values or {})
         self.motion = DrawnMotion(scene, values)

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from engine import Scene, Verdict, governed_scene, governor_curves, made_ready, scene_numbers, stability_point
 from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.pictures.elements.governor_sheet import governor_sheet
+from sweeps.report.remarks import remarks_on
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import scene_from, write_scene
 from sweeps.text.toml_text import parse_toml
@@ -221,3 +222,7 @@ def test_commands__on_a_governor(tmp_path, monkeypatch):
     plotted = said("plot", "governor.toml", "--out", "sheet.svg")
     assert "sheet_governor_governor.svg" in plotted.output
     assert (tmp_path / "sheet_governor_governor.svg").stat().st_size > 10_000
+
+
+def test_friction_at_the_sleeve__is_a_force_and_no_coefficient():
+    assert remarks_on(Scene.model_validate({"elements": {"it": PORTER | {"friction": 20.0}}})) == []

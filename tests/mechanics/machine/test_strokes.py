@@ -221,3 +221,38 @@ def test_limited_crank__has_the_stroke_of_its_range(start, stop):
     exact = (place(high) - place(low), place(low), place(high), low, high)
     for name, value in zip(names, exact, strict=True):
         within_figures(outcome, name, value, 8 * EPS)
+
+
+@pytest.mark.parametrize(("inside", "turns"), [(False, 1), (True, 1), (False, 2), (True, 3)])
+def test_swing_that_ends_where_the_cycle_does__has_its_ratio(inside, turns):
+    """Rocker at its end where crank and rod are in line: the frame leans so that this is at the crank angle 0."""
+    crank, rod, rocker, frame = 0.1, 0.25, 0.2, 0.3
+
+    def aside(reach):
+        """Angle between the frame and the line from the crank's pivot to the joint of rod and rocker."""
+        return math.acos((reach**2 + frame**2 - rocker**2) / (2 * reach * frame))
+
+    far, near = aside(rod + crank), aside(rod - crank) + math.pi
+    beside = np.array([0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-8, -1e-8, 1e-5, -1e-5])
+    lean = beside - (near if inside else far)
+    dyad = {
+        "type": "RRR",
+        "inner": "B",
+        "first": {"link": "rod", "joint": "A", "length": rod},
+        "second": {"link": "rocker", "joint": "D", "length": rocker},
+        "mode": 1,
+    }
+    points = {"O": {"x": 0.0, "y": 0.0}, "D": {"x": frame, "y": 0.0}}
+    names = ["rocker.swing_time_ratio", "rocker.swing_low_at", "rocker.swing_high_at"]
+    given = scene({"g": dyad}, points, crank)
+    given = given.model_copy(update={"input": given.input.model_copy(update={"revolutions": turns})})
+    machine = Machine(given, names, varied=["points.D.x", "points.D.y"])
+    outcome = machine.evaluate({"points.D.x": frame * np.cos(lean), "points.D.y": frame * np.sin(lean)})
+    assert (outcome.status == Verdict.OK).all()
+    up = (near - far) % TURN
+    slow = max(up, TURN - up)
+    # The angle of the frame is rounded, and with it the place of the end.
+    within_figures(outcome, "rocker.swing_time_ratio", slow / (TURN - slow), 64 * EPS)
+    within_figures(outcome, f"rocker.swing_{'high' if inside else 'low'}_at", beside, 64 * EPS)
+    for name in names:
+        assert (outcome.errors[name] < 1e-7).all(), name

@@ -1,15 +1,37 @@
-"""Governors with many digits, by their geometry in angles and the virtual work of weights and springs."""
+"""Governors with many digits, by their geometry in angles and the virtual work of weights and springs.
+
+A uniform rod counts as three point masses, a sixth of it at each end and the rest in its middle: as a rigid body it has
+the same mass, the same centre and the same inertia, and so do its shadows on any line.
+"""
 
 import mpmath as mp
 
 
 def places(governor, angle):
     """Radius and height of a ball, and height of the sleeve, at an angle of the upper arm or of the bell crank."""
+    ball, pin, _ = skeleton(governor, angle)
+    return ball.real, ball.imag, pin
+
+
+def masses(governor, angle):
+    """Point masses of one side, and their places: radius + i height."""
+    ball, _, rods = skeleton(governor, angle)
+    found = [(mp.mpf(governor["ball_mass"]), ball)]
+    for key, (near, far) in rods.items():
+        mass = mp.mpf(governor.get(key, 0.0))
+        if mass:
+            found += [(mass / 6, near), (2 * mass / 3, (near + far) / 2), (mass / 6, far)]
+    return found
+
+
+def skeleton(governor, angle):
+    """Ball, height of the sleeve, and the ends of arms by the keys of their masses."""
     n = {key: mp.mpf(value) for key, value in governor.items() if isinstance(value, (int, float))}
     if governor["type"] == "hartnell_governor":
-        arm = n["ball_arm"] * mp.expj(mp.pi / 2 - angle)
-        roller = n["sleeve_arm"] * mp.sin(angle)
-        return n["pivot_radius"] + arm.real, arm.imag, roller
+        pivot, ball = mp.mpc(n["pivot_radius"]), n["ball_arm"] * mp.expj(mp.pi / 2 - angle)
+        roller = n["sleeve_arm"] * mp.expj(mp.pi - angle)
+        rods = {"ball_arm_mass": (pivot, pivot + ball), "sleeve_arm_mass": (pivot, pivot + roller)}
+        return pivot + ball, roller.imag, rods
     top = n.get("upper_pivot", mp.mpf(0))
     joint = top - 1j * n["upper_arm"] * mp.expj(angle)
     # The pin on the sleeve is below the joint, a lower arm away.
@@ -21,11 +43,14 @@ def places(governor, angle):
         ball = joint + n["extension"] * (joint - pin) / n["lower_arm"] * mp.expj(turn)
     else:
         ball = top + (joint - top) * n.get("ball_arm", n["upper_arm"]) / n["upper_arm"]
-    return ball.real, ball.imag, pin.imag
+    end = ball if "ball_arm" in n and n["ball_arm"] > n["upper_arm"] else joint
+    rods = {"upper_arm_mass": (top, end), "lower_arm_mass": (joint, pin), "extension_mass": (joint, ball)}
+    return ball, pin.imag, rods
 
 
 def angle_at(governor, radius, guess):
-    return mp.findroot(lambda a: places(governor, a)[0] - radius, guess)
+    # Two beginnings near each other: a secant from farther may end where arms don't reach.
+    return mp.findroot(lambda a: places(governor, a)[0] - radius, (guess, guess + mp.mpf("0.001")))
 
 
 def first_guess(governor):
@@ -54,10 +79,14 @@ class ExactGovernor:
     def potential(self, angle):
         g = self.governor
         gravity = mp.mpf(g.get("gravity", 9.80665))
-        _, height, sleeve = places(g, angle)
-        lift = sleeve - self.zero
+        lift = places(g, angle)[2] - self.zero
         spring = mp.mpf(g.get("preload", 0.0)) * lift + mp.mpf(g.get("stiffness", 0.0)) * lift**2 / 2
-        return (2 * mp.mpf(g["ball_mass"]) * height + mp.mpf(g.get("sleeve_mass", 0.0)) * lift) * gravity + spring
+        sides = 2 * sum(m * at.imag for m, at in masses(g, angle))
+        return (sides + mp.mpf(g.get("sleeve_mass", 0.0)) * lift) * gravity + spring
+
+    def inertia(self, angle):
+        """J of balls and arms about the axis."""
+        return 2 * sum(m * at.real**2 for m, at in masses(self.governor, angle))
 
     def rates(self, angle):
         """Derivatives of V, r and z by the angle."""
@@ -76,29 +105,34 @@ class ExactGovernor:
         return v / z
 
     def speed(self, angle):
-        return mp.sqrt(self.force(angle) / (mp.mpf(self.governor["ball_mass"]) * places(self.governor, angle)[0]))
+        return mp.sqrt(self.speed_squared(angle))
+
+    def speed_squared(self, angle):
+        return 2 * mp.diff(self.potential, angle) / mp.diff(self.inertia, angle)
 
     def margin(self, angle):
-        """(dF/dr) r/F − 1."""
+        """(dω²/dr) r/ω²."""
         radius = places(self.governor, angle)[0]
-        return mp.diff(self.force, angle) / self.rates(angle)[1] * radius / self.force(angle) - 1
+        return mp.diff(self.speed_squared, angle) / self.rates(angle)[1] * radius / self.speed_squared(angle)
 
     def lift(self, angle):
         return places(self.governor, angle)[2] - self.zero
 
     def sleeve_mass(self, angle):
         """Mass at the sleeve of the kinetic energy."""
-        r, h, z = (mp.diff(lambda a, k=k: places(self.governor, a)[k], angle) for k in range(3))
-        return (2 * mp.mpf(self.governor["ball_mass"]) * (r**2 + h**2)) / z**2 + mp.mpf(
-            self.governor.get("sleeve_mass", 0.0)
-        )
+        z, here = self.rates(angle)[2], masses(self.governor, angle)
+        total = mp.mpf(0)
+        for k, (m, _) in enumerate(here):
+            r, h = (mp.diff(lambda a, k=k, of=of: of(masses(self.governor, a)[k][1]), angle) for of in (mp.re, mp.im))
+            total += 2 * m * (r**2 + h**2)
+        return total / z**2 + mp.mpf(self.governor.get("sleeve_mass", 0.0))
 
     def sleeve_stiffness(self, angle):
         """Force at the sleeve for each metre of lift, the speed held."""
-        g, held = self.governor, self.speed(angle) ** 2
+        held = self.speed(angle) ** 2
 
         def left(a):
-            v, r, z = self.rates(a)
-            return (v - 2 * mp.mpf(g["ball_mass"]) * held * places(g, a)[0] * r) / z
+            v, _, z = self.rates(a)
+            return (v - held * mp.diff(self.inertia, a) / 2) / z
 
         return mp.diff(left, angle) / self.rates(angle)[2]

@@ -1,0 +1,198 @@
+"""Second inputs: five-bars by two circles and by Fourier, gears of the same law, powers of both drives, refusals."""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+from driving_cams import changed
+from geared_links import CRANK
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Machine, Scene, SceneError, Verdict
+from engine.machine.results import AskError
+from engine.scene.structure.ordering import order
+
+EPS = np.finfo(float).eps
+BALANCE = ("input_moment_disagreement", "equilibrium_residual")
+HARMONICS = {"one": {"order": 1, "cosine": 0.2, "sine": -0.3}, "three": {"order": 3, "cosine": 0.04, "sine": 0.05}}
+FIVE_BAR = {
+    "gravity": "9.81 m/s2",
+    "points": {
+        "O": {"x": 0, "y": 0},
+        "C": {"x": 0.2, "y": 0.02},
+        "D": {"link": "second", "x": 0.04, "y": 0.01},
+        "H": {"x": 0.05, "y": -0.2},
+    },
+    "input": CRANK,
+    "inputs": {"second": {"pivot": "C", "ratio": -1, "phase": 0.5, "harmonics": HARMONICS}},
+    "groups": {
+        "arms": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "left", "joint": "A", "length": 0.19},
+            "second": {"link": "right", "joint": "D", "length": 0.17},
+        }
+    },
+    "springs": {"s": {"between": ("B", "H"), "stiffness": 100.0}},
+    "bodies": {
+        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "y": 0.01, "inertia": 0.002},
+        "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
+        "second_body": {"link": "second", "mass": 1.5, "x": 0.01, "y": 0.02, "inertia": 0.002},
+    },
+}
+MOTION = [f"{of}{rate}" for of in ("B.x", "B.y", "second.angle") for rate in ("", "_phi", "_phiphi")]
+MOMENTS = ["input_moment_by_equilibrium", "second.driving_moment", "input_moment_by_power", "input_moment"]
+REACTIONS = [f"{pair}.reaction" for pair in ("input", "second", "arms.first", "arms.inner", "arms.second")]
+NODES = 128
+MACHINE = Machine(
+    Scene.model_validate(FIVE_BAR),
+    BALANCE,
+    [*MOTION, *MOMENTS, *REACTIONS],
+    varied=[
+        *("inputs.second.phase", "inputs.second.harmonics.one.cosine", "inputs.second.harmonics.three.sine"),
+        "input.speed",
+    ],
+    positions=NODES,
+)
+
+
+def evaluated(machine: Machine, **values: float) -> dict[str, np.ndarray]:
+    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    assert outcome.status[0] == Verdict.OK
+    # A few roundings of what a handful of links pass on, against the greatest.
+    assert outcome.summaries[BALANCE[0]][0] < 1e-13
+    assert outcome.summaries[BALANCE[1]][0] < 1e-13
+    return {name: outcome.fields[name][0] for name in machine.asked_fields}
+
+
+def varied(phase: float, cosine: float, sine: float, speed: float) -> dict[str, np.ndarray]:
+    return evaluated(MACHINE, **dict(zip(MACHINE.varied, (phase, cosine, sine, speed), strict=True)))
+
+
+def law(phi: float, phase: float, cosine: float, sine: float) -> float:
+    first, third = cosine * math.cos(phi) - 0.3 * math.sin(phi), 0.04 * math.cos(3 * phi) + sine * math.sin(3 * phi)
+    return phase - phi + first + third
+
+
+def by_circles(phi: float, psi: float) -> complex:
+    """Where the circles about both ends meet, to the left of the line from the first to the second."""
+    one, other = 0.05 * cmath.exp(1j * phi), 0.2 + 0.02j + (0.04 + 0.01j) * cmath.exp(1j * psi)
+    line = other - one
+    along = (abs(line) ** 2 + 0.19**2 - 0.17**2) / (2 * abs(line))
+    return one + line / abs(line) * complex(along, math.sqrt(0.19**2 - along**2))
+
+
+def derived(values: np.ndarray, times: int) -> np.ndarray:
+    """Derivatives of a periodic function from its series of Fourier."""
+    k = np.fft.fftfreq(values.size, 1 / values.size)
+    k[values.size // 2] = 0
+    return np.fft.ifft(np.fft.fft(values) * (1j * k) ** times)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(-3.0, 3.0), st.floats(-0.3, 0.3), st.floats(-0.08, 0.08), st.floats(0.5, 300.0))
+def test_five_bar__goes_as_two_circles_say_and_both_drives_give_the_power(phase, cosine, sine, speed):
+    # Rods of 0.19 m and 0.17 m reach the 0.11 m … 0.30 m that cranks of 0.05 m and 0.041 m leave between them.
+    rows = varied(phase, cosine, sine, speed)
+    phi = MACHINE.nodes
+    psi = np.array([law(q, phase, cosine, sine) for q in phi])
+    true = np.array([by_circles(q, p) for q, p in zip(phi, psi, strict=True)])
+    np.testing.assert_allclose(rows["B.x"] + 1j * rows["B.y"], true, atol=100 * EPS)
+    np.testing.assert_allclose(np.exp(1j * rows["second.angle"]), np.exp(1j * psi), atol=100 * EPS)
+    whole = rows["input_moment_by_equilibrium"] + rows["second.driving_moment"] * rows["second.angle_phi"]
+    # Forces in the pairs at arms below 0.1 m make up the moments.
+    size = 0.1 * sum(np.abs(rows[name]) for name in REACTIONS).max()
+    np.testing.assert_allclose(whole, rows["input_moment_by_power"], atol=100 * EPS * size)
+    np.testing.assert_allclose(whole, rows["input_moment"], atol=100 * EPS * size)
+
+
+def test_rates__are_derivatives_of_positions():
+    rows = varied(0.5, 0.2, 0.05, 10.0)
+    # Rounding grows with the square of the highest order, 64; what the series leaves out is below it here.
+    for name in ("B.x", "B.y"):
+        np.testing.assert_allclose(rows[f"{name}_phi"], derived(rows[name], 1).real, atol=1e-10)
+        np.testing.assert_allclose(rows[f"{name}_phiphi"], derived(rows[name], 2).real, atol=1e-8)
+    psi = np.unwrap(rows["second.angle"]) + MACHINE.nodes
+    np.testing.assert_allclose(rows["second.angle_phi"] + 1, derived(psi, 1).real, atol=64 * 16 * EPS)
+    np.testing.assert_allclose(rows["second.angle_phiphi"], derived(psi, 2).real, atol=64**2 * 16 * EPS)
+
+
+def test_power_of_both_drives__changes_the_energy():
+    """M₁ω + M₂ψ̇ = dT/dt + dV/dt, the energy by positions and Fourier alone."""
+    omega, phi = 10.0, MACHINE.nodes
+    rows = varied(0.5, 0.2, 0.05, omega)
+    psi = np.array([law(q, 0.5, 0.2, 0.05) for q in phi])
+    joint = np.array([by_circles(q, p) for q, p in zip(phi, psi, strict=True)])
+    one, other = 0.05 * np.exp(1j * phi), 0.2 + 0.02j + (0.04 + 0.01j) * np.exp(1j * psi)
+    left, right, second = (joint - one) / 0.19, (joint - other) / 0.17, np.exp(1j * psi)
+    parts = [
+        (0.7, 0.002, one + (0.09 + 0.01j) * left, left),
+        (0.8, 0.003, other + 0.08 * right, right),
+        (1.5, 0.002, 0.2 + 0.02j + (0.01 + 0.02j) * second, second),
+    ]
+    energy = 50.0 * np.abs(joint - (0.05 - 0.2j)) ** 2
+    for mass, inertia, centre, direction in parts:
+        v, w = omega * derived(centre, 1), omega * np.abs(derived(direction, 1))
+        energy = energy + 0.5 * mass * np.abs(v) ** 2 + 0.5 * inertia * w**2 + mass * 9.81 * centre.imag
+    own, second_own = rows["input_moment_by_equilibrium"], rows["second.driving_moment"]
+    power = omega * (own + second_own * rows["second.angle_phi"])
+    np.testing.assert_allclose(power, omega * derived(energy, 1).real, atol=1e-8 * np.abs(power).max())
+    assert np.abs(second_own).max() > 0.1 * np.abs(own).max()
+
+
+def test_second_input_of_a_ratio__moves_as_a_geared_shaft_does():
+    second = {"pivot": "C", "ratio": -1, "phase": 0.5}
+    names = [*MOTION, "input_moment_by_power", "second.reaction_x", "arms.inner.reaction"]
+    driven = Machine(Scene.model_validate(changed(FIVE_BAR, inputs={"second": second})), BALANCE, names, positions=24)
+    shafts = {"second": {**second, "geared_to": "crank"}}
+    geared = Machine(Scene.model_validate(changed(FIVE_BAR, inputs={}, shafts=shafts)), BALANCE, names, positions=24)
+    one, other = evaluated(driven), evaluated(geared)
+    for name in names:
+        np.testing.assert_allclose(one[name], other[name], atol=32 * EPS * np.abs(other[name]).max())
+
+
+def test_friction__is_borne_by_both_drives():
+    friction = {
+        "own": {"pair": "second", "coefficient": 0.1, "diameter": 0.02},
+        "inner": {"pair": "arms.inner", "coefficient": 0.15, "diameter": 0.02},
+    }
+    scene = Scene.model_validate(changed(FIVE_BAR, friction=friction))
+    names = ["input_moment_with_friction", "input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi"]
+    machine = Machine(scene, BALANCE, names, positions=24)
+    whole, own, second, rate = evaluated(machine).values()
+    np.testing.assert_allclose(whole, own + second * rate, atol=8 * EPS * (np.abs(own) + np.abs(second * rate)).max())
+
+
+SLIDER = {"type": "slider", "link": "crank", "guide": "way", "point": "A", "start": 0, "stop": 0.05, "speed": 0.1}
+MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 5, "no_load_speed": "900 rpm"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"inputs__second__pivot": "A"}, "inputs.second.pivot: 'A' is not on the frame"),
+        ({"inputs__second__pivot": "B"}, "inputs.second.pivot: 'B'"),
+        ({"inputs__second__ratio": 0.5}, "makes 0.5 turns in a cycle of 1 of the crank"),
+        ({"inputs": {"left": {"pivot": "C", "ratio": 1}}}, "inputs.left: link 'left' is already moved"),
+        ({"input": SLIDER, "guides": {"way": {}}}, "this input slides"),
+        ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: counts on one drive"),
+        ({"moments": {"motor": MOTOR}}, "moments.motor: counts on one drive"),
+        ({"flywheel": {"speed_fluctuation": 0.05}}, "flywheel: counts on one drive"),
+    ],
+)
+def test_wrong_second_inputs__are_refused_in_words(changes, told):
+    with pytest.raises(SceneError) as caught:
+        order(Scene.model_validate(changed(FIVE_BAR, **changes)))
+    assert told in str(caught.value)
+
+
+def test_second_input_that_never_moves__is_refused():
+    with pytest.raises(ValueError, match="never moves: give one of them"):
+        Scene.model_validate(changed(FIVE_BAR, inputs__second__ratio=0, inputs__second__harmonics={}))
+
+
+def test_ratio_of_a_cycle__is_the_same_for_all_variants():
+    with pytest.raises(AskError, match=r"inputs\.second\.ratio: its turns in a cycle"):
+        Machine(Scene.model_validate(FIVE_BAR), varied=["inputs.second.ratio"])
