@@ -128,10 +128,10 @@ def _carried(
     """Go from a state; with the stretch comes what is recorded at the asked angles (3, nodes, variants)."""
     dynamics, part = runs.dynamics, runs.variants.some(who)
     count, cycle, begin = who.size, dynamics.cycle, _place(runs, who, state)
-    doubtful = runs.half and not (method.implicit or runs.classical)
-    if doubtful:
+    doubtful = runs.half and not runs.classical
+    if doubtful and not method.implicit:
         method = method._replace(looked_at=method.looked_at[FEWER])
-    elif runs.half and method.implicit:
+    elif doubtful:
         # A steep motor answers to every change of the energy with one that it has to be followed through.
         tolerance *= COARSER
     form = form_of(dynamics, len(part.drive.kloss))

@@ -195,6 +195,17 @@ def lose_of_energy(wide: int, steps: Memory, state: Memory) -> None:
 
 
 @routine
+def keep_doubts(wide: int, steps: Memory, state: Memory) -> None:
+    """Keep the greatest estimated errors of energy and time of the steps just before, fading, without changing any."""
+    for lane in range(wide):
+        # Steps that aren't taken say nothing.
+        known = (state[OTHER, lane] <= 1.0) & (steps[LENGTH, lane] > 0.0)
+        for greatest, of in ((OF_E, ERROR), (OF_TIME, ERROR_T)):
+            doubt = larger(abs(state[of, lane]), FADING * state[greatest, lane])
+            state[greatest, lane] = doubt if known else state[greatest, lane]
+
+
+@routine
 def lose(wide: int, method: Method, step: Memory, row: int, state: Memory, stages: Memory, total: Memory) -> None:
     """Take the estimated error of an integral over a step from its total.
 
@@ -321,7 +332,8 @@ def go_on_to_end(
 
     `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + channels, variants) receives what is
     found, with least and greatest speed where `extremes` are wanted; `record` (3, nodes, variants) as of `settle`, at
-    `asked` angles turned in the first cycle. Where it is `doubtful`, every step is changed by its estimated error.
+    `asked` angles turned in the first cycle. Where it is `doubtful`, every explicit step is changed by its estimated
+    error; after implicit ones the end is, by what the last steps are estimated to miss.
     """
     drive, exponents = in_lanes(room.drive), in_lanes(room.exponents)
     edges, sides, given = in_lanes(room.edges), in_lanes(room.sides), in_lanes(room.given)
@@ -391,7 +403,9 @@ def go_on_to_end(
             judge_step(wide, method, cycle, state, steps, 0, stages)
             add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
-            if doubtful:
+            if doubtful and method.implicit:
+                keep_doubts(wide, steps, state)
+            elif doubtful:
                 lose_of_energy(wide, steps, state)
             decide(wide, method.implicit, places, row, steps, state, stages)
             for s in range(method.stages):
@@ -404,14 +418,14 @@ def go_on_to_end(
                     stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
             add_weighted(wide, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
-            if doubtful:
+            if doubtful and not method.implicit:
                 lose(wide, method, step, ROW_OF[FROM_MOTORS], state, stages, state[MOTOR])
                 lose(wide, method, step, ROW_OF[SQUARE], state, stages, state[SQUARES])
             if form.channels > 1:
                 for channel in range(form.channels):
                     for lane in range(wide):
                         works[3 * form.channels + channel, lane] = works[channel, lane]
-                own_doubt = 0.0 if doubtful else 1.0
+                own_doubt = 0.0 if doubtful and not method.implicit else 1.0
                 add_cycle_works(
                     wide, own_doubt, method, form, channel_of, exponents, places, 0, step, state, stages, works
                 )
@@ -451,6 +465,11 @@ def go_on_to_end(
                 state[E, lane] = state[E_AFTER, lane] if taken else state[E, lane]
                 state[TIME, lane] = state[T_AFTER, lane] if taken else state[TIME, lane]
             moving = move_on(wide, edges, count, state, steps)
+        if doubtful and method.implicit:
+            # What a motion forgets within the run, no run of longer steps shows; and their last may be as short.
+            for lane in range(own):
+                state[E, lane] += state[OF_E, lane]
+                state[TIME, lane] -= state[OF_TIME, lane]
         for lane in range(own):
             v = first + lane
             found[0, v], found[1, v], found[2, v] = state[WHY, lane], state[CYCLES, lane], state[TURNED, lane]
