@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 LOCAL = re.compile(r"local:([1-9]\d{0,3})")
 # Seconds that a scheduler has to answer.
 PATIENCE = 10
+# Dask has its workers give freed memory back at once; blocks, which need it again, take a third longer by that.
+WITH_MEMORY_KEPT = {"distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None}
 
 
 @contextmanager
@@ -35,6 +37,7 @@ def connected(address: str) -> Iterator["Client"]:
         Dask isn't installed, or there is no scheduler at that address.
     """
     try:
+        import dask
         import distributed
     except ImportError as error:
         message = f"--cluster needs Dask ({error}): pip install 'machine-sweeps[cluster]'"
@@ -50,6 +53,7 @@ def connected(address: str) -> Iterator["Client"]:
         others = filter(None, [os.environ.get("PYTHONWARNINGS")])
         os.environ["PYTHONWARNINGS"] = ",".join([*others, "ignore:resource_tracker:UserWarning"])
         with (
+            dask.config.set(WITH_MEMORY_KEPT),
             distributed.LocalCluster(
                 n_workers=count,
                 threads_per_worker=max(threads() // count, 1),
