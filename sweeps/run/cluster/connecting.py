@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 LOCAL = re.compile(r"local:([1-9]\d{0,3})")
 # Seconds that a scheduler has to answer.
 PATIENCE = 10
-# Dask has its workers give freed memory back at once; blocks, which need it again, take a third longer by that.
+# Dask has its workers give freed memory back at once; blocks, which need it again, take longer by that.
 WITH_MEMORY_KEPT = {"distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None}
 
 

@@ -12,8 +12,7 @@ from drawn_machines import geared_five_bar, sliding_input
 from loaded_machines import asked, loaded
 from machines import chain, places, prp
 from rubbing import with_friction
-from rubbing_machines import RHO, L, Q, R, press, yoke
-from scipy.optimize import brentq
+from rubbing_machines import RHO, L, Q, R, by_friction_circles, press, yoke
 
 from engine import Machine, Scene, SceneError, Verdict
 from engine.laws.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, stribeck
@@ -120,31 +119,6 @@ def test_friction__in_float32_is_that_of_float64():
 
 
 # Slider-crank, by friction circles and friction angle
-
-
-def by_friction_circles(phi: float, f_guide: float) -> tuple[float, float]:
-    """Force in the rod and moment on the crank, φ rising from 0 to π: the slider moves to the left, Q with it.
-
-    The force in the rod is tangent to the circles in A and B; in the guide it leans by the friction angle.
-    """
-    beta = math.asin(R * math.sin(phi) / L)
-    # Rotations: crank +1 against the frame, rod −cos φ, so that the rod turns clockwise from the crank up to there.
-    rod = -R * math.cos(phi) / (L * math.cos(beta))
-    turn_a, turn_b = np.sign(rod - 1.0), np.sign(rod)
-    # Sum of the friction couples on the rod, per newton of its force, over the length of the rod.
-    lean = math.asin((-turn_a * RHO["A"] - turn_b * RHO["B"]) / L)
-
-    def slider(force: float, angle: float) -> float:
-        # On the slider: force of the rod, Q to the left, friction to the right.
-        return force * math.cos(angle) - Q + f_guide * abs(force * math.sin(angle))
-
-    # The rod pushes the slider to the right against Q: along from A to B, which falls by beta, turned by the lean.
-    angle = -beta + lean
-    force = brentq(slider, 0.0, 10 * Q, (angle,), xtol=1e-12)
-    fx, fy = force * math.cos(angle), force * math.sin(angle)
-    # On the crank in A the rod gives −f; the friction couple of the rod on the crank follows the rod's motion.
-    on_crank = -(R * math.cos(phi) * fy - R * math.sin(phi) * fx) + turn_a * RHO["A"] * force
-    return force, -on_crank + RHO["O"] * force
 
 
 @pytest.mark.parametrize("f_guide", [0.0, 0.15])
