@@ -26,7 +26,7 @@ def kill(bench: Bench) -> None:
     bench.ready(job)
     before, _ = bench.done(job), bench.written(job)
     child = bench.begin(*job.arguments)
-    time.sleep(bench.dice.uniform(0, 1.1 * bench.whole[job.name]))
+    time.sleep(bench.dice.uniform(0, 0.9 * bench.whole[job.name]))
     os.kill(child.pid, signal.SIGKILL)
     ended = child.end()
     wrong += _twice(bench, job, before)
@@ -40,7 +40,7 @@ def kill(bench: Bench) -> None:
             wrong.append("a block flagged as done differs")
         if bench.dice.random() < LEFT_ALONE:
             wrong += _gone_on(bench, job)
-            way += ", gone on to the end"
+            way += " and gone on to the end"
     bench.note(f"kill −9: {name}", way, "; ".join(wrong))
 
 

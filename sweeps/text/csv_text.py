@@ -78,7 +78,8 @@ def _is_remark(line: str) -> bool:
 def _header(path: Path, line: int, cells: Sequence[str]) -> tuple[list[str], list[str]]:
     headers = [_HEADER.match(cell) for cell in cells]
     if None in headers:
-        message = f"header{_quoted(path, cells[headers.index(None)])}: write a name and a unit for each column, such as 'force [kN]'"
+        shown = _quoted(path, cells[headers.index(None)])
+        message = f"header{shown}: write a name and a unit for each column, such as 'force [kN]'"
         raise InputError(path.name, [(line, "", message)])
     names = [header["key"] for header in headers]
     if len(set(names)) < len(names):
@@ -96,7 +97,7 @@ def _check_numbers(path: Path, lines: Sequence[int], column: list[str]) -> None:
         sound = False
     if not sound:
         bad = next(i for i, cell in enumerate(column) if not _is_number(cell))
-        message = f"{_quoted(path, column[bad]) or 'a cell'} is not a number; use a decimal point".lstrip()
+        message = f"{_quoted(path, column[bad]).strip() or 'a cell'} is not a number; use a decimal point"
         raise InputError(path.name, [(lines[bad], "", message)])
 
 
