@@ -228,6 +228,8 @@ class Bench:
         if child:
             return Child(child, paths)
         try:
+            # What is started in the background ignores Ctrl-C, and its children with it.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
             os.chdir(self.work)
             os.environ.clear()
             os.environ.update(environment or self.environment)

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 
 _DECISIVE = ("progress/layout", "study_json")
+# Numbers of variants compared together.
+_NUMBERS_AT_ONCE = 1 << 18
 # So many places are named where a file is damaged.
 _SHOWN = 3
 _AGAIN = "Run its study again: what is damaged is computed again, and nothing else."
@@ -154,7 +156,7 @@ class MappedResult:
             self.columns = {name: _mapped(self._pages, file[name]) for name in names}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
             self.fields = [name for name in record["columns"] if name not in self.flat]
-            if not np.array_equal(self.columns["variant"], np.arange(self.variants)):
+            if not self._is_numbered():
                 self.edited.append("variant")
             for axis in axes:
                 values = np.ascontiguousarray(self.columns[axis["name"]], "<f8").tobytes()
@@ -209,6 +211,18 @@ class MappedResult:
         """Give back the memory of what was read; it is read from the file again where it is looked at again."""
         if hasattr(mmap, "MADV_DONTNEED"):
             self._pages.madvise(mmap.MADV_DONTNEED)
+
+    def _is_numbered(self) -> bool:
+        """Whether the axis of variants counts from 0 on; looked at in parts, as all of it may not fit in memory."""
+        numbers = self.columns["variant"]
+        if numbers.shape != (self.variants,):
+            return False
+        for start in range(0, self.variants, _NUMBERS_AT_ONCE):
+            part = numbers[start : start + _NUMBERS_AT_ONCE]
+            if not np.array_equal(part, np.arange(start, start + part.size)):
+                return False
+            self.release()
+        return True
 
     def _agrees(self, kind: str, block: int) -> bool:
         if (kind, block) not in self._known:
