@@ -248,7 +248,9 @@ def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
 
 
 def mapped_columns(path: Path) -> MappedResult:
-    """Map all columns over variants alone, once they agree with their checksums; their verdicts are in memory.
+    """Map all columns over variants alone, once they agree with their checksums.
+
+    Verdicts are in memory where the file is still written: then they stand as they were at the beginning.
 
     Parameters
     ----------
@@ -261,8 +263,10 @@ def mapped_columns(path: Path) -> MappedResult:
         The file cannot be read, or is damaged.
     """
     mapped = MappedResult(path)
-    # A writer hands status over last: what is ok here has its numbers there.
-    status = np.array(mapped.columns["status"])
+    status = mapped.columns["status"]
+    if not mapped.done.all():
+        # A writer hands status over last: what is ok here has its numbers there.
+        status = np.array(status)
     mapped.refuse_damage(("flat",))
     mapped.columns = {name: mapped.columns[name] for name in mapped.flat} | {"status": status}
     return mapped
