@@ -1,6 +1,7 @@
 """Faults done on purpose to runs, result files and the cache of machine code; writes `reliability.md` beside this file.
 
     python results/reliability/campaign.py --minutes 60 --seed 2
+    python results/reliability/campaign.py --minutes 0 --variants 100000000
 
 Each fault falls at a random moment or place, of a seed. A command counts as well when what it leaves behind, and what
 the same command makes of it afterwards, is bit for bit what an undisturbed run gives; whatever a command says, it has
@@ -23,6 +24,7 @@ from pathlib import Path
 from bench import Bench
 from injecting import inject
 from killing import AT_ONCE, interrupt, kill
+from many_variants import most_memory
 from spoiling import damage, damage_search, spoil_cache
 from surroundings import cache_refused, clock_set_back, empty_cache, full_disk, room_again, together
 
@@ -58,7 +60,7 @@ class Tally:
 
     def __init__(self, path: Path, anew: bool) -> None:
         self.path = path
-        empty = {"slices": [], "faults": {}, "wrong": [], "most": {}}
+        empty = {"slices": [], "faults": {}, "wrong": [], "most": {}, "many": []}
         self.data = json.loads(path.read_text()) if path.exists() and not anew else empty
 
     def note(self, fault: str, way: str, wrong: str) -> None:
@@ -69,6 +71,11 @@ class Tally:
             row["wrong"] += 1
             self.data["wrong"] = [*self.data["wrong"], f"{fault}: {' '.join(wrong.split())}"[:600]][-TOLD:]
             print(self.data["wrong"][-1], flush=True)
+
+    def note_memory(self, found: dict[str, float]) -> None:
+        """Put down what a study of so many variants took."""
+        others = [other for other in self.data.get("many", []) if other["variants"] != found["variants"]]
+        self.data["many"] = [*others, found]
 
     def keep(self, line: str, minutes: float, most: Counter) -> None:
         """Write the counts, with those of the slice under way, and the table made of them."""
@@ -95,6 +102,9 @@ def table(data: dict) -> str:
     slices = [f"- `campaign.py {s['line']}`, {s['minutes']:.0f} minutes, at {s['commit']}" for s in data["slices"]]
     most = [f"- {name}: {value:.2f}" for name, value in data["most"].items()]
     wrong = [f"- {text}" for text in data["wrong"]]
+    many = [f"| {m['variants']:.3g} | {m['seconds']} | {m['megabytes']} |" for m in data.get("many", [])]
+    title = "Memory of one summary, from the start of Python to the answer:"
+    head = ["", title, "", "| variants | s | most memory, MB |", "|---|---|---|"]
     return "\n".join(
         [
             "# Faults done on purpose",
@@ -114,6 +124,7 @@ def table(data: dict) -> str:
             "| fault | times | what came of it | wrong |",
             "|---|---|---|---|",
             *rows,
+            *([*head, *many] if many else []),
             *(["", "Signals:", "", *most] if most else []),
             *(["", "What went wrong:", "", *wrong] if wrong else []),
             "",
@@ -126,6 +137,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--variants", type=int, help="Measure the memory of a study of so many first.")
     parser.add_argument("--only", help="One kind of fault alone, by the name of its function.")
     parser.add_argument("--anew", action="store_true", help="Forget the counts of earlier slices.")
     parser.add_argument("--counts", type=Path, default=HERE / "counts.json")
@@ -133,16 +145,24 @@ def main() -> None:
     line = f"--minutes {asked.minutes:g} --seed {asked.seed}" + (f" --only {asked.only}" if asked.only else "")
     kinds = {kind: often for kind, often in TURN.items() if asked.only in (None, kind.__name__)}
     tally, begun = Tally(asked.counts, asked.anew), time.monotonic()
+    if asked.variants:
+        tally.note_memory(most_memory(asked.variants))
+        line += f" --variants {asked.variants}"
+        tally.keep(line, 0.0, Counter())
+    if not asked.minutes:
+        return
     with tempfile.TemporaryDirectory(prefix="reliability-") as folder:
         bench = Bench(Path(folder), asked.seed, tally.note)
         due: Counter = Counter()
         try:
-            while (minutes := (time.monotonic() - begun) / 60) < asked.minutes:
+            minutes = 0.0
+            while minutes < asked.minutes:
                 for kind, often in kinds.items():
                     due[kind] += often
                     while due[kind] >= 1:
                         due[kind] -= 1
                         kind(bench)
+                minutes = (time.monotonic() - begun) / 60
                 tally.keep(line, minutes, bench.most)
         finally:
             bench.close()
