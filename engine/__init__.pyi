@@ -68,10 +68,11 @@ from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
 from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.higher_pairs.cams.driving_cams import DrivingCam
-from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion
+from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
+from engine.higher_pairs.second_inputs import SecondCrank, SecondSlider
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -143,7 +144,6 @@ from engine.scene.parts import (
     Hinged,
     Near,
     PlainText,
-    SecondInput,
     Sliding,
     Yoke,
 )
@@ -237,6 +237,7 @@ __all__ = [
     "QuickCrankRocker",
     "QuickLever",
     "QuickSliderCrank",
+    "Rack",
     "ReducedTrain",
     "Regime",
     "RotatingGuide",
@@ -246,7 +247,8 @@ __all__ = [
     "SceneError",
     "SceneNumbers",
     "ScenePart",
-    "SecondInput",
+    "SecondCrank",
+    "SecondSlider",
     "Sliding",
     "StabilityPoint",
     "StaticRotor",

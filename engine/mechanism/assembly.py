@@ -61,6 +61,12 @@ class GuideLine(NamedTuple):
         """Motion of the carrier's point that lies in a place at the moment."""
         return self.carrier.at(r - self.carrier.origin.r)._replace(r=r)
 
+    def along(self, slide: "Slide") -> MovingPoint:
+        """Motion of what slides on the guide itself."""
+        sliding = slide.v * self.u
+        under = self.under(self.r + slide.d * self.u)
+        return MovingPoint(under.r, under.v + sliding, under.a + self.coriolis(sliding) + slide.a * self.u)
+
     def coriolis(self, sliding: Vector) -> Vector:
         """Coriolis acceleration 2 w k × v of what slides with a velocity relative to the guide."""
         return (self.carrier.w + self.carrier.w) * sliding.normal

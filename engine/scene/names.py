@@ -106,7 +106,10 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append(("input.pivot", "point", drive.pivot))
     else:
         refs.append(("input.guide", "guide", drive.guide))
-    refs += [(f"inputs.{name}.pivot", "point", second.pivot) for name, second in scene.inputs.items()]
+    for name, second in scene.inputs.items():
+        slides = second.type == "slider"
+        held = ("guide", "guide", second.guide) if slides else ("pivot", "point", second.pivot)
+        refs.append((f"inputs.{name}.{held[0]}", *held[1:]))
     for name, group in scene.groups.items():
         for side in ("first", "second"):
             part, path = getattr(group, side), f"groups.{name}.{side}"
@@ -181,6 +184,7 @@ def sliders(scene: Scene) -> tuple[str, ...]:
             found.append(group.first.link)
     found += [name for name, link in scene.links.items() if link.guide is not None]
     found += [cam.follower.link for cam in scene.cams.values() if cam.translating]
+    found += [name for name, second in scene.inputs.items() if second.type == "slider"]
     return (*found, *scene.racks)
 
 
@@ -195,7 +199,7 @@ def guide_of(scene: Scene, link: str) -> str | None:
     for cam in scene.cams.values():
         if cam.follower.link == link:
             return cam.follower.guide if cam.translating else None
-    return getattr({**scene.links, **scene.racks}.get(link), "guide", None)
+    return getattr({**scene.links, **scene.racks, **scene.inputs}.get(link), "guide", None)
 
 
 def joint_owners(scene: Scene) -> dict[str, str]:
@@ -242,7 +246,6 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
     fixed = {n: s.pivot for n, s in scene.shafts.items() if s.pivot is not None and s.carrier is None}
     pivots += [(f"shafts.{n}.pivot", pivot) for n, pivot in fixed.items()]
-    pivots += [(f"inputs.{n}.pivot", second.pivot) for n, second in scene.inputs.items()]
     pivots += [(f"noncircular_wheels.{n}.pivot", wheel.pivot) for n, wheel in scene.noncircular_wheels.items()]
     pivots += [(f"cams.{n}.follower.pivot", c.follower.pivot) for n, c in scene.cams.items() if not c.translating]
     pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
@@ -321,6 +324,12 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
         return [("inputs", "laws of second inputs are of the crank's angle, and this input slides; make it a crank")]
     problems = []
     for name, second in scene.inputs.items():
+        if second.type == "slider":
+            continue
+        carried = {scene.input.pin, *scene.points}
+        if second.pivot not in carried:
+            message = f"{second.pivot!r} is a joint of two links, and the drive stands on one: name a point of that; "
+            problems.append((f"inputs.{name}.pivot", message + did_you_mean(second.pivot, carried)))
         if drive.start is None and not _is_whole(second.ratio * drive.revolutions):
             message = (
                 f"{name!r} makes {second.ratio * drive.revolutions:g} turns in a cycle of {drive.revolutions} of the "
@@ -440,7 +449,8 @@ def _still_links(scene: Scene) -> set[str]:
         for name, link in scene.links.items():
             if link.guide is not None and scene.guides[link.guide].link in still:
                 found.add(name)
-        found |= {name for name, rack in scene.racks.items() if scene.guides[rack.guide].link in still}
+        on_guides = {**scene.racks, **{n: second for n, second in scene.inputs.items() if second.type == "slider"}}
+        found |= {name for name, part in on_guides.items() if scene.guides[part.guide].link in still}
         found |= {cam.follower.link for cam in scene.cams.values() if cam.translating}
         grown, still = found != still, found
     return still

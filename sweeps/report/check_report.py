@@ -56,7 +56,10 @@ def structure_text(scene: Scene) -> str:
     pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
     links, pairs = links + len(scene.inputs), pairs + len(scene.inputs)
     lines = [f"input {scene.input.link} ({scene.input.type})"]
-    lines += [f"second input {name} about {second.pivot}" for name, second in scene.inputs.items()]
+    lines += [
+        f"second input {name} {f'on guide {second.guide}' if second.type == 'slider' else f'about {second.pivot}'}"
+        for name, second in scene.inputs.items()
+    ]
     lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
     lines += [
         f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {', '.join(g.links[:-1])} and {g.links[-1]}"

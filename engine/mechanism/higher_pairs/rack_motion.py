@@ -15,7 +15,7 @@ from typing import NamedTuple
 from engine.graph.nodes import Node
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.racks import pinion_turn, rack_slide
-from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
+from engine.mechanism.assembly import Assembly, Slide, Turning
 from engine.mechanism.vectors import Vector
 from engine.scene.names import guide_of
 from engine.scene.scene import Scene
@@ -78,7 +78,7 @@ def add_rack(assembly: Assembly, name: str) -> None:
         axis.v + radius * (pinion.w - line.carrier.w),
         axis.a + radius * (pinion.e - line.carrier.e),
     )
-    assembly.slider(name, _on_guide(line, slide), line, slide)
+    assembly.slider(name, line.along(slide), line, slide)
 
 
 def add_pinion(assembly: Assembly, name: str) -> None:
@@ -130,10 +130,3 @@ def _axis_along(assembly: Assembly, pivot: str, guide: str) -> Slide:
     if riding is None:
         return Slide(place, zero, zero)
     return assembly.slides[riding]._replace(d=place)
-
-
-def _on_guide(line: GuideLine, slide: Slide) -> MovingPoint:
-    """Motion of a point that slides along a guide."""
-    sliding = slide.v * line.u
-    under = line.under(line.r + slide.d * line.u)
-    return MovingPoint(under.r, under.v + sliding, under.a + line.coriolis(sliding) + slide.a * line.u)

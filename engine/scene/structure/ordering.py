@@ -114,7 +114,8 @@ def _ordered(scene: Scene) -> _Ordering:
                 elements.append(Element("shaft", name))
                 grown = True
         for name, second in scene.inputs.items():
-            if name not in known_links and second.pivot in points:
+            held = second.guide in guides if second.type == "slider" else second.pivot in points
+            if name not in known_links and held:
                 known_links.add(name)
                 elements.append(Element("second input", name))
                 grown = True
@@ -240,8 +241,10 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
             problems.append((f"{kind}s.{found[0]}", message))
     unheld = [name for name in scene.inputs if Element("second input", name) not in elements]
     if unheld:
-        message = f"{scene.inputs[unheld[0]].pivot!r} hangs on what it would drive; name a point of the frame"
-        problems.append((f"inputs.{unheld[0]}.pivot", message))
+        second = scene.inputs[unheld[0]]
+        key, held = ("guide", second.guide) if second.type == "slider" else ("pivot", second.pivot)
+        message = f"{held!r} hangs on what this input would drive, or on nothing that moves; name one known before it"
+        problems.append((f"inputs.{unheld[0]}.{key}", message))
     cams = [name for name in scene.cams if Element("cam", name) not in elements]
     if cams:
         message = "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft"

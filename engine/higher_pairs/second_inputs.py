@@ -1,0 +1,83 @@
+"""Second inputs as a scene describes them: links with drives of their own that keep step with the crank."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.higher_pairs.cams.motion_programs import MotionProgram
+from engine.scene.parts import Angle, Length, Name, Number, Part
+
+# Beyond this a harmonic of a drive's law is vibration.
+_MOST_ORDER = 24
+
+
+class AngleHarmonic(Part):
+    """A harmonic of the angle of a second input over a turn of the crank: `cosine` · cos kφ + `sine` · sin kφ."""
+
+    order: Annotated[int, Field(ge=1, le=_MOST_ORDER)]
+    cosine: Angle = 0.0
+    sine: Angle = 0.0
+
+
+class SlideHarmonic(Part):
+    """A harmonic of the place of a second input that slides: `cosine` · cos kφ + `sine` · sin kφ."""
+
+    order: Annotated[int, Field(ge=1, le=_MOST_ORDER)]
+    cosine: Length = 0.0
+    sine: Length = 0.0
+
+
+class SecondCrank(MotionProgram):
+    """A link with a drive of its own, which turns it about a `pivot` by a law of the crank's angle φ.
+
+    Its angle against the link that the pivot is a point of is `phase` + `ratio`·φ, the sum of `harmonics`, and the
+    swing of `sections` or of a `table`, which begin at the crank angle `begin`. It can carry points, guides and bodies.
+    """
+
+    type: Literal["crank"]
+    pivot: Name
+    ratio: Number = 0.0
+    phase: Angle = 0.0
+    harmonics: dict[Name, AngleHarmonic] = {}
+    begin: Angle = 0.0
+
+    @property
+    def translating(self) -> bool:
+        """Whether it slides."""
+        return False
+
+    @model_validator(mode="after")
+    def _moves(self) -> "SecondCrank":
+        if self.ratio == 0.0 and not (self.harmonics or self.sections or self.table):
+            raise ValueError("this link never moves: give a ratio, harmonics, sections or a table")
+        self._check_no_jumps()
+        return self
+
+
+class SecondSlider(MotionProgram):
+    """A link with a drive of its own, which slides it along a `guide` by a law of the crank's angle φ.
+
+    Its origin lies on the guide, beyond the guide's point by `start`, the sum of `harmonics`, and the lift of
+    `sections` or of a `table`, which begin at the crank angle `begin`. It can carry points, guides and bodies.
+    """
+
+    type: Literal["slider"]
+    guide: Name
+    start: Length = 0.0
+    harmonics: dict[Name, SlideHarmonic] = {}
+    begin: Angle = 0.0
+
+    @property
+    def translating(self) -> bool:
+        """Whether it slides."""
+        return True
+
+    @model_validator(mode="after")
+    def _moves(self) -> "SecondSlider":
+        if not (self.harmonics or self.sections or self.table):
+            raise ValueError("this link never moves: give harmonics, sections or a table")
+        self._check_no_jumps()
+        return self
+
+
+SecondInput = Annotated[SecondCrank | SecondSlider, Field(discriminator="type")]
