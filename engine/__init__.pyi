@@ -133,7 +133,7 @@ from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
 from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
-from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of
+from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of, own_drives
 from engine.scene.pairs import pairs as pairs_of
 from engine.scene.parts import (
     FRAME,
@@ -343,6 +343,7 @@ __all__ = [
     "oscillator_columns",
     "oscillator_history",
     "oscillator_numbers",
+    "own_drives",
     "pairs_of",
     "parse_expression",
     "permissible_unbalance",

@@ -1,4 +1,4 @@
-"""Second inputs as a scene describes them: links with drives of their own that keep step with the crank."""
+"""Second inputs as a scene describes them: links that their own drives, or the crank, move by laws of its angle."""
 
 from typing import Annotated, Literal
 
@@ -27,15 +27,20 @@ class SlideHarmonic(Part):
     sine: Length = 0.0
 
 
+Drive = Literal["own", "crank"]
+
+
 class SecondCrank(MotionProgram):
-    """A link with a drive of its own, which turns it about a `pivot` by a law of the crank's angle φ.
+    """A link that is turned about a `pivot` by a law of the crank's angle φ.
 
     Its angle against the link that the pivot is a point of is `phase` + `ratio`·φ, the sum of `harmonics`, and the
     swing of `sections` or of a `table`, which begin at the crank angle `begin`. It can carry points, guides and bodies.
+    Its `drive` is its own, or the crank's: gears or cams, not described, that stand on the frame and that it drives.
     """
 
     type: Literal["crank"]
     pivot: Name
+    drive: Drive = "own"
     ratio: Number = 0.0
     phase: Angle = 0.0
     harmonics: dict[Name, AngleHarmonic] = {}
@@ -55,14 +60,16 @@ class SecondCrank(MotionProgram):
 
 
 class SecondSlider(MotionProgram):
-    """A link with a drive of its own, which slides it along a `guide` by a law of the crank's angle φ.
+    """A link that is moved along a `guide` by a law of the crank's angle φ.
 
     Its origin lies on the guide, beyond the guide's point by `start`, the sum of `harmonics`, and the lift of
-    `sections` or of a `table`, which begin at the crank angle `begin`. It can carry points, guides and bodies.
+    `sections` or of a `table`, which begin at the crank angle `begin`. It can carry points, guides and bodies. Its
+    `drive` is its own, or the crank's: gears or cams, not described, that stand on the frame and that it drives.
     """
 
     type: Literal["slider"]
     guide: Name
+    drive: Drive = "own"
     start: Length = 0.0
     harmonics: dict[Name, SlideHarmonic] = {}
     begin: Angle = 0.0

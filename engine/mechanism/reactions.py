@@ -406,7 +406,7 @@ class Reactions:
         return friction
 
     def _second_input(self, name: str) -> None:
-        """Its own drive balances a second input, and what carries its pivot or guide bears that drive."""
+        """A drive balances a second input; what carries the pivot or guide bears it, and the crank where it drives."""
         load, link, base = self._loads.total(name), self.kinematics.links[name], drive_base(self.scene, name)
         if name in self.kinematics.slides:
             total = load.force.dot(link.u) + self._in_guide(self._pairs[name], load)
@@ -414,14 +414,22 @@ class Reactions:
         else:
             total = load.moment + self._in_pivot(name, load)
             self._loads.twist(base, total)
+        if self.scene.inputs[name].drive == "crank":
+            passed = total * rate_of_drive(self.kinematics, name)
+            self._loads.twist(self.scene.input.link, passed)
+            self._loads.twist(FRAME, -passed)
         field = driving_field(self.scene, name)
         self.variables[field] = named(-total, field.replace(".", "_"))
 
     def _moment_of_drives(self) -> Node:
-        """Moment of all drives, reduced to the input: M + Σ M_k dψ_k/dφ, of sliding ones Σ F_k ds_k/dφ."""
+        """Moment of all drives, reduced to the input: M + Σ M_k dψ_k/dφ, of sliding ones Σ F_k ds_k/dφ.
+
+        What the crank drives has its share in the crank's own moment.
+        """
         reduced = (
             self.variables[driving_field(self.scene, name)] * rate_of_drive(self.kinematics, name)
-            for name in self.scene.inputs
+            for name, second in self.scene.inputs.items()
+            if second.drive == "own"
         )
         return sum(reduced, self.variables["input_moment_by_equilibrium"])
 

@@ -324,6 +324,7 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
         return [("inputs", "laws of second inputs are of the crank's angle, and this input slides; make it a crank")]
     problems = []
     for name, second in scene.inputs.items():
+        problems += _wrong_train(scene, name)
         if second.type == "slider":
             continue
         carried = {scene.input.pin, *scene.points}
@@ -336,7 +337,11 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
                 "crank, and doesn't come back to its place: set input.revolutions to the denominator of the ratio"
             )
             problems.append((f"inputs.{name}.ratio", message))
-    alone = "counts on one drive, and the inputs take what moments they need; leave it or [inputs] out"
+    own = [name for name, second in scene.inputs.items() if second.drive == "own"]
+    if not own:
+        return problems
+    alone = f"counts on one drive, and {own[0]!r} has its own, which gives what moment its law needs: leave this out, "
+    alone += f"or let gears or cams move it, inputs.{own[0]}.drive = 'crank'"
     problems += [(f"{table}.{n}", alone) for table in ("regimes", "couplings") for n in getattr(scene, table)]
     problems += [(f"moments.{n}", alone) for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))]
     problems += [("flywheel", alone)] if scene.flywheel is not None else []
@@ -345,6 +350,17 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
         if excited or isinstance(element, MachineDrive) or governs_machine(element):
             problems.append((f"elements.{name}", alone))
     return problems
+
+
+def _wrong_train(scene: Scene, name: str) -> list[Problem]:
+    """A second input that the crank would drive across a link that moves."""
+    second = scene.inputs[name]
+    key, parts = ("guide", scene.guides) if second.type == "slider" else ("pivot", scene.points)
+    held = getattr(second, key)
+    if second.drive == "own" or getattr(parts.get(held), "link", None) == FRAME:
+        return []
+    message = f"gears or cams between the crank and {name!r} stand on the frame, and {held!r} is on a moving link; "
+    return [(f"inputs.{name}.drive", f"{message}give it a drive of its own, or name a {key} of the frame")]
 
 
 def _wrong_planet(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:

@@ -65,6 +65,11 @@ def drive_base(scene: Scene, name: str) -> str:
     return scene.guides[second.guide].link if second.type == "slider" else holder_of(scene, second.pivot)
 
 
+def own_drives(scene: Scene) -> list[str]:
+    """Second inputs with drives of their own."""
+    return [name for name, second in scene.inputs.items() if second.drive == "own"]
+
+
 def driving_field(scene: Scene, name: str) -> str:
     """Name of the field of what the drive of a second input gives."""
     return f"{name}.driving_force" if scene.inputs[name].type == "slider" else f"{name}.driving_moment"
