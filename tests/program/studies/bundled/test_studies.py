@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
 from engine.scene.formulas.expressions import parse
@@ -27,6 +28,7 @@ TEMPLATE_NAMES = (
     "rack_doubler",
     "scotch_yoke",
     "slider_crank",
+    "stephenson_far_side",
     "stephenson_six_bar",
     "toggle",
     "triad",
@@ -207,6 +209,29 @@ def test_hybrid_five_bar_template__needs_the_power_of_both_drives():
     assert close(values["required_power"], 150 * np.abs(np.diff(path)).sum() * 120 / 60, relative=1e-4)
     assert np.isclose((own + second * rate).mean() * 4 * math.pi, values["required_power"][0], rtol=1e-4)
     assert np.abs(second).max() > 1.0
+
+
+def test_stephenson_far_side_template__swings_as_its_four_bar_does_between_the_dead_centres_of_crank_and_rod():
+    """There the plate's point F is as far from the crank's bearing as the rod is long, and the crank more or less."""
+    values, _, _ = template("stephenson_far_side")
+    ends = [
+        brentq(lambda at, reach=reach: abs(four_bar(at)[0] + 0.130 - 0.165j) - reach, 0.9, 2.2) for reach in REACHES
+    ]
+    swing = abs(np.angle(four_bar(ends[0])[1] / four_bar(ends[1])[1]))
+    assert close(values["left.swing"], abs(ends[1] - ends[0]), relative=1e-11)
+    assert close(values["right.swing"], swing, relative=1e-11)
+    assert close(values["required_power"], 20 * 2 * swing * 100 / 60, relative=1e-11)
+
+
+REACHES = (0.190 - 0.035, 0.190 + 0.035)
+
+
+def four_bar(at):
+    """Point F of the plate of stephenson_far_side, and the right rocker's direction, by the left rocker's angle."""
+    left, line = 0.090 * np.exp(1j * at), 0.170 - 0.090 * np.exp(1j * at)
+    along = (abs(line) ** 2 + 0.150**2 - 0.120**2) / (2 * abs(line))
+    plate = line / abs(line) * complex(along, math.sqrt(0.150**2 - along**2)) / 0.150
+    return left + complex(0.075, 0.060) * plate, (left + 0.150 * plate - 0.170) / 0.120
 
 
 def test_offset_slider_crank_template__returns_as_fast_as_its_closed_form():
