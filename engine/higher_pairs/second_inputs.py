@@ -1,5 +1,6 @@
 """Second inputs as a scene describes them: links that their own drives, or the crank, move by laws of its angle."""
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -34,8 +35,9 @@ class SecondCrank(MotionProgram):
     """A link that is turned about a `pivot` by a law of the crank's angle φ.
 
     Its angle against the link that the pivot is a point of is `phase` + `ratio`·φ, the sum of `harmonics`, and the
-    swing of `sections` or of a `table`, which begin at the crank angle `begin`. It can carry points, guides and bodies.
-    Its `drive` is its own, or the crank's: gears or cams, not described, that stand on the frame and that it drives.
+    swing of `sections` or of a `table`, which begin at the crank angle `begin`. After sections that don't come back the
+    next turn of the crank goes on from where they end. It can carry points, guides and bodies. Its `drive` is its own,
+    or the crank's: gears or cams, not described, that stand on the frame and that it drives.
     """
 
     type: Literal["crank"]
@@ -51,10 +53,23 @@ class SecondCrank(MotionProgram):
         """Whether it slides."""
         return False
 
+    @property
+    def advance(self) -> float:
+        """How far its sections turn it on in a turn of the crank [rad]."""
+        before = 0.0
+        for section in self.sections.values():
+            before = self._after(section, before)
+        return before
+
     @model_validator(mode="after")
     def _moves(self) -> "SecondCrank":
         if self.ratio == 0.0 and not (self.harmonics or self.sections or self.table):
             raise ValueError("this link never moves: give a ratio, harmonics, sections or a table")
+        if self.advance < 0.0:
+            raise ValueError(
+                f"sections: they go {math.degrees(-self.advance):g} deg further back than out; make a return shorter, "
+                "or leave its swing out, and it goes all the way"
+            )
         self._check_no_jumps()
         return self
 

@@ -331,12 +331,13 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
         if second.pivot not in carried:
             message = f"{second.pivot!r} is a joint of two links, and the drive stands on one: name a point of that; "
             problems.append((f"inputs.{name}.pivot", message + did_you_mean(second.pivot, carried)))
-        if drive.start is None and not _is_whole(second.ratio * drive.revolutions):
+        turns = (second.ratio + second.advance / math.tau) * drive.revolutions
+        if drive.start is None and not _is_whole(turns):
             message = (
-                f"{name!r} makes {second.ratio * drive.revolutions:g} turns in a cycle of {drive.revolutions} of the "
-                "crank, and doesn't come back to its place: set input.revolutions to the denominator of the ratio"
+                f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and doesn't come back "
+                "to its place: set input.revolutions so that its turns are whole"
             )
-            problems.append((f"inputs.{name}.ratio", message))
+            problems.append((f"inputs.{name}.{'sections' if second.advance else 'ratio'}", message))
     own = [name for name, second in scene.inputs.items() if second.drive == "own"]
     if not own:
         return problems

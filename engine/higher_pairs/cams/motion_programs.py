@@ -96,6 +96,11 @@ class MotionProgram(Part):
         """Whether what moves slides."""
         raise NotImplementedError
 
+    @property
+    def advance(self) -> float:
+        """How far what moves gets on in a turn; a follower comes back [m or rad]."""
+        return 0.0
+
     @model_validator(mode="after")
     def _closes(self) -> "MotionProgram":
         if self.sections and self.table is not None:
@@ -130,7 +135,7 @@ class MotionProgram(Part):
             if isinstance(section, ReturnSection) and not left > 0.0:
                 raise ValueError(f"sections.{name}: it is back already; a return comes after a rise")
             left = self._after(section, left)
-        if abs(left) > CLOSING * self._greatest_stroke():
+        if abs(left - self.advance) > CLOSING * self._greatest_stroke():
             raise ValueError(f"the motion ends the turn {left:g} away from where it began; add a return")
 
     def _after(self, section: Section, before: float) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from engine.graph.nodes import Graph, Node, Number
 from engine.higher_pairs.cams.motion_programs import DwellSection, MotionProgram, RiseSection
 from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, section_at, unit_motion
-from engine.laws.tables import in_memory, make_table, table_segment
+from engine.laws.tables import in_memory, make_table, periods_before, table_segment
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers
 
@@ -71,7 +71,7 @@ def turns_of_input(drive: CrankInput, ratio: float) -> range:
 
 
 def sections_of(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
-    """Sections of a program; the angles NaN where they don't make a turn that ends where it begins.
+    """Sections of a program; the angles NaN where they don't make a turn that ends where that of the scene does.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def sections_of(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
         begin, before = begin + angle, before + stroke
         greatest = np.maximum(greatest, before)
         whole = whole & (before >= -MISSED * greatest)
-    whole = whole & (np.abs(before) <= MISSED * greatest)
+    whole = whole & (np.abs(before - program.advance) <= MISSED * greatest)
     return found._replace(angle=[np.where(whole, angle, np.nan) for angle in found.angle])
 
 
@@ -121,6 +121,9 @@ def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Node, tu
     )
     u, rate = (turned - begin) / angle, graph.one / angle
     shape, slope, bend, _ = graph.apply(unit_motion, kind, u, graph.held(u))
+    if program.advance:
+        gone = graph.held(graph.apply(periods_before, 0.0, TURN, turned))
+        before = before + (program.advance / TURN) * gone
     return Displacement(before + stroke * shape, stroke * rate * slope, stroke * (rate * rate) * bend)
 
 

@@ -5,6 +5,8 @@ the frame for what is geared to the crank, and against what carries them for pin
 of structural groups swing or turn as their loops allow: racks on one go with pinions whose angle is known against it.
 """
 
+import math
+
 from engine.scene.masses import places_on
 from engine.scene.names import Problem, did_you_mean, guide_of, sliders, turns_of
 from engine.scene.pairs import drive_base
@@ -153,7 +155,13 @@ def net_turns(scene: Scene, link: str) -> float:
     if link in scene.noncircular_wheels:
         wheel = scene.noncircular_wheels[link]
         return -wheel.driver_lobes / wheel.lobes * net_turns(scene, wheel.geared_to)
-    carrier, own = carrier_of(scene, link), getattr(scene.inputs.get(link), "ratio", 0.0)
+    carrier = carrier_of(scene, link)
     if carrier is not None:
-        return own + net_turns(scene, carrier)
+        return _own_turns(scene, link) + net_turns(scene, carrier)
     return turns_of(scene, link) if root_of(scene, link) == FRAME else 0.0
+
+
+def _own_turns(scene: Scene, link: str) -> float:
+    """Turns of a second input against what carries it, for each turn of the crank; none of what else is carried."""
+    second = scene.inputs.get(link)
+    return second.ratio + second.advance / math.tau if second is not None and second.type == "crank" else 0.0

@@ -231,7 +231,69 @@ def test_bead_pushed_along_a_turning_rod__has_its_closed_form_friction_among_it(
     np.testing.assert_allclose(whole, own + force * slope, atol=32 * EPS * size)
 
 
+INDEX = {
+    "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.2, "y": 0}},
+    "input": CRANK | {"revolutions": 4},
+    "inputs": {
+        "table": {
+            "type": "crank",
+            "drive": "crank",
+            "pivot": "C",
+            "phase": 0.2,
+            "begin": "60 deg",
+            "sections": {
+                "on": {"type": "rise", "law": "cycloidal", "angle": "120 deg", "swing": "90 deg"},
+                "stay": {"type": "dwell"},
+            },
+        }
+    },
+    "bodies": {"plate": {"link": "table", "mass": 3.0, "inertia": 0.05}},
+}
+
+
+def test_index_table__goes_on_by_a_quarter_in_each_turn_and_rests():
+    names = ["table.angle", "table.angle_phi", "reduced_inertia", "table.driving_moment", "input_moment_by_equilibrium"]
+    machine = Machine(Scene.model_validate(INDEX), [*BALANCE, "reduced_inertia.max"], names, positions=4 * NODES)
+    angle, rate, inertia, moment, own = rows_of(machine).values()
+    since = machine.nodes - math.pi / 3
+    gone = np.floor(since / (2 * math.pi))
+    on, slope, bend = cycloidal(since - 2 * math.pi * gone, 2 * math.pi / 3, math.pi / 2)
+    arrived = since - 2 * math.pi * gone > 2 * math.pi / 3
+    law = 0.2 + math.pi / 2 * (gone + arrived) + on
+    np.testing.assert_allclose(np.exp(1j * angle), np.exp(1j * law), atol=64 * EPS)
+    np.testing.assert_allclose(rate, slope, atol=64 * EPS)
+    np.testing.assert_allclose(inertia, 0.05 * slope**2, atol=64 * EPS)
+    np.testing.assert_allclose(moment, 0.05 * bend * (4 * math.pi) ** 2, atol=1e-12)
+    np.testing.assert_allclose(own, moment * slope, atol=1e-12)
+    # Twice the mean velocity in the middle of a cycloidal rise.
+    greatest = machine.evaluate({}).summaries["reduced_inertia.max"][0]
+    assert greatest == pytest.approx(0.05 * (2 * 90 / 120) ** 2, rel=1e-13)
+
+
+def test_peak_accelerations__are_those_of_the_laws():
+    """C_a of the modified sine is 4π²/(π + 4) = 5.5280, of the harmonic law, which jumps beside dwells, π²/2."""
+    sections = {
+        "out": {"type": "rise", "law": "harmonic", "angle": "100 deg", "lift": 0.06},
+        "stay": {"type": "dwell", "angle": "70 deg"},
+        "back": {"type": "return", "law": "modified sine", "angle": "120 deg"},
+        "rest": {"type": "dwell"},
+    }
+    machine = Machine(
+        Scene.model_validate(changed(JOINED, inputs__ram__sections=sections)),
+        [f"ram.acceleration.{end}" for end in ("max", "min")],
+    )
+    greatest, least = (found[0] for found in machine.evaluate({}).summaries.values())
+    omega = 4 * math.pi
+    # The return slows down as fast as it sets out, by less than the harmonic rise.
+    assert greatest == pytest.approx(math.pi**2 / 2 * 0.06 * (omega / math.radians(100)) ** 2, rel=1e-12)
+    assert least == pytest.approx(-greatest, rel=1e-12)
+
+
 # Refusals
+
+
+OUT = {"type": "rise", "law": "cycloidal", "angle": "100 deg", "lift": 0.01}
+TOO_FAR = {"out": TURN, "back": {"type": "return", "law": "cycloidal", "swing": "140 deg"}}
 
 
 @pytest.mark.parametrize(
@@ -243,6 +305,8 @@ def test_bead_pushed_along_a_turning_rod__has_its_closed_form_friction_among_it(
         ({"inputs__ram__table": {"over_angle": [0, 1], "lift": [0, 0.01]}}, "one of the two"),
         ({"inputs__ram__sections": {}}, "never moves: give harmonics, sections or a table"),
         ({"inputs__ram__ratio": 1.0}, "ratio"),
+        ({"inputs__ram__sections": {"out": OUT, "rest": {"type": "dwell"}}}, "ends the turn 0.01 away from where"),
+        ({"inputs": {"arm": {"type": "crank", "pivot": "O", "sections": TOO_FAR}}}, "60 deg further back than out"),
     ],
 )
 def test_wrong_laws__are_refused_in_words(changes, told):
@@ -254,6 +318,10 @@ def test_wrong_laws__are_refused_in_words(changes, told):
     ("changes", "told"),
     [
         ({"inputs__ram__guide": "rail"}, "inputs.ram.guide: 'rail' is not a guide"),
+        (
+            {"inputs__table": INDEX["inputs"]["table"] | {"pivot": "O"}},
+            "inputs.table.sections: 'table' makes 0.25 turns",
+        ),
         ({"guides__way__link": "left"}, "inputs.ram.guide: 'way' hangs on what this input would drive"),
         (
             {"inputs__fore": {"type": "crank", "pivot": "B", "ratio": 1}},
