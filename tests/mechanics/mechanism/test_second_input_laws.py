@@ -336,6 +336,10 @@ def test_misplaced_second_inputs__are_refused_in_words(changes, told):
     assert told in str(caught.value)
 
 
-def test_ratio_of_a_drive_on_a_moving_link__is_the_same_for_all_variants():
+def test_turns_of_a_second_input__are_the_same_for_all_variants():
     with pytest.raises(AskError, match=r"inputs\.fore\.ratio"):
         Machine(Scene.model_validate(TWO_LINKS), varied=["inputs.fore.ratio"])
+    with pytest.raises(AskError, match=r"inputs\.table\.sections\.on\.swing: its turns in a cycle"):
+        Machine(
+            Scene.model_validate(INDEX), varied=["inputs.table.sections.on.angle", "inputs.table.sections.on.swing"]
+        )
