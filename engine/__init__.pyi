@@ -68,10 +68,11 @@ from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
 from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.higher_pairs.cams.driving_cams import DrivingCam
-from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion
+from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
 from engine.higher_pairs.gears.gear_elements import GearTrain
 from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
+from engine.higher_pairs.second_inputs import SecondCrank, SecondSlider
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -132,7 +133,7 @@ from engine.scene.formulas.unknown_names import unknown_name_message
 from engine.scene.inertia import body_mass, centre_along
 from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
-from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of
+from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of, own_drives
 from engine.scene.pairs import pairs as pairs_of
 from engine.scene.parts import (
     FRAME,
@@ -143,7 +144,6 @@ from engine.scene.parts import (
     Hinged,
     Near,
     PlainText,
-    SecondInput,
     Sliding,
     Yoke,
 )
@@ -237,6 +237,7 @@ __all__ = [
     "QuickCrankRocker",
     "QuickLever",
     "QuickSliderCrank",
+    "Rack",
     "ReducedTrain",
     "Regime",
     "RotatingGuide",
@@ -246,7 +247,8 @@ __all__ = [
     "SceneError",
     "SceneNumbers",
     "ScenePart",
-    "SecondInput",
+    "SecondCrank",
+    "SecondSlider",
     "Sliding",
     "StabilityPoint",
     "StaticRotor",
@@ -341,6 +343,7 @@ __all__ = [
     "oscillator_columns",
     "oscillator_history",
     "oscillator_numbers",
+    "own_drives",
     "pairs_of",
     "parse_expression",
     "permissible_unbalance",

@@ -122,8 +122,9 @@ class Machine:
         told = [path for path in self.varied if path in turning]
         if told:
             raise AskError(f"{told[0]} turns cam {turning[told[0]]!r}, whose cycle must close; vary another number")
-        ratios = {f"inputs.{name}.ratio" for name in scene.inputs} if has_cycle(scene) else set()
-        told = [path for path in self.varied if path in ratios]
+        fixed = tuple(f"inputs.{name}.ratio" for name in scene.inputs) if has_cycle(scene) else ()
+        fixed += tuple(f"inputs.{name}.sections." for name, second in scene.inputs.items() if second.advance)
+        told = [path for path in self.varied if path.startswith(fixed) and not path.endswith(".angle")]
         if told:
             raise AskError(f"{told[0]}: its turns in a cycle are the same for all variants; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))

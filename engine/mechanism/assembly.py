@@ -61,6 +61,12 @@ class GuideLine(NamedTuple):
         """Motion of the carrier's point that lies in a place at the moment."""
         return self.carrier.at(r - self.carrier.origin.r)._replace(r=r)
 
+    def along(self, slide: "Slide") -> MovingPoint:
+        """Motion of what slides on the guide itself."""
+        sliding = slide.v * self.u
+        under = self.under(self.r + slide.d * self.u)
+        return MovingPoint(under.r, under.v + sliding, under.a + self.coriolis(sliding) + slide.a * self.u)
+
     def coriolis(self, sliding: Vector) -> Vector:
         """Coriolis acceleration 2 w k × v of what slides with a velocity relative to the guide."""
         return (self.carrier.w + self.carrier.w) * sliding.normal
@@ -93,7 +99,9 @@ class Assembly:
     points, links, guides, slides : dict
         By their names in the scene.
     angles : dict of str to Node
-        Of links that turn evenly or by racks, over all their turns [rad].
+        Of links that turn evenly or in mesh with such, over all their turns [rad].
+    turned : dict of str to Node
+        Of pinions and second inputs, their angles against what carries them, over all turns [rad].
     sines, closures : dict of str to Node
         Of each group the quality of force transmission, and what its loop misses of being closed.
     certificates : dict of str to Node
@@ -113,6 +121,7 @@ class Assembly:
         self.guides: dict[str, GuideLine] = {}
         self.slides: dict[str, Slide] = {}
         self.angles: dict[str, Node] = {FRAME: graph.zero}
+        self.turned: dict[str, Node] = {}
         self.sines: dict[str, Node] = {}
         self.closures: dict[str, Node] = {}
         self.certificates: dict[str, Node] = {}

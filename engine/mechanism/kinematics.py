@@ -5,13 +5,13 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the k
 
 from engine.graph.nodes import Graph
 from engine.laws.elementary import direction_of
-from engine.laws.kinematics.angle_harmonics import angle_harmonic
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.groups.free import FreeMotion, add_free_group
 from engine.mechanism.higher_pairs.cam_motion import CamMotion, add_cam
 from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion, add_noncircular_wheel
 from engine.mechanism.higher_pairs.rack_motion import add_pinion, add_rack
+from engine.mechanism.higher_pairs.second_input_motion import add_second_input
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
@@ -59,7 +59,7 @@ class Kinematics(Assembly):
                 self._guide(name)
         add = {
             "input": self._input,
-            "second input": self._second_input,
+            "second input": lambda name: add_second_input(self, name),
             "shaft": self._shaft,
             "noncircular wheel": self._noncircular_wheel,
             "rack": lambda name: add_rack(self, name),
@@ -122,17 +122,6 @@ class Kinematics(Assembly):
         self.points[drive.point] = point.called(drive.point)
         self.links[name] = Turning(point, guide.u, g.zero, g.zero)
         self.slides[name] = Slide(g.q, g.one, g.zero)
-
-    def _second_input(self, name: str) -> None:
-        second, graph, at = self.scene.inputs[name], self.graph, f"inputs.{name}"
-        w, e = self.number(f"{at}.ratio"), graph.zero
-        angle = w * graph.q + self.number(f"{at}.phase")
-        for key, harmonic in second.harmonics.items():
-            amplitudes = (self.number(f"{at}.harmonics.{key}.{part}") for part in ("cosine", "sine"))
-            added = graph.apply(angle_harmonic, graph.q, float(harmonic.order), *amplitudes)
-            angle, w, e = (one + two for one, two in zip((angle, w, e), added, strict=True))
-        self.link(name, Turning(self.points[second.pivot], Vector(*graph.apply(direction_of, angle)), w, e))
-        self.angles[name] = angle
 
     def _free_group(self, group: FreeGroup) -> None:
         drive = self.scene.input

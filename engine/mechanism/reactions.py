@@ -35,12 +35,13 @@ from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.higher_pairs.cam_forces import cam_forces
 from engine.mechanism.higher_pairs.mesh import mesh_of
 from engine.mechanism.higher_pairs.rack_motion import Toothing, toothing
+from engine.mechanism.higher_pairs.second_input_motion import rate_of_drive
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.scene.inertia import carried_inertia, carried_on
-from engine.scene.pairs import Pair, follower_pair, joint_of, pairs, pairs_of_group
+from engine.scene.pairs import Pair, drive_base, driving_field, follower_pair, joint_of, pairs, pairs_of_group
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
 
@@ -388,29 +389,49 @@ class Reactions:
             needed = -total
             self._loads.twist(FRAME, total)
         else:
-            normal, turning = load.force.cross(link.u), -load.moment
-            self._prismatic(pair, normal, turning, {pair.link})
-            friction = self.graph.zero
-            if "input" in self._rubs:
-                edge = self._rubs["input"].edge
-                friction = self._rubbed(pair, self.graph.apply(guide_pressing, normal, turning, edge), {pair.link})
-                self._kinks(pair, frozenset())
-            needed = -(load.force.dot(link.u) + friction)
-            self._loads.push(FRAME, link.origin, -needed * link.u)
+            total = load.force.dot(link.u) + self._in_guide(pair, load)
+            needed = -total
+            self._loads.push(FRAME, link.origin, total * link.u)
         self.variables["input_moment_by_equilibrium"] = named(needed, "input_moment_by_equilibrium")
 
+    def _in_guide(self, pair: Pair, load: Wrench) -> Node:
+        """Register the reaction of the guide of an input; the force of its friction along it."""
+        normal, turning = load.force.cross(self.kinematics.links[pair.link].u), -load.moment
+        self._prismatic(pair, normal, turning, {pair.link})
+        if pair.name not in self._rubs:
+            return self.graph.zero
+        edge = self._rubs[pair.name].edge
+        friction = self._rubbed(pair, self.graph.apply(guide_pressing, normal, turning, edge), {pair.link})
+        self._kinks(pair, frozenset())
+        return friction
+
     def _second_input(self, name: str) -> None:
-        """Its own drive, which stands on the frame, balances the moments on a second input."""
-        load = self._loads.total(name)
-        total = load.moment + self._in_pivot(name, load)
-        self._loads.twist(FRAME, total)
-        self.variables[f"{name}.driving_moment"] = named(-total, f"{name}_driving_moment")
+        """A drive balances a second input; what carries the pivot or guide bears it, and the crank where it drives."""
+        load, link, base = self._loads.total(name), self.kinematics.links[name], drive_base(self.scene, name)
+        if name in self.kinematics.slides:
+            total = load.force.dot(link.u) + self._in_guide(self._pairs[name], load)
+            self._loads.push(base, link.origin, total * link.u)
+        else:
+            total = load.moment + self._in_pivot(name, load)
+            self._loads.twist(base, total)
+        if self.scene.inputs[name].drive == "crank":
+            passed = total * rate_of_drive(self.kinematics, name)
+            self._loads.twist(self.scene.input.link, passed)
+            self._loads.twist(FRAME, -passed)
+        field = driving_field(self.scene, name)
+        self.variables[field] = named(-total, field.replace(".", "_"))
 
     def _moment_of_drives(self) -> Node:
-        """Moment of all drives, reduced to the input: M + Σ M_k dψ_k/dφ."""
-        links, own = self.kinematics.links, self.variables
-        reduced = (own[f"{name}.driving_moment"] * links[name].w for name in self.scene.inputs)
-        return sum(reduced, own["input_moment_by_equilibrium"])
+        """Moment of all drives, reduced to the input: M + Σ M_k dψ_k/dφ, of sliding ones Σ F_k ds_k/dφ.
+
+        What the crank drives has its share in the crank's own moment.
+        """
+        reduced = (
+            self.variables[driving_field(self.scene, name)] * rate_of_drive(self.kinematics, name)
+            for name, second in self.scene.inputs.items()
+            if second.drive == "own"
+        )
+        return sum(reduced, self.variables["input_moment_by_equilibrium"])
 
     # Friction
 

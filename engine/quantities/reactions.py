@@ -21,7 +21,7 @@ from engine.quantities.expressions import (
 from engine.quantities.quantity import Quantity
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.actions import Brake, DCMotor, InductionMotor
-from engine.scene.pairs import Pair, pairs
+from engine.scene.pairs import Pair, driving_field, own_drives, pairs
 from engine.scene.scene import Scene
 
 
@@ -41,11 +41,12 @@ def declare(mechanics: Mechanics) -> Declared:
     yield _variable(m, "frame.reaction_moment", f"moment about the origin {on_frame}", "N m")
     kept = "input moment that keeps the speed uniform"
     rubbing = ", friction in pairs among them" if m.scene.friction else ""
-    own = ", without what second inputs give" if m.scene.inputs else ""
+    own = ", without what drives of second inputs give" if own_drives(m.scene) else ""
     yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link{own}", unit)
     for name in m.scene.inputs:
-        words = f"moment of the drive of {name} that keeps it to its law, by equilibrium"
-        yield _variable(m, f"{name}.driving_moment", words, "N m", "M")
+        slides = name in m.kinematics.slides
+        words = f"{'force' if slides else 'moment'} on {name} that keeps it to its law, by equilibrium"
+        yield _variable(m, driving_field(m.scene, name), words, "N" if slides else "N m", "F" if slides else "M")
     words = f"{kept}, by virtual power of all forces{rubbing} (Zhukovsky's lever)"
     yield _variable(m, "input_moment_by_power", words, unit)
     for field in acting_fields(m.scene):

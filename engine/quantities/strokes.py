@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from engine.cycle.measured import Measured
+from engine.mechanism.higher_pairs.rack_motion import angle_of_link
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     FULL_TURN,
@@ -18,7 +19,8 @@ from engine.quantities.expressions import (
     StrokeEnd,
 )
 from engine.quantities.register import Declared, InputUnits, Summary
-from engine.scene.structure.meshes import net_turns
+from engine.scene.parts import FRAME
+from engine.scene.structure.meshes import net_turns, root_of
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -40,8 +42,9 @@ def swinging_links(mechanics: Mechanics) -> list[str]:
 def _swing_end(mechanics: Mechanics, name: str, which: str) -> Expression:
     """End of the swing of a link, or the position there; undefined for a link that turns all the way round."""
     link = mechanics.kinematics.links[name]
-    if name in mechanics.scene.pinions and net_turns(mechanics.scene, name) == 0.0:
-        return StrokeEnd(mechanics.kinematics.angles[name], link.w, which)
+    scene = mechanics.scene
+    if name in {*scene.pinions, *scene.inputs} and root_of(scene, name) == FRAME and net_turns(scene, name) == 0.0:
+        return StrokeEnd(angle_of_link(mechanics.kinematics, name), link.w, which)
     angle, sense = Angle(link.u), "least" if which.startswith("low") else "greatest"
     found = ExtremePosition(angle, sense) if which.endswith("_at") else Extreme(angle, sense)
     return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found

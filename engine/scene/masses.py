@@ -249,7 +249,7 @@ def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None
         cam.follower.pivot: origin for cam in scene.cams.values() if cam.follower.link == link and not cam.translating
     }
     for table in (scene.inputs, scene.pinions, scene.noncircular_wheels):
-        if link in table:
+        if hasattr(table.get(link), "pivot"):
             found[table[link].pivot] = origin
     for name, group in scene.groups.items():
         for side in ("first", "second"):

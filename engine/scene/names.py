@@ -106,7 +106,10 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append(("input.pivot", "point", drive.pivot))
     else:
         refs.append(("input.guide", "guide", drive.guide))
-    refs += [(f"inputs.{name}.pivot", "point", second.pivot) for name, second in scene.inputs.items()]
+    for name, second in scene.inputs.items():
+        slides = second.type == "slider"
+        held = ("guide", "guide", second.guide) if slides else ("pivot", "point", second.pivot)
+        refs.append((f"inputs.{name}.{held[0]}", *held[1:]))
     for name, group in scene.groups.items():
         for side in ("first", "second"):
             part, path = getattr(group, side), f"groups.{name}.{side}"
@@ -181,6 +184,7 @@ def sliders(scene: Scene) -> tuple[str, ...]:
             found.append(group.first.link)
     found += [name for name, link in scene.links.items() if link.guide is not None]
     found += [cam.follower.link for cam in scene.cams.values() if cam.translating]
+    found += [name for name, second in scene.inputs.items() if second.type == "slider"]
     return (*found, *scene.racks)
 
 
@@ -195,7 +199,7 @@ def guide_of(scene: Scene, link: str) -> str | None:
     for cam in scene.cams.values():
         if cam.follower.link == link:
             return cam.follower.guide if cam.translating else None
-    return getattr({**scene.links, **scene.racks}.get(link), "guide", None)
+    return getattr({**scene.links, **scene.racks, **scene.inputs}.get(link), "guide", None)
 
 
 def joint_owners(scene: Scene) -> dict[str, str]:
@@ -242,7 +246,6 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
     pivots = [("input.pivot", scene.input.pivot)] if isinstance(scene.input, CrankInput) else []
     fixed = {n: s.pivot for n, s in scene.shafts.items() if s.pivot is not None and s.carrier is None}
     pivots += [(f"shafts.{n}.pivot", pivot) for n, pivot in fixed.items()]
-    pivots += [(f"inputs.{n}.pivot", second.pivot) for n, second in scene.inputs.items()]
     pivots += [(f"noncircular_wheels.{n}.pivot", wheel.pivot) for n, wheel in scene.noncircular_wheels.items()]
     pivots += [(f"cams.{n}.follower.pivot", c.follower.pivot) for n, c in scene.cams.items() if not c.translating]
     pivots += [("balance.about", scene.balance.about)] if scene.balance is not None else []
@@ -321,13 +324,25 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
         return [("inputs", "laws of second inputs are of the crank's angle, and this input slides; make it a crank")]
     problems = []
     for name, second in scene.inputs.items():
-        if drive.start is None and not _is_whole(second.ratio * drive.revolutions):
+        problems += _wrong_train(scene, name)
+        if second.type == "slider":
+            continue
+        carried = {scene.input.pin, *scene.points}
+        if second.pivot not in carried:
+            message = f"{second.pivot!r} is a joint of two links, and the drive stands on one: name a point of that; "
+            problems.append((f"inputs.{name}.pivot", message + did_you_mean(second.pivot, carried)))
+        turns = (second.ratio + second.advance / math.tau) * drive.revolutions
+        if drive.start is None and not _is_whole(turns):
             message = (
-                f"{name!r} makes {second.ratio * drive.revolutions:g} turns in a cycle of {drive.revolutions} of the "
-                "crank, and doesn't come back to its place: set input.revolutions to the denominator of the ratio"
+                f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and doesn't come back "
+                "to its place: set input.revolutions so that its turns are whole"
             )
-            problems.append((f"inputs.{name}.ratio", message))
-    alone = "counts on one drive, and the inputs take what moments they need; leave it or [inputs] out"
+            problems.append((f"inputs.{name}.{'sections' if second.advance else 'ratio'}", message))
+    own = [name for name, second in scene.inputs.items() if second.drive == "own"]
+    if not own:
+        return problems
+    alone = f"counts on one drive, and {own[0]!r} has its own, which gives what moment its law needs: leave this out, "
+    alone += f"or let gears or cams move it, inputs.{own[0]}.drive = 'crank'"
     problems += [(f"{table}.{n}", alone) for table in ("regimes", "couplings") for n in getattr(scene, table)]
     problems += [(f"moments.{n}", alone) for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))]
     problems += [("flywheel", alone)] if scene.flywheel is not None else []
@@ -336,6 +351,17 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
         if excited or isinstance(element, MachineDrive) or governs_machine(element):
             problems.append((f"elements.{name}", alone))
     return problems
+
+
+def _wrong_train(scene: Scene, name: str) -> list[Problem]:
+    """A second input that the crank would drive across a link that moves."""
+    second = scene.inputs[name]
+    key, parts = ("guide", scene.guides) if second.type == "slider" else ("pivot", scene.points)
+    held = getattr(second, key)
+    if second.drive == "own" or getattr(parts.get(held), "link", None) == FRAME:
+        return []
+    message = f"gears or cams between the crank and {name!r} stand on the frame, and {held!r} is on a moving link; "
+    return [(f"inputs.{name}.drive", f"{message}give it a drive of its own, or name a {key} of the frame")]
 
 
 def _wrong_planet(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
@@ -440,7 +466,8 @@ def _still_links(scene: Scene) -> set[str]:
         for name, link in scene.links.items():
             if link.guide is not None and scene.guides[link.guide].link in still:
                 found.add(name)
-        found |= {name for name, rack in scene.racks.items() if scene.guides[rack.guide].link in still}
+        on_guides = {**scene.racks, **{n: second for n, second in scene.inputs.items() if second.type == "slider"}}
+        found |= {name for name, part in on_guides.items() if scene.guides[part.guide].link in still}
         found |= {cam.follower.link for cam in scene.cams.values() if cam.translating}
         grown, still = found != still, found
     return still

@@ -50,13 +50,29 @@ def holder_of(scene: Scene, point: str) -> str:
 
 def bearer_of(scene: Scene, slider: str) -> str:
     """Link that carries the guide or slot of a slider."""
-    if slider in scene.links or slider in scene.racks:
+    if slider in {**scene.links, **scene.racks, **scene.inputs}:
         return scene.guides[guide_of(scene, slider)].link
     for group in scene.groups.values():
         for part in (group.first, group.second):
             if part.link == slider:
                 return scene.guides[part.guide].link if isinstance(part, (Sliding, Yoke)) else group.second.link
     return FRAME
+
+
+def drive_base(scene: Scene, name: str) -> str:
+    """Link that the drive of a second input stands on: that which carries its pivot or guide."""
+    second = scene.inputs[name]
+    return scene.guides[second.guide].link if second.type == "slider" else holder_of(scene, second.pivot)
+
+
+def own_drives(scene: Scene) -> list[str]:
+    """Second inputs with drives of their own."""
+    return [name for name, second in scene.inputs.items() if second.drive == "own"]
+
+
+def driving_field(scene: Scene, name: str) -> str:
+    """Name of the field of what the drive of a second input gives."""
+    return f"{name}.driving_force" if scene.inputs[name].type == "slider" else f"{name}.driving_moment"
 
 
 def pairs(scene: Scene) -> list[Pair]:
@@ -67,7 +83,12 @@ def pairs(scene: Scene) -> list[Pair]:
     else:
         found = [_on_guide(scene, "input", drive.link, drive.guide)]
     found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
-    found += [_joint(scene, name, name, second.pivot) for name, second in scene.inputs.items()]
+    found += [
+        _on_guide(scene, name, name, second.guide)
+        if second.type == "slider"
+        else _joint(scene, name, name, second.pivot)
+        for name, second in scene.inputs.items()
+    ]
     for name in scene.groups:
         found += pairs_of_group(scene, name)
     found += [_joint(scene, name, name, wheel.pivot) for name, wheel in scene.noncircular_wheels.items()]

@@ -493,36 +493,6 @@ class Shaft(Part):
         return ratio
 
 
-# Beyond this a harmonic of a drive's law is vibration.
-_MOST_ORDER = 24
-
-
-class AngleHarmonic(Part):
-    """A harmonic of the angle of a second input over a turn of the crank: `cosine` · cos kφ + `sine` · sin kφ."""
-
-    order: Annotated[int, Field(ge=1, le=_MOST_ORDER)]
-    cosine: Angle = 0.0
-    sine: Angle = 0.0
-
-
-class SecondInput(Part):
-    """A link with a drive of its own, which turns it about a `pivot` of the frame by a law of the crank's angle φ.
-
-    Its angle is `phase` + `ratio`·φ and the sum of `harmonics`. It can carry points, guides and bodies.
-    """
-
-    pivot: Name
-    ratio: Number
-    phase: Angle = 0.0
-    harmonics: dict[Name, AngleHarmonic] = {}
-
-    @model_validator(mode="after")
-    def _moves(self) -> "SecondInput":
-        if self.ratio == 0.0 and not self.harmonics:
-            raise ValueError("a link with the ratio 0 and no harmonics never moves: give one of them")
-        return self
-
-
 class WheelForm(Part):
     """What the flywheel is to be made as.
 

@@ -12,6 +12,7 @@ from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.higher_pairs.cams.driving_cams import DrivingCam
 from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
+from engine.higher_pairs.second_inputs import SecondInput
 from engine.motion.coupled.coupling_models import Coupling
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
@@ -35,7 +36,6 @@ from engine.scene.parts import (
     Part,
     PlainText,
     Point,
-    SecondInput,
     Shaft,
     SliderInput,
 )

@@ -19,6 +19,7 @@ from engine import (
     group_links,
     made_ready,
     order_groups,
+    own_drives,
     regime_text,
 )
 from sweeps.report import accuracy_words
@@ -51,12 +52,13 @@ def structure_text(scene: Scene) -> str:
     free = order_groups(scene).free_groups.values()
     planets = [(name, shaft) for name, shaft in scene.shafts.items() if shaft.carrier is not None]
     touching = len(scene.cams) + len(planets) + len(scene.racks) + len(scene.pinions)
-    touching += len(scene.noncircular_wheels)
+    touching += len(scene.noncircular_wheels) + sum(second.drive == "crank" for second in scene.inputs.values())
     links = 1 + 2 * len(scene.groups) + sum(len(group.links) for group in free) + touching
     pairs = 1 + 3 * len(scene.groups) + sum(len(group.pairs) for group in free) + touching
-    links, pairs = links + len(scene.inputs), pairs + len(scene.inputs)
+    own = own_drives(scene)
+    links, pairs = links + len(own), pairs + len(own)
     lines = [f"input {scene.input.link} ({scene.input.type})"]
-    lines += [f"second input {name} about {second.pivot}" for name, second in scene.inputs.items()]
+    lines += [_second_input_text(scene, name) for name in scene.inputs]
     lines += [f"group {name}: {g.type} of {' and '.join(group_links(scene, name))}" for name, g in scene.groups.items()]
     lines += [
         f"group {g.name}: class {ROMAN[g.group_class]}, order {g.order}, of {', '.join(g.links[:-1])} and {g.links[-1]}"
@@ -77,6 +79,13 @@ def structure_text(scene: Scene) -> str:
     higher = (" − p₂", f" − {touching}") if touching else ("", "")
     lines.append(f"W = 3n − 2p₁{higher[0]} = 3·{links} − 2·{pairs}{higher[1]} = {3 * links - 2 * pairs - touching}")
     return "\n".join(lines)
+
+
+def _second_input_text(scene: Scene, name: str) -> str:
+    """How a second input moves, and what drives it."""
+    second = scene.inputs[name]
+    held = f"on guide {second.guide}" if second.type == "slider" else f"about {second.pivot}"
+    return f"second input {name} {held}" + (f", driven from {scene.input.link}" if second.drive == "crank" else "")
 
 
 def assembly_text(scene: Scene) -> str:

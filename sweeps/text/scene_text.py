@@ -177,7 +177,7 @@ _ROWS = {"over_radius": "m", "over_lift": "m", "controlling_force": "N", "moment
 
 
 def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
-    """Write the columns of tables, the throws of engines, the rows of governors and cams with their units."""
+    """Write the columns of tables, the throws of engines, the rows of governors and motions with their units."""
     for element in data.get("elements", {}).values():
         for part in (element, element.get("engine", {})):
             if "throws" in part:
@@ -186,11 +186,14 @@ def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
             for key, unit in _ROWS.items():
                 if isinstance(part.get(key), list):
                     part[key] = [f"{v!r} {unit}" for v in part[key]]
-        if element["type"] == "cam" and "table" in element:
-            table = element["table"]
-            for key, unit in (("over_angle", "rad"), ("lift", "m"), ("swing", "rad")):
-                if key in table:
-                    table[key] = [f"{v!r} {unit}" for v in table[key]]
+    moved = [*data.get("cams", {}).values(), *data.get("inputs", {}).values()]
+    moved += [element for element in data.get("elements", {}).values() if element["type"] == "cam"]
+    rows = [part["table"] for part in moved if "table" in part]
+    rows += [wheel["law"] for wheel in data.get("noncircular_wheels", {}).values()]
+    for table in rows:
+        for key, unit in (("over_angle", "rad"), ("lift", "m"), ("swing", "rad")):
+            if key in table:
+                table[key] = [f"{v!r} {unit}" for v in table[key]]
     for regime in data.get("regimes", {}).values():
         for key, unit in (("times", "s"), ("angles", "rad")):
             if key in regime.get("at", {}):

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.higher_pairs.cams.motion_programs import MotionProgram, Positive, check_roller
+from engine.higher_pairs.cams.motion_programs import CamProgram, Positive, check_roller
 from engine.scene.parts import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, quantity
 
 NotNegative = Annotated[Length, Field(ge=0)]
@@ -104,7 +104,7 @@ class CamLimits(Part):
         return self
 
 
-class CamElement(MotionProgram):
+class CamElement(CamProgram):
     """A cam that turns at a `speed`, and its follower, lifted by sections in the order of the text or by a table.
 
     `base_radius` is the least of the cam's surface where the displacement is zero. One section may leave out its

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.higher_pairs.cams.motion_programs import MotionProgram, Positive, check_roller
+from engine.higher_pairs.cams.motion_programs import CamProgram, Positive, check_roller
 from engine.scene.parts import Angle, Mode, Name, Part
 
 
@@ -50,7 +50,7 @@ class SwingingFollower(Part):
         return self
 
 
-class DrivingCam(MotionProgram):
+class DrivingCam(CamProgram):
     """A cam on the crank, or on a shaft with a pivot that is geared to it; its follower is a link of the mechanism.
 
     The first section begins at the crank angle `begin`; sections follow each other as the crank's angle grows,
@@ -67,12 +67,7 @@ class DrivingCam(MotionProgram):
 
     @model_validator(mode="after")
     def _moves_masses(self) -> "DrivingCam":
-        for name, section in self.sections.items():
-            if getattr(section, "law", None) == "uniform":
-                raise ValueError(
-                    f"sections.{name}.law: at both ends of a uniform motion velocities jump, and with them all that "
-                    "has mass; take another law, such as 'modified sine'"
-                )
+        self._check_no_jumps()
         if self.closure == "form" and self.follower.contact != "roller":
             raise ValueError("closure = 'form' is a groove, in which a roller runs; give contact = 'roller'")
         return self

@@ -1,4 +1,7 @@
-"""What a cam does to its follower over a turn, as a scene says it: sections by laws of motion, or a table."""
+"""What a cam does to its follower over a turn, as a scene says it: sections by laws of motion, or a table.
+
+Second inputs, which have drives of their own, move by the same.
+"""
 
 import math
 from typing import Annotated, Literal
@@ -19,12 +22,13 @@ LawName = Literal[
     "modified sine",
     "modified trapezoid",
 ]
+_ONE_PROGRAM = "give sections, or a table of the motion over a turn, one of the two"
 # Angles and strokes as texts have them close to this.
 CLOSING = 1e-9
 
 
 class RiseSection(Part):
-    """A part of the turn in which the follower moves away, by `lift`, or an arm by `swing`; `law` says how."""
+    """A part of the turn in which what slides moves away by `lift`, or what turns by `swing`; `law` says how."""
 
     type: Literal["rise"]
     law: LawName
@@ -34,7 +38,7 @@ class RiseSection(Part):
 
 
 class ReturnSection(Part):
-    """A part of the turn in which the follower comes back, all the way unless `lift` or `swing` is given."""
+    """A part of the turn in which what moves comes back, all the way unless `lift` or `swing` is given."""
 
     type: Literal["return"]
     law: LawName
@@ -44,7 +48,7 @@ class ReturnSection(Part):
 
 
 class DwellSection(Part):
-    """A part of the turn in which the follower rests."""
+    """A part of the turn in which what moves rests."""
 
     type: Literal["dwell"]
     angle: Annotated[Angle, Field(gt=0)] | None = None
@@ -54,7 +58,7 @@ Section = Annotated[RiseSection | ReturnSection | DwellSection, Field(discrimina
 
 
 class MotionTable(Part):
-    """The follower's motion over a turn by rows: `lift`, or `swing` of an arm, over the cam's angle.
+    """A motion over a turn by rows: `lift` of what slides, or `swing` of what turns, over the cam's or crank's angle.
 
     A spline has a continuous acceleration; "pchip" never goes beyond the rows, but its acceleration jumps.
     """
@@ -67,7 +71,7 @@ class MotionTable(Part):
     @model_validator(mode="after")
     def _makes_a_table(self) -> "MotionTable":
         if (self.lift is None) == (self.swing is None):
-            raise ValueError("give lift, or swing of an oscillating follower, one of the two")
+            raise ValueError("give lift of what slides, or swing of what turns, one of the two")
         key = "lift" if self.swing is None else "swing"
         try:
             make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=("over_angle", key))
@@ -82,21 +86,25 @@ class MotionTable(Part):
 
 
 class MotionProgram(Part):
-    """The motion of a follower over a turn of its cam: `sections` in the order of the text, or a `table`."""
+    """A motion over a turn of a cam or the crank: `sections` in the order of the text, or a `table`."""
 
     sections: dict[Name, Section] = {}
     table: MotionTable | None = None
-    follower: Part
 
     @property
     def translating(self) -> bool:
-        """Whether the follower slides."""
-        return self.follower.type == "translating"
+        """Whether what moves slides."""
+        raise NotImplementedError
+
+    @property
+    def advance(self) -> float:
+        """How far what moves gets on in a turn; a follower comes back [m or rad]."""
+        return 0.0
 
     @model_validator(mode="after")
     def _closes(self) -> "MotionProgram":
-        if bool(self.sections) == (self.table is not None):
-            raise ValueError("give sections, or a table of the motion over a turn, one of the two")
+        if self.sections and self.table is not None:
+            raise ValueError(_ONE_PROGRAM)
         self._check_stroke()
         if self.sections:
             self._check_angles()
@@ -107,9 +115,10 @@ class MotionProgram(Part):
         parts = {f"sections.{name}": section for name, section in self.sections.items()}
         for place, part in (parts | ({"table": self.table} if self.table else {})).items():
             if getattr(part, wrong, None) is not None:
-                raise ValueError(f"{place}.{wrong}: this follower is {self.follower.type}; give {right} instead")
+                moves = "slides" if self.translating else "turns"
+                raise ValueError(f"{place}.{wrong}: what moves here {moves}; give {right} instead")
             if isinstance(part, RiseSection) and getattr(part, right) is None:
-                raise ValueError(f"{place}.{right} is missing: say how far the follower moves away")
+                raise ValueError(f"{place}.{right} is missing: say how far it moves away")
 
     def _check_angles(self) -> None:
         angles = [section.angle for section in self.sections.values()]
@@ -124,10 +133,10 @@ class MotionProgram(Part):
         left = 0.0
         for name, section in self.sections.items():
             if isinstance(section, ReturnSection) and not left > 0.0:
-                raise ValueError(f"sections.{name}: the follower is down already; a return comes after a rise")
+                raise ValueError(f"sections.{name}: it is back already; a return comes after a rise")
             left = self._after(section, left)
-        if abs(left) > CLOSING * self._greatest_stroke():
-            raise ValueError(f"the follower ends the turn {left:g} away from where it began; add a return")
+        if abs(left - self.advance) > CLOSING * self._greatest_stroke():
+            raise ValueError(f"the motion ends the turn {left:g} away from where it began; add a return")
 
     def _after(self, section: Section, before: float) -> float:
         match section:
@@ -142,13 +151,39 @@ class MotionProgram(Part):
         return sum(self.stroke_of(s) for s in self.sections.values() if isinstance(s, RiseSection))
 
     def stroke_of(self, section: RiseSection | ReturnSection) -> float | None:
-        """How far the follower moves in a section; None for all the way back.
+        """How far the motion goes in a section; None for all the way back.
 
         Parameters
         ----------
         section : RiseSection or ReturnSection
         """
         return section.lift if self.translating else section.swing
+
+    def _check_no_jumps(self) -> None:
+        """Refuse laws by which masses can't move."""
+        for name, section in self.sections.items():
+            if getattr(section, "law", None) == "uniform":
+                raise ValueError(
+                    f"sections.{name}.law: at both ends of a uniform motion velocities jump, and with them all that "
+                    "has mass; take another law, such as 'modified sine'"
+                )
+
+
+class CamProgram(MotionProgram):
+    """The motion of a follower over a turn of its cam."""
+
+    follower: Part
+
+    @property
+    def translating(self) -> bool:
+        """Whether the follower slides."""
+        return self.follower.type == "translating"
+
+    @model_validator(mode="after")
+    def _has_one(self) -> "CamProgram":
+        if not self.sections and self.table is None:
+            raise ValueError(_ONE_PROGRAM)
+        return self
 
 
 def check_roller(contact: str, radius: float | None) -> None:

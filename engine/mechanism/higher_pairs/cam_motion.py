@@ -4,7 +4,6 @@ The contact is worked out in axes at the cam's axis in which the follower stands
 one that slides moves along y; an oscillating one has its pivot on x, and its arm above. These axes may be left-handed.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ from engine.laws.cams.profiles import (
 )
 from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
-from engine.mechanism.higher_pairs.motion_program import TURN, Displacement, add_program
+from engine.mechanism.higher_pairs.motion_program import TURN, Displacement, add_program, turns_of_input
 from engine.mechanism.vectors import Vector, named
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene
@@ -141,9 +140,7 @@ def _angle(assembly: Assembly, name: str, turned: _Turned) -> tuple[Node, range]
     )
     drive = scene.input
     own = 1.0 if path is None else abs(scene.shafts[scene.cams[name].on].ratio)
-    first, last = (0.0, TURN * drive.revolutions) if drive.start is None else (drive.start, drive.stop)
-    turns = range(math.floor(own * first / TURN) - 1, math.ceil(own * last / TURN + 1e-9) + 1)
-    return turned.rate * assembly.graph.q - lag, turns
+    return turned.rate * assembly.graph.q - lag, turns_of_input(drive, own)
 
 
 def _sliding(

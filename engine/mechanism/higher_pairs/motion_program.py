@@ -1,4 +1,4 @@
-"""The motion program of a cam as nodes: displacement of the follower over the cam's angle, and its derivatives.
+"""The motion program of a cam or a second input as nodes: displacement over an angle, and its derivatives.
 
 The section, or the piece of a table, that holds in the middle of a panel holds throughout it; panels end where sections
 meet, and the expressions of their laws.
@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Graph, Node, Number
-from engine.higher_pairs.cams.driving_cams import DrivingCam
-from engine.higher_pairs.cams.motion_programs import DwellSection, RiseSection
+from engine.higher_pairs.cams.motion_programs import DwellSection, MotionProgram, RiseSection
 from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, section_at, unit_motion
-from engine.laws.tables import in_memory, make_table, table_segment
+from engine.laws.tables import in_memory, make_table, periods_before, table_segment
+from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers
 
 TURN = 2.0 * math.pi
@@ -22,7 +22,7 @@ MISSED = 1e-9
 
 
 class Displacement(NamedTuple):
-    """Displacement of a follower [m or rad] and its first two derivatives by the cam's angle."""
+    """Displacement of what moves [m or rad] and its first two derivatives by the angle that drives it."""
 
     s: Node
     s1: Node
@@ -38,60 +38,75 @@ class Sections(NamedTuple):
     stroke: list[float | np.ndarray]
 
 
-def add_program(graph: Graph, cam: DrivingCam, at: str, turned: Node, turns: range) -> Displacement:
-    """Displacement of a follower over the angle of its cam.
+def add_program(graph: Graph, program: MotionProgram, at: str, turned: Node, turns: range) -> Displacement:
+    """Displacement by a motion program.
 
     Parameters
     ----------
     graph : Graph
-    cam : DrivingCam
+    program : MotionProgram
     at : str
         Where it stands in the scene.
     turned : Node
-        Angle of the cam from the beginning of its first section [rad], growing with the input.
+        Angle of the cam or crank from the beginning of the first section [rad], growing with the input.
     turns : range
-        Turns of the cam, counted from there, in which the input's range lies.
+        Turns of it, counted from there, in which the input's range lies.
     """
-    return _tabled(graph, cam, turned, turns) if cam.table is not None else _by_sections(graph, cam, at, turned, turns)
+    if program.table is not None:
+        return _tabled(graph, program, turned, turns)
+    return _by_sections(graph, program, at, turned, turns)
 
 
-def sections_of(cam: DrivingCam, at: str, numbers: Numbers) -> Sections:
-    """Sections of a cam; the angles NaN where they don't make a turn that ends where it begins.
+def turns_of_input(drive: CrankInput, ratio: float) -> range:
+    """Turns in which the range of a crank lies, of what turns `ratio` times as fast and began at most a turn later.
 
     Parameters
     ----------
-    cam : DrivingCam
+    drive : CrankInput
+    ratio : float
+        By magnitude.
+    """
+    first, last = (0.0, TURN * drive.revolutions) if drive.start is None else (drive.start, drive.stop)
+    return range(math.floor(ratio * first / TURN) - 1, math.ceil(ratio * last / TURN + 1e-9) + 1)
+
+
+def sections_of(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
+    """Sections of a program; the angles NaN where they don't make a turn that ends where that of the scene does.
+
+    Parameters
+    ----------
+    program : MotionProgram
     at : str
         Where it stands in the scene.
     numbers : Numbers
     """
-    key = "lift" if cam.translating else "swing"
-    given = {n: numbers[f"{at}.sections.{n}.angle"] for n, s in cam.sections.items() if s.angle is not None}
+    key = "lift" if program.translating else "swing"
+    given = {n: numbers[f"{at}.sections.{n}.angle"] for n, s in program.sections.items() if s.angle is not None}
     missing = TURN - sum(given.values())
-    is_open = len(given) < len(cam.sections)
+    is_open = len(given) < len(program.sections)
     whole = missing > 0.0 if is_open else np.abs(missing) <= MISSED * TURN
     found, begin, before, greatest = Sections([], [], [], []), 0.0, 0.0, 0.0
-    for name, section in cam.sections.items():
+    for name, section in program.sections.items():
         stroke = 0.0
         if isinstance(section, RiseSection):
             stroke = numbers[f"{at}.sections.{name}.{key}"]
         elif not isinstance(section, DwellSection):
-            stroke = -before if cam.stroke_of(section) is None else -numbers[f"{at}.sections.{name}.{key}"]
+            stroke = -before if program.stroke_of(section) is None else -numbers[f"{at}.sections.{name}.{key}"]
         angle = given.get(name, missing)
         for row, value in zip(found, (begin, angle, before, stroke), strict=True):
             row.append(value)
         begin, before = begin + angle, before + stroke
         greatest = np.maximum(greatest, before)
         whole = whole & (before >= -MISSED * greatest)
-    whole = whole & (np.abs(before) <= MISSED * greatest)
+    whole = whole & (np.abs(before - program.advance) <= MISSED * greatest)
     return found._replace(angle=[np.where(whole, angle, np.nan) for angle in found.angle])
 
 
-def _by_sections(graph: Graph, cam: DrivingCam, at: str, turned: Node, turns: range) -> Displacement:
-    laws = [DWELL if isinstance(s, DwellSection) else LAW_KINDS[s.law] for s in cam.sections.values()]
+def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Node, turns: range) -> Displacement:
+    laws = [DWELL if isinstance(s, DwellSection) else LAW_KINDS[s.law] for s in program.sections.values()]
 
     def number(k: int, part: str) -> Number:
-        return graph.derived(f"{at} section {k} {part}", lambda n: getattr(sections_of(cam, at, n), part)[k])
+        return graph.derived(f"{at} section {k} {part}", lambda n: getattr(sections_of(program, at, n), part)[k])
 
     rows: list[Number] = []
     for k, law in enumerate(laws):
@@ -99,29 +114,32 @@ def _by_sections(graph: Graph, cam: DrivingCam, at: str, turned: Node, turns: ra
         rows.append(graph.derived(f"{at} section {k} law", lambda n, law=law: float(law)))
         for inside in (0.0, *LAW_BREAKS.get(law, ())):
             for turn in turns:
-                graph.switches(turned, graph.one, _level(graph, cam, at, (k, inside, turn)))
+                graph.switches(turned, graph.one, _level(graph, program, at, (k, inside, turn)))
     table = graph.number_table(f"{at} sections", rows)
     begin, angle, before, stroke, kind = (
         graph.held(part) for part in graph.apply(section_at, table, float(len(laws)), turned)
     )
     u, rate = (turned - begin) / angle, graph.one / angle
     shape, slope, bend, _ = graph.apply(unit_motion, kind, u, graph.held(u))
+    if program.advance:
+        gone = graph.held(graph.apply(periods_before, 0.0, TURN, turned))
+        before = before + (program.advance / TURN) * gone
     return Displacement(before + stroke * shape, stroke * rate * slope, stroke * (rate * rate) * bend)
 
 
-def _level(graph: Graph, cam: DrivingCam, at: str, place: tuple[int, float, int]) -> Number:
-    """Angle of the cam at which a section, or an expression of its law, begins in one of the turns."""
+def _level(graph: Graph, program: MotionProgram, at: str, place: tuple[int, float, int]) -> Number:
+    """Angle at which a section, or an expression of its law, begins in one of the turns."""
     k, inside, turn = place
 
     def angle(numbers: Numbers) -> float | np.ndarray:
-        found = sections_of(cam, at, numbers)
+        found = sections_of(program, at, numbers)
         return found.begin[k] + inside * found.angle[k] + TURN * turn
 
     return graph.derived(f"{at} section {k} at {inside} in turn {turn}", angle)
 
 
-def _tabled(graph: Graph, cam: DrivingCam, turned: Node, turns: range) -> Displacement:
-    motion = cam.table
+def _tabled(graph: Graph, program: MotionProgram, turned: Node, turns: range) -> Displacement:
+    motion = program.table
     table = make_table(motion.over_angle, motion.rows, motion.interpolation, TURN)
     for row in table.breaks[:-1]:
         for turn in turns:

@@ -15,11 +15,11 @@ from typing import NamedTuple
 from engine.graph.nodes import Node
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.racks import pinion_turn, rack_slide
-from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
+from engine.mechanism.assembly import Assembly, Slide, Turning
 from engine.mechanism.vectors import Vector
 from engine.scene.names import guide_of
 from engine.scene.scene import Scene
-from engine.scene.structure.meshes import rides_along
+from engine.scene.structure.meshes import carrier_of, rides_along
 
 
 class Toothing(NamedTuple):
@@ -52,11 +52,19 @@ def rack_guide(scene: Scene, name: str) -> str:
 
 
 def angle_of_link(assembly: Assembly, link: str) -> Node:
-    """Angle of a link over all its turns [rad]: of what is geared to the crank, driven by racks, or slides on such."""
+    """Angle of a link over all its turns [rad], against that which it is known against.
+
+    Of what is geared to the crank that is the frame. Links of structural groups, which pinions, second inputs and
+    sliders may hang on, have none: against themselves it is zero.
+    """
     if link in assembly.angles:
         return assembly.angles[link]
+    carrier = carrier_of(assembly.scene, link)
+    if carrier is None:
+        return assembly.graph.zero
     guide = guide_of(assembly.scene, link)
-    return angle_of_link(assembly, assembly.scene.guides[guide].link) + assembly.number(f"guides.{guide}.angle")
+    own = assembly.turned[link] if guide is None else assembly.number(f"guides.{guide}.angle")
+    return angle_of_link(assembly, carrier) + own
 
 
 def add_rack(assembly: Assembly, name: str) -> None:
@@ -78,7 +86,7 @@ def add_rack(assembly: Assembly, name: str) -> None:
         axis.v + radius * (pinion.w - line.carrier.w),
         axis.a + radius * (pinion.e - line.carrier.e),
     )
-    assembly.slider(name, _on_guide(line, slide), line, slide)
+    assembly.slider(name, line.along(slide), line, slide)
 
 
 def add_pinion(assembly: Assembly, name: str) -> None:
@@ -92,15 +100,14 @@ def add_pinion(assembly: Assembly, name: str) -> None:
     """
     scene, graph = assembly.scene, assembly.graph
     pinion, guide = scene.pinions[name], rack_guide(scene, name)
-    carrier, line = scene.guides[guide].link, assembly.guides[guide]
+    line = assembly.guides[guide]
     radius, phase = (assembly.number(f"pinions.{name}.{key}") for key in ("radius", "phase"))
     axis = _axis_along(assembly, pinion.pivot, guide)
     still = Slide(graph.zero, graph.zero, graph.zero)
     rack = still if pinion.rack is None else assembly.slides[pinion.rack]
     angle, w, e = (graph.apply(pinion_turn, *ends, radius) for ends in zip(rack, axis, strict=True))
-    angle = angle_of_link(assembly, carrier) + phase + angle
-    assembly.angles[name] = angle
-    u = Vector(*graph.apply(direction_of, angle))
+    assembly.turned[name] = phase + angle
+    u = Vector(*graph.apply(direction_of, assembly.turned[name])).in_axes(line.carrier.u)
     assembly.link(name, Turning(assembly.points[pinion.pivot], u, line.carrier.w + w, line.carrier.e + e))
 
 
@@ -130,10 +137,3 @@ def _axis_along(assembly: Assembly, pivot: str, guide: str) -> Slide:
     if riding is None:
         return Slide(place, zero, zero)
     return assembly.slides[riding]._replace(d=place)
-
-
-def _on_guide(line: GuideLine, slide: Slide) -> MovingPoint:
-    """Motion of a point that slides along a guide."""
-    sliding = slide.v * line.u
-    under = line.under(line.r + slide.d * line.u)
-    return MovingPoint(under.r, under.v + sliding, under.a + line.coriolis(sliding) + slide.a * line.u)

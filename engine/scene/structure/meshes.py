@@ -1,12 +1,15 @@
 """Wheels and racks that can't mesh: axes at a distance that changes, unknown angles, racks that run away.
 
-The angle of a pinion against what carries its rack must be known all the way, over many turns too. It is for what is
-geared to the crank, for what racks drive, and for what never turns or slides on such; links of structural groups swing
-or turn as their loops allow, and have none.
+The angle of a pinion against what carries its rack must be known all the way, over many turns too. It is known against
+the frame for what is geared to the crank, and against what carries them for pinions, second inputs and sliders. Links
+of structural groups swing or turn as their loops allow: racks on one go with pinions whose angle is known against it.
 """
+
+import math
 
 from engine.scene.masses import places_on
 from engine.scene.names import Problem, did_you_mean, guide_of, sliders, turns_of
+from engine.scene.pairs import drive_base
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.scene import Scene
 
@@ -31,17 +34,14 @@ def mesh_problems(scene: Scene) -> list[Problem]:
         at, turning = f"racks.{name}", sorted(_turning(scene))
         if rack.pinion not in turning:
             message = f"the angle of {rack.pinion!r} isn't known over its turns: a rack is driven by the crank, a "
-            problems.append(
-                (
-                    f"{at}.pinion",
-                    f"{message}shaft with a pivot, a pinion or a wheel; {did_you_mean(rack.pinion, turning)}",
-                )
-            )
+            message += f"shaft with a pivot, a pinion, a second input or a wheel; {did_you_mean(rack.pinion, turning)}"
+            problems.append((f"{at}.pinion", message))
             continue
         if rack.pivot not in places_on(scene, rack.pinion):
             message = f"{rack.pivot!r} is no point of {rack.pinion!r}; name the axis that this pinion turns about"
             problems.append((f"{at}.pivot", message))
-        problems += _unheld(scene, f"{at}.pivot", rack.pivot, rack.guide) or _runs_away(scene, name)
+        problems += _unknown_angle(scene, name) or _unheld(scene, f"{at}.pivot", rack.pivot, rack.guide)
+        problems += [] if problems else _runs_away(scene, name)
     return problems
 
 
@@ -85,12 +85,22 @@ def _wrong_pinion(scene: Scene, name: str) -> list[Problem]:
     return []
 
 
+def _unknown_angle(scene: Scene, name: str) -> list[Problem]:
+    """A rack on a link against which the angle of its pinion isn't known."""
+    rack = scene.racks[name]
+    carrier = scene.guides[rack.guide].link
+    if root_of(scene, carrier) == root_of(scene, rack.pinion):
+        return []
+    message = (
+        f"{rack.guide!r} is on {carrier!r}, whose angle against {rack.pinion!r} isn't known over its turns; drive "
+    )
+    message += "the rack by a pinion that a rack on that link turns, or put the guide where the pinion's own rack lies"
+    return [(f"racks.{name}.guide", message)]
+
+
 def _unheld(scene: Scene, path: str, pivot: str, guide: str) -> list[Problem]:
-    """An axis that doesn't keep its distance from the rack, and a guide on a link whose angle isn't known."""
+    """An axis that doesn't keep its distance from the rack."""
     carrier = scene.guides[guide].link
-    if not _angle_is_known(scene, carrier):
-        message = f"guide {guide!r} is on {carrier!r}, whose angle isn't known over its turns; put it on the frame, on "
-        return [(path, f"{message}the crank, a shaft or pinion, or on what slides on those")]
     if pivot in places_on(scene, carrier) or rides_along(scene, pivot, guide) is not None:
         return []
     message = f"{pivot!r} doesn't keep its distance from guide {guide!r}: name a point of {carrier!r}, which carries "
@@ -118,22 +128,40 @@ def _turning(scene: Scene) -> set[str]:
         crank
         | {n for n, s in scene.shafts.items() if s.pivot is not None}
         | {*scene.pinions, *scene.noncircular_wheels}
+        | {name for name, second in scene.inputs.items() if second.type == "crank"}
     )
 
 
-def _angle_is_known(scene: Scene, link: str) -> bool:
-    while (guide := guide_of(scene, link)) is not None:
-        link = scene.guides[guide].link
-    return link == FRAME or link in _turning(scene)
+def carrier_of(scene: Scene, link: str) -> str | None:
+    """What carries a pinion, a second input or a slider, against which its angle is known; None for all else."""
+    if link in scene.pinions:
+        pinion = scene.pinions[link]
+        return scene.guides[pinion.guide or guide_of(scene, pinion.rack)].link
+    if link in scene.inputs:
+        return drive_base(scene, link)
+    guide = guide_of(scene, link)
+    return None if guide is None else scene.guides[guide].link
+
+
+def root_of(scene: Scene, link: str) -> str:
+    """Link against which the angle of a link is known over all turns: the frame, one of a structural group, itself."""
+    while (carrier := carrier_of(scene, link)) is not None:
+        link = carrier
+    return FRAME if link in _turning(scene) else link
 
 
 def net_turns(scene: Scene, link: str) -> float:
-    """Turns of a link whose angle is known, for each turn of the crank."""
+    """Turns of a link for each turn of the crank, against that which its angle is known against."""
     if link in scene.noncircular_wheels:
         wheel = scene.noncircular_wheels[link]
         return -wheel.driver_lobes / wheel.lobes * net_turns(scene, wheel.geared_to)
-    if link in scene.pinions:
-        pinion = scene.pinions[link]
-        return net_turns(scene, scene.guides[pinion.guide or guide_of(scene, pinion.rack)].link)
-    guide = guide_of(scene, link)
-    return turns_of(scene, link) if guide is None else net_turns(scene, scene.guides[guide].link)
+    carrier = carrier_of(scene, link)
+    if carrier is not None:
+        return _own_turns(scene, link) + net_turns(scene, carrier)
+    return turns_of(scene, link) if root_of(scene, link) == FRAME else 0.0
+
+
+def _own_turns(scene: Scene, link: str) -> float:
+    """Turns of a second input against what carries it, for each turn of the crank; none of what else is carried."""
+    second = scene.inputs.get(link)
+    return second.ratio + second.advance / math.tau if second is not None and second.type == "crank" else 0.0

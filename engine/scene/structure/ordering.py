@@ -14,6 +14,7 @@ from engine.scene.names import (
     acting,
     definitions,
     did_you_mean,
+    guide_of,
     input_point,
     joint_owners,
     misplaced,
@@ -24,7 +25,7 @@ from engine.scene.pairs import friction_problems, pairs
 from engine.scene.parts import FRAME, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
 from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
-from engine.scene.structure.meshes import mesh_problems
+from engine.scene.structure.meshes import mesh_problems, rides_along
 
 
 class Element(NamedTuple):
@@ -81,11 +82,15 @@ class _Ordering(NamedTuple):
     free_groups: dict[str, FreeGroup]
 
 
-def _in_mesh(part: Rack | Pinion, links: Container[str], points: Container[str], guides: Container[str]) -> bool:
+def _in_mesh(
+    scene: Scene, part: Rack | Pinion, links: Container[str], points: Container[str], guides: Container[str]
+) -> bool:
     """Whether all that a rack or a pinion hangs on is known."""
     driver = part.pinion if isinstance(part, Rack) else part.rack
-    driven = driver is None or driver in links
-    return driven and part.pivot in points and (part.guide is None or part.guide in guides)
+    guide = part.guide or guide_of(scene, driver)
+    held = part.pivot in points and (guide is None or guide in guides)
+    riding = None if guide is None else rides_along(scene, part.pivot, guide)
+    return held and {driver, riding} - {None} <= set(links)
 
 
 def _ordered(scene: Scene) -> _Ordering:
@@ -114,7 +119,8 @@ def _ordered(scene: Scene) -> _Ordering:
                 elements.append(Element("shaft", name))
                 grown = True
         for name, second in scene.inputs.items():
-            if name not in known_links and second.pivot in points:
+            held = second.guide in guides if second.type == "slider" else second.pivot in points
+            if name not in known_links and held:
                 known_links.add(name)
                 elements.append(Element("second input", name))
                 grown = True
@@ -125,7 +131,7 @@ def _ordered(scene: Scene) -> _Ordering:
                 grown = True
         for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
             for name, part in table.items():
-                if name not in known_links and _in_mesh(part, known_links, points, guides):
+                if name not in known_links and _in_mesh(scene, part, known_links, points, guides):
                     known_links.add(name)
                     elements.append(Element(kind, name))
                     grown = True
@@ -240,8 +246,10 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
             problems.append((f"{kind}s.{found[0]}", message))
     unheld = [name for name in scene.inputs if Element("second input", name) not in elements]
     if unheld:
-        message = f"{scene.inputs[unheld[0]].pivot!r} hangs on what it would drive; name a point of the frame"
-        problems.append((f"inputs.{unheld[0]}.pivot", message))
+        second = scene.inputs[unheld[0]]
+        key, held = ("guide", second.guide) if second.type == "slider" else ("pivot", second.pivot)
+        message = f"{held!r} hangs on what this input would drive, or on nothing that moves; name one known before it"
+        problems.append((f"inputs.{unheld[0]}.{key}", message))
     cams = [name for name in scene.cams if Element("cam", name) not in elements]
     if cams:
         message = "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft"

@@ -17,9 +17,11 @@ from engine import (
     Machine,
     NoncircularWheel,
     Pinion,
+    Rack,
     Scene,
     SceneNumbers,
-    SecondInput,
+    SecondCrank,
+    SecondSlider,
     Sliding,
     Verdict,
     has_cycle,
@@ -85,7 +87,7 @@ class DrawnMotion:
         free = [name for name, link in scene.links.items() if link.guide is None]
         free += [cam.follower.link for cam in scene.cams.values() if not cam.translating]
         free += [name for name, shaft in scene.shafts.items() if shaft.carrier is not None]
-        free += [*scene.inputs, *scene.pinions, *scene.noncircular_wheels]
+        free += self._wheels
         fields += [f"{n}.angle" for n in free]
         fields += [f"{n}.contact_{axis}" for n in scene.cams for axis in "xy"]
         fields += [f"{n}.pitch_{axis}" for n in scene.noncircular_wheels for axis in "xy"]
@@ -164,8 +166,8 @@ class DrawnMotion:
             return self.points[self.scene.shafts[link].pivot], np.exp(1j * (ratio * self.q + phase))
         if link in self._wheels:
             return self.points[self._wheels[link].pivot], self._turned[link]
-        if link in self.scene.racks:
-            place, along = self.guide(self.scene.racks[link].guide)
+        if link in self._driven_sliders:
+            place, along = self.guide(self._driven_sliders[link].guide)
             return place + self.slides[link] * along, along
         if link in self.scene.links:
             return self._free_axes(link)
@@ -232,6 +234,9 @@ class DrawnMotion:
         for name, link in self.scene.links.items():
             if link.guide is not None:
                 yield Slider(name, next(iter(link.joints), None), link.guide, self.numbers[f"links.{name}.offset"])
+        for name, second in self.scene.inputs.items():
+            if isinstance(second, SecondSlider):
+                yield Slider(name, None, second.guide, 0.0)
 
     def _radius(self) -> float:
         """Radius of a hinge: a share of the whole, smaller where links are short."""
@@ -262,7 +267,7 @@ class DrawnMotion:
             found = [self.scene.shafts[link].pivot]
         elif link in self._wheels:
             found = [self._wheels[link].pivot]
-        elif link in self.scene.racks:
+        elif link in self._driven_sliders:
             found = []
         elif link in self.scene.links:
             found = list(self.scene.links[link].joints)
@@ -281,9 +286,16 @@ class DrawnMotion:
         return {cam.follower.link: cam for cam in self.scene.cams.values()}
 
     @property
-    def _wheels(self) -> dict[str, SecondInput | Pinion | NoncircularWheel]:
-        """Second inputs, pinions that racks drive, and non-circular wheels."""
-        return {**self.scene.inputs, **self.scene.pinions, **self.scene.noncircular_wheels}
+    def _wheels(self) -> dict[str, SecondCrank | Pinion | NoncircularWheel]:
+        """Second inputs that turn, pinions that racks drive, and non-circular wheels."""
+        turning = {n: second for n, second in self.scene.inputs.items() if isinstance(second, SecondCrank)}
+        return {**turning, **self.scene.pinions, **self.scene.noncircular_wheels}
+
+    @property
+    def _driven_sliders(self) -> dict[str, Rack | SecondSlider]:
+        """Racks, and second inputs that slide."""
+        sliding = {n: second for n, second in self.scene.inputs.items() if isinstance(second, SecondSlider)}
+        return {**sliding, **self.scene.racks}
 
     @property
     def hinges(self) -> set[str]:

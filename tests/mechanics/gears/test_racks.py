@@ -155,7 +155,7 @@ def test_any_racks__balance(radius, pressure, other, angle, speed):
         (LIFT, {"pinions__gear__rack": "rod"}, "'rod' doesn't slide on a guide"),
         (LIFT, {"pinions__gear__pivot": "B"}, "goes along with 'ram'"),
         (LIFT, {"pinions__gear__rack": "post"}, "nothing drives"),
-        (LIFT, {"guides__up__link": "rod"}, "whose angle isn't known"),
+        (DOUBLER, {"guides__arm": {"link": "rod"}, "racks__table__guide": "arm"}, "whose angle against 'wheel' isn't"),
         (LIFT, {"friction": {"f": {"pair": "gear", "coefficient": 0.1, "diameter": 0.01}}}, "forces between teeth"),
     ],
 )

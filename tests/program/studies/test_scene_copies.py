@@ -70,3 +70,29 @@ def test_number_that_is_not_allowed__is_refused_by_its_path(values, path):
     with pytest.raises(SceneError) as caught:
         with_values(scene_of("four_bar"), values)
     assert [place for place, _ in caught.value.problems] == [path]
+
+
+def test_tables_of_motion__are_written_with_their_units():
+    over, follower = [0.0, 1.5, 3.0], {"type": "translating", "link": "tappet", "guide": "way", "contact": "flat"}
+    lift, swing = ({"over_angle": over, key: [0.0, 0.01, 0.004]} for key in ("lift", "swing"))
+    scene = Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.2, "y": 0}},
+            "guides": {"way": {"angle": 1.5}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 10.0},
+            "cams": {"cam": {"on": "crank", "base_radius": 0.05, "table": lift, "follower": follower}},
+            "inputs": {
+                "ram": {"type": "slider", "guide": "way", "table": lift},
+                "arm": {"type": "crank", "pivot": "C", "table": swing},
+            },
+            "noncircular_wheels": {
+                "wheel": {
+                    "geared_to": "crank",
+                    "pivot": "C",
+                    "law": {"type": "table", "over_angle": over, "ratio": [1.0, 2.0, 1.5]},
+                }
+            },
+        }
+    )
+    text = write_scene(scene)
+    assert scene_from(parse_toml(text, ""), text, "", TEMPLATES) == scene

@@ -62,10 +62,10 @@ SCENES = {name: read_scene(bundled_templates()[name]) for name in templates()}
 
 
 def has_plans(scene):
-    """Plans are drawn of dyads, without cams, planets, racks and forces of teeth."""
+    """Plans are drawn of dyads, without cams, second inputs, planets, racks and forces of teeth."""
     toothed = any(shaft.carrier or shaft.pressure_angle is not None for shaft in scene.shafts.values())
     toothed = toothed or scene.noncircular_wheels or scene.racks or scene.pinions
-    return scene.input is not None and not (scene.links or scene.cams or toothed)
+    return scene.input is not None and not (scene.links or scene.cams or scene.inputs or toothed)
 
 
 MECHANISMS = [name for name, scene in SCENES.items() if has_plans(scene)]

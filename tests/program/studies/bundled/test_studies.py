@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
 from engine.scene.formulas.expressions import parse
@@ -17,20 +18,25 @@ from sweeps.text.templates import bundled_templates, template_text, templates
 TEMPLATE_NAMES = (
     "cam_roller_follower",
     "crank_shaper",
+    "dwell_slide",
     "elliptical_wheels",
     "four_bar",
     "geared_five_bar",
+    "hybrid_five_bar",
     "offset_slider_crank",
     "press_with_motor",
     "rack_doubler",
     "scotch_yoke",
     "slider_crank",
+    "stephenson_far_side",
     "stephenson_six_bar",
     "toggle",
     "triad",
     "watt_six_bar",
     "whitworth",
 )
+# One motor and one flywheel mean nothing to drives that keep to laws of their own.
+WITH_OWN_DRIVES = ("hybrid_five_bar",)
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
 ELEMENT_TEMPLATE_NAMES = (
     "cam",
@@ -71,6 +77,7 @@ FIELDS = {
     "crank_shaper": ("ram.slide_phi", "cutting.moment"),
     "stephenson_six_bar": ("feeder.angle",),
     "toggle": ("B.x",),
+    "hybrid_five_bar": ("input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi", "B.x", "B.y"),
     "crank_press": ("ram.slide", "ram.slide_phi"),
     "four_stroke_engine": ("gas.moment",),
     "jaw_crusher": ("S.x",),
@@ -122,6 +129,7 @@ def test_template__assembles_with_every_summary_finite(name):
     values, _, _ = template(name)
     # A link that goes round has no swing: the crank always, Whitworth's slotted link and its block, wheels in mesh.
     others = {"whitworth": ("slotted", "block"), "elliptical_wheels": ("first", "second")}
+    others |= {"hybrid_five_bar": ("second",)}
     turning = ("crank", *others.get(name, ()))
     for summary, (value, error) in values.items():
         link, _, kind = summary.partition(".")
@@ -133,7 +141,7 @@ def test_template__assembles_with_every_summary_finite(name):
             assert math.isfinite(error)
 
 
-@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+@pytest.mark.parametrize("name", [name for name in TEMPLATE_NAMES if name not in WITH_OWN_DRIVES])
 def test_template__needs_a_motor_and_a_flywheel_of_sensible_proportions(name):
     values, _, _ = template(name)
     names = ("required_power", "wheel_mass", "wheel_width", "wheel_diameter")
@@ -175,6 +183,55 @@ def test_rack_doubler_template__does_the_work_of_its_force_over_twice_the_stroke
     values, _, _ = template("rack_doubler")
     assert close(values["table.stroke"], 4 * 0.050)
     assert close(values["required_power"], 300 * 8 * 0.050 * 120 / 60)
+
+
+def test_dwell_slide_template__does_the_work_of_its_moment_over_twice_the_swing():
+    values, _, _ = template("dwell_slide")
+    assert close(values["slide.stroke"], 0.080)
+    swing = abs(lever_at(0.110 + 0.080) - lever_at(0.110))
+    assert close(values["required_power"], 20 * 2 * swing * 100 / 60)
+
+
+def lever_at(slid):
+    """Angle of the lever of dwell_slide, by the law of cosines."""
+    arm = complex(slid + 0.040, 0.050) - complex(0.330, 0.170)
+    distance = abs(arm)
+    between = math.acos((distance**2 + 0.120**2 - 0.140**2) / (2 * distance * 0.120))
+    return math.atan2(arm.imag, arm.real) % TURN + between
+
+
+def test_hybrid_five_bar_template__needs_the_power_of_both_drives():
+    """What a servo and a motor take on average is the work of the load along the path of its joint."""
+    values, fields, _ = template("hybrid_five_bar")
+    own, second, rate, x, y = fields.values()
+    path = np.append(x + 1j * y, x[0] + 1j * y[0])
+    # Chords of the path are shorter than its arcs, by a share of the square of half a degree.
+    assert close(values["required_power"], 150 * np.abs(np.diff(path)).sum() * 120 / 60, relative=1e-4)
+    assert np.isclose((own + second * rate).mean() * 4 * math.pi, values["required_power"][0], rtol=1e-4)
+    assert np.abs(second).max() > 1.0
+
+
+def test_stephenson_far_side_template__swings_as_its_four_bar_does_between_the_dead_centres_of_crank_and_rod():
+    """There the plate's point F is as far from the crank's bearing as the rod is long, and the crank more or less."""
+    values, _, _ = template("stephenson_far_side")
+    ends = [
+        brentq(lambda at, reach=reach: abs(four_bar(at)[0] + 0.130 - 0.165j) - reach, 0.9, 2.2) for reach in REACHES
+    ]
+    swing = abs(np.angle(four_bar(ends[0])[1] / four_bar(ends[1])[1]))
+    assert close(values["left.swing"], abs(ends[1] - ends[0]), relative=1e-11)
+    assert close(values["right.swing"], swing, relative=1e-11)
+    assert close(values["required_power"], 20 * 2 * swing * 100 / 60, relative=1e-11)
+
+
+REACHES = (0.190 - 0.035, 0.190 + 0.035)
+
+
+def four_bar(at):
+    """Point F of the plate of stephenson_far_side, and the right rocker's direction, by the left rocker's angle."""
+    left, line = 0.090 * np.exp(1j * at), 0.170 - 0.090 * np.exp(1j * at)
+    along = (abs(line) ** 2 + 0.150**2 - 0.120**2) / (2 * abs(line))
+    plate = line / abs(line) * complex(along, math.sqrt(0.150**2 - along**2)) / 0.150
+    return left + complex(0.075, 0.060) * plate, (left + 0.150 * plate - 0.170) / 0.120
 
 
 def test_offset_slider_crank_template__returns_as_fast_as_its_closed_form():

@@ -1,12 +1,12 @@
-"""Harmonics of the angle by which a second drive follows the first."""
+"""Harmonics of the law by which a second drive follows the first."""
 
 from engine.compiling.decorators import scalar
 from engine.laws.elementary import direction_of
 
 
 @scalar
-def angle_harmonic(angle: float, order: float, cosine: float, sine: float) -> tuple[float, float, float]:
-    """What a harmonic c cos kφ + s sin kφ adds to an angle [rad], and to its first two derivatives by φ.
+def law_harmonic(angle: float, order: float, cosine: float, sine: float) -> tuple[float, float, float]:
+    """What a harmonic c cos kφ + s sin kφ adds to an angle [rad] or a place [m], and to its derivatives by φ.
 
     Parameters
     ----------
@@ -15,7 +15,7 @@ def angle_harmonic(angle: float, order: float, cosine: float, sine: float) -> tu
     order : float
         Its number k.
     cosine, sine : float
-        Its amplitudes c and s [rad].
+        Its amplitudes c and s [rad or m].
     """
     c, s = direction_of(order * angle)
     added = cosine * c + sine * s
