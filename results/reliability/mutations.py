@@ -1,6 +1,9 @@
 """Scenes, studies, tables and command lines garbled at random; writes `mutations.md` beside this file.
 
-    python results/reliability/mutations.py --texts 20000 --evaluated 1000 --lines 2000
+    python results/reliability/mutations.py --texts 20000 --evaluated 2000 --lines 2000 --seed 2
+
+Counts are added to those in `mutations.json`, from which the table is made: slices with other seeds add up. Counts of
+an earlier state of the program are thrown away with `--anew`.
 
 Bundled studies, their scenes, the templates and all their tables are the stock. What is changed in a text is drawn by a
 seed: numbers become extreme, wrong or none, names become others, keys are renamed, left out or taken from another text
@@ -12,9 +15,12 @@ traceback, a crash, more processor time or memory than stated in the table, and 
 import argparse
 import contextlib
 import copy
+import importlib
 import io
+import json
 import multiprocessing
 import os
+import pkgutil
 import platform
 import random
 import resource
@@ -24,7 +30,6 @@ import tempfile
 import time
 import tomllib
 import traceback
-from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache
 from multiprocessing.connection import Connection
@@ -46,6 +51,8 @@ MOST_MEMORY = 1_000_000_000
 FEW = 5000
 # Cases for each process: what was compiled is given back with it.
 BATCH = 60
+# Parts of a slice, after each of which its counts are written; and how many texts on what went wrong are kept.
+TURNS, TOLD = 20, 60
 UNDEFINED = "results, undefined: "
 
 NUMBERS = (
@@ -363,11 +370,9 @@ def _slow(*_: object) -> None:
     raise Slow
 
 
-def campaign(
-    kind: str, count: int, seed: int, folder: Path, keep: Path | None
-) -> tuple[Counter, list[str], set[str], float, int]:
-    """Garbled texts or lines of one kind: how many ended how, what was wrong, what undefined, longest time, memory."""
-    ways, wrong, undefined, longest, most = Counter(), [], set(), 0.0, 0
+def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, data: dict[str, Any]) -> None:
+    """Garbled texts or lines of one kind, counted: how many ended how, longest time, memory, what was wrong."""
+    row = data["kinds"].setdefault(kind, {"ways": {}, "wrong": 0, "longest": 0.0, "memory": 0})
     context = multiprocessing.get_context("fork")
     for first in range(0, count, BATCH):
         mine, its = context.Pipe(duplex=False)
@@ -376,14 +381,14 @@ def campaign(
         )
         process.start()
         its.close()
-        case = ""
-        while True:
+        case, over = "", False
+        while not over:
             try:
                 told = mine.recv()
             except EOFError:
                 process.join()
-                wrong.append(f"{case}: the process ended with {process.exitcode}")
-                break
+                told = (case, f"the process ended with {process.exitcode}", "", 0.0, 0)
+                over = True
             if told == "over":
                 process.join()
                 break
@@ -391,50 +396,62 @@ def campaign(
                 case = told[1]
                 continue
             case, how, content, took, memory = told
-            longest, most = max(longest, took), max(most, memory)
+            row["longest"], row["memory"] = max(row["longest"], took), max(row["memory"], memory)
             if how.startswith(f"run: {UNDEFINED}"):
-                undefined.update(how.removeprefix(f"run: {UNDEFINED}").split(", "))
+                data["undefined"] = sorted({*data["undefined"], *how.removeprefix(f"run: {UNDEFINED}").split(", ")})
                 how = "run: results"
             fine = how.removeprefix("run: ") in ("results", "refused")
-            ways[how if fine else "wrong"] += 1
             if memory > MOST_MEMORY and kind == "texts":
                 fine, how = False, f"{memory / 1e6:.0f} MB; {how}"
+            way = how if fine else "run: wrong" if how.startswith("run: ") else "wrong"
+            row["ways"][way] = row["ways"].get(way, 0) + 1
             if not fine:
-                wrong.append(f"{case}: {how}")
-                print(wrong[-1][:600], flush=True)
+                row["wrong"] += 1
+                data["wrong"] = [*data["wrong"], " ".join(f"{case}: {how}".split())[:300]][-TOLD:]
+                print(data["wrong"][-1], flush=True)
                 if keep:
                     (keep / f"{case.replace(' ', '_')}.txt").write_text(content, encoding="utf8", errors="replace")
-    return ways, wrong, undefined, longest, most
 
 
 def main() -> None:
     """Garble, read, run, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name, usual in (("texts", 20_000), ("evaluated", 1000), ("lines", 2000), ("seed", 1)):
+    for name, usual in (("texts", 20_000), ("evaluated", 2000), ("lines", 2000), ("seed", 1)):
         parser.add_argument(f"--{name}", type=int, default=usual)
+    parser.add_argument("--anew", action="store_true", help="Forget the counts of earlier slices.")
     parser.add_argument("--keep", type=Path, help="Folder for the texts that went wrong.")
     asked = parser.parse_args()
     if asked.keep:
         asked.keep.mkdir(parents=True, exist_ok=True)
-    begun, rows, faults, undefined = time.monotonic(), [], [], set()
+    begun, counts = time.monotonic(), HERE / "mutations.json"
+    empty = {"slices": [], "kinds": {}, "undefined": [], "wrong": []}
+    data = json.loads(counts.read_text()) if counts.exists() and not asked.anew else empty
+    line = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "evaluated", "lines", "seed"))
+    load()
     with tempfile.TemporaryDirectory(prefix="mutations-") as scratch:
         folder = Path(scratch) / "texts"
         for part in ("studies", "templates"):
             shutil.copytree(STOCK / part, folder / part, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
         os.environ["XDG_CACHE_HOME"] = str(Path(scratch) / "cache")
-        for kind in ("texts", "lines", "evaluated"):
-            count = getattr(asked, kind)
-            ways, wrong, none, longest, most = campaign(kind, count, asked.seed, folder, asked.keep)
-            undefined |= none
-            told = ", ".join(f"{count} {way}" for way, count in ways.most_common())
-            rows.append(
-                f"| {NAMES[kind]} | {getattr(asked, kind)} | {told} | {longest:.1f} | {most / 1e6:.0f} | {len(wrong)} |"
-            )
-            faults += wrong
-            print(rows[-1], flush=True)
-    (HERE / "mutations.md").write_text(
-        table(asked, rows, faults, undefined, (time.monotonic() - begun) / 60), encoding="utf8"
-    )
+        # In turns, so that a slice that is stopped holds something of each; what is done then is kept.
+        for turn in range(TURNS):
+            for kind in ("texts", "lines", "evaluated"):
+                share = getattr(asked, kind) * (turn + 1) // TURNS - getattr(asked, kind) * turn // TURNS
+                campaign(kind, share, asked.seed * TURNS + turn, folder, asked.keep, data)
+            minutes = (time.monotonic() - begun) / 60
+            others = [found for found in data["slices"] if found["line"] != line]
+            told = f"{turn + 1} of {TURNS} turns"
+            data["slices"] = [*others, {"line": line, "minutes": round(minutes, 1), "turns": told}]
+            counts.write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", encoding="utf8")
+            (HERE / "mutations.md").write_text(table(data), encoding="utf8")
+
+
+def load() -> None:
+    """Load the whole program, which every process would have to do for itself."""
+    for found in pkgutil.walk_packages(sweeps.__path__, "sweeps."):
+        if not found.name.endswith("__main__"):
+            importlib.import_module(found.name)
+    documents()
 
 
 NAMES = {
@@ -444,16 +461,25 @@ NAMES = {
 }
 
 
-def table(asked: argparse.Namespace, rows: list[str], faults: list[str], undefined: set[str], minutes: float) -> str:
-    """The table, and what went wrong."""
-    told = [f"- {' '.join(text.split())[:300]}" for text in faults]
-    counts = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "evaluated", "lines", "seed"))
+def table(data: dict[str, Any]) -> str:
+    """The counts as a text."""
+    rows = []
+    for kind, row in data["kinds"].items():
+        ways = sorted(row["ways"].items(), key=lambda pair: -pair[1])
+        told = ", ".join(f"{count} {way}" for way, count in ways)
+        times = sum(count for way, count in ways if not way.startswith("run: "))
+        figures = f"{row['longest']:.1f} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
+        rows.append(f"| {NAMES[kind]} | {times} | {told} | {figures} |")
+    slices = [f"- `mutations.py {s['line']}`, {s['minutes']:.0f} minutes, {s['turns']}" for s in data["slices"]]
+    wrong = [f"- {text}" for text in data["wrong"]]
     return "\n".join(
         [
             "# Texts and command lines garbled at random",
             "",
-            f"`python results/reliability/mutations.py {counts}`; {minutes:.0f} minutes on {os.cpu_count()} cores,",
-            f"{platform.system()} {platform.machine()}, Python {platform.python_version()}.",
+            f"On {os.cpu_count()} cores that others used too, {platform.system()} {platform.machine()},",
+            f"Python {platform.python_version()}:",
+            "",
+            *slices,
             "",
             f"Wrong is a traceback, a crash, more than {READ_WITHIN:g} s of processor time or {MOST_MEMORY / 1e9:g} GB",
             f"to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a",
@@ -464,8 +490,8 @@ def table(asked: argparse.Namespace, rows: list[str], faults: list[str], undefin
             *rows,
             "",
             "Undefined in variants that are ok, as what never happens has no time:",
-            f"{', '.join(sorted(undefined)) or 'nothing'}.",
-            *(["", "What went wrong:", "", *told] if told else []),
+            f"{', '.join(data['undefined']) or 'nothing'}.",
+            *(["", "What went wrong:", "", *wrong] if wrong else []),
             "",
         ]
     )

@@ -54,15 +54,15 @@ def counts_text(result: SweepResult) -> str:
     """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
     status = result.columns["status"]
     rows = []
-    there = np.bincount(status, minlength=256)
+    # Counting makes whole numbers of eight bytes of the verdicts.
+    there = sum(np.bincount(status[part], minlength=256) for part in result.parts())
     for verdict in Verdict:
         if there[verdict]:
-            failed = status == verdict
             sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
             rows.append((f"{there[verdict]}", verdict.name.lower().replace("_", " "), sentence))
-            lines = drop_lines(list(result.missed().items())) if verdict == Verdict.DROPPED else _blame(result, failed)
+            lines = drop_lines(list(result.missed().items())) if verdict == Verdict.DROPPED else _blame(result, verdict)
             if verdict in MOTION_VERDICTS and status.size > 1:
-                shown = f"sweeps plot {result.path} --variant {int(np.argmax(failed))}"
+                shown = f"sweeps plot {result.path} --variant {int(np.argmax(status == verdict))}"
                 lines = [f"the motion of the first of them, as far as it goes: {shown}"]
             rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
@@ -87,19 +87,24 @@ def drop_lines(missed: Sequence[tuple[str, np.ndarray]], variants: int | None = 
     return lines
 
 
-def _blame(result: SweepResult, failed: np.ndarray) -> list[str]:
-    """For each group that fails: how often, and between which input positions it does so first."""
+def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
+    """For each group that fails with a verdict: how often, and between which input positions it does so first."""
     groups = result.record["groups"]
-    number, at = result.columns["status_group"], result.columns["status_at"]
+    if verdict == Verdict.OK or not groups:
+        return []
+    status, number, at = (result.columns[name] for name in ("status", "status_group", "status_at"))
+    counts, least, most = np.zeros(len(groups), int), np.full(len(groups), np.inf), np.full(len(groups), -np.inf)
+    for part in result.parts():
+        failed = status[part] == verdict
+        for i in np.unique(number[part][failed & (number[part] >= 0)]):
+            chosen = at[part][failed & (number[part] == i)]
+            counts[i] += chosen.size
+            least[i], most[i] = np.minimum(least[i], chosen.min()), np.maximum(most[i], chosen.max())
     lines = []
-    for i, group in enumerate(groups):
-        chosen = failed & (number == i)
-        if chosen.any():
-            first, last = (
-                quantity_text(float(v), result.units["status_at"]) for v in (at[chosen].min(), at[chosen].max())
-            )
-            place = first if first == last else f"{first} … {last}"
-            lines.append(f"group {group}: {int(chosen.sum())}, first at {place}")
+    for i in np.flatnonzero(counts):
+        first, last = (quantity_text(float(v), result.units["status_at"]) for v in (least[i], most[i]))
+        place = first if first == last else f"{first} … {last}"
+        lines.append(f"group {groups[i]}: {counts[i]}, first at {place}")
     return lines
 
 

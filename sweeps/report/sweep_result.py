@@ -1,6 +1,6 @@
 """A result file as a whole: its parameters, summaries, verdicts, and the choosing among its variants."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -122,7 +122,8 @@ class SweepResult:
     @property
     def done(self) -> int:
         """How many variants have been computed or dropped so far."""
-        return int((self.columns["status"] != Verdict.NOT_COMPUTED).sum())
+        status = self.columns["status"]
+        return sum(int(np.count_nonzero(status[part] != Verdict.NOT_COMPUTED)) for part in self.parts())
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -184,24 +185,21 @@ class SweepResult:
         InputError
             The condition can't be read, or names a column that isn't there.
         """
-        keep = self.meeting(where)
-        if sort is None:
-            return np.flatnonzero(keep)[:most]
-        if sort not in self.columns:
+        met, sign = self._met(where), -1.0 if descending else 1.0
+        if sort is not None and sort not in self.columns:
             raise InputError(str(self.path), [(None, "sort", unknown_name_message(sort, self.columns))])
-        sign = -1.0 if descending else 1.0
         found: list[tuple[np.ndarray, np.ndarray]] = []
         for part in self.parts():
-            here = part.start + np.flatnonzero(keep[part])
-            found.append((here, sign * self.columns[sort][here]))
+            here = part.start + np.flatnonzero(met(part))
+            found.append((here, here if sort is None else sign * self.columns[sort][here]))
             if most is not None:
                 found = [_first(found, most)]
         return _first(found, most)[0]
 
     def meeting(self, where: str | None) -> np.ndarray:
         """Which variants were computed and meet a condition for sure (variants,); the condition as for `select`."""
-        ok = self.columns["status"] == Verdict.OK
-        return ok & self._judged(where).met if where else ok
+        met = self._met(where)
+        return np.concatenate([met(part) for part in self.parts()])
 
     def undecided(self, where: str) -> int:
         """Of how many computed variants the error figures leave open whether they meet a condition.
@@ -216,21 +214,30 @@ class SweepResult:
         InputError
             As for `select`.
         """
-        return int(np.count_nonzero((self.columns["status"] == Verdict.OK) & self._judged(where).undecided))
+        status, judged = self.columns["status"], self._judged(where)
+        parts = ((status[part] == Verdict.OK) & judged(part).undecided for part in self.parts())
+        return sum(int(np.count_nonzero(part)) for part in parts)
 
-    def _judged(self, where: str) -> Judgement:
-        if where not in self._judgements:
-            try:
-                condition = Condition.read(where, dimensions_by_unit(self.units))
-            except ExpressionError as error:
-                raise InputError(str(self.path), [(None, "where", str(error))]) from None
-            found = Judgement(*np.zeros((2, self.description.variants), bool))
-            for part in self.parts():
-                here = self.rows(part, condition.names)
-                judged = condition.judged(here, errors_in(here), part.stop - part.start)
-                found.met[part], found.missed[part] = judged
-            self._judgements[where] = found
-        return self._judgements[where]
+    def _met(self, where: str | None) -> Callable[[slice], np.ndarray]:
+        """Which of a run of variants were computed and meet a condition for sure."""
+        status = self.columns["status"]
+        if not where:
+            return lambda part: status[part] == Verdict.OK
+        judged = self._judged(where)
+        return lambda part: (status[part] == Verdict.OK) & judged(part).met
+
+    def _judged(self, where: str) -> Callable[[slice], Judgement]:
+        """What a condition says of a run of variants; worked out each time, as that of 1e8 would fill memory."""
+        try:
+            condition = Condition.read(where, dimensions_by_unit(self.units))
+        except ExpressionError as error:
+            raise InputError(str(self.path), [(None, "where", str(error))]) from None
+
+        def judged(part: slice) -> Judgement:
+            here = self.rows(part, condition.names)
+            return condition.judged(here, errors_in(here), part.stop - part.start)
+
+        return judged
 
     def taken(self, chosen: np.ndarray | slice) -> dict[str, np.ndarray]:
         """All columns of some variants, in memory."""
@@ -244,10 +251,6 @@ class SweepResult:
         """Some columns of a run of variants, and their error figures where they have any."""
         pairs = (name for wish in names for name in (wish, f"{wish}_error"))
         return {name: self.columns[name][part] for name in pairs if name in self.columns}
-
-    @cached_property
-    def _judgements(self) -> dict[str, Judgement]:
-        return {}
 
     def candidates(self) -> np.ndarray:
         """Which variants were computed and meet the condition for the best one (variants,)."""
@@ -280,11 +283,12 @@ class SweepResult:
 
     def rivals(self, best: int) -> int:
         """How many other variants may be as good as the best one, within both error figures."""
-        goal, keep, count = self.goal, self.candidates(), 0
+        goal, count = self.goal, 0
+        met = self._met(goal.where)
         values, errors = self.columns[goal.goal], self.columns[f"{goal.goal}_error"]
         for part in self.parts():
             gap = goal.sign * (values[part] - values[best])
-            count += np.count_nonzero(keep[part] & (gap <= errors[part] + errors[best]))
+            count += np.count_nonzero(met(part) & (gap <= errors[part] + errors[best]))
         return int(count) - 1
 
 

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 
 _DECISIVE = ("progress/layout", "study_json")
+# Numbers of variants compared together.
+_NUMBERS_AT_ONCE = 1 << 18
 # So many places are named where a file is damaged.
 _SHOWN = 3
 _AGAIN = "Run its study again: what is damaged is computed again, and nothing else."
@@ -154,7 +156,7 @@ class MappedResult:
             self.columns = {name: _mapped(self._pages, file[name]) for name in names}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
             self.fields = [name for name in record["columns"] if name not in self.flat]
-            if not np.array_equal(self.columns["variant"], np.arange(self.variants)):
+            if not self._is_numbered():
                 self.edited.append("variant")
             for axis in axes:
                 values = np.ascontiguousarray(self.columns[axis["name"]], "<f8").tobytes()
@@ -210,6 +212,18 @@ class MappedResult:
         if hasattr(mmap, "MADV_DONTNEED"):
             self._pages.madvise(mmap.MADV_DONTNEED)
 
+    def _is_numbered(self) -> bool:
+        """Whether the axis of variants counts from 0 on; looked at in parts, as all of it may not fit in memory."""
+        numbers = self.columns["variant"]
+        if numbers.shape != (self.variants,):
+            return False
+        for start in range(0, self.variants, _NUMBERS_AT_ONCE):
+            part = numbers[start : start + _NUMBERS_AT_ONCE]
+            if not np.array_equal(part, np.arange(start, start + part.size)):
+                return False
+            self.release()
+        return True
+
     def _agrees(self, kind: str, block: int) -> bool:
         if (kind, block) not in self._known:
             rows = self.rows(block)
@@ -234,7 +248,9 @@ def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
 
 
 def mapped_columns(path: Path) -> MappedResult:
-    """Map all columns over variants alone, once they agree with their checksums; their verdicts are in memory.
+    """Map all columns over variants alone, once they agree with their checksums.
+
+    Verdicts are in memory where the file is still written: then they stand as they were at the beginning.
 
     Parameters
     ----------
@@ -247,8 +263,10 @@ def mapped_columns(path: Path) -> MappedResult:
         The file cannot be read, or is damaged.
     """
     mapped = MappedResult(path)
-    # A writer hands status over last: what is ok here has its numbers there.
-    status = np.array(mapped.columns["status"])
+    status = mapped.columns["status"]
+    if not mapped.done.all():
+        # A writer hands status over last: what is ok here has its numbers there.
+        status = np.array(status)
     mapped.refuse_damage(("flat",))
     mapped.columns = {name: mapped.columns[name] for name in mapped.flat} | {"status": status}
     return mapped

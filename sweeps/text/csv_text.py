@@ -12,8 +12,8 @@ LARGEST_TABLE = 256_000_000
 _HEADER = re.compile(r"^\s*(?P<key>[\w.\[\]]+)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
 # Characters that a number may have.
 _LONGEST = 100
-# Endings of files of which a message may quote what doesn't look like a table.
-_TABLES = (".csv", ".tsv", ".txt", ".dat", "")
+# Endings of files of which a message may quote what doesn't look like a table; /etc/passwd has none of them.
+_TABLES = (".csv", ".tsv", ".txt", ".dat")
 
 
 def read_csv(path: Path) -> dict[str, tuple[str, list[str]]]:
@@ -78,7 +78,7 @@ def _is_remark(line: str) -> bool:
 def _header(path: Path, line: int, cells: Sequence[str]) -> tuple[list[str], list[str]]:
     headers = [_HEADER.match(cell) for cell in cells]
     if None in headers:
-        shown = f" {cells[headers.index(None)][:60]!r}" if path.suffix.lower() in _TABLES else ""
+        shown = _quoted(path, cells[headers.index(None)])
         message = f"header{shown}: write a name and a unit for each column, such as 'force [kN]'"
         raise InputError(path.name, [(line, "", message)])
     names = [header["key"] for header in headers]
@@ -97,9 +97,14 @@ def _check_numbers(path: Path, lines: Sequence[int], column: list[str]) -> None:
         sound = False
     if not sound:
         bad = next(i for i, cell in enumerate(column) if not _is_number(cell))
-        shown = column[bad] if len(column[bad]) <= 60 else column[bad][:57] + "..."
-        message = f"{shown!r} is not a number; use a decimal point"
+        message = f"{_quoted(path, column[bad]).strip() or 'a cell'} is not a number; use a decimal point"
         raise InputError(path.name, [(lines[bad], "", message)])
+
+
+def _quoted(path: Path, cell: str) -> str:
+    """A cell as a message shows it, with a blank before it; "" where the file may be anything but a table."""
+    shown = cell if len(cell) <= 60 else cell[:57] + "..."
+    return f" {shown!r}" if path.suffix.lower() in _TABLES else ""
 
 
 def _is_number(cell: str) -> bool:

@@ -1,6 +1,7 @@
 """What readers see in a result file: plain h5py, xarray, and the functions of the store."""
 
 import sys
+import tracemalloc
 from pathlib import Path
 
 import h5py
@@ -12,6 +13,7 @@ from sweeps.store import (
     NOT_COMPUTED,
     Column,
     DamagedError,
+    FileLayout,
     MappedResult,
     Store,
     StoreError,
@@ -189,6 +191,22 @@ def test_changed_bit_in_a_part_file__block_pending_and_not_computed_for_readers(
             store.write(i, results(store, i))
         store.finish()
     assert MappedResult(path).damaged() == []
+
+
+def test_opening__holds_no_number_of_every_variant(path: Path) -> None:
+    # An axis compared as a whole took 8 bytes a variant, and 1 for the comparison.
+    count = 3_000_000
+    columns = (Column("status", "verdict", "1", dtype=np.uint8),)
+    with Store.open(path, FileLayout(count, count, columns, {"study_hash": "many"})) as store:
+        store.write(0, {"status": np.zeros(count, np.uint8)})
+        store.finish()
+    tracemalloc.start()
+    assert MappedResult(path).edited == []
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 3 * count
+    spoilt(path, "variant", count - 1)
+    assert MappedResult(path).edited == ["variant"]
 
 
 def test_edited_texts__named_and_decisive_ones_refused(path: Path) -> None:

@@ -9,10 +9,12 @@ from engine import Verdict
 from sweeps.pictures import picture_files
 from sweeps.pictures.sweep.sweep_data import evenly_chosen
 from sweeps.report import sweep_result
+from sweeps.report.result_report import counts_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import read_study
+from sweeps.text.templates import template_text
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +44,22 @@ def test_choosing_piece_by_piece__is_that_of_all_at_once(path, in_pieces):
     assert in_pieces.best() == np.flatnonzero(met)[np.argmin(whole.goal.sign * columns[name][met])]
     assert in_pieces.rivals(in_pieces.best()) == whole.rivals(whole.best())
     assert in_pieces.undecided(where) == whole.undecided(where)
+
+
+def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, monkeypatch):
+    (tmp_path / "scene.toml").write_text(template_text("slider_crank"))
+    study = 'scene = "scene.toml"\n[vary]\n'
+    study += '"groups.drive.first.length" = { from = "30 mm", to = "90 mm", count = 11 }\n'
+    study += '"input.length" = { from = "40 mm", to = "80 mm", count = 9 }\n[outputs]\nsummaries = ["piston.stroke"]\n'
+    (tmp_path / "study.toml").write_text(study)
+    path = run_study(read_study(str(tmp_path / "study.toml")), tmp_path / "study.h5")
+    whole = counts_text(SweepResult(path))
+    # A rod shorter than the crank assembles up to where the crank's pin is farther from the way than the rod is long.
+    columns = SweepResult(path).columns
+    failed = columns["groups.drive.first.length"] < columns["input.length"]
+    assert f"group drive: {failed.sum()}, first at " in whole
+    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 7)
+    assert counts_text(SweepResult(path)) == whole
 
 
 def test_picture_of_many__holds_the_best_among_variants_chosen_evenly(path, monkeypatch):

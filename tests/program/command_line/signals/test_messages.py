@@ -251,3 +251,11 @@ def test_variants_of_a_result__are_those_of_another_study(press_result):
     found = read_study("again.toml").design.values(0, 8)
     assert set(found) == {"input.length", "bodies.ram.mass"}
     assert found["bodies.ram.mass"].tolist() == [50, 100] * 4
+
+
+@pytest.mark.parametrize("text", ["root:x:0:0:root:/root:/bin/sh\nsecret:x:1:1\n", "a [mm]\nsecret\n"])
+def test_file_that_is_no_table__is_not_quoted(text, tmp_path):
+    (tmp_path / "passwd").write_text(text)
+    with pytest.raises(InputError) as refusal:
+        read_csv(tmp_path / "passwd")
+    assert not re.search("root|secret", str(refusal.value))

@@ -1,0 +1,377 @@
+"""What all faults are done to: commands in forks of one process that has everything loaded, and what they should give.
+
+A fork begins where the program's own first line stands; Python's start and the imports, 3 s, are left out by it.
+"""
+
+import importlib
+import os
+import pkgutil
+import random
+import signal
+import subprocess
+import sys
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import sweeps
+from sweeps.__main__ import start
+from sweeps.run import runner
+from sweeps.run.cluster.crew import Crew
+from sweeps.store import MappedResult, Store, StoreError, describe_result
+from sweeps.store.checksums import CHANGING
+from sweeps.text.templates import template_text
+
+# Studies here take about a second: cut into so many blocks, where the program would make one or two.
+BLOCKS = 12
+_SWEEP = """scene = "scene.toml"
+positions = 24
+
+[vary]
+"input.length" = {{ from = "30 mm", to = "60 mm", count = {count} }}
+"input.speed" = {{ values = ["200 rpm", "250 rpm", "300 rpm", "350 rpm"] }}
+
+[outputs]
+summaries = ["piston.stroke", "required_power", "excess_work"]
+{more}
+
+[best]
+minimise = "required_power"
+"""
+FIELDS = 'fields = ["piston.slide"]'
+_SEARCH = """scene = "scene.toml"
+positions = 24
+
+[vary]
+"input.length" = { from = "30 mm", to = "60 mm", count = 50 }
+"groups.drive.first.length" = { from = "150 mm", to = "300 mm", count = 50 }
+
+[outputs]
+summaries = ["piston.stroke", "required_power", "excess_work"]
+
+[optimise]
+minimise = ["excess_work"]
+subject_to = ["piston.stroke >= '80 mm'"]
+population = 400
+generations = 24
+"""
+_MOTION = """scene = "motor.toml"
+positions = 24
+
+[vary]
+"flywheel.inertia" = { from = "1 kg m2", to = "4 kg m2", count = 240 }
+
+[outputs]
+summaries = ["start.time", "start.motor_moment_peak"]
+"""
+_MOTOR = """
+[moments.motor]
+type = "induction_motor"
+on = "crank"
+power = "11 kW"
+synchronous_speed = "310 rpm"
+rated_speed = "300 rpm"
+breakdown_ratio = 2.5
+starting_ratio = 2.2
+
+[regimes.start]
+type = "run"
+off = ["delivery"]
+speed = "280 rpm"
+"""
+
+
+class Ended(NamedTuple):
+    """How a command ended.
+
+    Attributes
+    ----------
+    code : int
+        Exit code, −n for signal n.
+    out, err : str
+        What it said.
+    cpu : float
+        Processor time that it took in all [s].
+    """
+
+    code: int
+    out: str
+    err: str
+    cpu: float
+
+    @property
+    def fault(self) -> str:
+        """A traceback, a crash, or a failure without a word; "" where it is none of these."""
+        if "Traceback" in self.err + self.out or "Exception ignored" in self.err:
+            return f"traceback: {self.err[-300:]}"
+        if self.code not in (0, 1, 2):
+            return f"exit code {self.code}: {self.err[-200:]}"
+        return "" if self.code == 0 or self.err else "failed without a word"
+
+
+class Child:
+    """A command that is running, as a fork or as a process of its own."""
+
+    def __init__(self, pid: int, paths: list[Path]) -> None:
+        self.pid, self._paths = pid, paths
+
+    @property
+    def alive(self) -> bool:
+        """Whether it hasn't ended yet."""
+        return os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None
+
+    @property
+    def listens(self) -> bool:
+        """Whether it has come to the first line of the program, and hears SIGTERM or ignores it again."""
+        text = Path(f"/proc/{self.pid}/status").read_text()
+        masks = [int(line.split()[1], 16) for line in text.splitlines() if line.startswith(("SigCgt", "SigIgn"))]
+        return any(mask >> (signal.SIGTERM - 1) & 1 for mask in masks)
+
+    @property
+    def cpu(self) -> float:
+        """Processor time so far [s]."""
+        fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def end(self) -> Ended:
+        """Wait for its end."""
+        _, status, usage = os.wait4(self.pid, 0)
+        said = [path.read_text(errors="replace") for path in self._paths]
+        for path in self._paths:
+            path.unlink()
+        return Ended(os.waitstatus_to_exitcode(status), *said, usage.ru_utime + usage.ru_stime)
+
+
+class Job(NamedTuple):
+    """A command that makes a file, and goes on with it.
+
+    Attributes
+    ----------
+    name : str
+    arguments : tuple of str
+    result, part : str
+        The file made; what it is called until then.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    result: str
+    part: str
+
+
+class Bench:
+    """A folder with studies, what undisturbed runs make of them, and a tally of what came of disturbed ones.
+
+    Parameters
+    ----------
+    folder : Path
+        Scratch folder.
+    seed : int
+    note : callable
+        Called with what was done, what came of it and what is wrong, "" if nothing.
+    """
+
+    def __init__(self, folder: Path, seed: int, note: Callable[[str, str, str], None]) -> None:
+        self.folder, self.dice, self.note = folder, random.Random(seed), note
+        self.most: Counter = Counter()
+        self.environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache"), "HOME": str(folder / "home")}
+        for name in ("cache", "home", "said", "work"):
+            (folder / name).mkdir(mode=0o700)
+        self.work, self._written, self._cluster, self._count = folder / "work", folder / "written", None, 0
+        scene = template_text("slider_crank")
+        texts = {
+            "scene.toml": scene,
+            "motor.toml": scene.replace("\n[flywheel]\n", '\n[flywheel]\ninertia = "2 kg m2"\n') + _MOTOR,
+            "sweep.toml": _SWEEP.format(count=60_000, more=""),
+            "fields.toml": _SWEEP.format(count=40_000, more=FIELDS),
+            "small.toml": _SWEEP.format(count=150, more=FIELDS),
+            "search.toml": _SEARCH,
+            "motion.toml": _MOTION,
+        }
+        for name, text in texts.items():
+            (self.work / name).write_text(text, encoding="utf8")
+        self._load()
+        self.whole: dict[str, float] = {}
+        self.held: dict[str, dict[str, bytes]] = {}
+
+    def _load(self) -> None:
+        for found in pkgutil.walk_packages(sweeps.__path__, "sweeps."):
+            if not found.name.endswith("__main__"):
+                importlib.import_module(found.name)
+        for name in ("matplotlib.pyplot", "matplotlib.backends.backend_agg", "scipy.optimize", "distributed"):
+            importlib.import_module(name)
+        runner.measured_block_size = lambda study, machine: max(study.design.size // BLOCKS, 1)
+        Crew.block_size = lambda crew: 20_000
+        write = Store.write
+
+        def noted(store: Store, i: int, arrays: dict[str, np.ndarray]) -> None:
+            with open(self._written, "a") as file:
+                file.write(f"{store.part.name} {i}\n")
+            write(store, i, arrays)
+
+        Store.write = noted
+
+    # Commands
+
+    def begin(
+        self, *arguments: str, prepare: Callable[[], None] = lambda: None, environment: dict | None = None
+    ) -> Child:
+        """A command in a fork of this process."""
+        self._count += 1
+        paths = [self.folder / "said" / f"{self._count}.{kind}" for kind in ("out", "err")]
+        child = os.fork()
+        if child:
+            return Child(child, paths)
+        try:
+            # What is started in the background ignores Ctrl-C, and its children with it.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            os.chdir(self.work)
+            os.environ.clear()
+            os.environ.update(environment or self.environment)
+            for number, path in enumerate(paths, 1):
+                os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), number)
+            sys.argv = ["sweeps", *arguments]
+            prepare()
+            start()
+            os._exit(0)
+        except SystemExit as ending:
+            code = ending.code or 0
+            sys.stdout.flush()
+            os._exit(code)
+        except BaseException:
+            traceback.print_exc()
+            sys.stderr.flush()
+        finally:
+            os._exit(99)
+
+    def process(self, *arguments: str) -> Child:
+        """A command as a process of its own, from Python's start on."""
+        self._count += 1
+        paths = [self.folder / "said" / f"{self._count}.{kind}" for kind in ("out", "err")]
+        with open(paths[0], "w") as out, open(paths[1], "w") as err:
+            line = [sys.executable, "-m", "sweeps", *arguments]
+            heeding = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.default_int_handler)}
+            options = {"cwd": self.work, "env": self.environment, "stdout": out, "stderr": err, **heeding}
+            started = subprocess.Popen(line, **options)
+        # Waited for by its number.
+        started.returncode = 0
+        return Child(started.pid, paths)
+
+    def command(self, *arguments: str, **options: object) -> Ended:
+        """A command in a fork, to its end."""
+        return self.begin(*arguments, **options).end()
+
+    def ready(self, job: Job) -> None:
+        """Run a job undisturbed, once for the machine code and once for its time, and keep what it makes."""
+        if job.name in self.whole:
+            return
+        for _ in range(2):
+            self.clear(job)
+            begun = time.monotonic()
+            ended = self.command(*job.arguments)
+            self.whole[job.name] = time.monotonic() - begun
+            if ended.code:
+                raise RuntimeError(f"{job.name}: {ended.err}")
+        self.held[job.name] = self.contents(job.result)
+        self.clear(job)
+
+    def cluster(self) -> str:
+        """Address of a cluster of two workers, started at the first call."""
+        if self._cluster is None:
+            code = "import sys; from distributed import LocalCluster\nif __name__ == '__main__':\n"
+            code += "    cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)\n"
+            code += "    print(cluster.scheduler_address, flush=True)\n    sys.stdin.read()\n"
+            (self.folder / "cluster.py").write_text(code)
+            line = [sys.executable, str(self.folder / "cluster.py")]
+            pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+            self._cluster = subprocess.Popen(line, cwd=self.folder, env=self.environment, text=True, **pipes)
+            self._address = self._cluster.stdout.readline().strip()
+        return self._address
+
+    def close(self) -> None:
+        """End the cluster, if there is one."""
+        if self._cluster is not None:
+            self._cluster.stdin.close()
+            self._cluster.wait()
+
+    # Files
+
+    def contents(self, name: str) -> dict[str, bytes]:
+        """Bytes of all columns and texts of a result file, but for when it was finished; of another file all."""
+        path = self.work / name
+        if not name.endswith(".h5"):
+            return {"": path.read_bytes()}
+        texts = {k: str(v).encode() for k, v in describe_result(path).attributes.items() if k not in CHANGING}
+        return texts | {key: np.array(values).tobytes() for key, values in MappedResult(path).columns.items()}
+
+    def is_whole(self, job: Job) -> bool:
+        """Whether a finished file holds what the undisturbed job's does."""
+        try:
+            return self.contents(job.result) == self.held[job.name]
+        except (StoreError, OSError, KeyError):
+            return False
+
+    def is_left_right(self, job: Job) -> bool:
+        """Whether all that an unfinished file calls done is what was written there, and what the whole file has."""
+        part = MappedResult(self.work / job.part)
+        if part.damaged():
+            return False
+        if job.name == "search":
+            # The candidates' file has other blocks than the finished one.
+            return True
+        blocks = [part.rows(int(i)) for i in np.flatnonzero(part.done)]
+        for name in (*part.flat, *part.fields):
+            column = part.columns[name]
+            whole = np.frombuffer(self.held[job.name][name], column.dtype).reshape(column.shape)
+            if any(column[rows].tobytes() != whole[rows].tobytes() for rows in blocks):
+                return False
+        return True
+
+    def done(self, job: Job) -> set[int]:
+        """Numbers of the blocks that an unfinished file calls done."""
+        path = self.work / job.part
+        return set(np.flatnonzero(MappedResult(path).done).tolist()) if path.exists() else set()
+
+    def written(self, job: Job) -> set[int]:
+        """Numbers of the blocks written since the last time."""
+        lines = self._written.read_text().splitlines() if self._written.exists() else []
+        self._written.unlink(missing_ok=True)
+        pairs = [line.rpartition(" ") for line in lines]
+        return {int(number) for name, _, number in pairs if name == Path(job.part).name}
+
+    def clear(self, job: Job) -> None:
+        """Remove what there is of a job's files, drafts and pictures too."""
+        stem = Path(job.result).stem
+        for path in [*self.work.glob(f"{stem}[._]*"), *self.work.glob(".*")]:
+            if path.is_file():
+                path.unlink()
+
+
+def jobs(bench: Bench) -> dict[str, Callable[[], Job]]:
+    """The commands that faults are done to, by what they stand for; those of a cluster start one."""
+    usual = ("--no-plots", "--quiet")
+
+    def run(name: str, study: str, *more: str, verb: str = "run", part: str = "part") -> Callable[[], Job]:
+        line = (verb, f"{study}.toml", *usual, *more, "--out", f"of_{name}.h5")
+        return lambda: Job(name, line, f"of_{name}.h5", f"of_{name}.{part}.h5")
+
+    def paged() -> Job:
+        source = Job("small", ("run", "small.toml", *usual, "--out", "paged.h5"), "paged.h5", "paged.part.h5")
+        if not (bench.work / "paged.h5").exists() and bench.command(*source.arguments).code:
+            raise RuntimeError("the study to be reported has failed")
+        return Job("report", ("report", "paged.h5", "--out", "report.html"), "report.html", "report.part.h5")
+
+    return {
+        "run": run("run", "sweep"),
+        "kept fields": run("kept", "fields"),
+        "motion": run("motion", "motion"),
+        "accuracy": run("accuracy", "sweep", "--accuracy", "0.01 %"),
+        "search": run("search", "search", verb="optimise", part="candidates.part"),
+        "report": paged,
+        "cluster": lambda: run("cluster", "sweep", "--cluster", bench.cluster())(),
+    }
