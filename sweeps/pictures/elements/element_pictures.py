@@ -32,6 +32,7 @@ from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
 from sweeps.pictures.elements.friction_sheet import CURVES, friction_sheet
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
+from sweeps.pictures.elements.journal_and_roller_sheets import journal_sheet, roller_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 from sweeps.pictures.elements.unbalance_plan import static_plan, unbalance_plan
 from sweeps.pictures.elements.vehicle_sheets import car_sheet, locomotive_sheet
@@ -109,6 +110,12 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case GearTrain():
                 made.append(path.with_name(f"{path.stem}_{name}_velocities{path.suffix}"))
                 gear_sheet(element, made[-1], title)
+            case _ if element.type == "journal":
+                made.append(path.with_name(f"{path.stem}_{name}_friction{path.suffix}"))
+                journal_sheet(element, made[-1], title)
+            case _ if element.type == "roller":
+                made.append(path.with_name(f"{path.stem}_{name}_friction{path.suffix}"))
+                roller_sheet(element, made[-1], title)
             case _ if element.type in CURVES:
                 made.append(path.with_name(f"{path.stem}_{name}_friction{path.suffix}"))
                 friction_sheet(element, made[-1], title)

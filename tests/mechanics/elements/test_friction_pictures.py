@@ -8,6 +8,7 @@ from element_samples import BELT, GUIDE, INCLINE, JACK, JOURNAL, WEDGE, scene
 
 from sweeps.pictures.elements.element_pictures import element_pictures
 from sweeps.pictures.elements.friction_sheet import friction_sheet
+from sweeps.pictures.elements.journal_and_roller_sheets import journal_sheet, roller_sheet
 from sweeps.pictures.style import new_figure
 
 
@@ -37,10 +38,31 @@ def test_guide__its_curves_end_where_it_jams():
     assert (np.isnan(force) == (friction >= 0.25)).all()
 
 
-def test_pictures__of_these_elements_and_no_journal(tmp_path):
+def drawn_by(sheet, element) -> dict:
+    figure = sheet(scene(it=element).elements["it"], new_figure(180, 90), "it")
+    return {line.get_label(): np.array(line.get_data()) for line in figure.axes[1].get_lines()}
+
+
+def test_journal__its_moments_go_by_the_sine_of_the_angle_of_friction():
+    drawn = drawn_by(journal_sheet, {**JOURNAL, "load": 100.0, "diameter": 0.06, "friction": 0.1})
+    friction, moment = drawn["line"]
+    # M = R r sin atan f, and nearly so many times as much in a bush that is worn in, or new.
+    assert moment == pytest.approx(100.0 * 0.03 * np.sin(np.arctan(friction)), rel=1e-12)
+    assert drawn["worn in"][1][5] / moment[5] == pytest.approx(4.0 / math.pi, rel=1e-2)
+    assert drawn["new"][1][5] / moment[5] == pytest.approx(math.pi / 2.0, rel=1e-2)
+
+
+def test_roller__its_pull_grows_with_the_arm_until_it_slides():
+    roller = {"type": "roller", "load": 5000.0, "diameter": 0.4, "rolling_arm": 0.03, "friction": 0.2}
+    arm, pull = drawn_by(roller_sheet, roller)["force that moves it"]
+    # k in mm, F = N k/r up to f N, in kN.
+    assert pull == pytest.approx(np.minimum(5.0 * arm / 200.0, 1.0), rel=1e-12)
+
+
+def test_pictures__of_all_these_elements(tmp_path):
     machine = scene(jack=JACK, drive=BELT, key=WEDGE, ramp=INCLINE, way=GUIDE, pin=JOURNAL)
     made = element_pictures(machine, tmp_path / "m.png")
     assert [path.name for path in made] == [
-        f"m_{name}_friction.png" for name in ("jack", "drive", "key", "ramp", "way")
+        f"m_{name}_friction.png" for name in ("jack", "drive", "key", "ramp", "way", "pin")
     ]
     assert all(path.stat().st_size > 0 for path in made)
