@@ -56,7 +56,7 @@ from engine.verdicts import Verdict
 # for, and at least.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
 # A step of a run, whose errors nothing takes back.
-SURER_IN_RUNS = 0.01
+SURER_IN_RUNS = 0.1
 # Runs by equal steps whose time, angle or speed at the end change by more with steps of twice the length tell nothing.
 TELLS_NOTHING = 0.01
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.

@@ -25,6 +25,10 @@ from engine.scene.scene import Numbers
 
 SCANNED_PER_TURN = 60
 
+# How far beside a break moments are judged by [rad]: next to a dead centre the stroke differs from its end by less than
+# it is rounded, and what acts over it may seem not to.
+BESIDE = (JUMP, 1e-5)
+
 
 class Landmarks:
     """Finds the ends of strokes and the breaks of a machine's moments.
@@ -101,9 +105,9 @@ class Landmarks:
         acting = np.zeros((len(self.actions), *angles.shape), bool)
         if not angles.size:
             return acting
-        beside = np.concatenate((angles - JUMP, angles + JUMP))
+        beside = np.concatenate([angles + way * distance for distance in BESIDE for way in (-1.0, 1.0)])
         still = dict.fromkeys(self.tabulation.given, np.zeros_like(beside))
-        rows = self.tabulation(parameters, beside, still).reshape(-1, 2, *angles.shape)
+        rows = self.tabulation(parameters, beside, still).reshape(-1, 2 * len(BESIDE), *angles.shape)
         for i, name in enumerate(self.actions):
             owned = np.array([name in self.watches[w].actions for w in which])
             moves = np.full(angles.shape, name in self._unjudged)

@@ -108,8 +108,8 @@ class _Going:
         def weighted(weights: np.ndarray) -> np.ndarray:
             return h * sum(b * k for b, k in zip(weights, slopes, strict=True) if b != 0.0)
 
-        fine, coarse = weighted(method.less_fine), weighted(method.less_coarse)
-        both = np.sqrt(fine**2 + 0.01 * coarse**2)
+        fine, coarse = weighted(method.fine[0]), weighted(method.coarse[0])
+        both = np.hypot(fine, coarse)
         return y + weighted(method.weights), np.where(both > 0.0, fine**2 / np.where(both > 0.0, both, 1.0), 0.0)
 
     def holding(self, y: np.ndarray) -> np.ndarray:

@@ -13,9 +13,10 @@ from engine.motion.runs.run_in_time import set_off, step
 from engine.motion.runs.run_progress import Progress, RunOutcome
 from engine.verdicts import Verdict
 
-# The energy form takes over where moments change the energy by less than twice this share per radian. It doesn't depend
-# on the step: so near to rest that it would, 1/ω is a root of the angle, and no refinement of the grid helps.
-BRISK = 0.2
+# The energy form takes over where moments change the energy by less than so many times itself per radian. Nearer to
+# rest 1/ω is a root of the angle, for which no steps in the angle are short enough; and before that, no polynomial
+# within a step follows it as well as what is found at its end.
+BRISK, BRISK_TO_THE_END = 0.4, 40.0
 # Steps in time, none of them a cycle farther than before, after which a run without an end in time is given up.
 MOST_TIME_STEPS = 40_000
 
@@ -70,10 +71,11 @@ def _run(runs: Progress) -> RunOutcome:
 
 
 def _brisk(runs: Progress, who: np.ndarray) -> np.ndarray:
-    """Which variants move forward with so much energy that it lasts for a radian, whatever acts on them."""
+    """Which variants move forward with so much energy that moments don't change it at once."""
     if runs.dynamics.timed or runs.dynamics.friction is not None or not runs.dynamics.reduction.has_cycle:
         return np.zeros(who.size, bool)
     state, way = runs.part(who), np.where(runs.facing[who] < 0.0, -1.0, 1.0)
     rows, moments = runs.form(who).at(state.turned, state.omega, state.time + runs.clock[who], way)
-    twice_energy = rows.inertia[0] * state.omega**2
-    return (state.omega > 0.0) & (np.abs(moments.total[0]) < BRISK * twice_energy)
+    brisk = BRISK_TO_THE_END if runs.to_the_end else BRISK
+    energy = 0.5 * rows.inertia[0] * state.omega**2
+    return (state.omega > 0.0) & (np.abs(moments.total[0]) < brisk * energy)

@@ -17,15 +17,17 @@ from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
 from engine.motion.steppers.going import FOUND, go_on_to_end, new_going_room
 from engine.motion.steppers.places import form_of, source_of
-from engine.motion.steppers.radau import ORDER_NINE
+from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
 from engine.motion.steppers.tableaux import Method
 from engine.motion.steppers.time_form import State
 from engine.verdicts import Verdict
 
-# For motors that aren't steep, and those that are.
-METHODS = (ORDER_EIGHT, ORDER_NINE)
+# For motors that aren't steep, and those that are; where steps are looked within, and where only their ends count.
+LOOKED_WITHIN, TO_THE_END = (ORDER_EIGHT, ORDER_NINE), (ORDER_THIRTEEN, ORDER_NINE)
 # Places of a step between which extremes are searched, for comparison: some of those that a method names.
 FEWER = [0, 2, 5]
+# Steps of the order thirteen may turn so many times as far.
+FARTHER = 4.0
 # What a single step may miss: anything.
 WHATEVER = 1e30
 
@@ -84,8 +86,9 @@ def _gone(
 ) -> Stretch:
     """Go from where they stand: explicitly, or implicitly where a motor is steep."""
     look, before, parts = look and len(runs.observers) > 0, runs.part(who), []
-    for implicit, method in enumerate((ORDER_FOUR,) if runs.classical else METHODS):
-        some = np.flatnonzero(steep == implicit)
+    methods = TO_THE_END if runs.to_the_end else LOOKED_WITHIN
+    for newton, method in enumerate((ORDER_FOUR,) if runs.classical else methods):
+        some = np.flatnonzero(steep == newton)
         if not some.size:
             continue
         own, state = who[some], State(*(x[..., some] for x in before))
@@ -129,7 +132,7 @@ def _carried(
     dynamics, part = runs.dynamics, runs.variants.some(who)
     count, cycle, begin = who.size, dynamics.cycle, _place(runs, who, state)
     doubtful = runs.half and not runs.classical
-    if doubtful and not method.implicit:
+    if doubtful and not method.newton:
         method = method._replace(looked_at=method.looked_at[FEWER])
     elif doubtful:
         # A steep motor answers to every change of the energy with one that it has to be followed through.
@@ -140,7 +143,8 @@ def _carried(
     with np.errstate(all="ignore"):
         whole = np.floor(ends.turned / cycle)
         rest = np.where(np.isfinite(whole), ends.turned - whole * cycle, np.inf)
-    longest = np.full(count, runs.farthest_step)
+    farther = FARTHER if method.implicit and not method.newton else 1.0
+    longest = np.full(count, farther * runs.farthest_step)
     first = np.where(np.isfinite(ends.turned), np.minimum(longest, ends.turned), longest)
     longest, first = (np.where(tolerance < WHATEVER, x, 2.0 * cycle) for x in (longest, first))
     numbers = [begin, part.direction, part.flywheel, np.full(count, tolerance), energy, whole, rest]

@@ -128,6 +128,8 @@ class Progress:
         As of `RunOutcome`, so far.
     classical, extremes : bool
         As of `Stepping`.
+    to_the_end : bool
+        Whether nothing within their steps is asked for.
     facing : ndarray
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
@@ -164,6 +166,7 @@ class Progress:
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.pace = np.full(count, np.inf)
         self.classical, self.extremes = stepping.classical, stepping.extremes
+        self.to_the_end = not (stepping.classical or stepping.extremes or observers)
         longer = 2.0 if half else 1.0
         self.tolerance = stepping.tolerance
         self.time_tolerance = stepping.tolerance * (COARSER if half else 1.0)

@@ -27,6 +27,7 @@ def _parts() -> np.ndarray:
 
 ORDER_FOUR = Method(
     implicit=False,
+    newton=False,
     stages=4,
     dense_stages=5,
     matrix=_MATRIX,
@@ -35,9 +36,10 @@ ORDER_FOUR = Method(
     shares=np.array([0.0, 0.5, 0.5, 1.0]),
     place_of=np.array([0, 1, 2, 3, 3]),
     # It has no other to be compared with: what it misses is told by steps of twice the length.
-    less_fine=np.zeros(4),
-    besides=np.zeros((0, 4)),
-    less_coarse=np.zeros(4),
+    fine=np.zeros((1, 4)),
+    coarse=np.zeros((1, 4)),
+    coarsest=np.zeros((0, 4)),
+    exponent=1.0 / 8.0,
     parts=_parts(),
     looked_at=np.array([0, 1, 3]),
 )

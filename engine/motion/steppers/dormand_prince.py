@@ -226,6 +226,8 @@ DORMAND_PRINCE = Tableau(NODES[:STAGES], MATRIX[:STAGES, :STAGES], MATRIX[STAGES
 # What the formula of order eight gives more than those of orders five and three.
 ERRORS = np.array([_rows((_LESS_FIFTH,), STAGES)[0], DORMAND_PRINCE.weights - _rows((_THIRD,), STAGES)[0]])
 DENSE = _rows(_DENSE, DENSE_STAGES)
+# As of the program DOP853.
+SHARE_OF_COARSE = 0.1
 
 
 def _parts() -> np.ndarray:
@@ -236,6 +238,7 @@ def _parts() -> np.ndarray:
 
 ORDER_EIGHT = Method(
     implicit=False,
+    newton=False,
     stages=STAGES,
     dense_stages=DENSE_STAGES,
     matrix=MATRIX,
@@ -244,9 +247,11 @@ ORDER_EIGHT = Method(
     # The last stage of the step and the first of the polynomial share a place.
     shares=np.delete(NODES, STAGES),
     place_of=np.array([s - (s >= STAGES) for s in range(DENSE_STAGES)]),
-    less_fine=ERRORS[0].copy(),
-    besides=_rows((_BESIDES,), STAGES),
-    less_coarse=ERRORS[1].copy(),
+    # The second one is independent of the first: one alone happens to vanish at some lengths of a step.
+    fine=np.array([ERRORS[0], *_rows((_BESIDES,), STAGES)]),
+    coarse=SHARE_OF_COARSE * ERRORS[1:],
+    coarsest=np.zeros((0, STAGES)),
+    exponent=1.0 / 8.0,
     parts=_parts(),
     looked_at=np.array([0, 3, 5, 9, 10, 11]),
 )

@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.compiling.decorators import driver, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.driver import gather, hand_out
+from engine.cycle.driver import gather
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR
@@ -42,13 +42,17 @@ from engine.motion.steppers.mesh import (
 )
 from engine.motion.steppers.one_step import (
     FROM_MOTORS,
+    LEFT,
     MOMENT,
+    ROUNDS,
     ROW_OF,
+    SLOPE,
     SLOWNESS,
     SPEED,
     SQUARE,
     STAGE_ROWS,
     add_weighted,
+    correct_stages,
     estimate,
     make_polynomial,
     make_stages,
@@ -71,9 +75,11 @@ from engine.motion.steppers.settling import (
 from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 
 # Rows of a block's state beside those of a cycle that settles: cycles gone through, whole cycles and rest of one to go,
-# ends of time and speed, longest step, steps since the last cycle, whether the lane moves, and why it stopped.
-CYCLES, WHOLE, REST, UNTIL, ABOVE_ALL, BELOW_ALL, LONGEST, TAKEN, MOVING, WHY, PASSED, TRIED = range(STATE, STATE + 12)
-ALL_STATE = STATE + 12
+# ends of time and speed, longest step, steps since the last cycle, whether the lane moves, why it stopped, whether its
+# step passes an edge, how long the last one was that was tried, and which variant it is.
+CYCLES, WHOLE, REST, UNTIL, ABOVE_ALL, BELOW_ALL, LONGEST = range(STATE, STATE + 7)
+TAKEN, MOVING, WHY, PASSED, TRIED, WHO = range(STATE + 7, STATE + 13)
+ALL_STATE = STATE + 13
 # Rows of what is found: why it stopped, cycles and angle turned in the last one, energy, time, work of the motors,
 # their moment squared over time, least and greatest speed, length of the step that wasn't taken, length of the next
 # one; then works of channels.
@@ -82,9 +88,16 @@ FOUND = 11
 GIVEN_ROWS = (START, WAY, WHEEL, TOLERANCE, E, WHOLE, REST, UNTIL, ABOVE_ALL, BELOW_ALL, LONGEST, TRY)
 
 # Too near to rest for the energy form: where loads take so many times the energy per radian 1/ω is a root of the
-# angle.
-TIMES_PER_RADIAN = 4.0
+# angle. A polynomial within a step follows it less far than what is found at its end.
+TIMES_PER_RADIAN, TIMES_TO_THE_END = 4.0, 40.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
+# After so many corrections of its stages no step is longer than the last; where they don't come to an end, shorter.
+MANY_ROUNDS, SHORTER = 4.0, 0.5
+# How much of the energy's change a motor may take back over a step, to which the length of a step goes as the error's
+# twelfth root.
+STEEPEST = 4.0
+# Where corrections don't even come to an end in steps of so much [rad], a motor is steep.
+SHORT = 0.01
 # Few variants take as many lanes as a multiple of what a processor computes at once.
 VECTOR = 8
 # Share of the greatest error by the angle that is kept from step to step.
@@ -176,6 +189,22 @@ def fill_few(
 
 
 @routine
+def judge_corrections(wide: int, method: Method, stages: Memory, state: Memory) -> None:
+    """Add what corrections leave to the estimated error of the energy, and refuse steps in which a motor is steep.
+
+    Where a disturbance is forgotten before the first place of a step, none of its places knows of it.
+    """
+    for lane in range(wide):
+        missed, steepest = abs(state[ERROR, lane]) + stages[LEFT, lane], 0.0
+        for s in range(method.stages):
+            steepest = larger(abs(stages[SLOPE + s, lane]), steepest)
+        state[ERROR, lane] = math.copysign(missed, state[ERROR, lane])
+        cube = (steepest / STEEPEST) ** 3
+        too_steep = (cube > 1.0) & (state[OTHER, lane] < cube**4)
+        state[OTHER, lane] = cube**4 if too_steep else state[OTHER, lane]
+
+
+@routine
 def lose_of_energy(wide: int, steps: Memory, state: Memory) -> None:
     """Change energy and time after a step by their estimated errors, to the side of a machine that turns faster.
 
@@ -234,7 +263,9 @@ def choose_next(wide: int, edges: Memory, sides: Memory, state: Memory, steps: M
 
 
 @routine
-def decide(wide: int, implicit: bool, places: Memory, row: int, steps: Memory, state: Memory, stages: Memory) -> None:
+def decide(
+    wide: int, method: Method, times: float, places: Memory, row: int, steps: Memory, state: Memory, stages: Memory
+) -> None:
     """Take the step where it misses little enough and passes no end: what follows for each lane.
 
     LENGTH becomes zero where it isn't taken. `row` is where the end of the step stands among the places.
@@ -245,20 +276,26 @@ def decide(wide: int, implicit: bool, places: Memory, row: int, steps: Memory, s
         length, missed = steps[LENGTH, lane], state[OTHER, lane]
         lost = not missed < math.inf
         good = (missed <= 1.0) | ((length < SHORTEST) & (not lost))
-        share = SHRINK if lost else GROW
+        slowly = method.implicit and not method.newton
+        share = (SHORTER if slowly else SHRINK) if lost else GROW
         if missed > 0.0 and not lost:
-            share = smaller(larger(SAFETY / math.sqrt(math.sqrt(math.sqrt(missed))), SHRINK), GROW)
+            share = smaller(larger(SAFETY * missed ** (-method.exponent), SHRINK), GROW)
+        if slowly and good and stages[ROUNDS, lane] > MANY_ROUNDS:
+            share = smaller(share, 1.0)
         state[TRIED, lane] = length
-        # How far the next one goes follows from what was tried, were it cut short by an edge.
-        state[TRY, lane] = larger(length * share, state[TRY, lane]) if good else length * share
+        # How far the next one goes follows from what was tried, were it cut short by an edge; where corrections are
+        # many, the next one is shorter.
+        shorter = slowly and share < 1.0 and length >= SHORTEST
+        state[TRY, lane] = larger(length * share, state[TRY, lane]) if good and not shorter else length * share
         energy, speed = state[E_AFTER, lane], math.sqrt(state[E_AFTER, lane] * places[row + INVERSE, lane])
         why = -1.0
-        if -stages[MOMENT, lane] > TIMES_PER_RADIAN * state[E, lane] and state[BELOW_ALL, lane] >= 0.0:
+        if good and -stages[MOMENT, lane] > times * state[E, lane] and state[BELOW_ALL, lane] >= 0.0:
             why = float(NEAR_REST)
         elif not good:
             state[TAKEN, lane] += 1.0
-            too_many = (state[TAKEN, lane] > larger(MOST_EXPLICIT, FAR / state[LONGEST, lane])) and not implicit
+            too_many = (state[TAKEN, lane] > larger(MOST_EXPLICIT, FAR / state[LONGEST, lane])) and not method.newton
             why = float(NEAR_REST) if length < SHORTEST else (float(STIFF) if too_many else -1.0)
+            why = float(STIFF) if slowly and lost and length < SHORT else why
         elif not energy > 0.0:
             why = float(NEAR_REST)
         elif speed >= state[ABOVE_ALL, lane]:
@@ -274,7 +311,7 @@ def decide(wide: int, implicit: bool, places: Memory, row: int, steps: Memory, s
             state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
             continue
         state[SCALE, lane], state[TAKEN, lane] = state[WORK, lane], state[TAKEN, lane] + 1.0
-        if state[TAKEN, lane] > larger(MOST_EXPLICIT, FAR / state[LONGEST, lane]) and not implicit:
+        if state[TAKEN, lane] > larger(MOST_EXPLICIT, FAR / state[LONGEST, lane]) and not method.newton:
             state[WHY, lane], state[MOVING, lane] = float(STIFF), 0.0
 
 
@@ -303,6 +340,71 @@ def move_on(wide: int, edges: Memory, count: int, state: Memory, steps: Memory) 
             state[NEXT, lane] = float(k)
         moving += state[MOVING, lane]
     return moving
+
+
+@routine
+def ready_lane(lane: int, variant: int, moves: bool, edges: Memory, count: int, state: Memory) -> None:
+    """Make a lane ready whose numbers are those of a variant, and whose state is zero but for what is given."""
+    k = 1
+    while k < count - 1 and edges[k, lane] <= 0.0:
+        k += 1
+    state[NEXT, lane], state[SLOWEST, lane], state[FASTEST, lane] = float(k), math.inf, -math.inf
+    ended = state[WHOLE, lane] <= 0.0 and state[REST, lane] <= 0.0
+    state[MOVING, lane], state[WHY, lane] = 0.0 if ended or not moves else 1.0, float(ANGLE)
+    state[WHO, lane] = float(variant)
+
+
+@routine
+def take_over(
+    lane: int,
+    variant: int,
+    parameters: np.ndarray,
+    drives: np.ndarray,
+    every_exponent: np.ndarray,
+    every_edge: np.ndarray,
+    every_side: np.ndarray,
+    every_given: np.ndarray,
+    numbers: Memory,
+    drive: Memory,
+    exponents: Memory,
+    edges: Memory,
+    sides: Memory,
+    state: Memory,
+    totals: int,
+    works: Memory,
+) -> None:
+    """Let a lane that came to its end go on with another variant."""
+    for i in range(parameters.shape[0]):
+        numbers[i, lane] = parameters[i, variant]
+    for i in range(drives.shape[0]):
+        drive[i, lane] = drives[i, variant]
+    for i in range(every_exponent.shape[0]):
+        exponents[i, lane] = every_exponent[i, variant]
+    for i in range(every_edge.shape[0]):
+        edges[i, lane], sides[i, lane] = every_edge[i, variant], every_side[i, variant]
+    for i in range(ALL_STATE):
+        state[i, lane] = 0.0
+    for i in range(len(GIVEN_ROWS)):
+        state[GIVEN_ROWS[i], lane] = every_given[i, variant]
+    for i in range(totals):
+        works[i, lane] = 0.0
+    ready_lane(lane, variant, True, edges, every_edge.shape[0], state)
+
+
+@routine
+def hand_over(lane: int, shorter: bool, channels: int, works: Memory, state: Memory, found: np.ndarray) -> None:
+    """Write down what was found of the variant in a lane; with energy and time changed where it is `shorter`."""
+    v = int(state[WHO, lane])
+    if shorter:
+        # What a motion forgets within the run, no run of longer steps shows; and their last may be as short.
+        state[E, lane] += state[OF_E, lane]
+        state[TIME, lane] -= state[OF_TIME, lane]
+    found[0, v], found[1, v], found[2, v] = state[WHY, lane], state[CYCLES, lane], state[TURNED, lane]
+    found[3, v], found[4, v], found[5, v] = state[E, lane], state[TIME, lane], state[MOTOR, lane]
+    found[6, v], found[7, v], found[8, v] = state[SQUARES, lane], state[SLOWEST, lane], state[FASTEST, lane]
+    found[9, v], found[10, v] = state[TRIED, lane], state[TRY, lane]
+    for channel in range(channels):
+        found[FOUND + channel, v] = works[channel, lane]
 
 
 @driver
@@ -342,10 +444,15 @@ def go_on_to_end(
     numbers, position, tile, width, count = room.numbers, room.position, room.tile, form.width, every_edge.shape[0]
     packed, row, within = in_lanes(room.packed), width * (method.stages - 1), extremes or asked.shape[0] > 0
     # Places of the polynomial within a step come last.
-    count_of_places = method.shares.shape[0] if within or method.implicit else method.stages
-    for b in range(begin, end):
-        first = b * LANES
-        own = min(LANES, found.shape[1] - first)
+    count_of_places = method.shares.shape[0] if within or method.newton else method.stages
+    corrected = method.implicit and not method.newton
+    # Where steps are looked within, what is recorded of a block lies side by side.
+    times = TIMES_TO_THE_END if method.implicit and not within else TIMES_PER_RADIAN
+    blocks, shorter = 1 if within else end - begin, doubtful and method.newton
+    for b in range(begin, end, blocks):
+        first, last = b * LANES, min((b + blocks) * LANES, found.shape[1])
+        own = min(LANES, last - first)
+        following = first + own
         wide = min(LANES, VECTOR * ((own + VECTOR - 1) // VECTOR))
         gather(parameters, first, in_lanes(numbers))
         gather(drives, first, drive)
@@ -364,16 +471,34 @@ def go_on_to_end(
             for lane in range(LANES):
                 works[channel, lane] = 0.0
         for lane in range(LANES):
-            k = 1
-            while k < count - 1 and edges[k, lane] <= 0.0:
-                k += 1
-            state[NEXT, lane], state[SLOWEST, lane], state[FASTEST, lane] = float(k), math.inf, -math.inf
-            ended = state[WHOLE, lane] <= 0.0 and state[REST, lane] <= 0.0
-            state[MOVING, lane], state[WHY, lane] = 0.0 if ended or lane >= own else 1.0, float(ANGLE)
+            ready_lane(lane, first + lane, lane < own, edges, count, state)
         moving = 0.0
         for lane in range(wide):
             moving += state[MOVING, lane]
-        while moving > 0.0:
+        while moving > 0.0 or following < last:
+            for lane in range(own):
+                while state[MOVING, lane] == 0.0 and following < last:
+                    hand_over(lane, shorter, form.channels, works, state, found)
+                    take_over(
+                        lane,
+                        following,
+                        parameters,
+                        drives,
+                        every_exponent,
+                        every_edge,
+                        every_side,
+                        every_given,
+                        in_lanes(numbers),
+                        drive,
+                        exponents,
+                        edges,
+                        sides,
+                        state,
+                        4 * form.channels,
+                        works,
+                    )
+                    following += 1
+                    moving += state[MOVING, lane]
             choose_next(wide, edges, sides, state, steps)
             step = steps[LENGTH]
             if own * count_of_places <= LANES:
@@ -397,17 +522,22 @@ def go_on_to_end(
                 )
             for lane in range(wide):
                 state[E_AFTER, lane], state[T_AFTER, lane] = state[E, lane], state[TIME, lane]
-            make_stages(
-                ROW_OF[0], method.stages, wide, method, form, drive, exponents, places, 0, state[E], step, stages
-            )
+            if corrected:
+                correct_stages(wide, method, form, drive, exponents, places, state[E], step, state[TOLERANCE], stages)
+            else:
+                make_stages(
+                    ROW_OF[0], method.stages, wide, method, form, drive, exponents, places, 0, state[E], step, stages
+                )
             judge_step(wide, method, cycle, state, steps, 0, stages)
+            if corrected:
+                judge_corrections(wide, method, stages, state)
             add_weighted(wide, method.weights, step, stages, ROW_OF[MOMENT], state[E_AFTER])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
-            if doubtful and method.implicit:
+            if doubtful and method.newton:
                 keep_doubts(wide, steps, state)
             elif doubtful:
                 lose_of_energy(wide, steps, state)
-            decide(wide, method.implicit, places, row, steps, state, stages)
+            decide(wide, method, times, places, row, steps, state, stages)
             for s in range(method.stages):
                 for lane in range(wide):
                     motors = stages[FROM_MOTORS + s, lane]
@@ -418,14 +548,14 @@ def go_on_to_end(
                     stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
             add_weighted(wide, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
-            if doubtful and not method.implicit:
+            if doubtful and not method.newton:
                 lose(wide, method, step, ROW_OF[FROM_MOTORS], state, stages, state[MOTOR])
                 lose(wide, method, step, ROW_OF[SQUARE], state, stages, state[SQUARES])
             if form.channels > 1:
                 for channel in range(form.channels):
                     for lane in range(wide):
                         works[3 * form.channels + channel, lane] = works[channel, lane]
-                own_doubt = 0.0 if doubtful and not method.implicit else 1.0
+                own_doubt = 0.0 if doubtful and not method.newton else 1.0
                 add_cycle_works(
                     wide, own_doubt, method, form, channel_of, exponents, places, 0, step, state, stages, works
                 )
@@ -457,7 +587,7 @@ def go_on_to_end(
                         for lane in range(wide):
                             stages[SLOWNESS + s, lane] = 1.0 / stages[SPEED + s, lane]
                     make_polynomial(wide, method, step, stages, ROW_OF[SLOWNESS], parts, ROW_OF[DENSE_PARTS])
-                    record_within(method.implicit, first, own, asked, record, 0, False, steps, state, stages, parts)
+                    record_within(method.newton, first, own, asked, record, 0, False, steps, state, stages, parts)
                 if extremes:
                     look_for_extremes(wide, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
             for lane in range(wide):
@@ -465,15 +595,5 @@ def go_on_to_end(
                 state[E, lane] = state[E_AFTER, lane] if taken else state[E, lane]
                 state[TIME, lane] = state[T_AFTER, lane] if taken else state[TIME, lane]
             moving = move_on(wide, edges, count, state, steps)
-        if doubtful and method.implicit:
-            # What a motion forgets within the run, no run of longer steps shows; and their last may be as short.
-            for lane in range(own):
-                state[E, lane] += state[OF_E, lane]
-                state[TIME, lane] -= state[OF_TIME, lane]
         for lane in range(own):
-            v = first + lane
-            found[0, v], found[1, v], found[2, v] = state[WHY, lane], state[CYCLES, lane], state[TURNED, lane]
-            found[3, v], found[4, v], found[5, v] = state[E, lane], state[TIME, lane], state[MOTOR, lane]
-            found[6, v], found[7, v], found[8, v] = state[SQUARES, lane], state[SLOWEST, lane], state[FASTEST, lane]
-            found[9, v], found[10, v] = state[TRIED, lane], state[TRY, lane]
-        hand_out(form.channels, works, first, FOUND, found)
+            hand_over(lane, shorter, form.channels, works, state, found)

@@ -9,17 +9,21 @@ import numpy as np
 
 from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.lanes import Memory
-from engine.cycle.panels.series import larger
+from engine.cycle.panels.series import larger, smaller
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import Form, add_share, moments_at_place, slopes_at_place
-from engine.motion.steppers.radau import ORDER_NINE
+from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
 from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 
-MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE))
+MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE, ORDER_THIRTEEN))
 # Rows of stages: speed, moment of the motors, moment of everything, ∂M/∂E, energy, 1/ω, motors' moment squared by 1/ω,
 # moment of a channel; then the linear equations of an implicit step, row by row with their right-hand sides.
 SPEED, FROM_MOTORS, MOMENT, SLOPE, ENERGY, SLOWNESS, SQUARE, CHANNEL, EQUATIONS = (i * MOST_STAGES for i in range(9))
-STAGE_ROWS = EQUATIONS + ORDER_NINE.stages * (ORDER_NINE.stages + 1)
+STAGE_ROWS = EQUATIONS + ORDER_THIRTEEN.stages * (ORDER_THIRTEEN.stages + 1) + 3
+
+# Rows of such corrections behind the last ones: how many there were, the greatest of the last ones, what is left to the
+# limit, and the factors of their linear equations.
+ROUNDS, CHANGE, LEFT, FACTORS = (EQUATIONS + ORDER_THIRTEEN.stages + i for i in range(4))
 
 # The same rows as numbers that the compiler doesn't know: what takes one is then compiled once, not for each.
 ROW_OF = np.arange(STAGE_ROWS)
@@ -27,6 +31,14 @@ ROW_OF = np.arange(STAGE_ROWS)
 # Newton's method for the stages of an implicit step: most rounds, when they are found, or nearly so, and the least
 # share of an energy that it goes to in a round.
 MOST_ROUNDS, SOLVED, NEARLY_SOLVED, LEAST_SHARE = 25, 1e-14, 1e-11, 0.1
+# Of corrections that go on only as long as a step needs it: most rounds, what may be left as a share of what the step
+# may miss, what that is of a step that may miss anything, rounding as a share of the energy, and how fast and
+# how slowly they converge.
+MOST_CORRECTIONS, MAY_BE_LEFT, SURE, LEAST_RATIO, SLOWEST_RATIO = 7, 1e-2, 1e-9, 0.1, 0.9
+# From one pair of orders to the next the share that is left gets smaller, of functions without a pole by so much; and
+# by how much the estimate that follows is enlarged, as it may fall short by as much.
+FADES_FASTER, DOUBLE = 0.5, 2.0
+ROUNDED_ENERGY = 8.0 * float(np.finfo(float).eps)
 
 
 @routine
@@ -128,6 +140,121 @@ def solve_stages(
 
 
 @routine
+def correct_stages(
+    wide: int,
+    method: Method,
+    form: Form,
+    drive: Memory,
+    exponents: Memory,
+    places: Memory,
+    energy: Memory,
+    step: Memory,
+    tolerance: Memory,
+    stages: Memory,
+) -> None:
+    """Stages of a collocation step as exactly as it needs them; moments of a lane where they fail are no numbers.
+
+    By Newton's method with the slopes at the first energies. `tolerance` is what a step may miss, as a share of its
+    work. SLOWNESS is 1 of a lane whose energies are found, −1 of one that has none.
+    """
+    count = method.stages
+    for s in range(count):
+        for lane in range(wide):
+            stages[ENERGY + s, lane] = energy[lane]
+        stage_moments(s, wide, method, form, drive, exponents, places, 0, stages)
+    for lane in range(wide):
+        stages[SLOWNESS, lane], stages[ROUNDS, lane], stages[CHANGE, lane] = 0.0, 0.0, 0.0
+    lay_factors(wide, method, form, drive, exponents, places, step, stages)
+    for _ in range(MOST_CORRECTIONS):
+        for lane in range(wide):
+            stages[CHANNEL, lane], stages[SQUARE, lane] = 0.0, 0.0
+        for s in range(count):
+            change = stages[EQUATIONS + s]
+            for lane in range(wide):
+                change[lane] = energy[lane] - stages[ENERGY + s, lane]
+            for k in range(count):
+                add_share(wide, method.matrix[s, k], step, stages[MOMENT + k], change)
+            for k in range(s):
+                factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
+                for lane in range(wide):
+                    change[lane] -= factor[lane] * of[lane]
+        for i in range(count):
+            s = count - 1 - i
+            change, inverse = stages[EQUATIONS + s], stages[FACTORS + s * count + s]
+            for k in range(s + 1, count):
+                factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
+                for lane in range(wide):
+                    change[lane] -= factor[lane] * of[lane]
+            for lane in range(wide):
+                change[lane] *= inverse[lane]
+        for s in range(count):
+            for lane in range(wide):
+                before, by, worst = stages[ENERGY + s, lane], stages[EQUATIONS + s, lane], stages[CHANNEL, lane]
+                # What isn't a number stays none.
+                stages[CHANNEL, lane] = worst if worst > abs(by) else abs(by)
+                stages[SQUARE, lane] = larger(abs(stages[MOMENT + s, lane]), stages[SQUARE, lane])
+                better = larger(before + by, LEAST_SHARE * before)
+                stages[ENERGY + s, lane] = better if stages[SLOWNESS, lane] == 0.0 else before
+            stage_moments(s, wide, method, form, drive, exponents, places, 0, stages)
+        pending = 0.0
+        for lane in range(wide):
+            work, worst, before = step[lane] * stages[SQUARE, lane], stages[CHANNEL, lane], stages[CHANGE, lane]
+            # They converge geometrically, though the second one may be smaller than that by far.
+            ratio = smaller(larger(worst / before, LEAST_RATIO), SLOWEST_RATIO) if before > 0.0 else SLOWEST_RATIO
+            left = worst * ratio / (1.0 - ratio)
+            missed = tolerance[lane] if tolerance[lane] < 1.0 else SURE
+            enough = (left <= MAY_BE_LEFT * missed * work) | (worst <= ROUNDED_ENERGY * energy[lane])
+            now = (1.0 if enough else 0.0) if worst < math.inf else -1.0
+            if stages[SLOWNESS, lane] == 0.0:
+                stages[SLOWNESS, lane], stages[CHANGE, lane], stages[LEFT, lane] = now, worst, left
+                stages[ROUNDS, lane] += 1.0
+            pending += 1.0 if stages[SLOWNESS, lane] == 0.0 else 0.0
+        if pending == 0.0:
+            break
+    for lane in range(wide):
+        found = stages[SLOWNESS, lane] > 0.0
+        stages[MOMENT, lane] = stages[MOMENT, lane] if found else math.nan
+        stages[SPEED, lane] = stages[SPEED, lane] if found else math.nan
+
+
+@routine
+def lay_factors(
+    wide: int,
+    method: Method,
+    form: Form,
+    drive: Memory,
+    exponents: Memory,
+    places: Memory,
+    step: Memory,
+    stages: Memory,
+) -> None:
+    """Factors L and U of I − h·A·∂M/∂E at the energies of the stages, with 1/U on the diagonal."""
+    count = method.stages
+    for s in range(count):
+        at, slope = form.width * method.place_of[s], stages[SLOPE + s]
+        slopes_at_place(wide, form, drive, exponents, places, at, stages[SPEED + s], slope)
+        for lane in range(wide):
+            slope[lane] *= step[lane]
+    for s in range(count):
+        for k in range(count):
+            own, share, diagonal = stages[FACTORS + s * count + k], method.matrix[s, k], 1.0 if k == s else 0.0
+            for lane in range(wide):
+                own[lane] = diagonal - share * stages[SLOPE + k, lane]
+    for s in range(count):
+        for k in range(s):
+            factor, inverse = stages[FACTORS + s * count + k], stages[FACTORS + k * count + k]
+            for lane in range(wide):
+                factor[lane] *= inverse[lane]
+            for i in range(k + 1, count):
+                own, of = stages[FACTORS + s * count + i], stages[FACTORS + k * count + i]
+                for lane in range(wide):
+                    own[lane] -= factor[lane] * of[lane]
+        pivot = stages[FACTORS + s * count + s]
+        for lane in range(wide):
+            pivot[lane] = 1.0 / pivot[lane]
+
+
+@routine
 def lay_equations(wide: int, method: Method, energy: Memory, step: Memory, stages: Memory) -> None:
     """Linear equations for the corrections of the energies of an implicit step's stages."""
     count = method.stages
@@ -190,28 +317,49 @@ def add_weighted(wide: int, weights: np.ndarray, step: Memory, stages: Memory, r
 
 @routine
 def estimate(wide: int, method: Method, step: Memory, stages: Memory, row: int, other: Memory, error: Memory) -> None:
-    """Estimated error of such an integral, with its sign, from formulas of lower orders.
+    """Estimated error of such an integral, with its sign, from formulas that vanish up to lower orders.
 
-    `other` is a row to work in. Source: as of DOP853. The finer one is the root of the squares of all that vanish up to
-    its order: one alone happens to be zero at some lengths of a step, at which nothing of what is missed would be seen.
+    `other` is a row to work in. Source: as of DOP853. Each is the root of the squares of all of its order: one alone
+    happens to be zero at some lengths of a step, at which nothing of what is missed would be seen.
     """
-    for lane in range(wide):
-        error[lane] = 0.0
-    add_weighted(wide, method.less_fine, step, stages, row, error)
-    for formula in range(method.besides.shape[0]):
+    root_of_squares(wide, method.coarsest, step, stages, row, error, stages[EQUATIONS + 1])
+    root_of_squares(wide, method.coarse, step, stages, row, error, stages[EQUATIONS])
+    root_of_squares(wide, method.fine, step, stages, row, error, other)
+    if method.coarsest.shape[0] == 0:
         for lane in range(wide):
-            other[lane] = 0.0
-        add_weighted(wide, method.besides[formula], step, stages, row, other)
+            fine, coarse = other[lane], stages[EQUATIONS, lane]
+            error[lane] = math.copysign(fine * fading(fine, coarse), error[lane])
+        return
+    for lane in range(wide):
+        fine, coarse, coarsest = other[lane], stages[EQUATIONS, lane], stages[EQUATIONS + 1, lane]
+        # What fades geometrically over three pairs of orders does so over the next three, and one order is left for
+        # safety. The fine ones may happen to be small, where what came before tells how much they fade at most.
+        before = FADES_FASTER * fading(coarse, coarsest)
+        share = larger(fading(fine, coarse), before)
+        error[lane] = math.copysign(DOUBLE * larger(fine, coarse * before) * share * share * share, error[lane])
+
+
+@inlined
+def fading(fine: float, coarse: float) -> float:
+    """Which share of the coarse the fine one is, at most 1."""
+    size = math.sqrt(fine * fine + coarse * coarse)
+    return fine / size if size != 0.0 else size
+
+
+@routine
+def root_of_squares(
+    wide: int, formulas: np.ndarray, step: Memory, stages: Memory, row: int, first: Memory, root: Memory
+) -> None:
+    """What the first of some formulas gives, and the root of the squares of all."""
+    for lane in range(wide):
+        root[lane] = 0.0
+    for i in range(formulas.shape[0]):
+        formula = formulas.shape[0] - 1 - i
         for lane in range(wide):
-            first, also = error[lane], other[lane]
-            error[lane] = math.copysign(math.sqrt(first * first + also * also), first)
-    for lane in range(wide):
-        other[lane] = 0.0
-    add_weighted(wide, method.less_coarse, step, stages, row, other)
-    for lane in range(wide):
-        fine, coarse = error[lane], other[lane]
-        size = math.sqrt(fine * fine + 0.01 * coarse * coarse)
-        error[lane] = fine * abs(fine) / size if size != 0.0 else size
+            first[lane] = 0.0
+        add_weighted(wide, formulas[formula], step, stages, row, first)
+        for lane in range(wide):
+            root[lane] = math.sqrt(root[lane] * root[lane] + first[lane] * first[lane])
 
 
 @routine

@@ -35,6 +35,9 @@ class Method(NamedTuple):
     ----------
     implicit : bool
         Whether it is a collocation method, whose last stage is the end of the step.
+    newton : bool
+        Whether its stages are found by Newton's method to the last digits, however steep a moment is by the speed;
+        those of other collocation methods are found by fewer corrections, as exactly as a step has to be.
     stages, dense_stages : int
         How many stages a step has, and with those of its polynomial.
     matrix : ndarray (dense stages, dense stages)
@@ -47,10 +50,11 @@ class Method(NamedTuple):
         Where the places of stages lie, shares of the step.
     place_of : ndarray (dense stages,) of int
         The place of each stage.
-    less_fine, less_coarse : ndarray (stages,)
-        What its formula gives more than two of lower orders.
-    besides : ndarray (formulas, stages)
-        Others that vanish up to the same order as `less_fine`, and are independent of it.
+    fine, coarse, coarsest : ndarray (formulas, stages)
+        Formulas that vanish up to some order, up to a lower one, and up to a still lower one, if there are any: their
+        sizes tell how much what they find fades from order to order.
+    exponent : float
+        To which power of what a step misses its length goes.
     parts : ndarray (DENSE_PARTS, dense stages)
         Weights of the parts of the polynomial p within the step,
         p(θ) = p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + p₃θ²(1−θ)² + …
@@ -59,6 +63,7 @@ class Method(NamedTuple):
     """
 
     implicit: bool
+    newton: bool
     stages: int
     dense_stages: int
     matrix: np.ndarray
@@ -66,9 +71,10 @@ class Method(NamedTuple):
     weights: np.ndarray
     shares: np.ndarray
     place_of: np.ndarray
-    less_fine: np.ndarray
-    less_coarse: np.ndarray
-    besides: np.ndarray
+    fine: np.ndarray
+    coarse: np.ndarray
+    coarsest: np.ndarray
+    exponent: float
     parts: np.ndarray
     looked_at: np.ndarray
 

@@ -68,6 +68,18 @@ def test_table_over_stroke__dead_centres_and_rows(measured):
     check(of(breaks, "cut"), sorted(rows))
 
 
+def test_table_from_the_end_of_the_stroke__bends_at_the_dead_centre_however_that_is_rounded():
+    # Next to the dead centre the stroke is 1e-20 m from its end, and by rounding may be beyond it, where nothing acts.
+    scene, offsets = slider_crank({}), np.linspace(-0.03, 0.03, 60)
+    scene["guides"]["way"]["y"] = 0.0
+    scene["forces"] = {"cut": CUT | {"over_stroke": [0.0, 0.02], "force": [900.0, 500.0]}}
+    _, breaks = landmarks(scene, {"guides.way.y": offsets})
+    for i, offset in enumerate(offsets):
+        angle = np.mod(math.asin(offset / (RADIUS + ROD)), TURN)
+        beside = [abs(math.remainder(a - angle, TURN)) for a, jump in of(breaks, "cut", i) if not jump]
+        assert min(beside) < FOUND
+
+
 def test_table_over_angle__its_rows():
     _, breaks = landmarks(slider_crank({}))
     found = of(breaks, "by_angle")

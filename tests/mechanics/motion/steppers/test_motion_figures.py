@@ -61,8 +61,9 @@ def test_error_figures__hold_for_nearly_all_of_200_random_machines(monkeypatch):
     print("\n".join(f"  {name:28} {shares[name]:.3f} {ratios[name]:8.2f}" for name in NAMES))
     assert np.mean([*shares.values()]) >= 0.97, shares
     assert min(shares.values()) >= 0.97, shares
-    # What is estimated is a formula of lower order: with steps as small as these it errs some thousand times as much.
-    assert all(1 <= ratio <= 1e4 for ratio in ratios.values()), ratios
+    # What is estimated is a formula of lower order: with steps as small as these it errs some thousand times as much,
+    # and of the order thirteen ten times that.
+    assert all(1 <= ratio <= 1e5 for ratio in ratios.values()), ratios
 
 
 def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss(monkeypatch):

@@ -3,13 +3,14 @@
 import math
 from collections.abc import Iterator
 from functools import cache
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, pairwise
 
 import numpy as np
 import pytest
 
 from engine.motion.steppers.dormand_prince import DORMAND_PRINCE, ERRORS, MATRIX, NODES, ORDER_EIGHT
-from engine.motion.steppers.radau import ORDER_NINE, RADAU
+from engine.motion.steppers.one_step import DOUBLE, FADES_FASTER
+from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN, RADAU, RADAU_THIRTEEN
 from engine.motion.steppers.tableaux import Method, Tableau, part_at
 
 # A rooted tree is the tuple of the trees that grow from its root.
@@ -89,18 +90,18 @@ def test_embedded_formulas__have_their_orders_and_no_more(row: int, order: int):
     assert missed(DORMAND_PRINCE.matrix, weights, order + 1) > 1e-6
 
 
-def estimated(weights: list[np.ndarray], slopes: np.ndarray, length: float) -> float:
+def estimated(weights: np.ndarray, slopes: np.ndarray, length: float) -> float:
     """As of DOP853, with the root of the squares of all formulas of order five."""
     fine = length * np.hypot(*(w @ slopes for w in weights)) if len(weights) > 1 else length * (weights[0] @ slopes)
-    coarse = length * (ORDER_EIGHT.less_coarse @ slopes)
-    return fine**2 / np.sqrt(fine**2 + 0.01 * coarse**2)
+    (coarse,) = length * (ORDER_EIGHT.coarse @ slopes)
+    return fine**2 / np.hypot(fine, coarse)
 
 
 def test_formula_besides__is_of_order_five_and_independent_of_the_first():
-    (besides,) = ORDER_EIGHT.besides
+    first_formula, besides = ORDER_EIGHT.fine
     assert missed(DORMAND_PRINCE.matrix, DORMAND_PRINCE.weights - besides, 5) < ROUNDED
     of_six = np.array([elementary(DORMAND_PRINCE.matrix, tree) / symmetry(tree) for tree in trees(6)])
-    first, second = of_six @ ORDER_EIGHT.less_fine, of_six @ besides
+    first, second = of_six @ first_formula, of_six @ besides
     assert np.isclose(first @ first, second @ second, rtol=1e-9)
     assert abs(first @ second) < 1e-9 * (first @ first)
 
@@ -127,9 +128,8 @@ def test_estimated_error__hardly_vanishes_at_any_length_of_a_step():
             error = abs(value + length * (DORMAND_PRINCE.weights @ slopes) - np.exp(np.sin(begin + length)))
             # What rounds says nothing.
             if error > 1e-13:
-                formulas = [ORDER_EIGHT.less_fine, *ORDER_EIGHT.besides]
-                alone.append(estimated(formulas[:1], slopes, length) / error)
-                both.append(estimated(formulas, slopes, length) / error)
+                alone.append(estimated(ORDER_EIGHT.fine[:1], slopes, length) / error)
+                both.append(estimated(ORDER_EIGHT.fine, slopes, length) / error)
     # Once in a thousand steps the estimate of one falls short ten thousand times, that of both a hundred times.
     assert np.quantile(alone, 0.001) < 1e-4
     assert min(both) > 3e-3
@@ -150,7 +150,57 @@ def test_nodes_of_dormand_and_prince__are_the_sums_of_rows():
 
 def test_formulas_of_lower_order__of_radau_miss_polynomials_of_their_degree_only():
     nodes = RADAU.nodes
-    for less, count in ((ORDER_NINE.less_fine, 4), (ORDER_NINE.less_coarse, 3)):
+    for (less,), count in ((ORDER_NINE.fine, 4), (ORDER_NINE.coarse, 3)):
         # Weights of both formulas integrate what the fewer nodes determine.
         assert max(abs(less @ nodes**k) for k in range(count)) < ROUNDED
         assert abs(less @ nodes**count) > 1e-4
+
+
+def test_order_thirteen__by_butchers_simplifying_assumptions():
+    # B(13), C(7) and D(6) give order 13: J. C. Butcher's theorem, Hairer, Nørsett and Wanner I, II.7. B(14) isn't met.
+    a, b, c = RADAU_THIRTEEN.matrix, RADAU_THIRTEEN.weights, RADAU_THIRTEEN.nodes
+    assert max(abs(b @ c ** (k - 1) - 1.0 / k) for k in range(1, 14)) < ROUNDED
+    assert abs(b @ c**13 - 1.0 / 14.0) > 1e-9
+    assert max(np.abs(a @ c ** (k - 1) - c**k / k).max() for k in range(1, 8)) < ROUNDED
+    assert max(np.abs((b * c ** (k - 1)) @ a - b / k * (1.0 - c**k)).max() for k in range(1, 7)) < ROUNDED
+
+
+def fading(fine: float, coarse: float) -> float:
+    return fine / np.hypot(fine, coarse)
+
+
+def of_thirteen(slopes: np.ndarray, length: float) -> float:
+    fine, coarse, coarsest = (
+        length * np.linalg.norm(formulas @ slopes)
+        for formulas in (ORDER_THIRTEEN.fine, ORDER_THIRTEEN.coarse, ORDER_THIRTEEN.coarsest)
+    )
+    before = FADES_FASTER * fading(coarse, coarsest)
+    return DOUBLE * max(fine, coarse * before) * max(fading(fine, coarse), before) ** 3
+
+
+# Entire, with poles beside the way, and with branch points close to it: how far estimates may fall short, and how far
+# the middle one may exceed the error.
+@pytest.mark.parametrize(
+    ("slope", "short", "middle"),
+    [
+        (lambda t: np.sin(7.0 * t), 0.6, 2e5),
+        (lambda t: 1.0 / (1.5 + np.cos(t)), 2.0, 600.0),
+        (lambda t: np.sqrt(1.05 + np.cos(t)), 0.1, 20.0),
+    ],
+    ids=["sine", "poles", "branch points"],
+)
+def test_estimated_error_of_order_thirteen__hardly_falls_short(slope, short: float, middle: float):
+    random, ratios = np.random.default_rng(1), []
+    for begin, length in zip(random.uniform(0.0, 6.28, 800), np.exp(random.uniform(-1.6, 1.14, 800)), strict=True):
+        nodes, weights = np.polynomial.legendre.leggauss(80)
+        # Panels of their own where the integrand is steepest.
+        edges = np.union1d([begin, begin + length], [x for x in (np.pi,) if begin < x < begin + length])
+        true = sum(0.5 * (b - a) * weights @ slope(0.5 * (a + b) + 0.5 * (b - a) * nodes) for a, b in pairwise(edges))
+        slopes = slope(begin + length * RADAU_THIRTEEN.nodes)
+        error = abs(length * (RADAU_THIRTEEN.weights @ slopes) - true)
+        # What rounds says nothing.
+        if error > 1e-13:
+            ratios.append(of_thirteen(slopes, length) / error)
+    assert len(ratios) > 100
+    assert min(ratios) > short
+    assert 1.0 < np.median(ratios) < middle
