@@ -10,7 +10,7 @@ from sweeps.pictures.drawing.annotations import annotations
 from sweeps.pictures.drawing.frame import frame_parts, stands
 from sweeps.pictures.drawing.links import plates_and_bars
 from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.names import input_arrow, names_of_points, texts_beside
+from sweeps.pictures.drawing.names import input_arrows, names_of_points, texts_beside
 from sweeps.pictures.drawing.symbols import Primitive, line
 from sweeps.pictures.picture_error import PictureError
 
@@ -77,7 +77,7 @@ def figures(
     trails = [line(*trail, layer="paths") for trail in trails]
     others = [[p for part in plates_and_bars(motion, k) for p in part] for k in rest]
     plates, bars = plates_and_bars(motion, first)
-    whole = [*frame_parts(motion), *trails, *plates, *stands(motion), *bars, *input_arrow(motion, first)]
+    whole = [*frame_parts(motion), *trails, *plates, *stands(motion), *bars, *input_arrows(motion, first)]
     obstacles = [*whole, *(p for other in others for p in other)]
     names = names_of_points(motion, [first], [obstacles])[0]
     if not shown:

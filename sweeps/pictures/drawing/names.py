@@ -1,32 +1,64 @@
-"""What a drawing is lettered with: the names of points, and the arrow of the input's motion."""
+"""What a drawing is lettered with: the names of points, and the arrows of the inputs' motion."""
 
 import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from engine import CrankInput
+from engine import CrankInput, SecondCrank
 from sweeps.pictures.drawing.links import joints
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import HALF_LENGTH, Primitive, arrow
 
 # Height of a name in radii of a hinge.
 NAME_HEIGHT = 2.6
+# Between a node's neighbours a second input that moves less, in radians or radii of a hinge, rests.
+LEAST_STEP = 1e-6
 
 
-def input_arrow(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Arrow of the input's motion."""
+def input_arrows(m: DrawnMotion, k: int) -> list[Primitive]:
+    """Arrows of the motion of the input, and of second inputs that don't rest at this node."""
     r, drive = m.radius, m.scene.input
     sense = math.copysign(1, m.numbers["input.speed"])
     if isinstance(drive, CrankInput):
-        length = m.numbers["input.length"]
-        radius = 0.55 * length if length > 9 * r else length + 3.5 * r
-        turn = max(0.6, min(1.2, 9 * r / radius))
-        angles = m.q[k] + sense * np.linspace(0.25, 0.25 + turn, 24)
-        return arrow(m.points[drive.pivot][k] + radius * np.exp(1j * angles), r)
-    u = m.guide(drive.guide)[1][k]
-    face = m.points[drive.point][k] + sense * (HALF_LENGTH + 1) * r * u
-    return arrow([face, face + 4 * r * sense * u], r)
+        shown = _turning_arrow(m.points[drive.pivot][k], m.numbers["input.length"] * np.exp(1j * m.q[k]), sense, r)
+    else:
+        shown = _sliding_arrow(m.points[drive.point][k], sense * m.guide(drive.guide)[1][k], r)
+    before, after = k - 1, (k + 1) % m.q.size
+    for name, second in m.scene.inputs.items():
+        (origin, along), seconds_sense = m.axes(name), sense
+        if isinstance(second, SecondCrank):
+            against = along / m.axes(m.scene.points[second.pivot].link)[1]
+            seconds_sense *= _sign_of_step(np.angle(against[after] / against[before]))
+            arms = [m.points[point][k] - origin[k] for point in m.members(name)]
+            arm = max(arms, key=abs)
+            if seconds_sense:
+                shown += _turning_arrow(origin[k], arm if abs(arm) > r else r * along[k], seconds_sense, r)
+        else:
+            seconds_sense *= _sign_of_step((m.slides[name][after] - m.slides[name][before]) / r)
+            if seconds_sense:
+                shown += _sliding_arrow(origin[k], seconds_sense * along[k], r)
+    return shown
+
+
+def _sign_of_step(step: float) -> int:
+    """Sense of a step between nodes; 0 where it is nothing but rounding, or not defined."""
+    return int(step > LEAST_STEP) - int(step < -LEAST_STEP)
+
+
+def _turning_arrow(pivot: complex, arm: complex, sense: float, r: float) -> list[Primitive]:
+    """Arc ahead of a link's arm about its pivot: across the arm where that is long, otherwise beyond its end."""
+    length = abs(arm)
+    radius = 0.55 * length if length > 9 * r else length + 3.5 * r
+    turn = max(0.6, min(1.2, 9 * r / radius))
+    angles = np.angle(arm) + sense * np.linspace(0.25, 0.25 + turn, 24)
+    return arrow(pivot + radius * np.exp(1j * angles), r)
+
+
+def _sliding_arrow(centre: complex, way: complex, r: float) -> list[Primitive]:
+    """Arrow ahead of a slider, along the unit vector of its motion."""
+    face = centre + (HALF_LENGTH + 1) * r * way
+    return arrow([face, face + 4 * r * way], r)
 
 
 def _segments(drawn: Iterable[Primitive]) -> np.ndarray:

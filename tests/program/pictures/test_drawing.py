@@ -215,6 +215,51 @@ def test_arrow_of_crank__turns_as_the_speed_says(speed):
     assert np.all(np.diff(np.unwrap(np.angle(arc.points))) * speed > 0)
 
 
+def with_second_inputs(speed):
+    """A crank that drives a four-bar, and beside it a swinging crank, and a slide that rests for a half turn."""
+    scene = four_bar().model_dump(exclude_none=True)
+    scene["points"] |= {"S": {"x": 0.1, "y": -0.1}, "T": {"link": "swing", "x": 0.0, "y": 0.06}}
+    return Scene.model_validate(
+        scene
+        | {
+            "input": crank(speed=speed),
+            "guides": {"way": {"y": -0.2, "angle": 0.3}},
+            "inputs": {
+                "swing": {"type": "crank", "pivot": "S", "harmonics": {"one": {"order": 1, "sine": 0.4}}},
+                "ram": {
+                    "type": "slider",
+                    "guide": "way",
+                    "sections": {
+                        "out": {"type": "rise", "law": "cycloidal", "angle": math.pi / 2, "lift": 0.05},
+                        "stay": {"type": "dwell", "angle": math.pi},
+                        "back": {"type": "return", "law": "cycloidal"},
+                    },
+                },
+            },
+        }
+    )
+
+
+@pytest.mark.parametrize("speed", [6.0, -6.0])
+def test_arrows_of_second_inputs__ahead_of_them_by_the_laws_and_none_at_rest(speed):
+    scene = with_second_inputs(speed)
+    # Swing 0.4 sin φ; the slide goes out, rests, and comes back.
+    for phi, slides in ((0.7, 1), (2.5, 0), (5.5, -1)):
+        drawn = primitives(scene, phi)
+        _, arc, *shafts = [np.array(p.points) for p in drawn if p.layer == "names" and p.kind == "line"]
+        about = arc - complex(0.1, -0.1)
+        turned = np.unwrap(np.angle(about / (circle(drawn, "T").points[0] - complex(0.1, -0.1))))
+        sense = math.copysign(1.0, math.cos(phi) * speed)
+        assert np.ptp(np.abs(about)) < EXACT
+        assert sense * turned[0] == pytest.approx(0.25)
+        assert np.all(sense * np.diff(turned) > 0)
+        assert len(shafts) == abs(slides)
+        for tail, tip in shafts:
+            along = (tip - tail) * np.exp(-0.3j)
+            assert abs(along.imag) < EXACT
+            assert along.real * slides * speed > 0
+
+
 def test_paths__closed_curve_and_a_to_and_fro_drawn_once():
     drawn = primitives(four_bar(), 1.0, paths=["P", "B"])
     loop, arc = (np.array(p.points) for p in drawn if p.layer == "paths")
