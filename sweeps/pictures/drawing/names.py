@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from engine import CrankInput, SecondCrank
+from engine import CrankInput, SecondCrank, holder_of
 from sweeps.pictures.drawing.links import joints
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import HALF_LENGTH, Primitive, arrow
@@ -28,7 +28,7 @@ def input_arrows(m: DrawnMotion, k: int) -> list[Primitive]:
     for name, second in m.scene.inputs.items():
         (origin, along), seconds_sense = m.axes(name), sense
         if isinstance(second, SecondCrank):
-            against = along / m.axes(m.scene.points[second.pivot].link)[1]
+            against = along / m.axes(holder_of(m.scene, second.pivot))[1]
             seconds_sense *= _sign_of_step(np.angle(against[after] / against[before]))
             arms = [m.points[point][k] - origin[k] for point in m.members(name)]
             arm = max(arms, key=abs)

@@ -260,6 +260,16 @@ def test_arrows_of_second_inputs__ahead_of_them_by_the_laws_and_none_at_rest(spe
             assert along.real * slides * speed > 0
 
 
+def test_arrow_of_second_input_on_the_cranks_pin__turns_by_its_law_against_the_crank():
+    # It turns back by half a turn of the crank's, so forward in the frame.
+    scene = {"points": {"O": {"x": 0, "y": 0}, "T": {"link": "arm", "x": 0.04, "y": 0}}, "input": crank(revolutions=2)}
+    drawn = primitives(
+        Scene.model_validate(scene | {"inputs": {"arm": {"type": "crank", "pivot": "A", "ratio": -0.5}}}), 1.0
+    )
+    _, arc = [np.array(p.points) for p in drawn if p.layer == "names" and p.kind == "line"]
+    assert np.all(np.diff(np.unwrap(np.angle(arc - 0.05 * np.exp(1j)))) < 0)
+
+
 def test_paths__closed_curve_and_a_to_and_fro_drawn_once():
     drawn = primitives(four_bar(), 1.0, paths=["P", "B"])
     loop, arc = (np.array(p.points) for p in drawn if p.layer == "paths")
