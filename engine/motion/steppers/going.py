@@ -93,8 +93,7 @@ TIMES_PER_RADIAN, TIMES_TO_THE_END = 4.0, 40.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # After so many corrections of its stages no step is longer than the last; where they don't come to an end, shorter.
 MANY_ROUNDS, SHORTER = 4.0, 0.5
-# How much of the energy's change a motor may take back over a step, to which the length of a step goes as the error's
-# twelfth root.
+# Steps over which a motor takes back so many times what disturbs the energy are refused.
 STEEPEST = 4.0
 # Where corrections don't even come to an end in steps of so much [rad], a motor is steep.
 SHORT = 0.01
@@ -434,8 +433,8 @@ def go_on_to_end(
 
     `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + channels, variants) receives what is
     found, with least and greatest speed where `extremes` are wanted; `record` (3, nodes, variants) as of `settle`, at
-    `asked` angles turned in the first cycle. Where it is `doubtful`, every explicit step is changed by its estimated
-    error; after implicit ones the end is, by what the last steps are estimated to miss.
+    `asked` angles turned in the first cycle. Where it is `doubtful`, every step is changed by its estimated error;
+    after those by Newton's method the end is, by what the last steps are estimated to miss.
     """
     drive, exponents = in_lanes(room.drive), in_lanes(room.exponents)
     edges, sides, given = in_lanes(room.edges), in_lanes(room.sides), in_lanes(room.given)

@@ -32,13 +32,13 @@ ROW_OF = np.arange(STAGE_ROWS)
 # share of an energy that it goes to in a round.
 MOST_ROUNDS, SOLVED, NEARLY_SOLVED, LEAST_SHARE = 25, 1e-14, 1e-11, 0.1
 # Of corrections that go on only as long as a step needs it: most rounds, what may be left as a share of what the step
-# may miss, what that is of a step that may miss anything, rounding as a share of the energy, and how fast and
-# how slowly they converge.
+# may miss, what that is of a step that may miss anything, and how fast and how slowly they converge; and rounding as a
+# share of the energy.
 MOST_CORRECTIONS, MAY_BE_LEFT, SURE, LEAST_RATIO, SLOWEST_RATIO = 7, 1e-2, 1e-9, 0.1, 0.9
+ROUNDED_ENERGY = 8.0 * float(np.finfo(float).eps)
 # From one pair of orders to the next the share that is left gets smaller, of functions without a pole by so much; and
 # by how much the estimate that follows is enlarged, as it may fall short by as much.
 FADES_FASTER, DOUBLE = 0.5, 2.0
-ROUNDED_ENERGY = 8.0 * float(np.finfo(float).eps)
 
 
 @routine
