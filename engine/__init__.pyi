@@ -52,8 +52,9 @@ from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_
 from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
 from engine.elastic.trains.train_columns import is_excited, train_numbers
 from engine.elastic.trains.train_element import TorsionalTrain
-from engine.elements.bodies.body_elements import RotatingGuide, WoundFlywheel
+from engine.elements.bodies.body_elements import RotatingGuide, TiltedBody, WoundFlywheel
 from engine.elements.bodies.rotating_guides import slides_out
+from engine.elements.bodies.tilted_bodies import body_ellipsoid
 from engine.elements.bodies.wound_flywheels import wound_stresses
 from engine.elements.elements_alone import ElementsAlone, made_ready
 from engine.governors.governor_curves import (
@@ -156,6 +157,7 @@ from engine.scene.structure.free_groups import FreeGroup
 from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
+from engine.scene.structure.trains import mesh_axis
 from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
 from engine.verdicts import SENTENCES, Verdict
 
@@ -258,6 +260,7 @@ __all__ = [
     "TableError",
     "TextExpression",
     "TextOperation",
+    "TiltedBody",
     "TorsionSpring",
     "TorsionalTrain",
     "TrainExcitation",
@@ -277,6 +280,7 @@ __all__ = [
     "base_powers",
     "bearer_of",
     "best_four_bar_through",
+    "body_ellipsoid",
     "body_mass",
     "boxer_engine",
     "cam_curves",
@@ -336,6 +340,7 @@ __all__ = [
     "load_change",
     "made_engine",
     "made_ready",
+    "mesh_axis",
     "names_in_tree",
     "natural_vibration",
     "nearest_names",

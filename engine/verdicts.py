@@ -33,6 +33,7 @@ class Verdict(IntEnum):
     GROWS = 24
     TURNS_BACK = 25
     TOO_COARSE = 26
+    DOES_NOT_CLOSE = 27
     NOT_COMPUTED = 255
 
 
@@ -129,6 +130,10 @@ SENTENCES = {
     Verdict.TOO_COARSE: (
         "steps of the method named for a run are too long: with steps of twice the length the motion is another one, "
         "as under a steep motor; raise steps_per_turn, or leave method and steps_per_turn"
+    ),
+    Verdict.DOES_NOT_CLOSE: (
+        "a cycle doesn't close: what hangs on a geared shaft isn't in its place again after input.revolutions turns of "
+        "the crank; give ratios whose turns in a cycle are whole"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -71,6 +71,8 @@ def _kind(mechanics: Mechanics, group: str) -> str:
         return "cam"
     if group in mechanics.scene.noncircular_wheels:
         return "non-circular wheel"
+    if group in mechanics.scene.shafts:
+        return "wheel"
     free = mechanics.structure.free_groups.get(group)
     return mechanics.scene.groups[group].type if free is None else f"class {free.group_class}"
 
@@ -78,7 +80,7 @@ def _kind(mechanics: Mechanics, group: str) -> str:
 def _links(mechanics: Mechanics, group: str) -> tuple[str, ...]:
     if group in mechanics.scene.cams:
         return (mechanics.scene.cams[group].follower.link,)
-    if group in mechanics.scene.noncircular_wheels:
+    if group in {**mechanics.scene.noncircular_wheels, **mechanics.scene.shafts}:
         return (group,)
     if group in mechanics.structure.free_groups:
         return mechanics.structure.free_groups[group].links

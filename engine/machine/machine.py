@@ -24,10 +24,12 @@ from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
-from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
+from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.scene.structure.input_laws import fixed_by_laws
+from engine.scene.structure.trains import comes_back
 from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
@@ -71,6 +73,8 @@ class Machine:
     ----------
     kept_at : dict of str to KeptAt
         Where asked fields of runs are kept: at instants, or at angles turned. All others are kept at `nodes`.
+    fields_with_error : tuple of str
+        Asked fields of regimes, which have an error figure for each variant.
 
     Raises
     ------
@@ -122,9 +126,7 @@ class Machine:
         told = [path for path in self.varied if path in turning]
         if told:
             raise AskError(f"{told[0]} turns cam {turning[told[0]]!r}, whose cycle must close; vary another number")
-        fixed = tuple(f"inputs.{name}.ratio" for name in scene.inputs) if has_cycle(scene) else ()
-        fixed += tuple(f"inputs.{name}.sections." for name, second in scene.inputs.items() if second.advance)
-        told = [path for path in self.varied if path.startswith(fixed) and not path.endswith(".angle")]
+        told = sorted(set(self.varied) & fixed_by_laws(scene))
         if told:
             raise AskError(f"{told[0]}: its turns in a cycle are the same for all variants; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))
@@ -142,6 +144,7 @@ class Machine:
             name: self.register.fields[name] for name in self.asked_fields if name not in others
         }
         self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in self.asked_fields}
+        self.fields_with_error = tuple(name for name in self.asked_fields if name in self.regimes.fields)
         self._spaced = [name for name in self.asked_fields if name not in self.kept_at]
 
     def __repr__(self) -> str:
@@ -304,7 +307,8 @@ class Machine:
             The paths are not those the machine was made for.
         """
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
-        variants = status.size
+        variants, whole = status.size, Numbers(self._limits, arrays)
+        status[(status == Verdict.OK) & ~np.asarray(comes_back(self.scene, whole))] = Verdict.DOES_NOT_CLOSE
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         # The rest is filled in only for variants without a complaint so far.
@@ -312,9 +316,8 @@ class Machine:
         spaced = dict(zip(self._spaced, room, strict=True))
         instants = {n: np.full((variants, at.values.size), np.nan, self.dtype) for n, at in self.kept_at.items()}
         fields = {name: spaced[name] if name in spaced else instants[name] for name in self.asked_fields}
-        outcome = blank(status, self.asked_summaries, fields, self.kept_at)
+        outcome = blank(status, self.asked_summaries, fields, self.fields_with_error)
         if keep.size:
-            whole = Numbers(self._limits, arrays)
             self._fill(outcome, room, keep, whole if keep.size == variants else whole.of_variants(keep))
         return outcome
 
@@ -420,9 +423,7 @@ class Machine:
         for name, value in answers.values.items():
             outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
         for name, rows in answers.fields.items():
-            outcome.fields[name][moved] = rows
-            if name in self.kept_at:
-                outcome.errors[name][moved] = answers.errors[name]
+            outcome.fields[name][moved], outcome.errors[name][moved] = rows, answers.errors[name]
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
         """Fill the kept fields; returns which variants have finite values alone."""

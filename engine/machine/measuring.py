@@ -40,6 +40,7 @@ from engine.quantities.expressions import (
     Work,
     measurements,
 )
+from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
 
@@ -154,7 +155,7 @@ class Measuring:
 
     def _against_jamming(self, nodes: Iterable[Node]) -> list[Margin]:
         """Margins against jamming of the groups on whose friction some nodes depend."""
-        if not self.mechanics.scene.friction:
+        if not has_friction(self.mechanics.scene):
             return []
         behind = set(reached(nodes))
         settled = self.mechanics.reactions.settlings.items()

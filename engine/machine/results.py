@@ -27,7 +27,7 @@ class Outcome(NamedTuple):
     status_at : ndarray (variants,)
         Input position at which it fails [rad, or m of a sliding input]; NaN where it doesn't.
     summaries, errors : dict of str to ndarray (variants,)
-        Asked summaries and their error figures, SI; fields of runs have one too, the greatest over their instants.
+        Asked summaries and their error figures, SI; fields of regimes have one too, the greatest over their instants.
     fields : dict of str to ndarray (variants, positions)
         Asked fields, SI; of runs at their instants (see `Machine.kept_at`).
     """
@@ -44,7 +44,8 @@ class Outcome(NamedTuple):
         verdicts = ", ".join(f"{n} {Verdict(code).name.lower()}" for code, n in zip(codes, counts, strict=True))
         held = {"summaries": self.summaries, "fields": self.fields}
         asked = "".join(f"; {kind} {', '.join(names)}" for kind, names in held.items() if names)
-        return f"<Outcome of {self.status.size} variants: {verdicts}{asked}>"
+        count = self.status.size
+        return f"<Outcome of {count} variant{'s' if count != 1 else ''}: {verdicts}{asked}>"
 
 
 def asked_text(machine: object) -> str:

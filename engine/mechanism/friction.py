@@ -29,7 +29,8 @@ from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import named
 from engine.scene.pair_friction import MATERIALS, PairFriction
-from engine.scene.pairs import Pair, pairs
+from engine.scene.pairs import Pair, contact_pairs, pairs
+from engine.scene.parts import FRAME
 from engine.scene.scene import Numbers
 
 _SETTLED = {1: settled_one, 2: settled_two, 3: settled_three}
@@ -89,7 +90,7 @@ def rubbing_pairs(kinematics: Kinematics, motion: InputMotion) -> dict[str, Rub]
     scene = kinematics.scene
     paths = {friction.pair: f"friction.{name}" for name, friction in scene.friction.items()}
     found = {}
-    for pair in pairs(scene):
+    for pair in [*pairs(scene), *contact_pairs(scene)]:
         if pair.name in paths:
             rate, slope = relative_motion(kinematics, pair)
             if rate is not kinematics.graph.zero:
@@ -105,8 +106,31 @@ def relative_motion(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
     if pair.kind == "prismatic":
         slide = kinematics.slides[pair.link]
         return slide.v, slide.a
+    if pair.kind == "contact":
+        return _sliding_at_cam(kinematics, pair)
     one, other = kinematics.links[pair.link], kinematics.links[pair.other]
     return one.w - other.w, one.e - other.e
+
+
+def _sliding_at_cam(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
+    """Rate of a follower's sliding along its cam's tangent, and the derivative of that at what touches at present."""
+    motion, links = kinematics.cams[pair.name.partition(".")[0]], kinematics.links
+    follower, cam = (links[name].at(motion.contact - links[name].origin.r) for name in (pair.link, pair.other))
+    along, against = motion.normal.normal, follower.v - cam.v
+    swerving = links[pair.link].w * along.normal.dot(against) - links[pair.other].w * along.dot(against.normal)
+    return along.dot(against), along.dot(follower.a - cam.a) + swerving
+
+
+def relative_turning(kinematics: Kinematics, shaft: str) -> tuple[Node, Node]:
+    """Rate by the input at which a shaft turns against what carries it, and the derivative of the rate.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    shaft : str
+    """
+    link, carrier = kinematics.links[shaft], kinematics.links[kinematics.scene.shafts[shaft].carrier or FRAME]
+    return link.w - carrier.w, link.e - carrier.e
 
 
 def pressing_in_group(
@@ -194,7 +218,7 @@ def _rub(kinematics: Kinematics, motion: InputMotion, pair: Pair, path: str, fri
 def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, rate: Node) -> Node:
     """Friction for each newton that presses, by magnitude: a number, or a curve where it depends on sliding speed."""
     graph, turns = rate.graph, pair.kind == "revolute"
-    factor, arm = _factor(pair, path, friction), _arm(pair, path)
+    factor, arm = _factor(pair, path, friction), _arm(pair, path, friction)
 
     def raised(n: Numbers, coefficient: float | np.ndarray) -> float | np.ndarray:
         return coefficient if friction.above_prismatic is None else (1.0 + n[f"{path}.above_prismatic"]) * coefficient
@@ -226,6 +250,9 @@ def _factor(pair: Pair, path: str, friction: PairFriction) -> Callable[[Numbers]
     return lambda n: bush
 
 
-def _arm(pair: Pair, path: str) -> Callable[[Numbers], float | np.ndarray]:
-    """Radius of a journal; 1 of a guide."""
+def _arm(pair: Pair, path: str, friction: PairFriction) -> Callable[[Numbers], float | np.ndarray]:
+    """Radius of a journal; 1 of a guide; of a roller's pin its share of the roller's radius."""
+    if pair.kind == "contact" and friction.diameter is not None:
+        roller = f"cams.{pair.name.partition('.')[0]}.follower.roller_radius"
+        return lambda n: n[f"{path}.diameter"] / 2 / n[roller]
     return (lambda n: n[f"{path}.diameter"] / 2) if pair.kind == "revolute" else (lambda n: 1.0)

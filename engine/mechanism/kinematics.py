@@ -3,21 +3,24 @@
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the kinematics of structural groups.
 """
 
-from engine.graph.nodes import Graph
+from engine.graph.nodes import Graph, Node
 from engine.laws.elementary import direction_of
+from engine.laws.kinematics.geared_links import geared_turn
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.groups import GROUPS
 from engine.mechanism.groups.free import FreeMotion, add_free_group
 from engine.mechanism.higher_pairs.cam_motion import CamMotion, add_cam
 from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion, add_noncircular_wheel
-from engine.mechanism.higher_pairs.rack_motion import add_pinion, add_rack
+from engine.mechanism.higher_pairs.rack_motion import add_pinion, add_rack, angle_of_link
 from engine.mechanism.higher_pairs.second_input_motion import add_second_input
 from engine.mechanism.input_motion import input_span
-from engine.mechanism.vectors import Vector
+from engine.mechanism.vectors import Vector, named
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
+from engine.scene.names import turning_evenly
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure.free_groups import FreeGroup
+from engine.scene.structure.meshes import has_known_angle
 from engine.scene.structure.ordering import Structure
 
 
@@ -141,12 +144,30 @@ class Kinematics(Assembly):
         if shaft.carrier is not None:
             # By Willis: relative to the carrier both turn as the wheels of a common train.
             carrier = self.links[shaft.carrier]
-            w, e = carrier.w + ratio * (driver.w - carrier.w), self.graph.zero
+            w, e = carrier.w + ratio * (driver.w - carrier.w), carrier.e + ratio * (driver.e - carrier.e)
         if shaft.pivot is None:
             nowhere = self.links[FRAME]
             self.links[name] = Turning(nowhere.origin, nowhere.u, w, e)
             return
-        angle = w * self.graph.q + self.number(f"shafts.{name}.phase")
-        self.links[name] = Turning(self.points[shaft.pivot], Vector(*self.graph.apply(direction_of, angle)), w, e)
+        self.links[name] = Turning(self.points[shaft.pivot], self._shaft_direction(name, w), w, e)
         self.links[name].called(name)
-        self.angles[name] = angle
+
+    def _shaft_direction(self, name: str, w: Node) -> Vector:
+        """Direction of a shaft's x axis: by its angle over all turns, or by the direction of what drives it."""
+        shaft, phase = self.scene.shafts[name], self.number(f"shafts.{name}.phase")
+        carrier = self.links[shaft.carrier or FRAME]
+        if name in turning_evenly(self.scene):
+            self.angles[name] = w * self.graph.q + phase
+        elif has_known_angle(self.scene, name):
+            driver, carried = (angle_of_link(self, link) for link in (shaft.geared_to, shaft.carrier or FRAME))
+            self.angles[name] = carried + self.number(f"shafts.{name}.ratio") * (driver - carried) + phase
+        else:
+            driver = self.links[shaft.geared_to].u
+            swing = (carrier.u.dot(driver), carrier.u.cross(driver))
+            numbers = (self.number(f"shafts.{name}.{key}") for key in ("ratio", "around"))
+            turned, clear = self.graph.apply(geared_turn, *swing, *numbers)
+            # Where what drives it has swung half a turn, its angle isn't known any more.
+            self.sines[name] = named(clear, f"{name}_clear")
+            self.solutions[name] = (clear, turned)
+            return Vector(*self.graph.apply(direction_of, turned + phase)).in_axes(carrier.u)
+        return Vector(*self.graph.apply(direction_of, self.angles[name]))

@@ -18,6 +18,7 @@ import numpy as np
 
 from engine.graph.nodes import Node
 from engine.laws.friction.feedback import guide_pressing
+from engine.laws.friction.teeth import lost_share, shifted_contact
 from engine.laws.inertia_forces import inertia_force, inertia_moment
 from engine.laws.kinematics.noncircular_wheels import noncircular_tooth_force
 from engine.laws.kinematics.prp import prp_reactions
@@ -25,11 +26,12 @@ from engine.laws.kinematics.rpp import rpp_reactions
 from engine.laws.kinematics.rpr import rpr_reactions
 from engine.laws.kinematics.rrp import rrp_reactions
 from engine.laws.kinematics.rrr import rrr_reactions
+from engine.laws.senses import sense
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning
-from engine.mechanism.friction import Components, Settled, pressing_in_group, rubbing_pairs
+from engine.mechanism.friction import Components, Settled, pressing_in_group, relative_turning, rubbing_pairs
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.higher_pairs.cam_forces import cam_forces
@@ -41,12 +43,22 @@ from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.scene.inertia import carried_inertia, carried_on
-from engine.scene.pairs import Pair, drive_base, driving_field, follower_pair, joint_of, pairs, pairs_of_group
+from engine.scene.pairs import (
+    Pair,
+    contact_pairs,
+    drive_base,
+    driving_field,
+    follower_pair,
+    has_friction,
+    joint_of,
+    pairs,
+    pairs_of_group,
+)
 from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
 
 # What friction causes in each kind of pair, as the names of fields have it.
-_FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force"}
+_FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force", "contact": "friction_force"}
 # Reactions in the pairs of a group from what acts on its links.
 Solve = Callable[[Mapping[str, Wrench]], Sequence[Components]]
 
@@ -73,6 +85,8 @@ class Reactions:
         Of each revolute pair and either of its links, the force on that link in its own axes.
     lost : dict of str to Node
         Work lost in each pair with friction, for each unit of the input's motion.
+    lost_in_teeth : dict of str to Node
+        Work lost between the teeth of each shaft with an efficiency, for each unit of the input's motion.
     moment_of_drives : Node
         Moment of the input and of second inputs, reduced to the input.
     settlings : dict of str to Settled
@@ -89,7 +103,9 @@ class Reactions:
         self.settlings: dict[str, Settled] = {}
         self._pressing: dict[str, Node] = {}
         self._pairs = {pair.name: pair for pair in pairs(self.scene)}
+        self._contacts = {pair.name: pair for pair in contact_pairs(self.scene)}
         self._rubs = rubbing_pairs(kinematics, motion)
+        self.lost_in_teeth: dict[str, Node] = {}
         self.lost = {friction.pair: self.graph.zero for friction in self.scene.friction.values()}
         self._own = self._loads_on_links(loads)
         self._loads = LinkLoads(kinematics)
@@ -114,7 +130,7 @@ class Reactions:
                 self._shaft(element.name)
         self._input()
         self.moment_of_drives = self._moment_of_drives()
-        if self.scene.friction:
+        if has_friction(self.scene):
             self._losses()
         self._power()
         self.checks = self._frame()
@@ -275,17 +291,25 @@ class Reactions:
 
     def _cam(self, name: str) -> None:
         """The contact of a cam holds up its follower against all that acts on it, and what guides it takes the rest."""
-        follower, found = self.scene.cams[name].follower, cam_forces(self.kinematics, name, self._loads)
-        at, force = self.kinematics.cams[name], found.contact * self.kinematics.cams[name].normal
-        self.variables |= {f"{name}.contact_force": found.contact, f"{name}.closing_force": found.closing}
-        self._loads.push(follower.link, self.kinematics.at_rest(at.contact), force)
-        self._loads.push(self.scene.cams[name].on, self.kinematics.at_rest(at.contact), -force)
-        pair, left = follower_pair(self.scene, name), self._loads.total(follower.link)
-        if pair.kind == "revolute":
-            self._revolute(pair, -left.force, {follower.link})
+        cam, motion = self.scene.cams[name], self.kinematics.cams[name]
+        links, load = (cam.follower.link,), self._loads.total(cam.follower.link)
+        touching, holding = self._contacts[f"{name}.contact"], follower_pair(self.scene, name)
+
+        def solved(loads: Mapping[str, Wrench]) -> list[Components]:
+            found = cam_forces(self.kinematics, name, loads[cam.follower.link])
+            return [(found.contact, self.graph.zero), found.held]
+
+        (contact, _), held = self._with_friction(name, links, (touching, holding), solved, {links[0]: load})
+        closing = cam_forces(self.kinematics, name, load).closing
+        self.variables |= {f"{name}.contact_force": contact, f"{name}.closing_force": closing}
+        if touching.name in self._pressing:
+            self.graph.bends(self._pressing[touching.name], contact)
+        self._loads.push(cam.on, self.kinematics.at_rest(motion.contact), -(contact * motion.normal))
+        if holding.kind == "revolute":
+            self._revolute(holding, Vector(*held), links)
         else:
-            normal = -left.force.dot(self.kinematics.links[follower.link].u.normal)
-            self._prismatic(pair, normal, -left.moment, {follower.link})
+            self._prismatic(holding, *held, links)
+        self._kinks(holding, frozenset())
 
     def _shaft(self, name: str) -> None:
         """Gears balance the moments on a shaft, load its driver by the ratio, and what carries both by the rest."""
@@ -296,23 +320,50 @@ class Reactions:
         moment = load.moment
         if shaft.pivot is not None:
             moment = moment + self._in_pivot(name, load)
-        passed = self.graph.number(f"shafts.{name}.ratio") * moment
+        passed = self.graph.number(f"shafts.{name}.ratio") * moment * self._lost_share(name, moment)
+        self.graph.bends(passed, moment)
+        self._lose(name, moment, passed)
         self._loads.twist(shaft.geared_to, passed)
         self._loads.twist(shaft.carrier or FRAME, moment - passed)
 
     def _in_mesh(self, name: str, load: Wrench) -> None:
         """Teeth balance the moments on a shaft by a force at the pitch point, and push both wheels apart."""
         shaft, found = self.scene.shafts[name], mesh_of(self.kinematics, name)
-        tangential = load.moment / found.radius
+        at, radius = found.pitch_point, found.radius
+        if shaft.efficiency is not None:
+            ratio, k = self.graph.number(f"shafts.{name}.ratio"), self._lost_share(name, load.moment)
+            radius = self.graph.apply(shifted_contact, found.radius, ratio, k)
+            at = at + (radius - found.radius) * found.along
+            self._lose(name, load.moment, ratio * k * load.moment)
+        tangential = load.moment / radius
+        self.graph.bends(tangential, load.moment)
         # What pushes apart has the magnitude of what turns, and bends where that changes its sign.
         apart = abs(tangential) * found.slope
         self.graph.bends(apart, tangential)
         force = -(tangential * found.across) + apart * found.away
-        at = self.kinematics.at_rest(found.pitch_point)
-        self._loads.push(name, at, force)
-        self._loads.push(shaft.geared_to, at, -force)
-        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        place = self.kinematics.at_rest(at)
+        self._loads.push(name, place, force)
+        self._loads.push(shaft.geared_to, place, -force)
+        self._in_teeth(name, tangential, apart)
         self._in_pivot(name, self._loads.total(name))
+
+    def _lost_share(self, name: str, moment: Node) -> Node:
+        """By how much losses between a shaft's teeth change the moment that loads its driver."""
+        if self.scene.shafts[name].efficiency is None:
+            return self.graph.one
+        rate, slope = relative_turning(self.kinematics, name)
+        self.graph.switches(rate, slope)
+        way = self.graph.held(self.graph.apply(sense, rate)) * input_sense(self.kinematics)
+        # What loads a wheel against its motion is what it takes power for.
+        return self.graph.apply(lost_share, -(way * moment), self.graph.number(f"shafts.{name}.efficiency", "load"))
+
+    def _lose(self, name: str, moment: Node, passed: Node) -> None:
+        """Account for what is lost between a shaft's teeth: power in the wheels' motion relative to the carrier."""
+        shaft, links = self.scene.shafts[name], self.kinematics.links
+        if shaft.efficiency is not None:
+            driving = links[shaft.geared_to].w - links[shaft.carrier or FRAME].w
+            taken = relative_turning(self.kinematics, name)[0]
+            self.lost_in_teeth[name] = input_sense(self.kinematics) * (moment * taken - passed * driving)
 
     def _noncircular_wheel(self, name: str) -> None:
         """Teeth balance the moments on a wheel: as a moment passed on by the ratio, or by forces at the pitch point."""
@@ -334,7 +385,7 @@ class Reactions:
         tangential, apart = self.graph.apply(noncircular_tooth_force, load.moment, *levers, slope)
         self.graph.bends(tangential, load.moment)
         self.graph.bends(apart, load.moment)
-        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        self._in_teeth(name, tangential, apart)
         at, force = self.kinematics.at_rest(found.pitch_point), tangential * found.tangent + apart * found.away
         self._loads.push(name, at, force)
         self._loads.push(wheel.geared_to, at, -force)
@@ -365,8 +416,15 @@ class Reactions:
         slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"{at}.pressure_angle"]))
         apart = abs(tangential) * slope
         self.graph.bends(apart, tangential)
-        self.variables |= {f"{name}.tangential_force": tangential, f"{name}.radial_force": apart}
+        self._in_teeth(name, tangential, apart)
         return apart
+
+    def _in_teeth(self, name: str, tangential: Node, apart: Node) -> None:
+        """Register the force between teeth, which has one unknown: along the normal to their flanks."""
+        normal = Vector(tangential, apart).length
+        self.graph.bends(normal, tangential)
+        parts = {"tangential": tangential, "radial": apart, "normal": normal}
+        self.variables |= {f"{name}.{part}_force": force for part, force in parts.items()}
 
     def _between_teeth(self, found: Toothing, force: Vector, on: str, bearer: str) -> None:
         at = self.kinematics.at_rest(found.pitch_point)
@@ -479,8 +537,11 @@ class Reactions:
         for name, sign in sides:
             if pair.kind == "revolute":
                 loads.twist(name, sign * friction)
-            else:
+            elif pair.kind == "prismatic":
                 loads.push(name, link.origin, (sign * friction) * link.u)
+            else:
+                motion = self.kinematics.cams[pair.name.partition(".")[0]]
+                loads.push(name, self.kinematics.at_rest(motion.contact), (sign * friction) * motion.normal.normal)
 
     def _rubbed(self, pair: Pair, pressing: Node, within: Collection[str]) -> Node:
         """Friction on a pair's link by its pressing force; a link beyond the group bears its part."""
@@ -520,9 +581,12 @@ class Reactions:
     def _losses(self) -> None:
         """Powers lost to friction, and the moment on the input that stands for them."""
         for pair, lost in self.lost.items():
-            self.variables.setdefault(f"{pair}.{_FRICTION[self._pairs[pair].kind]}", self.graph.zero)
+            kind = (self._pairs | self._contacts)[pair].kind
+            self.variables.setdefault(f"{pair}.{_FRICTION[kind]}", self.graph.zero)
             self.variables[f"{pair}.friction_power"] = self.motion.speed * lost
-        total = sum(self.lost.values(), self.graph.zero)
+        for name, lost in self.lost_in_teeth.items():
+            self.variables[f"{name}.mesh_loss"] = self.motion.speed * lost
+        total = sum((*self.lost.values(), *self.lost_in_teeth.values()), self.graph.zero)
         self.variables["friction_moment"] = named(-(input_sense(self.kinematics) * total), "friction_moment")
         self.variables["input_moment_with_friction"] = self.moment_of_drives
 

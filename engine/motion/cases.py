@@ -16,6 +16,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.scene.actions import InductionMotor, Tabled
 from engine.scene.formulas.load_formulas import load_formulas
+from engine.scene.pairs import has_friction
 from engine.scene.regimes import Regime, RunRegime
 from engine.scene.scene import Scene
 
@@ -90,7 +91,7 @@ def case_of(dynamics: Dynamics, regime: Regime) -> Case:
     sources = _sources(dynamics)
     arguments = frozenset().union(*sources.values())
     turning = _varies(dynamics.reduction.mechanics.reduced.inertia)
-    rubs = bool(dynamics.reduction.mechanics.scene.friction)
+    rubs = has_friction(dynamics.reduction.mechanics.scene)
     number = _number(turning, arguments | {"φ", "ω"} if rubs else arguments)
     couplings = dynamics.reduction.mechanics.scene.couplings
     if not isinstance(regime, RunRegime):

@@ -9,6 +9,7 @@ from engine.quantities import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field
 from engine.scene.actions import InductionMotor
+from engine.scene.pairs import has_friction
 from engine.scene.parts import CrankInput, SliderInput
 from engine.scene.regimes import Regime
 from engine.scene.scene import Scene
@@ -237,7 +238,7 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     moment, unit = ("moment", "N m") if isinstance(mechanics.scene.input, CrankInput) else ("force", "N")
     words = f"input {moment} by equilibrium of the input link, without flywheel"
     table["input_moment_by_equilibrium"] = (words, unit)
-    if mechanics.scene.friction:
+    if has_friction(mechanics.scene):
         table["friction_moment"] = (f"{moment} on the input that stands for friction in pairs", unit)
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 

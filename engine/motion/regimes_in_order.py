@@ -2,8 +2,9 @@
 
 Everything is computed twice. A run and a steady motion go with steps as they need them, for the second time each
 changed by its estimated error; steps of a run in time, or with a steep motor, may miss 64 times as much for the second
-time. A closed form has no steps: for the second time its moments are changed in their last digits. The error figure is
-the change, and the rounding of the energies.
+time. A run of corrected steps from its begin to an angle carries along what they would change, and isn't gone again. A
+closed form has no steps: for the second time its moments are changed in their last digits. The error figure is the
+change, and the rounding of the energies.
 """
 
 from collections.abc import Callable
@@ -48,6 +49,7 @@ from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
 from engine.quantities.quantity import has_cycle
+from engine.scene.pairs import has_friction
 from engine.scene.regimes import RunRegime, run_keys
 from engine.scene.scene import Numbers, SceneError
 from engine.verdicts import Verdict
@@ -72,8 +74,6 @@ STEPS_OF_ROUNDING = 32
 # How sure moments are, for closed forms.
 DOUBT = 16 * np.finfo(float).eps
 
-# What of the ends of runs each variant has its own of.
-PER_VARIANT = ("turned", "time", "speed", "most_turned")
 TURN = 2.0 * np.pi
 # What is told by the least and the greatest speed.
 EXTREMES_OF_SPEED = ("speed_min", "speed_max", "motor_moment_peak")
@@ -107,7 +107,7 @@ class Standing(NamedTuple):
 class RegimeAnswers(NamedTuple):
     """Values, fields, error figures by name, and the verdict on each variant.
 
-    A field that is kept of a run has one error figure for each variant, the greatest over its instants.
+    A field has one error figure for each variant, the greatest over the instants of a run or the places of a cycle.
     """
 
     values: dict[str, np.ndarray]
@@ -137,6 +137,21 @@ class Gone(NamedTuple):
     scales: dict[str, np.ndarray]
     missed: dict[str, np.ndarray]
     by_equal_steps: dict[str, np.ndarray]
+
+
+class Known(NamedTuple):
+    """A run that is known already: of which variants, from which begin, and its outcome."""
+
+    variants: np.ndarray
+    begin: Begin
+    outcome: RunOutcome
+
+    def tells(self, variants: np.ndarray, begin: Begin) -> np.ndarray:
+        """Of which variants it tells what changed steps would lead to, (variants,) of bool."""
+        if not np.array_equal(variants, self.variants):
+            return np.zeros(variants.size, bool)
+        alike = np.all([now == then for now, then in zip(begin, self.begin, strict=True)], axis=0)
+        return alike & np.isfinite(self.outcome.doubts).all(axis=0)
 
 
 class Schedule:
@@ -170,7 +185,7 @@ class Schedule:
         if accuracy is not None:
             self._run_tolerance = max(SURER_IN_RUNS * accuracy, LEAST_TOLERANCE)
         scene = mechanics.scene
-        if scene.friction and scene.couplings:
+        if has_friction(scene) and scene.couplings:
             message = "regimes don't know it beside [couplings], where a machine has two speeds; leave one of them out"
             raise SceneError([("friction", message)])
         self.regimes = dict(scene.regimes)
@@ -187,18 +202,13 @@ class Schedule:
         works |= any(one.field in ("motors_power", *POWERS, EFFICIENCY_NOW) for one in fields)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
-        friction = PairLoads(mechanics, [FRICTION_MOMENT]) if scene.friction else None
+        friction = PairLoads(mechanics, [FRICTION_MOMENT]) if has_friction(scene) else None
         self.dynamics = {off: Dynamics(self.reduction, off, works, friction) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
         self._refuse_equal_steps()
         self.cases = {
             n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
         }
-
-    @property
-    def _kept(self) -> set[str]:
-        """Fields that are kept of runs."""
-        return {f"{name}.{one.field}" for name in self.instants for one in self.fields[name] if not one.statistic}
 
     @property
     def nodes(self) -> list[Node]:
@@ -215,7 +225,7 @@ class Schedule:
             there = {
                 "an input that doesn't turn fully": not has_cycle(self.scene),
                 "the two speeds of a coupling": bool(self.sides),
-                "friction in pairs": bool(self.scene.friction),
+                "friction in pairs": has_friction(self.scene),
                 "moments that depend on time": timed,
             }
             hindrances = [words for words, found in there.items() if found]
@@ -274,11 +284,13 @@ class Schedule:
             change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
             doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
             errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
-        for name in fine.fields.keys() & self._kept:
-            size = _greatest(np.abs(fine.fields[name]))
-            change = _greatest(np.abs(fine.fields[name] - coarse.fields[name]))
+        for name, rows in fine.fields.items():
+            size, other = _greatest(np.abs(rows)), coarse.fields[name]
+            # Of a cycle of half as many places those of the other that are the same.
+            change = _greatest(np.abs(rows[:, :: rows.shape[1] // other.shape[1]] - other))
             doubt = np.where(coarse.verdict == Verdict.OK, change, size)
-            errors[name] = doubt + ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
+            doubt += ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
+            errors[name] = np.where(fine.verdict == Verdict.OK, doubt, np.nan)
         return RegimeAnswers(values, errors, fine.fields, fine.verdict)
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
@@ -498,13 +510,20 @@ class Schedule:
         )
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         part = variants.some(ready)
-        ends = ends._replace(**{k: getattr(ends, k)[ready] for k in PER_VARIANT})
+        ends = ends.some(ready)
         begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
         observers = [] if record is None else [record(self._along(name, dynamics, part, begin))]
         if law is None or observers:
-            outcome = run_to_end(
-                Progress(dynamics, part, *begin, ends, self.steps, half, observers, self._stepping(name))
-            )
+            key, left, stepping = ("run", name), np.arange(ready.size), self._stepping(name)
+            known = variants.kept.get(key) if half and not observers else None
+            if known is not None:
+                outcome, left = known.outcome.doubted(), np.flatnonzero(~known.tells(ready, begin))
+            if left.size or known is None:
+                own = (dynamics, part.some(left), *(x[left] for x in begin), ends.some(left))
+                gone = run_to_end(Progress(*own, self.steps, half, observers, stepping))
+                outcome = gone if known is None else outcome.with_others(left, gone)
+            if not half:
+                variants.kept[key] = Known(ready, begin, outcome)
         else:
             doubt = DOUBT if half else 0.0
             outcome = run_in_closed_form(
@@ -514,7 +533,7 @@ class Schedule:
         if self.fields[name] and record is None:
             # Looked at are those that come to their end.
             good = np.flatnonzero(outcome.verdict == Verdict.OK)
-            chosen = ends._replace(**{k: getattr(ends, k)[good] for k in PER_VARIANT})
+            chosen = ends.some(good)
             found = self._extremes(name, dynamics, part.some(good), tuple(x[good] for x in begin), chosen, half)
             *told, rows = ({k: _of_all(v.T, ready[good], count).T for k, v in own.items()} for own in found)
             extremes = FieldAnswers(*told, rows)
@@ -694,7 +713,7 @@ def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     state = type(outcome.state)(*(_of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
-    names = ("slowest", "fastest", "peak", "started", "ended", "arrived")
+    names = ("slowest", "fastest", "peak", "started", "ended", "arrived", "doubts")
     rest = {name: _of_all(getattr(outcome, name), ready, count) for name in names}
     return RunOutcome(verdict, state, **rest)
 

@@ -23,6 +23,7 @@ from engine.quantities.expressions import (
 )
 from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
+from engine.scene.pairs import has_friction
 
 _USEFUL = frozenset({"useful"})
 # Of the input moment's cycle.
@@ -33,7 +34,7 @@ def declare(mechanics: Mechanics) -> Declared:
     """Inertia, moments, drive, and where there is a cycle its flywheel."""
     m, scene, graph = mechanics, mechanics.scene, mechanics.graph
     u = InputUnits.of(scene)
-    without = ", without friction in pairs" if scene.friction else ""
+    without = ", without friction in pairs" if has_friction(scene) else ""
     yield Field("reduced_inertia", "reduced moment of inertia", u.inertia, lambda: m.reduced.inertia, "I")
     yield Field(
         "reduced_inertia_phi",

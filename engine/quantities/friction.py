@@ -15,22 +15,24 @@ from engine.quantities.expressions import (
     unresolved_peak,
 )
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
-from engine.scene.pairs import pairs
+from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, pairs
 from engine.scene.scene import Scene
 
 
 def friction_in_pairs(scene: Scene) -> dict[str, str]:
     """Field of the friction in each pair that has it: a moment or a force on the pair's link."""
-    kinds = {pair.name: "moment" if pair.kind == "revolute" else "force" for pair in pairs(scene)}
+    rubbing = [*pairs(scene), *contact_pairs(scene)]
+    kinds = {pair.name: "moment" if pair.kind == "revolute" else "force" for pair in rubbing}
     return {friction.pair: f"{friction.pair}.friction_{kinds[friction.pair]}" for friction in scene.friction.values()}
 
 
 def declare(mechanics: Mechanics) -> Declared:
     """Friction pair by pair, its moment at the input, losses, efficiency and the margin against jamming."""
     m, scene = mechanics, mechanics.scene
-    if not scene.friction:
+    if not has_friction(scene):
         return
-    known, unit = {pair.name: pair for pair in pairs(scene)}, InputUnits.of(scene).moment
+    known = {pair.name: pair for pair in [*pairs(scene), *contact_pairs(scene)]}
+    unit = InputUnits.of(scene).moment
     span = "over the cycle" if m.has_cycle else "over the input's range"
 
     def variable(name: str, words: str, units: str) -> Field:
@@ -42,7 +44,8 @@ def declare(mechanics: Mechanics) -> Declared:
         if pair.kind == "revolute":
             yield variable(f"{pair.name}.friction_moment", f"moment of friction on {pair.link} {where}", "N m")
         else:
-            words = f"friction on {pair.link} along its own direction {where}"
+            along = "the cam's tangent, which the normal of the contact turns into" if pair.kind == "contact" else ""
+            words = f"friction on {pair.link} along {along or 'its own direction'} {where}"
             yield variable(f"{pair.name}.friction_force", words, "N")
         yield variable(f"{pair.name}.friction_power", f"power lost to friction {where}", "W")
         yield Summary(
@@ -51,7 +54,16 @@ def declare(mechanics: Mechanics) -> Declared:
             "J",
             lambda name=pair.name: abs(Integral(m.reactions.lost[name])),
         )
-    yield variable("friction_moment", "reduced moment of the friction in all pairs", unit)
+    for name in lossy_meshes(scene):
+        where = f"between the teeth of {name} and of {scene.shafts[name].geared_to}"
+        yield variable(f"{name}.mesh_loss", f"power lost {where}", "W")
+        yield Summary(
+            f"{name}.mesh_work",
+            f"work lost {where}, {span}",
+            "J",
+            lambda name=name: abs(Integral(m.reactions.lost_in_teeth[name])),
+        )
+    yield variable("friction_moment", "reduced moment of the friction in all pairs and between teeth", unit)
     words = "input moment at uniform speed with friction in pairs"
     yield variable("input_moment_with_friction", words, unit)
     yield Summary(

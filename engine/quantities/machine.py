@@ -1,10 +1,10 @@
 """All quantities of a machine, chapter by chapter."""
 
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities import cams, dynamics, friction, inertia, kinematics, loops, reactions, strokes, wheel
+from engine.quantities import cams, dynamics, friction, inertia, kinematics, loops, reactions, strokes, wanted, wheel
 from engine.quantities.register import Register
 
-CHAPTERS = (kinematics, cams, strokes, loops, dynamics, wheel, inertia, reactions, friction)
+CHAPTERS = (kinematics, cams, strokes, wanted, loops, dynamics, wheel, inertia, reactions, friction)
 
 
 def register_of(mechanics: Mechanics) -> Register:

@@ -21,7 +21,7 @@ from engine.quantities.expressions import (
 from engine.quantities.quantity import Quantity
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.actions import Brake, DCMotor, InductionMotor
-from engine.scene.pairs import Pair, driving_field, own_drives, pairs
+from engine.scene.pairs import Pair, driving_field, has_friction, own_drives, pairs
 from engine.scene.scene import Scene
 
 
@@ -40,7 +40,7 @@ def declare(mechanics: Mechanics) -> Declared:
     yield _variable(m, "frame.reaction_y", f"y component of the force {on_frame}", "N")
     yield _variable(m, "frame.reaction_moment", f"moment about the origin {on_frame}", "N m")
     kept = "input moment that keeps the speed uniform"
-    rubbing = ", friction in pairs among them" if m.scene.friction else ""
+    rubbing = ", friction in pairs among them" if has_friction(m.scene) else ""
     own = ", without what drives of second inputs give" if own_drives(m.scene) else ""
     yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link{own}", unit)
     for name in m.scene.inputs:
@@ -95,27 +95,30 @@ def acting_fields(scene: Scene) -> list[Quantity]:
 
 
 def tooth_force_fields(scene: Scene) -> list[Quantity]:
-    """Forces between the teeth of shafts whose pressure angle is given."""
+    """Forces between teeth: of shafts and non-circular wheels whose pressure angle is given, of racks and pinions."""
     found = []
+
+    def add(name: str, where: str, along: str, apart: str) -> None:
+        normal = f"force {where} along the normal to their flanks: the reaction of this higher pair"
+        found.append(Quantity(f"{name}.tangential_force", along, "N", "F_t"))
+        found.append(Quantity(f"{name}.radial_force", apart, "N", "F_r"))
+        found.append(Quantity(f"{name}.normal_force", normal, "N", "F_n"))
+
     for name, shaft in scene.shafts.items():
         if shaft.pressure_angle is not None:
             where = f"between the teeth of {name} and of what it is geared to"
-            words = f"tangential force {where}: the moment of what acts on {name} over its pitch radius"
-            found.append(Quantity(f"{name}.tangential_force", words, "N", "F_t"))
-            found.append(Quantity(f"{name}.radial_force", f"force {where} that pushes them apart", "N", "F_r"))
+            along = f"tangential force {where}: the moment of what acts on {name} over its pitch radius"
+            add(name, where, along, f"force {where} that pushes them apart")
     for name, wheel in scene.noncircular_wheels.items():
         if wheel.pressure_angle is not None:
-            where = f"between the teeth of {name} and of {wheel.geared_to}, along"
-            words = f"force {where} the common tangent of their pitch curves"
-            found.append(Quantity(f"{name}.tangential_force", words, "N", "F_t"))
-            words = f"force {where} the normal of their pitch curves, which pushes them apart"
-            found.append(Quantity(f"{name}.radial_force", words, "N", "F_r"))
+            where = f"between the teeth of {name} and of {wheel.geared_to}"
+            along = f"force {where}, along the common tangent of their pitch curves"
+            add(name, where, along, f"force {where}, along the normal of their pitch curves, which pushes them apart")
     for table, words in (("racks", "pinion"), ("pinions", "rack")):
         for name in getattr(scene, table):
             where = f"between the teeth of {name} and of its {words}"
             along = f"force {where} on {name}, along the rack in the direction of its guide"
-            found.append(Quantity(f"{name}.tangential_force", along, "N", "F_t"))
-            found.append(Quantity(f"{name}.radial_force", f"force {where} that pushes them apart", "N", "F_r"))
+            add(name, where, along, f"force {where} that pushes them apart")
     return found
 
 
@@ -139,7 +142,7 @@ def _checks(m: Mechanics) -> Declared:
 def _disagreement(m: Mechanics) -> Expression:
     found = m.reactions.variables
     energy = m.input_moment if m.scene.inertia_in_reactions else -m.moment_of()
-    if m.scene.friction:
+    if has_friction(m.scene):
         energy = energy - found["friction_moment"]
     ways = (energy, m.reactions.moment_of_drives, found["input_moment_by_power"])
     apart = maximum(*(unresolved_peak(one - other) for one, other in combinations(ways, 2)))

@@ -78,9 +78,14 @@ def _ends(mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[
 
 
 def quick_return_ratio(low_at: Measured, high_at: Measured) -> Measured:
-    """Crank angle of the slow stroke over that of the fast one, R = α/(2π − α), at least 1."""
+    """Crank angle of the slow stroke over that of the fast one, R = α/(2π − α), at least 1.
+
+    Undefined where its error is as great as itself: an end that two places tie for may be at either.
+    """
     up = np.mod(high_at.value - low_at.value, FULL_TURN)
     slow = np.maximum(up, FULL_TURN - up)
     ratio = slow / (FULL_TURN - slow)
     # dR = (1 + R)²/(2π) dα.
-    return Measured(ratio, (1.0 + ratio) ** 2 / FULL_TURN * (low_at.error + high_at.error))
+    error = (1.0 + ratio) ** 2 / FULL_TURN * (low_at.error + high_at.error)
+    unknown = ~(error < ratio)
+    return Measured(np.where(unknown, np.nan, ratio), np.where(unknown, np.nan, error))

@@ -16,7 +16,7 @@ from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.trains.train_element import TorsionalTrain
-from engine.elements.bodies.body_elements import RotatingGuide, TiltedBody, WoundFlywheel
+from engine.elements.bodies.body_elements import RotatingGuide, TetheredBody, TiltedBody, WoundFlywheel
 from engine.governors.governor_elements import (
     HartnellGovernor,
     PorterGovernor,
@@ -204,6 +204,7 @@ MachineElement = Annotated[
     | GuideElement
     | RollerElement
     | CarElement
+    | TetheredBody
     | TiltedBody
     | RotatingGuide
     | WoundFlywheel

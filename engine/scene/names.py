@@ -7,14 +7,16 @@ from collections.abc import Iterable
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
+from engine.mechanism.synthesis.wanted_motion import wrong_angles
 from engine.scene.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
-from engine.scene.parts import FRAME, CrankInput, Shaft, SliderInput, Sliding, Yoke
+from engine.scene.parts import FRAME, CrankInput, SliderInput, Sliding, Yoke
 from engine.scene.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.scene.scene import Scene, SceneError
+from engine.scene.structure.input_laws import drive_turns, law_rate
 
 Problem = tuple[str, str]
 # Turns that texts give as quotients are whole within this.
-_WHOLE = 1e-9
+WHOLE = 1e-9
 
 
 def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
@@ -90,7 +92,7 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
                 define(points, joint, f"links.{name}.joints")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
-    for table in ("cams", "forces", "moments", "springs", "cylinders", "couplings", "elements"):
+    for table in ("cams", "forces", "moments", "springs", "cylinders", "couplings", "wanted", "elements"):
         for name in getattr(scene, table):
             define({}, name, f"{table}.{name}")
     if problems:
@@ -158,6 +160,9 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
         refs.append((f"cylinders.{name}.piston", "link", cylinder.piston))
     if scene.balance is not None:
         refs.append(("balance.about", "point", scene.balance.about))
+    for name, wanted in scene.wanted.items():
+        key, kind = ("point", "point") if wanted.type == "path" else ("of", "link")
+        refs.append((f"wanted.{name}.{key}", kind, getattr(wanted, key)))
     for name, regime in scene.regimes.items():
         refs += [(f"regimes.{name}.off", "action", action) for action in regime.off]
     for name, element in scene.elements.items():
@@ -220,7 +225,6 @@ def misplaced(scene: Scene) -> list[Problem]:
     checks = (
         _off_the_frame,
         _wrong_shafts,
-        _open_shafts,
         _wrong_inputs,
         _wrong_cams,
         _wrong_bodies,
@@ -228,7 +232,7 @@ def misplaced(scene: Scene) -> list[Problem]:
         _no_stroke,
         _no_cycle,
     )
-    checks += (_open_tables, _wrong_regimes, _wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
+    checks += (_open_tables, _wrong_wanted, _wrong_regimes, _wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
 
@@ -236,9 +240,20 @@ def _geared_to_input(scene: Scene) -> set[str]:
     return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
 
 
-def _turning_evenly(scene: Scene) -> set[str]:
-    """Links whose angle is a multiple of the crank's: the crank, and shafts with pivots."""
-    return {n for n, s in scene.shafts.items() if s.pivot is not None} | {scene.input.link}
+def turning_evenly(scene: Scene) -> set[str]:
+    """Links whose angle is a multiple of the crank's: the crank, and shafts with pivots that all gears lead back to it.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+    if not isinstance(scene.input, CrankInput):
+        return set()
+    even, grown = {FRAME, scene.input.link}, True
+    while grown:
+        known = {n for n, s in scene.shafts.items() if s.pivot and {s.geared_to, s.carrier or FRAME} <= even}
+        grown, even = not known <= even, even | known
+    return even - {FRAME}
 
 
 def _off_the_frame(scene: Scene) -> list[Problem]:
@@ -262,20 +277,11 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
 
 
 def _wrong_shafts(scene: Scene) -> list[Problem]:
+    """Shafts that turn about the frame, but not by gears."""
     problems, geared = [], _geared_to_input(scene)
     for name, shaft in scene.shafts.items():
-        if shaft.carrier is not None:
-            problems += _wrong_planet(scene, name, shaft)
-            continue
-        if shaft.geared_to == FRAME:
+        if shaft.carrier is None and shaft.geared_to == FRAME:
             problems.append((f"shafts.{name}.geared_to", "a shaft can't be geared to 'frame'; name a turning link"))
-        if shaft.pivot is not None and name not in geared:
-            problems.append(
-                (f"shafts.{name}.pivot", "only a shaft geared to the input crank can carry points; leave pivot out")
-            )
-        if shaft.pressure_angle is not None and (shaft.pivot is None or shaft.ratio == 1.0):
-            lacks = "a pivot; give pivot" if shaft.pivot is None else "another ratio than 1, that of a belt"
-            problems.append((f"shafts.{name}.pressure_angle", f"its teeth have no place without {lacks}"))
         if name in geared and not isinstance(scene.input, CrankInput):
             problems.append(
                 (f"shafts.{name}.geared_to", "a shaft can't be geared to a sliding input; name a turning link")
@@ -283,61 +289,20 @@ def _wrong_shafts(scene: Scene) -> list[Problem]:
     return problems
 
 
-def turns_of(scene: Scene, link: str) -> float:
-    """Turns of the crank, of a shaft with a pivot, or of the frame for each turn of the crank."""
-    if link in (FRAME, scene.input.link):
-        return float(link != FRAME)
-    shaft = scene.shafts[link]
-    carrier = turns_of(scene, shaft.carrier or FRAME)
-    return carrier + shaft.ratio * (turns_of(scene, shaft.geared_to) - carrier)
-
-
-def _open_shafts(scene: Scene) -> list[Problem]:
-    """Shafts on which joints or guides of groups lie, and that don't come back to where they were in a cycle."""
-    drive = scene.input
-    if not isinstance(drive, CrankInput) or drive.start is not None or _wrong_shafts(scene):
-        return []
-    hung = [part for group in scene.groups.values() for part in (group.first, group.second)]
-    points = {part.joint for part in hung if hasattr(part, "joint")}
-    points |= {joint for link in scene.links.values() for joint in link.joints}
-    guides = {part.guide for part in hung if hasattr(part, "guide")} | {link.guide for link in scene.links.values()}
-    bearing = {part.link for name, part in scene.points.items() if name in points}
-    bearing |= {part.link for name, part in scene.guides.items() if name in guides}
-    problems = []
-    for name in sorted(bearing & (_turning_evenly(scene) - {drive.link})):
-        turns = turns_of(scene, name) * drive.revolutions
-        if not _is_whole(turns):
-            message = (
-                f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and what hangs on it "
-                "doesn't come back to its place: set input.revolutions to the denominator of its ratio to the crank"
-            )
-            problems.append((f"shafts.{name}.ratio", message))
-    return problems
-
-
 def _wrong_inputs(scene: Scene) -> list[Problem]:
-    """Second inputs whose law has no angle to follow, or doesn't close, and what counts with one drive alone."""
+    """Second inputs whose law has no argument to follow, or doesn't close, and what counts with one drive alone."""
     if not scene.inputs:
         return []
-    drive = scene.input
-    if not isinstance(drive, CrankInput):
-        return [("inputs", "laws of second inputs are of the crank's angle, and this input slides; make it a crank")]
     problems = []
     for name, second in scene.inputs.items():
-        problems += _wrong_train(scene, name)
+        problems += _wrong_argument(scene, name) or _wrong_train(scene, name)
         if second.type == "slider":
             continue
-        carried = {scene.input.pin, *scene.points}
+        carried = {input_point(scene), *scene.points}
         if second.pivot not in carried:
             message = f"{second.pivot!r} is a joint of two links, and the drive stands on one: name a point of that; "
             problems.append((f"inputs.{name}.pivot", message + did_you_mean(second.pivot, carried)))
-        turns = (second.ratio + second.advance / math.tau) * drive.revolutions
-        if drive.start is None and not _is_whole(turns):
-            message = (
-                f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and doesn't come back "
-                "to its place: set input.revolutions so that its turns are whole"
-            )
-            problems.append((f"inputs.{name}.{'sections' if second.advance else 'ratio'}", message))
+    problems += [] if problems else _open_laws(scene)
     own = [name for name, second in scene.inputs.items() if second.drive == "own"]
     if not own:
         return problems
@@ -353,6 +318,41 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
     return problems
 
 
+def _wrong_argument(scene: Scene, name: str) -> list[Problem]:
+    """A second input whose law isn't of what the first input does."""
+    second, at, slides = scene.inputs[name], f"inputs.{name}", not isinstance(scene.input, CrankInput)
+    if not slides and second.travel is not None:
+        message = "is of a first input that slides, and this one turns: leave it out, for a law of the crank's angle"
+        return [(f"{at}.travel", message)]
+    if slides and second.drive == "crank":
+        return [(f"{at}.drive", "the first input slides, there is no crank: give this link a drive of its own")]
+    evenly = second.type == "crank" and second.ratio != 0.0
+    if slides and (second.repeats or evenly) and second.travel is None and second.period is None:
+        message = "the first input slides and has no angle that this law could be of: give travel, the length that it "
+        return [(at, f"{message}moves while the law goes through a turn, or period, the time")]
+    return []
+
+
+def _open_laws(scene: Scene) -> list[Problem]:
+    """Second inputs that aren't back where they began after a cycle of a crank that turns fully."""
+    drive, problems = scene.input, []
+    if not isinstance(drive, CrankInput) or drive.start is not None:
+        return []
+    mend = "set input.revolutions so that they are whole, or ask for a range of the crank, input.start … input.stop"
+    cycle = f"in a cycle of {drive.revolutions} of the crank"
+    for name, second in scene.inputs.items():
+        periods, turns = (rate * drive.revolutions for rate in (law_rate(scene, name), drive_turns(scene, name)))
+        if second.repeats and not _is_whole(periods):
+            message = f"the law of {name!r} repeats itself {abs(periods):.9g} times {cycle}, and doesn't close: {mend}"
+            problems.append((f"inputs.{name}.period", message))
+        elif not _is_whole(turns):
+            key = "period" if second.period is not None else "sections" if second.advance else "ratio"
+            key = "speed" if getattr(second, "speed", 0.0) != 0.0 else key
+            message = f"{name!r} makes {turns:.9g} turns {cycle}, and doesn't come back to its place: {mend}"
+            problems.append((f"inputs.{name}.{key}", message))
+    return problems
+
+
 def _wrong_train(scene: Scene, name: str) -> list[Problem]:
     """A second input that the crank would drive across a link that moves."""
     second = scene.inputs[name]
@@ -362,45 +362,6 @@ def _wrong_train(scene: Scene, name: str) -> list[Problem]:
         return []
     message = f"gears or cams between the crank and {name!r} stand on the frame, and {held!r} is on a moving link; "
     return [(f"inputs.{name}.drive", f"{message}give it a drive of its own, or name a {key} of the frame")]
-
-
-def _wrong_planet(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
-    at, even = f"shafts.{name}", _turning_evenly(scene) - {name}
-    if not isinstance(scene.input, CrankInput):
-        return [(f"{at}.carrier", "the input slides: planets are carried by a crank or a shaft; leave carrier out")]
-    if shaft.pivot is None:
-        return [(f"{at}.pivot", "is missing: a planet turns about a point of its carrier; name it")]
-    if shaft.carrier not in even:
-        return [
-            (f"{at}.carrier", f"a crank or a shaft with a pivot carries planets; {did_you_mean(shaft.carrier, even)}")
-        ]
-    if shaft.geared_to not in even | {FRAME}:
-        known = did_you_mean(shaft.geared_to, even | {FRAME})
-        return [(f"{at}.geared_to", f"a planet is geared to the frame, the crank or a shaft with a pivot; {known}")]
-    on = scene.input.link if shaft.pivot == scene.input.pin else getattr(scene.points.get(shaft.pivot), "link", None)
-    if on != shaft.carrier:
-        return [
-            (f"{at}.pivot", f"{shaft.pivot!r} is no point of the carrier {shaft.carrier!r}; name one of its points")
-        ]
-    if shaft.geared_to not in (FRAME, shaft.carrier) and not _on_one_axis(scene, shaft):
-        message = f"{shaft.geared_to!r} isn't about the axis of {shaft.carrier!r}, and not on it: the distance changes"
-        return [(f"{at}.geared_to", f"{message}; put their pivots in one place, or name another wheel")]
-    if shaft.geared_to == shaft.carrier:
-        return [(f"{at}.geared_to", f"{shaft.carrier!r} carries the planet, and can't be geared to it; name a wheel")]
-    if shaft.ratio == 1.0:
-        return [(f"{at}.ratio", "1 is no ratio of two wheels whose axes lie apart; leave the planet out, or change it")]
-    return []
-
-
-def _on_one_axis(scene: Scene, planet: Shaft) -> bool:
-    """Whether a planet's wheel keeps its distance from that which it is geared to."""
-    if getattr(scene.shafts.get(planet.geared_to), "carrier", None) == planet.carrier:
-        return True
-    pivots = [
-        scene.points[scene.input.pivot if link == scene.input.link else scene.shafts[link].pivot]
-        for link in (planet.geared_to, planet.carrier)
-    ]
-    return pivots[0] == pivots[1]
 
 
 def _wrong_cams(scene: Scene) -> list[Problem]:
@@ -432,7 +393,7 @@ def _wrong_cams(scene: Scene) -> list[Problem]:
 
 
 def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) <= _WHOLE
+    return abs(number - round(number)) <= WHOLE
 
 
 def _loose_shafts(scene: Scene) -> set[str]:
@@ -451,8 +412,13 @@ def _wrong_bodies(scene: Scene) -> list[Problem]:
     return problems
 
 
-def _still_links(scene: Scene) -> set[str]:
-    """Links that never turn: the frame, and what slides on guides of links that never turn."""
+def still_links(scene: Scene) -> set[str]:
+    """Links that never turn: the frame, and what slides on guides of links that never turn.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
     still = {FRAME} if isinstance(scene.input, CrankInput) else {FRAME, scene.input.link}
     grown = True
     while grown:
@@ -474,7 +440,7 @@ def _still_links(scene: Scene) -> set[str]:
 
 
 def _wrong_moments(scene: Scene) -> list[Problem]:
-    problems, loose, still = [], _loose_shafts(scene), _still_links(scene)
+    problems, loose, still = [], _loose_shafts(scene), still_links(scene)
     turning = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
     driven = turning | _geared_to_input(scene)
     for name, moment in scene.moments.items():
@@ -499,6 +465,7 @@ def _wrong_moments(scene: Scene) -> list[Problem]:
 def _no_stroke(scene: Scene) -> list[Problem]:
     slide = set(sliders(scene))
     named = [(f"cylinders.{n}.piston", c.piston) for n, c in scene.cylinders.items()]
+    named += [(f"wanted.{n}.of", wanted.of) for n, wanted in scene.wanted.items() if wanted.type == "slider"]
     for table in ("forces", "moments"):
         for name, action in getattr(scene, table).items():
             if isinstance(action, Tabled) and action.slider is not None:
@@ -538,6 +505,17 @@ def _open_tables(scene: Scene) -> list[Problem]:
                     make_table(angles, action.ordinates, action.interpolation, period, names=names)
                 except TableError as error:
                     problems.append((f"{table}.{name}.{ordinate}", str(error)))
+    return problems
+
+
+def _wrong_wanted(scene: Scene) -> list[Problem]:
+    problems = []
+    for name, wanted in scene.wanted.items():
+        problems += wrong_angles(name, wanted, scene.input)
+        if wanted.type == "path" and wanted.point in scene.points and scene.points[wanted.point].link == FRAME:
+            problems.append((f"wanted.{name}.point", f"{wanted.point!r} is at rest on the frame; name a moving point"))
+        if wanted.type == "link" and wanted.of == FRAME:
+            problems.append((f"wanted.{name}.of", "the frame doesn't turn; name a link that does"))
     return problems
 
 
@@ -600,8 +578,9 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
         if not isinstance(element, MachineDrive):
             continue
         at, off = f"elements.{name}", set(element.off)
-        if scene.friction:
-            problems.append((at, "friction in pairs isn't counted on an elastic shaft; leave [friction] or this out"))
+        if scene.friction or any(shaft.efficiency is not None for shaft in scene.shafts.values()):
+            lost = "friction in pairs and losses of teeth aren't counted on an elastic shaft; leave these or this out"
+            problems.append((at, lost))
         motors = {n for n, moment in scene.moments.items() if isinstance(moment, (DCMotor, InductionMotor))}
         if not motors:
             problems.append((at, "no motor drives it: add one to [moments], of type 'dc_motor' or 'induction_motor'"))

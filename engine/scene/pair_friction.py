@@ -17,12 +17,13 @@ Positive = Annotated[Length, Field(gt=0)]
 class PairFriction(Part):
     """Friction in a pair, dry, or with a `coefficient` that accounts for its lubrication.
 
-    `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT or LINK.GUIDE of a free link, input, or a shaft with
-    a pivot. A revolute pair has the `diameter` of its journal, in `contact` with its bush on a line, or on half of it,
-    new or worn in; or, by a rule of practice, a coefficient that is `above_prismatic` by 25 % (worn in) to 50 % (new).
-    A prismatic pair may have a `form` of its guide and the `length` of its slider, whose middle lies in the slider's
-    first joint (without one in its origin): where the moment on it is large it tilts and bears with its edges; without
-    a length the normal force alone presses.
+    `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT or LINK.GUIDE of a free link, input, a shaft with a
+    pivot, CAM.guide or CAM.pivot of a cam's follower, or CAM.contact. At a contact a flat face or a knife edge slides;
+    a roller rubs on its pin, which has the `diameter`. A revolute pair has the `diameter` of its journal, in `contact`
+    with its bush on a line, or on half of it, new or worn in; or, by a rule of practice, a coefficient that is
+    `above_prismatic` by 25 % (worn in) to 50 % (new). A prismatic pair may have a `form` of its guide and the `length`
+    of its slider, whose middle lies in the slider's first joint (without one in its origin): where the moment on it is
+    large it tilts and bears with its edges; without a length the normal force alone presses.
 
     `static_coefficient` with `stribeck_speed` raises the coefficient at low speeds of sliding.
     """

@@ -22,7 +22,7 @@ class Pair(NamedTuple):
     Attributes
     ----------
     name : str
-    kind : {"revolute", "prismatic"}
+    kind : {"revolute", "prismatic", "contact"}
     link : str
         Link on which its reaction acts.
     other : str
@@ -32,7 +32,7 @@ class Pair(NamedTuple):
     """
 
     name: str
-    kind: Literal["revolute", "prismatic"]
+    kind: Literal["revolute", "prismatic", "contact"]
     link: str
     other: str
     place: str
@@ -70,6 +70,16 @@ def own_drives(scene: Scene) -> list[str]:
     return [name for name, second in scene.inputs.items() if second.drive == "own"]
 
 
+def lossy_meshes(scene: Scene) -> list[str]:
+    """Shafts whose teeth lose power."""
+    return [name for name, shaft in scene.shafts.items() if shaft.efficiency is not None]
+
+
+def has_friction(scene: Scene) -> bool:
+    """Whether a machine loses power to friction, in pairs or between teeth."""
+    return bool(scene.friction or lossy_meshes(scene))
+
+
 def driving_field(scene: Scene, name: str) -> str:
     """Name of the field of what the drive of a second input gives."""
     return f"{name}.driving_force" if scene.inputs[name].type == "slider" else f"{name}.driving_moment"
@@ -82,7 +92,7 @@ def pairs(scene: Scene) -> list[Pair]:
         found = [_joint(scene, "input", drive.link, drive.pivot)]
     else:
         found = [_on_guide(scene, "input", drive.link, drive.guide)]
-    found += [_joint(scene, name, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
+    found += [_pivot_of_shaft(scene, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
     found += [
         _on_guide(scene, name, name, second.guide)
         if second.type == "slider"
@@ -103,6 +113,12 @@ def follower_pair(scene: Scene, cam: str) -> Pair:
     if follower.type == "translating":
         return _on_guide(scene, f"{cam}.guide", follower.link, follower.guide)
     return _joint(scene, f"{cam}.pivot", follower.link, follower.pivot)
+
+
+def contact_pairs(scene: Scene) -> list[Pair]:
+    """Contacts of cams with their followers, `CAM.contact`: no lower pairs, but they may rub like such."""
+    found = ((name, cam.follower.link, cam.on) for name, cam in scene.cams.items())
+    return [Pair(f"{name}.contact", "contact", link, on, f"the contact of cam {name}") for name, link, on in found]
 
 
 def free_pairs(scene: Scene) -> list[Pair]:
@@ -141,13 +157,19 @@ def _joint(scene: Scene, name: str, link: str, point: str) -> Pair:
     return Pair(name, "revolute", link, holder_of(scene, point), f"joint {point}")
 
 
+def _pivot_of_shaft(scene: Scene, name: str, point: str) -> Pair:
+    """In a joint of two links the carrier bears a shaft."""
+    pair, carrier = _joint(scene, name, name, point), scene.shafts[name].carrier
+    return pair if carrier is None or pair.other == FRAME else pair._replace(other=carrier)
+
+
 def _on_guide(scene: Scene, name: str, link: str, guide: str) -> Pair:
     return Pair(name, "prismatic", link, scene.guides[guide].link, f"guide {guide}")
 
 
 def friction_problems(scene: Scene) -> list[Problem]:
     """Frictions of pairs that don't exist, or have one already, and keys that don't belong to their kind of pair."""
-    known = {pair.name: pair for pair in pairs(scene)}
+    known = {pair.name: pair for pair in [*pairs(scene), *contact_pairs(scene)]}
     problems: list[Problem] = []
     first: dict[str, str] = {}
     for name, friction in scene.friction.items():
@@ -169,13 +191,23 @@ def friction_problems(scene: Scene) -> list[Problem]:
             message = f"{friction.pair!r} has forces between teeth: friction isn't computed there; leave it out"
             problems.append((f"{path}.pair", message))
             continue
-        if friction.pair.partition(".")[0] in scene.cams:
-            message = f"{friction.pair!r} holds a cam's follower: friction isn't computed there; leave it out"
-            problems.append((f"{path}.pair", message))
-            continue
         first.setdefault(friction.pair, name)
-        problems += _wrong_keys(path, friction, known[friction.pair])
+        if known[friction.pair].kind == "contact":
+            rolls = scene.cams[friction.pair.partition(".")[0]].follower.contact == "roller"
+            problems += _wrong_at_cam(path, friction, rolls)
+        else:
+            problems += _wrong_keys(path, friction, known[friction.pair])
     return problems
+
+
+def _wrong_at_cam(path: str, friction: PairFriction, rolls: bool) -> Iterator[Problem]:
+    """Keys that don't belong to the contact of a cam, which a roller rubs at with its pin."""
+    own = ("coefficient", "material", "diameter") if rolls else ("coefficient", "material")
+    for key in (*OF_GUIDES, *OF_JOURNALS, "static_coefficient"):
+        if key not in own and getattr(friction, key) is not None:
+            yield f"{path}.{key}", f"doesn't belong to the contact of a cam: leave it out; allowed: {', '.join(own)}"
+    if rolls and friction.diameter is None:
+        yield f"{path}.diameter", "is missing: a roller rubs on its pin; give the pin's diameter, such as '8 mm'"
 
 
 def _wrong_keys(path: str, friction: PairFriction, pair: Pair) -> Iterator[Problem]:

@@ -468,22 +468,27 @@ class Balance(Part):
 
 
 class Shaft(Part):
-    """A shaft geared to a link that turns about the frame: its speed is `ratio` times that link's (negative: reversed).
+    """A shaft geared to a link that turns: its speed is `ratio` times that link's (negative: reversed).
 
-    A shaft geared to the crank may have a `pivot` on the frame; it is then a link like another, at the angle
-    ratio·φ + `phase`, and can carry points and bodies. A planet has a `carrier`, the crank or a shaft with a pivot: its
-    own pivot is a point of that, and it is geared to the crank, such a shaft, or the frame, whose wheel lies about the
-    carrier's pivot; its `ratio` is that of the speeds relative to the carrier (negative: external teeth), and `phase`
-    its angle at the crank angle 0. With the `pressure_angle` of its teeth, forces between them are part of reactions.
+    With a `pivot` it is a link like another, and can carry points and bodies: with a point of the frame, at which what
+    it is geared to is hinged too, or with a `carrier`, a point of that; then what it is geared to has its wheel about
+    another joint or point of the carrier, or is the frame, with its wheel about the carrier's pivot. The `ratio` is
+    that of the speeds relative to the carrier (negative: external teeth), and `phase` the angle at the crank angle 0,
+    or, geared to what turns unevenly, against the carrier where that link and the carrier have one direction. Unless
+    the ratio is whole, a link of a group has to swing by less than half a turn to either side of the angle `around`
+    against the carrier. With the `pressure_angle` of its teeth, forces between them are part of reactions.
+    `efficiency` is that of the mesh, the carrier held, whichever wheel drives.
     """
 
     geared_to: Name
     ratio: Number
     carrier: Name | None = None
     pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None
+    efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
     pivot: Name | None = None
     phase: Angle = 0.0
+    around: Angle = 0.0
 
     @field_validator("ratio")
     @classmethod

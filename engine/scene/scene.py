@@ -13,6 +13,7 @@ from engine.governors.governor_elements import governs_machine
 from engine.higher_pairs.cams.driving_cams import DrivingCam
 from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.higher_pairs.second_inputs import SecondInput
+from engine.mechanism.synthesis.wanted_motion import WantedMotion
 from engine.motion.coupled.coupling_models import Coupling
 from engine.scene.actions import ForceAction, MomentAction, Spring
 from engine.scene.cylinders import CylinderAction
@@ -63,7 +64,7 @@ class Scene(Part):
     Groups may stand in any order; free `links` make up groups of any class, whose assembly mode `near` tells. `gravity`
     acts along −y, and the `base` may be accelerated. Without `inertia_in_reactions`, for slow machines, reactions are
     those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
-    from. A scene of machine elements alone has no input.
+    from. What is `wanted` of the motion is compared with it. A scene of machine elements alone has no input.
     """
 
     title: PlainText = ""
@@ -93,6 +94,7 @@ class Scene(Part):
     inertia_in_reactions: bool = True
     balance: Balance | None = None
     regimes: dict[Name, Regime] = {}
+    wanted: dict[Name, WantedMotion] = {}
     elements: dict[Name, MachineElement] = {}
 
     def __repr__(self) -> str:

@@ -21,7 +21,7 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
     left_out = ("first_kind_inertia", "power_balance_residual", "loop_closure_residual", *ACCURACY_SUMMARIES)
     machine = Machine(scene)
     names = {n: n.partition(".")[0] for n in machine.available_summaries if n not in left_out}
-    telling = (".stroke", "_angle")
+    telling = (".stroke", "_angle", ".deviation_max")
     kept = (
         name
         for name, owner in names.items()

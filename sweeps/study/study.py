@@ -247,7 +247,7 @@ def _checked(study: Study, path: Path) -> Study:
     except AskError as error:
         key = next((k for k in ("accuracy", "positions", "vary") if k in str(error)), "outputs")
         if study.best and str(error).startswith(repr(study.best.goal)):
-            key = f"best.{'minimise' if study.best.minimise else 'maximise'}"
+            key = f"best.{'maximise' if study.best.minimise is None else 'minimise'}"
         raise InputError(path.name, [(line_of(study.text, key.split(".")), key, str(error))]) from None
     except SceneError as error:
         problems = [(line_of(study.text, key.split(".")), key, message) for key, message in error.problems]

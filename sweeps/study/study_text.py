@@ -65,12 +65,12 @@ class Best(ScenePart):
     @property
     def goal(self) -> str:
         """Name of the summary that decides."""
-        return self.minimise or self.maximise
+        return self.maximise if self.minimise is None else self.minimise
 
     @property
     def sign(self) -> float:
         """+1 to minimise, −1 to maximise."""
-        return 1.0 if self.minimise else -1.0
+        return -1.0 if self.minimise is None else 1.0
 
 
 def _listed(value: object) -> object:

@@ -4,6 +4,7 @@ The piece of the table that holds in the middle of a panel holds throughout it; 
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -58,10 +59,33 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> 
     place = _place(kinematics, action, period, time)
     for level, kink in place.levels:
         graph.switches(place.curve, place.rate, level, kink)
-    begin, *coefficients = _piece(graph, table, place.abscissa)
+    return _value(graph, table, place.abscissa, factor)
+
+
+def rows_over_angle(
+    kinematics: Kinematics, angles: Sequence[float], values: Sequence[float], interpolation: str, outside: str
+) -> Node:
+    """Curve through rows over the crank angle that lie within one cycle.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    angles, values : sequence of float
+    interpolation, outside : str
+        As of `make_table`.
+    """
+    graph = kinematics.graph
+    for angle, kink in _kinks(angles, values, interpolation, outside, False).items():
+        graph.switches(graph.q, graph.one, angle, kink)
+    return _value(graph, make_table(angles, values, interpolation, 0.0, outside), graph.q, graph.one)
+
+
+def _value(graph: Graph, table: Table, x: Node, factor: Node) -> Node:
+    """Value of a table; the piece that x lies in, times the factor, is held."""
+    begin, *coefficients = _piece(graph, table, x)
     highest, *others = (graph.held(c * factor) for c in coefficients)
     # By Horner's rule, of a degree no higher than the table's.
-    value, t = highest, place.abscissa - graph.held(begin)
+    value, t = highest, x - graph.held(begin)
     for coefficient in others:
         value = value * t + coefficient
     return value
@@ -95,13 +119,19 @@ def _period(kinematics: Kinematics, action: Tabled) -> float:
 
 def kinks_of(action: Tabled, periodic: bool = False) -> dict[float, int]:
     """Rows of a table in order, each with the lowest derivative of the value that changes there."""
-    x, y = np.array(action.abscissae), np.array(action.ordinates)
-    smooth = 1 if action.interpolation == "linear" else 2
+    return _kinks(action.abscissae, action.ordinates, action.interpolation, action.outside, periodic)
+
+
+def _kinks(
+    abscissae: Sequence[float], ordinates: Sequence[float], interpolation: str, outside: str, periodic: bool
+) -> dict[float, int]:
+    x, y = np.array(abscissae), np.array(ordinates)
+    smooth = 1 if interpolation == "linear" else 2
     kinks = dict.fromkeys((float(row) for row in x), smooth)
     if not periodic:
         kinks[float(x[0])] = kinks[float(x[-1])] = 1
     jumps = [float(row) for row in x[1:][np.diff(x) == 0.0]]
-    if not periodic and action.outside == "zero":
+    if not periodic and outside == "zero":
         jumps += [float(x[i]) for i in (0, -1) if y[i] != 0.0]
     return kinks | dict.fromkeys(jumps, 0)
 

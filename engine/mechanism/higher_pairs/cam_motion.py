@@ -23,7 +23,7 @@ from engine.laws.cams.profiles import (
 )
 from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
-from engine.mechanism.higher_pairs.motion_program import TURN, Displacement, add_program, turns_of_input
+from engine.mechanism.higher_pairs.motion_program import TURN, Displacement, Turned, add_program, turns_of_input
 from engine.mechanism.vectors import Vector, named
 from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene
@@ -98,7 +98,7 @@ def add_cam(assembly: Assembly, name: str) -> CamMotion:
     """
     cam = assembly.scene.cams[name]
     turned = _turned(assembly, name)
-    displacement = add_program(assembly.graph, cam, f"cams.{name}", *_angle(assembly, name, turned))
+    displacement = add_program(assembly.graph, cam, f"cams.{name}", _angle(assembly, name, turned))
     contact, x, y = (_sliding if cam.translating else _swinging)(assembly, name, turned, displacement)
 
     def in_frame(v: Vector) -> Vector:
@@ -127,8 +127,8 @@ def _turned(assembly: Assembly, name: str) -> _Turned:
     return _Turned(abs(graph.number(path)), sense, assembly.points[scene.shafts[on].pivot].r)
 
 
-def _angle(assembly: Assembly, name: str, turned: _Turned) -> tuple[Node, range]:
-    """Angle of a cam from the beginning of its first section, and the turns of it that the input's range takes."""
+def _angle(assembly: Assembly, name: str, turned: _Turned) -> Turned:
+    """Angle of a cam from the beginning of its first section, growing with the input."""
     scene, path = assembly.scene, cam_ratio(assembly.scene, name)
 
     def ratio(numbers: Numbers) -> float | np.ndarray:
@@ -140,7 +140,7 @@ def _angle(assembly: Assembly, name: str, turned: _Turned) -> tuple[Node, range]
     )
     drive = scene.input
     own = 1.0 if path is None else abs(scene.shafts[scene.cams[name].on].ratio)
-    return turned.rate * assembly.graph.q - lag, turns_of_input(drive, own)
+    return Turned(turned.rate * assembly.graph.q - lag, turned.rate, turns_of_input(drive, own))
 
 
 def _sliding(

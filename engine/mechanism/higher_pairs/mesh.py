@@ -14,7 +14,7 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
-from engine.scene.parts import FRAME
+from engine.scene.structure.trains import mesh_axis
 
 
 class Mesh(NamedTuple):
@@ -27,6 +27,8 @@ class Mesh(NamedTuple):
         Of the shaft's pitch circle, signed: times the direction of the line it is the arm to the pitch point.
     across : Vector
         Direction in which a force on the shaft at the pitch point has the moment `radius` × force.
+    along : Vector
+        Direction of the line of centres, from the driver's axis to the shaft's.
     away : Vector
         Direction in which teeth push the shaft apart from its driver: external ones away from it.
     slope : Node
@@ -36,16 +38,9 @@ class Mesh(NamedTuple):
     pitch_point: Vector
     radius: Node
     across: Vector
+    along: Vector
     away: Vector
     slope: Node
-
-
-def _axis_of(kinematics: Kinematics, name: str) -> Vector:
-    """Axis of the wheel that a shaft is geared to: of the frame's wheel the pivot of the carrier."""
-    scene = kinematics.scene
-    shaft = scene.shafts[name]
-    on = shaft.carrier if shaft.geared_to == FRAME else shaft.geared_to
-    return kinematics.links[on].origin.r
 
 
 def mesh_of(kinematics: Kinematics, name: str) -> Mesh:
@@ -59,10 +54,10 @@ def mesh_of(kinematics: Kinematics, name: str) -> Mesh:
     """
     graph, centre = kinematics.graph, kinematics.links[name].origin.r
     ratio = kinematics.number(f"shafts.{name}.ratio")
-    line = centre - _axis_of(kinematics, name)
+    line = centre - kinematics.points[mesh_axis(kinematics.scene, name)].r
     distance = line.length
     along = line * (graph.one / distance)
     radius = distance / (ratio - 1.0)
     slope = graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"shafts.{name}.pressure_angle"]))
     apart = graph.derived(f"sense in which {name} is pushed apart", lambda n: -np.sign(n[f"shafts.{name}.ratio"]))
-    return Mesh(centre + radius * along, radius, along.normal, apart * along, slope)
+    return Mesh(centre + radius * along, radius, along.normal, along, apart * along, slope)

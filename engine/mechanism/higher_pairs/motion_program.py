@@ -13,7 +13,7 @@ from engine.graph.nodes import Graph, Node, Number
 from engine.higher_pairs.cams.motion_programs import DwellSection, MotionProgram, RiseSection
 from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, section_at, unit_motion
 from engine.laws.tables import in_memory, make_table, periods_before, table_segment
-from engine.scene.parts import CrankInput
+from engine.scene.parts import CrankInput, SliderInput
 from engine.scene.scene import Numbers
 
 TURN = 2.0 * math.pi
@@ -38,7 +38,25 @@ class Sections(NamedTuple):
     stroke: list[float | np.ndarray]
 
 
-def add_program(graph: Graph, program: MotionProgram, at: str, turned: Node, turns: range) -> Displacement:
+class Turned(NamedTuple):
+    """What a motion program goes over.
+
+    Attributes
+    ----------
+    angle : Node
+        Of the cam or crank, from the beginning of the first section [rad].
+    rate : Node
+        Its derivative by the input.
+    turns : range
+        Turns of it, counted from there, in which the input's range lies.
+    """
+
+    angle: Node
+    rate: Node
+    turns: range
+
+
+def add_program(graph: Graph, program: MotionProgram, at: str, turned: Turned) -> Displacement:
     """Displacement by a motion program.
 
     Parameters
@@ -47,27 +65,25 @@ def add_program(graph: Graph, program: MotionProgram, at: str, turned: Node, tur
     program : MotionProgram
     at : str
         Where it stands in the scene.
-    turned : Node
-        Angle of the cam or crank from the beginning of the first section [rad], growing with the input.
-    turns : range
-        Turns of it, counted from there, in which the input's range lies.
+    turned : Turned
     """
     if program.table is not None:
-        return _tabled(graph, program, turned, turns)
-    return _by_sections(graph, program, at, turned, turns)
+        return _tabled(graph, program, turned)
+    return _by_sections(graph, program, at, turned)
 
 
-def turns_of_input(drive: CrankInput, ratio: float) -> range:
-    """Turns in which the range of a crank lies, of what turns `ratio` times as fast and began at most a turn later.
+def turns_of_input(drive: CrankInput | SliderInput, rate: float) -> range:
+    """Turns, of an angle that goes by `rate` and began at most a turn later, in which the range of an input lies.
 
     Parameters
     ----------
-    drive : CrankInput
-    ratio : float
-        By magnitude.
+    drive : CrankInput or SliderInput
+    rate : float
+        [rad per rad, or per m of a sliding input]
     """
-    first, last = (0.0, TURN * drive.revolutions) if drive.start is None else (drive.start, drive.stop)
-    return range(math.floor(ratio * first / TURN) - 1, math.ceil(ratio * last / TURN + 1e-9) + 1)
+    ends = (0.0, TURN * drive.revolutions) if drive.start is None else (drive.start, drive.stop)
+    first, last = sorted(rate * end for end in ends)
+    return range(math.floor(first / TURN) - 1, math.ceil(last / TURN + 1e-9) + 1)
 
 
 def sections_of(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
@@ -102,7 +118,7 @@ def sections_of(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
     return found._replace(angle=[np.where(whole, angle, np.nan) for angle in found.angle])
 
 
-def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Node, turns: range) -> Displacement:
+def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Turned) -> Displacement:
     laws = [DWELL if isinstance(s, DwellSection) else LAW_KINDS[s.law] for s in program.sections.values()]
 
     def number(k: int, part: str) -> Number:
@@ -113,16 +129,16 @@ def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Node, tu
         rows += [number(k, part) for part in Sections._fields]
         rows.append(graph.derived(f"{at} section {k} law", lambda n, law=law: float(law)))
         for inside in (0.0, *LAW_BREAKS.get(law, ())):
-            for turn in turns:
-                graph.switches(turned, graph.one, _level(graph, program, at, (k, inside, turn)))
+            for turn in turned.turns:
+                graph.switches(turned.angle, turned.rate, _level(graph, program, at, (k, inside, turn)))
     table = graph.number_table(f"{at} sections", rows)
     begin, angle, before, stroke, kind = (
-        graph.held(part) for part in graph.apply(section_at, table, float(len(laws)), turned)
+        graph.held(part) for part in graph.apply(section_at, table, float(len(laws)), turned.angle)
     )
-    u, rate = (turned - begin) / angle, graph.one / angle
+    u, rate = (turned.angle - begin) / angle, graph.one / angle
     shape, slope, bend, _ = graph.apply(unit_motion, kind, u, graph.held(u))
     if program.advance:
-        gone = graph.held(graph.apply(periods_before, 0.0, TURN, turned))
+        gone = graph.held(graph.apply(periods_before, 0.0, TURN, turned.angle))
         before = before + (program.advance / TURN) * gone
     return Displacement(before + stroke * shape, stroke * rate * slope, stroke * (rate * rate) * bend)
 
@@ -138,13 +154,13 @@ def _level(graph: Graph, program: MotionProgram, at: str, place: tuple[int, floa
     return graph.derived(f"{at} section {k} at {inside} in turn {turn}", angle)
 
 
-def _tabled(graph: Graph, program: MotionProgram, turned: Node, turns: range) -> Displacement:
+def _tabled(graph: Graph, program: MotionProgram, turned: Turned) -> Displacement:
     motion = program.table
     table = make_table(motion.over_angle, motion.rows, motion.interpolation, TURN)
     for row in table.breaks[:-1]:
-        for turn in turns:
-            graph.switches(turned, graph.one, graph.constant(row + TURN * turn))
+        for turn in turned.turns:
+            graph.switches(turned.angle, turned.rate, graph.constant(row + TURN * turn))
     offset = graph.store(in_memory(table))
-    left, c3, c2, c1, c0 = (graph.held(part) for part in graph.apply(table_segment, graph.memory, offset, turned))
-    t = turned - left
+    left, c3, c2, c1, c0 = (graph.held(part) for part in graph.apply(table_segment, graph.memory, offset, turned.angle))
+    t = turned.angle - left
     return Displacement(((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1, 6.0 * c3 * t + 2.0 * c2)

@@ -1,4 +1,10 @@
-"""Second inputs, put together from nodes: links that their own drives turn or slide by laws of the crank's angle."""
+"""Second inputs, put together from nodes: links turned or moved by laws of the first input or of time.
+
+The argument τ of a law goes with the input's coordinate q, τ = κ q. At the constant speed of the input, ω, time is
+t = q/ω, so that a law of the period T is one of q with κ = 2π/(ω T), and the transfer functions are
+
+    dψ/dq = κ dψ/dτ,    d²ψ/dq² = κ² d²ψ/dτ²
+"""
 
 import numpy as np
 
@@ -6,9 +12,10 @@ from engine.graph.nodes import Node
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.law_harmonics import law_harmonic
 from engine.mechanism.assembly import Assembly, Slide, Turning
-from engine.mechanism.higher_pairs.motion_program import TURN, add_program, turns_of_input
+from engine.mechanism.higher_pairs.motion_program import TURN, Turned, add_program, turns_of_input
 from engine.mechanism.vectors import Vector
 from engine.scene.pairs import drive_base
+from engine.scene.structure.input_laws import law_rate
 
 Law = tuple[Node, Node, Node]
 
@@ -50,21 +57,37 @@ def rate_of_drive(assembly: Assembly, name: str) -> Node:
 
 
 def _law(assembly: Assembly, name: str) -> Law:
-    """Angle or place of a second input by its law, and two derivatives by the crank's angle."""
+    """Angle or place of a second input by its law, and two derivatives by the input."""
     second, graph, at = assembly.scene.inputs[name], assembly.graph, f"inputs.{name}"
+    rate = _rate(assembly, name)
+    argument = rate * graph.q
     if second.type == "slider":
         law = assembly.number(f"{at}.start"), graph.zero, graph.zero
     else:
         ratio = assembly.number(f"{at}.ratio")
-        law = ratio * graph.q + assembly.number(f"{at}.phase"), ratio, graph.zero
+        law = ratio * argument + assembly.number(f"{at}.phase"), ratio, graph.zero
     for key, harmonic in second.harmonics.items():
         amplitudes = (assembly.number(f"{at}.harmonics.{key}.{part}") for part in ("cosine", "sine"))
-        law = _sum(law, graph.apply(law_harmonic, graph.q, float(harmonic.order), *amplitudes))
+        law = _sum(law, graph.apply(law_harmonic, argument, float(harmonic.order), *amplitudes))
     if second.sections or second.table is not None:
         lag = graph.derived(f"begin of {name}", lambda n: np.mod(n[f"{at}.begin"], TURN))
-        turns = turns_of_input(assembly.scene.input, 1.0)
-        law = _sum(law, add_program(graph, second, at, graph.q - lag, turns))
-    return law
+        turns = turns_of_input(assembly.scene.input, law_rate(assembly.scene, name))
+        law = _sum(law, add_program(graph, second, at, Turned(argument - lag, rate, turns)))
+    place, slope, bend = law[0], rate * law[1], (rate * rate) * law[2]
+    if getattr(second, "speed", 0.0) != 0.0:
+        even = graph.derived(f"even rate of {name}", lambda n: n[f"{at}.speed"] / n["input.speed"])
+        place, slope = place + even * graph.q, slope + even
+    return place, slope, bend
+
+
+def _rate(assembly: Assembly, name: str) -> Node:
+    """κ: how fast the argument of a second input's law goes with the first input."""
+    second, graph, at = assembly.scene.inputs[name], assembly.graph, f"inputs.{name}"
+    if second.period is not None:
+        return graph.derived(f"rate of {name}", lambda n: TURN / (n["input.speed"] * n[f"{at}.period"]))
+    if second.travel is not None:
+        return graph.derived(f"rate of {name}", lambda n: TURN / n[f"{at}.travel"])
+    return graph.one
 
 
 def _sum(one: Law, other: Law) -> Law:

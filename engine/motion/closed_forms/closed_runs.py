@@ -13,7 +13,7 @@ from engine.motion.closed_forms.closed_time import Push, strongest, timed_motion
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.tabulation import Sums
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_progress import Ends, Progress, RunOutcome, Stepping
+from engine.motion.runs.run_progress import DOUBTFUL, Ends, Progress, RunOutcome, Stepping
 from engine.motion.steppers.time_form import State
 from engine.verdicts import Verdict
 
@@ -57,10 +57,9 @@ def run_in_closed_form(
     outcome = _outcome(balance, omega, motion)
     left = np.flatnonzero(~found)
     if left.size:
-        own = ends._replace(**{k: getattr(ends, k)[left] for k in ("turned", "time", "speed", "most_turned")})
         begin = start[left], omega[left], clock[left]
-        runs = Progress(dynamics, variants.some(left), *begin, own, steps, half, stepping=stepping)
-        _take(outcome, left, run_to_end(runs))
+        runs = Progress(dynamics, variants.some(left), *begin, ends.some(left), steps, half, stepping=stepping)
+        outcome = outcome.with_others(left, run_to_end(runs))
     return outcome
 
 
@@ -106,12 +105,5 @@ def _outcome(balance: MotionEquation, omega: np.ndarray, motion: Motion) -> RunO
         0.5 * balance.inertia * omega**2,
         0.5 * balance.inertia * motion.omega**2,
         np.zeros(count, int),
+        np.full((DOUBTFUL + motion.works.shape[0], count), np.nan),
     )
-
-
-def _take(outcome: RunOutcome, who: np.ndarray, other: RunOutcome) -> None:
-    """Put the outcome of some variants in its place."""
-    for mine, new in zip(outcome.state, other.state, strict=True):
-        mine[..., who] = new
-    for name in ("verdict", "slowest", "fastest", "peak", "started", "ended", "arrived"):
-        getattr(outcome, name)[who] = getattr(other, name)

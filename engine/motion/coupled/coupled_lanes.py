@@ -15,7 +15,7 @@ from engine.cycle.driver import gather, hand_out
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
-from engine.motion.steppers.one_step import MOST_STAGES, add_weighted, estimate, make_polynomial
+from engine.motion.steppers.one_step import MOST_STAGES, ROOTS, add_weighted, estimate, make_polynomial
 from engine.motion.steppers.places import INVERSE, LOADS, Form, Source, add_share, fill_place, moments_at_speed
 from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 from engine.motion.steppers.time_lanes import face
@@ -67,8 +67,8 @@ _MOVING, _GATHERED = np.array([SPEED, RISE, SHAFT_SPEED, SHAFT_RISE]), np.array(
 _CHANNELS = np.array([CHANNEL])
 ROWS_MOVING, ROWS_GATHERED = 4, 4
 # Rows to work in.
-ERROR, OTHER, REACH = range(3)
-SPARE = 3
+ERROR, REACH, ROOT = range(3)
+SPARE = ROOT + ROOTS
 
 
 # What joins the sides: nothing, a friction clutch, or a fluid.
@@ -279,7 +279,7 @@ def judge_both(method: Method, tolerance: float, given: Memory, stages: Memory, 
         for s in range(method.stages):
             for lane in range(LANES):
                 spare[REACH, lane] = larger(abs(step[lane] * stages[row + s, lane]), spare[REACH, lane])
-        estimate(LANES, method, step, stages, row, spare[OTHER], spare[ERROR])
+        estimate(LANES, method, step, stages, row, spare, ROOT, spare[ERROR])
         for lane in range(LANES):
             error, worst = abs(spare[ERROR, lane]), missed[lane]
             own = 0.0 if error == 0.0 else error / (tolerance * spare[REACH, lane])
@@ -353,7 +353,7 @@ def step_of_both(
             for s in range(method.stages):
                 for lane in range(LANES):
                     stages[CHANNEL + s, lane] = 0.0
-                at, load = form.width * s, spare[OTHER]
+                at, load = form.width * s, spare[ROOT]
                 add_channel(channel, s, at, form, channel_of, crank, exponents, SPEED, MOTORS, MOMENT, load, stages)
                 add_channel(
                     channel,

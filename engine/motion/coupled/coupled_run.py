@@ -23,11 +23,10 @@ from engine.motion.coupled.coupled_step import (
     TOGETHER,
     WORKS,
     CoupledStep,
-    Joined,
     coupled_step,
     coupling_pull,
 )
-from engine.motion.coupled.two_sides import CoupledSides
+from engine.motion.coupled.two_sides import CoupledSides, Joined
 from engine.motion.moments.breaks import JUMP
 from engine.motion.regula_falsi import regula_falsi
 from engine.verdicts import Verdict

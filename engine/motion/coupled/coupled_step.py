@@ -13,7 +13,8 @@ from numba import types
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.motion.coupled.coupled_lanes import BY_FLUID, CLUTCH, NONE, found_rows, new_both_room, step_of_both
-from engine.motion.coupled.two_sides import CoupledSides
+from engine.motion.coupled.stiff_step import decay_rate, stiff_step
+from engine.motion.coupled.two_sides import CoupledSides, Joined
 from engine.motion.moments.at_speed import Drive
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import form_of, source_of
@@ -27,32 +28,8 @@ TOGETHER, FORWARDS, BACKWARDS, APART, FLUID = 0, 1, -1, 2, 3
 # and of each channel.
 CRANK, CRANK_SPEED, SHAFT, SHAFT_SPEED, HEAT, SLIPPED, SQUARES, WORKS = range(8)
 MOVING = 4
-
-
-class Joined(NamedTuple):
-    """How both sides of every variant are in a phase of the motion; arrays (variants,).
-
-    Attributes
-    ----------
-    mode : ndarray of int
-        TOGETHER, FORWARDS, …
-    crank_way, shaft_way : ndarray
-        +1 or −1, the way each side moves, 0 where it stands.
-    clock : ndarray
-        Time of moments over time, at the begin of the run [s].
-    engaged : ndarray
-        For how long the coupling has been engaged, at the begin of the run [s].
-    """
-
-    mode: np.ndarray
-    crank_way: np.ndarray
-    shaft_way: np.ndarray
-    clock: np.ndarray
-    engaged: np.ndarray
-
-    def some(self, who: np.ndarray) -> "Joined":
-        """Of some of the variants, by index."""
-        return Joined(*(row[who] for row in self))
+# Of a fluid coupling, the product of step and decay rate from which on a step is an implicit one.
+STIFF = 2.0
 
 
 class Pull(NamedTuple):
@@ -168,6 +145,56 @@ def coupled_step(
     tolerance : float
         What may be missed, as a share of the angles turned and of the speeds or their changes.
     """
+    stiff = _stiff(sides, joined, state, time, length)
+    if not stiff.any():
+        return _explicit_step(sides, joined, state, time, length, goal, tolerance)
+    who = np.flatnonzero(stiff)
+    some = (sides, joined, state, time, length, goal) if stiff.all() else None
+    if some is None:
+        some = (sides.some(who), joined.some(who), state[:, who], time[who], length[who], goal[who])
+    implicit = _implicit_step(*some, tolerance)
+    if stiff.all():
+        return implicit
+    step = _explicit_step(sides, joined, state, time, length, goal, tolerance)
+    for whole, part in zip(step[1:], implicit[1:], strict=True):
+        whole[..., who] = part
+    return step
+
+
+def _stiff(sides: CoupledSides, joined: Joined, state: np.ndarray, time: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Of which variants a step is to be an implicit one, (variants,) of bool."""
+    if not sides.is_fluid:
+        return np.zeros(time.size, bool)
+    both = (joined.crank_way != 0.0) & (joined.shaft_way != 0.0)
+    with np.errstate(all="ignore"):
+        return both & (length * decay_rate(sides, joined, state[:MOVING], time) > STIFF)
+
+
+def _implicit_step(
+    sides: CoupledSides,
+    joined: Joined,
+    state: np.ndarray,
+    time: np.ndarray,
+    length: np.ndarray,
+    goal: np.ndarray,
+    tolerance: float,
+) -> CoupledStep:
+    """As `coupled_step`, where a fluid coupling is steep."""
+    with np.errstate(all="ignore"):
+        found = stiff_step(sides, joined, state[:MOVING], time, length, goal, tolerance)
+    return CoupledStep(state, state + found.changes, length, found.missed, found.parts, found.moments)
+
+
+def _explicit_step(
+    sides: CoupledSides,
+    joined: Joined,
+    state: np.ndarray,
+    time: np.ndarray,
+    length: np.ndarray,
+    goal: np.ndarray,
+    tolerance: float,
+) -> CoupledStep:
+    """As `coupled_step`, where nothing is steep."""
     dynamics, crank, own = sides.crank.dynamics, sides.crank, sides.crank.variants
     form, other = form_of(dynamics, len(own.drive.kloss)), form_of(sides.shaft.dynamics, len(_drive_of(sides).kloss))
     source, tabulation, coupling = source_of(dynamics, form), dynamics.reduction.tabulation, sides.coupling

@@ -126,10 +126,10 @@ class ShaftSide(NamedTuple):
     backwards: Rows
 
     def moments(self, omega: np.ndarray, facing: np.ndarray) -> Moments:
-        """Moments at given speeds, (1, variants); `facing` +1 or −1 is the way that resistances resist."""
+        """Moments at speeds (variants,) or (instants, variants); `facing` ±1 is the way that resistances resist."""
         fields = zip(self.forwards, self.backwards, strict=True)
         rows = Rows(*(np.where(facing < 0.0, back, forth) for forth, back in fields))
-        return self.dynamics.moments(self.variants, rows, omega[None])
+        return self.dynamics.moments(self.variants, rows, np.atleast_2d(omega))
 
     def place(self, form: Form, way: np.ndarray) -> np.ndarray:
         """Rows of a place, (width, variants), with what loads the shaft moving forward or backwards."""
@@ -148,6 +148,32 @@ class ShaftSide(NamedTuple):
         """Of some of the variants, by index."""
         ways = (Rows(*(part[..., who] for part in rows)) for rows in (self.forwards, self.backwards))
         return ShaftSide(self.dynamics, self.variants.some(who), self.inertia[who], *ways)
+
+
+class Joined(NamedTuple):
+    """How both sides of every variant are in a phase of the motion; arrays (variants,).
+
+    Attributes
+    ----------
+    mode : ndarray of int
+        TOGETHER, FORWARDS, …
+    crank_way, shaft_way : ndarray
+        +1 or −1, the way each side moves, 0 where it stands.
+    clock : ndarray
+        Time of moments over time, at the begin of the run [s].
+    engaged : ndarray
+        For how long the coupling has been engaged, at the begin of the run [s].
+    """
+
+    mode: np.ndarray
+    crank_way: np.ndarray
+    shaft_way: np.ndarray
+    clock: np.ndarray
+    engaged: np.ndarray
+
+    def some(self, who: np.ndarray) -> "Joined":
+        """Of some of the variants, by index."""
+        return Joined(*(row[who] for row in self))
 
 
 class CoupledSides(NamedTuple):

@@ -10,7 +10,7 @@ from engine.laws.senses import sense
 from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
-from engine.mechanism.friction import relative_motion
+from engine.mechanism.friction import relative_motion, relative_turning
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.at_speed import Drive, Moments, moments_at
@@ -22,7 +22,7 @@ from engine.motion.regula_falsi import regula_falsi
 from engine.motion.steppers.energy_form import Tables
 from engine.scene.actions import Brake, DCMotor
 from engine.scene.formulas.load_formulas import load_formulas
-from engine.scene.pairs import pairs
+from engine.scene.pairs import contact_pairs, lossy_meshes, pairs
 from engine.scene.scene import Numbers
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Variants(NamedTuple):
     instants : ndarray (instants, variants) or None
         When the moments at work jump or bend by themselves [s], from `Dynamics.driven`.
     kept : dict
-        What was found of their steady motion.
+        What was found of their steady motion and of their runs, each for a second time.
     rubbing : ndarray (2, numbers, variants) or None
         Numbers of the friction in pairs, moving forward and backwards, from `Dynamics.driven`.
     """
@@ -219,13 +219,18 @@ def _reversals(mechanics: Mechanics) -> list[Load]:
     """What friction jumps with: the directions of motion in the pairs that rub, each as a load of that size."""
     graph, found = mechanics.graph, []
     rubbing = {friction.pair for friction in mechanics.scene.friction.values()}
-    for pair in pairs(mechanics.scene):
+    for pair in [*pairs(mechanics.scene), *contact_pairs(mechanics.scene)]:
         if pair.name in rubbing:
             rate, slope = relative_motion(mechanics.kinematics, pair)
             graph.switches(rate, slope)
             way = graph.held(graph.apply(sense, rate))
             grip = Grip(pair.link, None, None)
             found.append(Load(IN_PAIRS, graph.one, way, grip, graph.one, way, "harmful", 0))
+    for name in lossy_meshes(mechanics.scene):
+        rate, slope = relative_turning(mechanics.kinematics, name)
+        graph.switches(rate, slope)
+        way = graph.held(graph.apply(sense, rate))
+        found.append(Load(IN_PAIRS, graph.one, way, Grip(name, None, None), graph.one, way, "harmful", 0))
     return found
 
 

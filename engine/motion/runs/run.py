@@ -35,14 +35,14 @@ def run_to_end(runs: Progress) -> RunOutcome:
 
 
 def _run(runs: Progress) -> RunOutcome:
-    started = runs.energy()
+    started, count = runs.energy(), runs.variants.count
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
     runs.see_begin()
     if runs.ends.rest and runs.dynamics.fades:
         # What vanishes with the speed stops no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
-    brisk = _brisk(runs, np.arange(runs.variants.count))
-    time_steps, reached = np.zeros(runs.variants.count, np.int64), np.zeros(runs.variants.count)
+    brisk = _brisk(runs, np.arange(count))
+    time_steps, reached = np.zeros(count, np.int64), np.zeros(count)
     while not runs.done.all():
         fast = np.flatnonzero(brisk & ~runs.done)
         if fast.size:
@@ -63,10 +63,12 @@ def _run(runs: Progress) -> RunOutcome:
         runs.state,
         runs.slowest,
         runs.fastest,
-        greatest_moment(runs.variants.drive, runs.slowest, runs.fastest),
+        # By the extremes of the speed, where these are looked for.
+        greatest_moment(runs.variants.drive, runs.slowest, runs.fastest) if runs.extremes else np.full(count, np.nan),
         started,
         runs.energy(),
         runs.arrived,
+        runs.doubts,
     )
 
 

@@ -15,7 +15,7 @@ from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.motion.steppers.classical import ORDER_FOUR
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
-from engine.motion.steppers.going import FOUND, go_on_to_end, new_going_room
+from engine.motion.steppers.going import FOUND, IN_DOUBT, go_on_to_end, new_going_room
 from engine.motion.steppers.places import form_of, source_of
 from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
 from engine.motion.steppers.tableaux import Method
@@ -47,7 +47,7 @@ class Limits(NamedTuple):
 class Stretch(NamedTuple):
     """How a stretch went, each (variants,): why it stopped, angle turned, energy, time, and what was gathered.
 
-    `tried` is the length of the step that would have passed the end [rad].
+    `tried` is the length of the step that would have passed the end [rad]. `doubts` are as of `Progress`.
     """
 
     stop: np.ndarray
@@ -59,6 +59,7 @@ class Stretch(NamedTuple):
     slowest: np.ndarray
     fastest: np.ndarray
     tried: np.ndarray
+    doubts: np.ndarray
 
 
 def stretch(runs: Progress, who: np.ndarray) -> None:
@@ -76,7 +77,14 @@ def stretch(runs: Progress, who: np.ndarray) -> None:
         onward = (after.stop == ANGLE) & (near < goal)
         becomes_steep = after.stop == STIFF
         over = ~onward & ~becomes_steep
-        _finish(runs, who[over], steep[over], Stretch(*(x[..., over] for x in after)), before.turned[over], goal[over])
+        _finish(
+            runs,
+            who[over],
+            steep[over],
+            Stretch(*(x[..., over] for x in after)),
+            State(*(x[..., over] for x in before)),
+            goal[over],
+        )
         steep = (steep | becomes_steep)[~over]
         who = who[~over]
 
@@ -139,7 +147,7 @@ def _carried(
         tolerance *= COARSER
     form = form_of(dynamics, len(part.drive.kloss))
     source, tabulation = source_of(dynamics, form), dynamics.reduction.tabulation
-    energy = 0.5 * dynamics.rows(part, begin[None]).inertia[0] * state.omega**2
+    energy = 0.5 * runs.inertia(who, state.turned) * state.omega**2
     with np.errstate(all="ignore"):
         whole = np.floor(ends.turned / cycle)
         rest = np.where(np.isfinite(whole), ends.turned - whole * cycle, np.inf)
@@ -150,7 +158,7 @@ def _carried(
     numbers = [begin, part.direction, part.flywheel, np.full(count, tolerance), energy, whole, rest]
     numbers = np.array([*numbers, ends.time, ends.above, ends.below, longest, first], float)
     edges, sides = edges_of(part.direction, part.breaks, cycle, begin)
-    record, found = np.full((3, asked.shape[0], count), np.nan), np.empty((FOUND + form.channels, count))
+    record, found = np.full((3, asked.shape[0], count), np.nan), np.empty((FOUND + 2 * form.channels, count))
     given = [part.parameters, part.drive.rows, part.drive.exponents, edges, sides, numbers, asked]
     given = [np.require(x, requirements="CW") for x in given]
 
@@ -163,13 +171,17 @@ def _carried(
         kinds = (numba.typeof(x) for x in arguments()[1:])
         prepare(go_on_to_end, [types.intp, types.intp, FILLS_TILE, *kinds])
     spread(go_on_to_end, -(-count // LANES), arguments)
-    stop, cycles, turned, after, time, motors, squares, slowest, fastest, tried, _ = found[:FOUND]
-    works = np.concatenate((motors[None], found[FOUND:]))
+    stop, cycles, turned, after, time, motors, squares, slowest, fastest, tried, _ = found[:IN_DOUBT]
+    works = np.concatenate((motors[None], found[FOUND : FOUND + form.channels]))
+    doubts = np.concatenate((found[IN_DOUBT:FOUND], found[FOUND + form.channels :]))
     if form.channels == 1:
         # What the motors didn't give.
         works[1] = after - energy - motors
+        doubts[-1] = doubts[0] - doubts[3]
+    if not method.implicit or method.newton or doubtful:
+        doubts[:] = np.nan
     turned = cycles * cycle + turned
-    return Stretch(stop.astype(int), turned, after, time, works, squares, slowest, fastest, tried), record
+    return Stretch(stop.astype(int), turned, after, time, works, squares, slowest, fastest, tried, doubts), record
 
 
 def _piece_of(
@@ -213,10 +225,9 @@ def _piece_of(
 
 
 def _take(runs: Progress, who: np.ndarray, after: Stretch) -> None:
-    state, part = runs.part(who), runs.variants.some(who)
+    state = runs.part(who)
     turned = state.turned + after.turned
-    inertia = runs.dynamics.rows(part, (runs.start[who] + part.direction * turned)[None]).inertia[0]
-    omega = np.sqrt(2.0 * after.energy / inertia)
+    omega = np.sqrt(2.0 * after.energy / runs.inertia(who, turned))
     works, squares = state.works + after.works, state.squares + after.squares
     runs.put(who, State(turned, omega, state.time + after.time, works, squares))
     runs.slowest[who] = np.fmin(runs.slowest[who], after.slowest)
@@ -224,14 +235,16 @@ def _take(runs: Progress, who: np.ndarray, after: Stretch) -> None:
 
 
 def _finish(
-    runs: Progress, who: np.ndarray, steep: np.ndarray, after: Stretch, begun: np.ndarray, goal: np.ndarray
+    runs: Progress, who: np.ndarray, steep: np.ndarray, after: Stretch, before: State, goal: np.ndarray
 ) -> None:
     """Go the last piece to the end of the run, part of a step, where there is one."""
     stop = after.stop
     lost = (stop == ANGLE) & (runs.ends.most_turned[who] < runs.ends.turned[who])
     exact = (stop == ANGLE) & ~lost
     # No sum of steps comes to it so exactly.
-    runs.state.turned[who[exact]] = (begun + goal)[exact]
+    runs.state.turned[who[exact]] = (before.turned + goal)[exact]
+    whole = exact & (before.time == 0.0)
+    runs.doubts[:, who[whole]] = after.doubts[:, whole]
     sub = np.flatnonzero(np.isin(stop, (TIME, ABOVE, BELOW)))
     if sub.size:
         length = _length_to_end(runs, who[sub], steep[sub], stop[sub], after.tried[sub])

@@ -164,9 +164,10 @@ def _good_step(
         farthest = np.fmin(runs.farthest_in_time, CLOSELY * (2.0 if runs.half else 1.0) if runs.observers else np.inf)
         farthest = farthest * runs.reach[who]
         h = np.fmin(np.fmin(h, farthest / speed), longest)
-        # Through a jump at once.
+        # Through a jump at once; for comparison to its middle first, so that figures tell what a work misses there.
         across = (ahead < ACROSS) & (speed * h > ahead)
-        h = np.where(across, ahead / speed, h)
+        half_way = across & runs.half & (ahead > 1.5 * JUMP)
+        h = np.where(across, np.where(half_way, 0.5, 1.0) * ahead / speed, h)
     for _ in range(HALVINGS):
         step = form.step(state, h, facing, goal, runs.time_tolerance)
         after, missed = step.after, step.missed
@@ -186,7 +187,8 @@ def _good_step(
             h = np.where(again, h * np.where(beyond & ~back, np.fmin(share, BEYOND * ahead / far), share), h)
             h = np.where(back, np.fmin(h, 0.5 * h), h)
     runs.pace[who] = np.where(across, runs.pace[who], h * share)
-    after.turned[across] = goal[across]
+    whole = across & ~half_way
+    after.turned[whole] = goal[whole]
     return h, step
 
 

@@ -14,6 +14,8 @@ from engine.verdicts import Verdict
 TOLERANCE, FARTHEST_STEP = 1e-10, 0.25 * np.pi
 # For comparison, steps of nearly twice the length.
 COARSER = 2.0**6
+# Energy, time and the motors' moment squared over time, beside works.
+DOUBTFUL = 3
 
 
 class Ends(NamedTuple):
@@ -30,6 +32,11 @@ class Ends(NamedTuple):
     most_turned: np.ndarray
     arrival: bool = False
 
+    def some(self, chosen: np.ndarray) -> "Ends":
+        """Those of some variants, by index."""
+        own = {key: getattr(self, key)[chosen] for key in ("turned", "time", "speed", "most_turned")}
+        return self._replace(**own)
+
 
 class RunOutcome(NamedTuple):
     """How runs went; arrays (variants,) unless said.
@@ -45,6 +52,8 @@ class RunOutcome(NamedTuple):
         Kinetic energy at begin and end [J].
     arrived : ndarray of int
         At which end of its range the input arrived: −1 at the lower one, 1 at the upper one, 0 at none.
+    doubts : ndarray
+        As of `Progress`.
     """
 
     verdict: np.ndarray
@@ -55,6 +64,31 @@ class RunOutcome(NamedTuple):
     started: np.ndarray
     ended: np.ndarray
     arrived: np.ndarray
+    doubts: np.ndarray
+
+    def doubted(self) -> "RunOutcome":
+        """What it would be with every step changed by what it may be off by; no numbers where that isn't known."""
+        energy, time, squares, *works = self.doubts
+        ended, now = self.ended + energy, self.state
+        state = now._replace(
+            omega=now.omega * np.sqrt(ended / self.ended),
+            time=now.time + time,
+            works=now.works + works,
+            squares=now.squares + squares,
+        )
+        return self._replace(state=state, ended=ended)
+
+    def with_others(self, who: np.ndarray, others: "RunOutcome") -> "RunOutcome":
+        """The same with the outcome of some variants in its place."""
+
+        def put(mine: np.ndarray, new: np.ndarray) -> np.ndarray:
+            whole = mine.copy()
+            whole[..., who] = new
+            return whole
+
+        state = State(*(put(mine, new) for mine, new in zip(self.state, others.state, strict=True)))
+        rest = {name: put(getattr(self, name), getattr(others, name)) for name in self._fields if name != "state"}
+        return RunOutcome(state=state, **rest)
 
 
 class Stepping(NamedTuple):
@@ -134,6 +168,9 @@ class Progress:
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
         The speed to be reached [rad/s], as one to come up to or to come down to; infinite where it isn't.
+    doubts : ndarray (3 + works, variants)
+        What kinetic energy [J], time [s], the motors' moment squared over time and all works [J] change by where every
+        step is changed by what it may be off by; NaN where that isn't known before a run for comparison.
     turned_round, farthest : ndarray
         Angle turned where a machine stood last, and where it last turned round on its way forward [rad].
     """
@@ -160,7 +197,7 @@ class Progress:
         if not dynamics.reduction.has_cycle:
             self.reach = (high - low) / (2.0 * np.pi)
             self.bounds = np.sort(variants.direction * (np.array([low, high]) - start), axis=0)
-        self.arrived = np.zeros(count, int)
+        self.arrived, self.doubts = np.zeros(count, int), np.full((DOUBTFUL + channels + 1, count), np.nan)
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
@@ -180,6 +217,7 @@ class Progress:
         self.facing = np.sign(self.state.omega)
         self.done |= ends.speed == omega
         self.turned_round, self.farthest = np.zeros(count), np.full(count, np.nan)
+        self._last_inertia = np.zeros(0, int), np.zeros(0), np.zeros(0)
         self.arrive(np.flatnonzero((self.facing != 0.0) & (self.ahead(np.arange(count)) <= 0.0)))
 
     def ahead(self, who: np.ndarray) -> np.ndarray:
@@ -199,11 +237,21 @@ class Progress:
 
     def energy(self) -> np.ndarray:
         """Kinetic energy now [J]."""
-        return 0.5 * self._inertia() * self.state.omega**2
+        return 0.5 * self.inertia(np.arange(self.variants.count), self.state.turned) * self.state.omega**2
 
-    def _inertia(self) -> np.ndarray:
-        places = (self.start + self.variants.direction * self.state.turned)[None]
-        return self.dynamics.rows(self.variants, places, self.state.time[None]).inertia[0]
+    def inertia(self, who: np.ndarray, turned: np.ndarray) -> np.ndarray:
+        """Reduced inertia of some variants where they have turned so far [kg·m²].
+
+        Where it was asked for last it is known already: where one stretch ends another one begins.
+        """
+        last_who, last_turned, known = self._last_inertia
+        if np.array_equal(who, last_who) and np.array_equal(turned, last_turned):
+            return known
+        part = self.variants.some(who)
+        places = (self.start[who] + part.direction * turned)[None]
+        found = self.dynamics.rows(part, places, self.state.time[who][None]).inertia[0]
+        self._last_inertia = who, turned.copy(), found
+        return found
 
     def see(self, who: np.ndarray, piece: Piece) -> None:
         """Let all observers look at a piece of the way of some variants."""

@@ -14,7 +14,7 @@ from engine.compiling.tiles import LANES
 from engine.cycle.driver import gather
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
-from engine.motion.moments.at_speed import KLOSS, PER_MOTOR
+from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power_slope, polynomial_slope
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF
 from engine.motion.steppers.energy_form import TIME as TIME_OVER
 from engine.motion.steppers.mesh import (
@@ -25,9 +25,10 @@ from engine.motion.steppers.mesh import (
     HIGH,
     LENGTH,
     LOW,
+    MISSED,
     NEXT,
-    OTHER,
     SCALE,
+    SPARE,
     START,
     STEP_ROWS,
     TOLERANCE,
@@ -41,9 +42,12 @@ from engine.motion.steppers.mesh import (
     judge_step,
 )
 from engine.motion.steppers.one_step import (
+    ENERGY,
+    EQUATIONS,
     FROM_MOTORS,
     LEFT,
     MOMENT,
+    MOTOR_SLOPE,
     ROUNDS,
     ROW_OF,
     SLOPE,
@@ -56,8 +60,9 @@ from engine.motion.steppers.one_step import (
     estimate,
     make_polynomial,
     make_stages,
+    solve_by_factors,
 )
-from engine.motion.steppers.places import INVERSE, Form, Source, fill_place
+from engine.motion.steppers.places import INVERSE, LOADS, Form, Source, fill_place
 from engine.motion.steppers.settling import (
     FASTEST,
     MOTOR,
@@ -79,11 +84,16 @@ from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 # step passes an edge, how long the last one was that was tried, and which variant it is.
 CYCLES, WHOLE, REST, UNTIL, ABOVE_ALL, BELOW_ALL, LONGEST = range(STATE, STATE + 7)
 TAKEN, MOVING, WHY, PASSED, TRIED, WHO = range(STATE + 7, STATE + 13)
-ALL_STATE = STATE + 13
+# What a step may be off by in energy and time; then what a lane is in doubt by: energy, time, and the motors' moment
+# squared over time and work.
+LOST_ENERGY, LOST_TIME = range(STATE + 13, STATE + 15)
+DOUBTS = OF_ENERGY, OF_CLOCK, OF_HEAT, OF_WORK = tuple(range(STATE + 15, STATE + 19))
+ALL_STATE = STATE + 19
 # Rows of what is found: why it stopped, cycles and angle turned in the last one, energy, time, work of the motors,
 # their moment squared over time, least and greatest speed, length of the step that wasn't taken, length of the next
-# one; then works of channels.
-FOUND = 11
+# one, and what it is in doubt by; then works of channels and their doubts.
+IN_DOUBT = 11
+FOUND = IN_DOUBT + len(DOUBTS)
 # Numbers of each variant that are given, in this order.
 GIVEN_ROWS = (START, WAY, WHEEL, TOLERANCE, E, WHOLE, REST, UNTIL, ABOVE_ALL, BELOW_ALL, LONGEST, TRY)
 
@@ -99,6 +109,8 @@ STEEPEST = 4.0
 SHORT = 0.01
 # Few variants take as many lanes as a multiple of what a processor computes at once.
 VECTOR = 8
+# Doubts of an energy up to this share of it change as they do when they are small, nearly.
+LITTLE = 1e-2
 # Share of the greatest error by the angle that is kept from step to step.
 FADING = 0.9
 # Steps of a cycle after which an explicit method is given up, and a step that is taken whatever it misses [rad].
@@ -143,8 +155,8 @@ def new_going_room(form: Form, parameters: int, edges: int, curves: int, method:
         rows(form.width * method.shares.size),
         rows(form.width),
         rows(STAGE_ROWS, aside=ASIDE),
-        # Totals, greatest errors and sums of errors of each channel; and totals before the step.
-        rows(4 * form.channels),
+        # Totals, greatest errors and sums of errors of each channel; totals before the step; and doubts.
+        rows(5 * form.channels),
         rows(2 * DENSE_PARTS),
     )
 
@@ -199,27 +211,92 @@ def judge_corrections(wide: int, method: Method, stages: Memory, state: Memory) 
             steepest = larger(abs(stages[SLOPE + s, lane]), steepest)
         state[ERROR, lane] = math.copysign(missed, state[ERROR, lane])
         cube = (steepest / STEEPEST) ** 3
-        too_steep = (cube > 1.0) & (state[OTHER, lane] < cube**4)
-        state[OTHER, lane] = cube**4 if too_steep else state[OTHER, lane]
+        too_steep = (cube > 1.0) & (state[MISSED, lane] < cube**4)
+        state[MISSED, lane] = cube**4 if too_steep else state[MISSED, lane]
 
 
 @routine
 def lose_of_energy(wide: int, steps: Memory, state: Memory) -> None:
-    """Change energy and time after a step by their estimated errors, to the side of a machine that turns faster.
+    """What a step may be off by in energy and time: its estimated errors, but no less than those just before, fading.
 
-    What follows in the run grows or fades as the motion does; for all go to one side, nothing makes up for another.
-    The greatest of the steps just before, fading, is the least: an estimate may happen to be small.
+    An estimate may happen to be small.
     """
     for lane in range(wide):
         length = steps[LENGTH, lane]
-        for greatest, of in ((OF_E, ERROR), (OF_TIME, ERROR_T)):
+        for greatest, of, lost in ((OF_E, ERROR, LOST_ENERGY), (OF_TIME, ERROR_T, LOST_TIME)):
             error = abs(state[of, lane])
             # Steps that aren't taken say nothing.
-            known = (state[OTHER, lane] <= 1.0) & (length > 0.0)
+            known = (state[MISSED, lane] <= 1.0) & (length > 0.0)
             rate = larger(error / length, FADING * state[greatest, lane])
             state[greatest, lane] = rate if known else state[greatest, lane]
-        state[E_AFTER, lane] += larger(abs(state[ERROR, lane]), state[OF_E, lane] * length)
-        state[T_AFTER, lane] -= larger(abs(state[ERROR_T, lane]), state[OF_TIME, lane] * length)
+            state[lost, lane] = larger(error, state[greatest, lane] * length)
+
+
+@routine
+def follow_doubts(wide: int, method: Method, step: Memory, stages: Memory, state: Memory) -> None:
+    """Carry over a step what a lane is in doubt by, and add what the step may be off by.
+
+    All to the side of a machine that turns faster, for nothing to make up for another. What changes the energy by
+    little grows or fades as the motion does, by equations whose factors are those of the stages' corrections; the
+    faster a machine turns, the less time it takes, and the less its motors give. Source: E. Hairer, S. P. Nørsett and
+    G. Wanner, Solving Ordinary Differential Equations I, section I.14.
+    """
+    count = method.stages
+    for s in range(count):
+        for lane in range(wide):
+            stages[EQUATIONS + s, lane] = state[OF_ENERGY, lane]
+    solve_by_factors(wide, count, stages)
+    for s in range(count):
+        for lane in range(wide):
+            change, energy, slowness = stages[EQUATIONS + s, lane], stages[ENERGY + s, lane], stages[SLOWNESS + s, lane]
+            motors, gain = stages[FROM_MOTORS + s, lane], stages[MOTOR_SLOPE + s, lane] * change
+            # Rows of a step that isn't taken may hold anything.
+            weight = method.weights[s] if step[lane] > 0.0 else 0.0
+            later = -0.5 * change / energy * slowness
+            state[OF_CLOCK, lane] += weight * step[lane] * later if weight != 0.0 else 0.0
+            state[OF_WORK, lane] += weight * gain if weight != 0.0 else 0.0
+            heat = motors * (2.0 * gain * slowness + step[lane] * motors * later)
+            state[OF_HEAT, lane] += weight * heat if weight != 0.0 else 0.0
+    for lane in range(wide):
+        after = stages[EQUATIONS + count - 1, lane] + state[LOST_ENERGY, lane]
+        # So great a doubt doesn't change as it does when it is small.
+        after = after if abs(after) <= LITTLE * state[E_AFTER, lane] else math.nan
+        state[OF_ENERGY, lane] = after if step[lane] > 0.0 else state[OF_ENERGY, lane]
+        state[OF_CLOCK, lane] -= state[LOST_TIME, lane] if step[lane] > 0.0 else 0.0
+    lose(wide, method, step, ROW_OF[FROM_MOTORS], state, stages, state[OF_WORK])
+    lose(wide, method, step, ROW_OF[SQUARE], state, stages, state[OF_HEAT])
+
+
+@routine
+def follow_doubts_of_works(
+    wide: int,
+    method: Method,
+    form: Form,
+    channel_of: np.ndarray,
+    exponents: Memory,
+    places: Memory,
+    step: Memory,
+    state: Memory,
+    stages: Memory,
+    works: Memory,
+) -> None:
+    """The same of the works of all channels, from what the energies of the stages change by."""
+    begin, slope = LOADS + POLYNOMIAL + form.laws, state[SPARE]
+    for channel in range(form.channels):
+        doubts, errors = works[4 * form.channels + channel], works[2 * form.channels + channel]
+        for s in range(method.stages):
+            at, speed = form.width * s, stages[SPEED + s]
+            for lane in range(wide):
+                slope[lane] = polynomial_slope(places, at + begin + POLYNOMIAL * channel, lane, speed[lane])
+            for law in range(form.laws):
+                if channel_of[law] == channel:
+                    add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
+            for lane in range(wide):
+                by_energy = 0.5 * places[at + INVERSE, lane] / speed[lane] * slope[lane]
+                gain = method.weights[s] * step[lane] * by_energy * stages[EQUATIONS + s, lane]
+                doubts[lane] += gain if step[lane] > 0.0 else 0.0
+        for lane in range(wide):
+            doubts[lane] -= errors[lane] if step[lane] > 0.0 else 0.0
 
 
 @routine
@@ -227,7 +304,7 @@ def keep_doubts(wide: int, steps: Memory, state: Memory) -> None:
     """Keep the greatest estimated errors of energy and time of the steps just before, fading, without changing any."""
     for lane in range(wide):
         # Steps that aren't taken say nothing.
-        known = (state[OTHER, lane] <= 1.0) & (steps[LENGTH, lane] > 0.0)
+        known = (state[MISSED, lane] <= 1.0) & (steps[LENGTH, lane] > 0.0)
         for greatest, of in ((OF_E, ERROR), (OF_TIME, ERROR_T)):
             doubt = larger(abs(state[of, lane]), FADING * state[greatest, lane])
             state[greatest, lane] = doubt if known else state[greatest, lane]
@@ -239,7 +316,7 @@ def lose(wide: int, method: Method, step: Memory, row: int, state: Memory, stage
 
     To the same side as the energy: the faster a machine turns, the less motors give, and the more loads take.
     """
-    estimate(wide, method, step, stages, row, state[OTHER], state[ERROR])
+    estimate(wide, method, step, stages, row, state, SPARE, state[ERROR])
     for lane in range(wide):
         total[lane] -= abs(state[ERROR, lane])
 
@@ -272,7 +349,7 @@ def decide(
     for lane in range(wide):
         if state[MOVING, lane] == 0.0:
             continue
-        length, missed = steps[LENGTH, lane], state[OTHER, lane]
+        length, missed = steps[LENGTH, lane], state[MISSED, lane]
         lost = not missed < math.inf
         good = (missed <= 1.0) | ((length < SHORTEST) & (not lost))
         slowly = method.implicit and not method.newton
@@ -402,8 +479,11 @@ def hand_over(lane: int, shorter: bool, channels: int, works: Memory, state: Mem
     found[3, v], found[4, v], found[5, v] = state[E, lane], state[TIME, lane], state[MOTOR, lane]
     found[6, v], found[7, v], found[8, v] = state[SQUARES, lane], state[SLOWEST, lane], state[FASTEST, lane]
     found[9, v], found[10, v] = state[TRIED, lane], state[TRY, lane]
+    for i in range(len(DOUBTS)):
+        found[IN_DOUBT + i, v] = state[DOUBTS[i], lane]
     for channel in range(channels):
         found[FOUND + channel, v] = works[channel, lane]
+        found[FOUND + channels + channel, v] = works[4 * channels + channel, lane]
 
 
 @driver
@@ -431,10 +511,11 @@ def go_on_to_end(
 ) -> None:
     """Carry the blocks begin … end − 1 of variants to their ends.
 
-    `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + channels, variants) receives what is
-    found, with least and greatest speed where `extremes` are wanted; `record` (3, nodes, variants) as of `settle`, at
-    `asked` angles turned in the first cycle. Where it is `doubtful`, every step is changed by its estimated error;
-    after those by Newton's method the end is, by what the last steps are estimated to miss.
+    `every_given` (…, variants) holds the numbers of `GIVEN_ROWS`; `found` (FOUND + 2 · channels, variants) is for what
+    is found, with least and greatest speed where `extremes` are wanted, and with doubts where stages are corrected;
+    `record` (3, nodes, variants) as of `settle`, at `asked` angles turned in the first cycle. Where it is `doubtful`,
+    every step is changed by its estimated error; after those by Newton's method the end is, by what the last steps are
+    estimated to miss.
     """
     drive, exponents = in_lanes(room.drive), in_lanes(room.exponents)
     edges, sides, given = in_lanes(room.edges), in_lanes(room.sides), in_lanes(room.given)
@@ -466,7 +547,7 @@ def go_on_to_end(
             for lane in range(LANES):
                 state[GIVEN_ROWS[i], lane] = given[i, lane]
         repeat_few(own, parameters.shape[0], in_lanes(numbers), state)
-        for channel in range(4 * form.channels):
+        for channel in range(5 * form.channels):
             for lane in range(LANES):
                 works[channel, lane] = 0.0
         for lane in range(LANES):
@@ -493,7 +574,7 @@ def go_on_to_end(
                         edges,
                         sides,
                         state,
-                        4 * form.channels,
+                        5 * form.channels,
                         works,
                     )
                     following += 1
@@ -534,8 +615,14 @@ def go_on_to_end(
             add_weighted(wide, method.weights, step, stages, ROW_OF[SLOWNESS], state[T_AFTER])
             if doubtful and method.newton:
                 keep_doubts(wide, steps, state)
-            elif doubtful:
+            elif doubtful or corrected:
                 lose_of_energy(wide, steps, state)
+            if doubtful and not method.newton:
+                # To the side of a machine that turns faster: nothing makes up for another, and what follows in the run
+                # grows or fades as the motion does.
+                for lane in range(wide):
+                    state[E_AFTER, lane] += state[LOST_ENERGY, lane]
+                    state[T_AFTER, lane] -= state[LOST_TIME, lane]
             decide(wide, method, times, places, row, steps, state, stages)
             for s in range(method.stages):
                 for lane in range(wide):
@@ -547,6 +634,8 @@ def go_on_to_end(
                     stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
             add_weighted(wide, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
+            if corrected and not doubtful:
+                follow_doubts(wide, method, step, stages, state)
             if doubtful and not method.newton:
                 lose(wide, method, step, ROW_OF[FROM_MOTORS], state, stages, state[MOTOR])
                 lose(wide, method, step, ROW_OF[SQUARE], state, stages, state[SQUARES])
@@ -554,14 +643,18 @@ def go_on_to_end(
                 for channel in range(form.channels):
                     for lane in range(wide):
                         works[3 * form.channels + channel, lane] = works[channel, lane]
-                own_doubt = 0.0 if doubtful and not method.newton else 1.0
+                own_doubt = 0.0 if corrected or (doubtful and not method.newton) else 1.0
                 add_cycle_works(
                     wide, own_doubt, method, form, channel_of, exponents, places, 0, step, state, stages, works
                 )
+                if corrected and not doubtful:
+                    follow_doubts_of_works(
+                        wide, method, form, channel_of, exponents, places, step, state, stages, works
+                    )
                 for channel in range(form.channels):
                     for lane in range(wide):
-                        # Where there is none, the estimated error of the step.
-                        works[channel, lane] -= works[2 * form.channels + channel, lane]
+                        errors = works[2 * form.channels + channel, lane]
+                        works[channel, lane] -= errors if doubtful else 0.0
                         works[2 * form.channels + channel, lane] = 0.0
                         before = works[3 * form.channels + channel, lane]
                         works[channel, lane] = works[channel, lane] if step[lane] > 0.0 else before

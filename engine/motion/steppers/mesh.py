@@ -16,6 +16,7 @@ from engine.cycle.panels.series import larger, smaller
 from engine.motion.steppers.one_step import (
     FROM_MOTORS,
     MOMENT,
+    ROOTS,
     ROW_OF,
     SLOWNESS,
     SPEED,
@@ -27,12 +28,12 @@ from engine.motion.steppers.places import INVERSE, Form, Source, fill_place
 from engine.motion.steppers.tableaux import Method
 
 # Rows of a block's state: crank angle at the begin, way, inertia of the flywheel, tolerance; energy, energy after the
-# step, errors of both integrals, a row to work in, greatest work of a step taken, and with the step under way, worst
-# error; and for the mesh: angle turned, next edge, length to try, whether the lane's mesh is being laid, and speed to
-# keep (0: the motion's own).
-START, WAY, WHEEL, TOLERANCE, E, E_AFTER, ERROR, ERROR_T, OTHER, SCALE, WORK, WORST = range(12)
-TURNED, NEXT, TRY, LAYING, KEPT = range(12, 17)
-MESH_STATE = 17
+# step, errors of both integrals, error of the step by what is allowed, greatest work of a step taken, and with the step
+# under way, worst error; and for the mesh: angle turned, next edge, length to try, whether the lane's mesh is being
+# laid, and speed to keep (0: the motion's own); then rows to work in.
+START, WAY, WHEEL, TOLERANCE, E, E_AFTER, ERROR, ERROR_T, MISSED, SCALE, WORK, WORST = range(12)
+TURNED, NEXT, TRY, LAYING, KEPT, SPARE = range(12, 18)
+MESH_STATE = SPARE + ROOTS
 # Rows of a step: its length, where it begins, and between which angles its places lie.
 LENGTH, FROM, LOW, HIGH = range(4)
 STEP_ROWS = 4
@@ -49,7 +50,7 @@ SHORTEST = 1e-7
 
 @routine
 def judge_step(wide: int, method: Method, cycle: float, state: Memory, steps: Memory, at: int, stages: Memory) -> None:
-    """Estimate what a step misses, of its energy and its time; OTHER is its error by what is allowed."""
+    """Estimate what a step misses, of its energy and its time; MISSED is its error by what is allowed."""
     for lane in range(wide):
         state[WORK, lane] = state[SCALE, lane]
     for s in range(method.stages):
@@ -58,12 +59,12 @@ def judge_step(wide: int, method: Method, cycle: float, state: Memory, steps: Me
             moment, loads = stages[MOMENT + s, lane], stages[MOMENT + s, lane] - stages[FROM_MOTORS + s, lane]
             work = larger(abs(steps[at + LENGTH, lane] * moment), FAIR_STEP * abs(loads))
             state[WORK, lane] = larger(work, state[WORK, lane])
-    estimate(wide, method, steps[at + LENGTH], stages, ROW_OF[SLOWNESS], state[OTHER], state[ERROR_T])
-    estimate(wide, method, steps[at + LENGTH], stages, ROW_OF[MOMENT], state[OTHER], state[ERROR])
+    estimate(wide, method, steps[at + LENGTH], stages, ROW_OF[SLOWNESS], state, SPARE, state[ERROR_T])
+    estimate(wide, method, steps[at + LENGTH], stages, ROW_OF[MOMENT], state, SPARE, state[ERROR])
     for lane in range(wide):
         allowed = state[TOLERANCE, lane] * state[WORK, lane] + ROUNDED * state[E, lane]
         of_time = abs(state[ERROR_T, lane]) * stages[SPEED, lane] / (cycle * state[TOLERANCE, lane])
-        state[OTHER, lane] = larger(abs(state[ERROR, lane]) / allowed, of_time)
+        state[MISSED, lane] = larger(abs(state[ERROR, lane]) / allowed, of_time)
 
 
 @routine
@@ -116,7 +117,7 @@ def go_on(wide: int, cycle: float, edges: Memory, count: int, state: Memory, ste
     """Take the step in the lanes where it misses little enough, or make it shorter; how many lanes go on."""
     going = 0.0
     for lane in range(wide):
-        missed, length = state[OTHER, lane], steps[at + LENGTH, lane]
+        missed, length = state[MISSED, lane], steps[at + LENGTH, lane]
         # A lane without a number where it comes to never gets there.
         lost = not missed < math.inf
         taken = (missed <= 1.0) | ((length < SHORTEST * cycle) & (not lost))

@@ -16,9 +16,10 @@ from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
 from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 
 MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE, ORDER_THIRTEEN))
-# Rows of stages: speed, moment of the motors, moment of everything, ∂M/∂E, energy, 1/ω, motors' moment squared by 1/ω,
-# moment of a channel; then the linear equations of an implicit step, row by row with their right-hand sides.
-SPEED, FROM_MOTORS, MOMENT, SLOPE, ENERGY, SLOWNESS, SQUARE, CHANNEL, EQUATIONS = (i * MOST_STAGES for i in range(9))
+# Rows of stages: speed, moment of the motors, moment of everything, ∂M/∂E of both, energy, 1/ω, motors' moment squared
+# by 1/ω, moment of a channel; then the linear equations of an implicit step, row by row with their right-hand sides.
+SPEED, FROM_MOTORS, MOMENT, MOTOR_SLOPE, SLOPE = (i * MOST_STAGES for i in range(5))
+ENERGY, SLOWNESS, SQUARE, CHANNEL, EQUATIONS = (i * MOST_STAGES for i in range(5, 10))
 STAGE_ROWS = EQUATIONS + ORDER_THIRTEEN.stages * (ORDER_THIRTEEN.stages + 1) + 3
 
 # Rows of such corrections behind the last ones: how many there were, the greatest of the last ones, what is left to the
@@ -27,6 +28,10 @@ ROUNDS, CHANGE, LEFT, FACTORS = (EQUATIONS + ORDER_THIRTEEN.stages + i for i in 
 
 # The same rows as numbers that the compiler doesn't know: what takes one is then compiled once, not for each.
 ROW_OF = np.arange(STAGE_ROWS)
+
+SEVEN = ORDER_THIRTEEN.stages
+# Estimates of as many orders as an error is estimated from.
+ROOTS = 3
 
 # Newton's method for the stages of an implicit step: most rounds, when they are found, or nearly so, and the least
 # share of an energy that it goes to in a round.
@@ -116,7 +121,9 @@ def solve_stages(
         for s in range(count):
             stage_moments(s, wide, method, form, drive, exponents, places, first, stages)
             at = first + form.width * method.place_of[s]
-            slopes_at_place(wide, form, drive, exponents, places, at, stages[SPEED + s], stages[SLOPE + s])
+            slopes_at_place(
+                wide, form, drive, exponents, places, at, stages[SPEED + s], stages[MOTOR_SLOPE + s], stages[SLOPE + s]
+            )
         lay_equations(wide, method, energy, step, stages)
         solve_equations(wide, count, stages)
         if take_corrections(wide, count, stages) == 0.0:
@@ -154,8 +161,9 @@ def correct_stages(
 ) -> None:
     """Stages of a collocation step as exactly as it needs them; moments of a lane where they fail are no numbers.
 
-    By Newton's method with the slopes at the first energies. `tolerance` is what a step may miss, as a share of its
-    work. SLOWNESS is 1 of a lane whose energies are found, −1 of one that has none.
+    By Newton's method with the slopes at the energies before the second round: those of the first are far enough off
+    for many more rounds. `tolerance` is what a step may miss, as a share of its work. SLOWNESS is 1 of a lane whose
+    energies are found, −1 of one that has none, or whose energies wouldn't be found in as many rounds as there may be.
     """
     count = method.stages
     for s in range(count):
@@ -165,28 +173,17 @@ def correct_stages(
     for lane in range(wide):
         stages[SLOWNESS, lane], stages[ROUNDS, lane], stages[CHANGE, lane] = 0.0, 0.0, 0.0
     lay_factors(wide, method, form, drive, exponents, places, step, stages)
-    for _ in range(MOST_CORRECTIONS):
+    for correction in range(MOST_CORRECTIONS):
+        if correction == 1:
+            lay_factors(wide, method, form, drive, exponents, places, step, stages)
         for lane in range(wide):
             stages[CHANNEL, lane], stages[SQUARE, lane] = 0.0, 0.0
         for s in range(count):
             change = stages[EQUATIONS + s]
             for lane in range(wide):
                 change[lane] = energy[lane] - stages[ENERGY + s, lane]
-            for k in range(count):
-                add_share(wide, method.matrix[s, k], step, stages[MOMENT + k], change)
-            for k in range(s):
-                factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
-                for lane in range(wide):
-                    change[lane] -= factor[lane] * of[lane]
-        for i in range(count):
-            s = count - 1 - i
-            change, inverse = stages[EQUATIONS + s], stages[FACTORS + s * count + s]
-            for k in range(s + 1, count):
-                factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
-                for lane in range(wide):
-                    change[lane] -= factor[lane] * of[lane]
-            for lane in range(wide):
-                change[lane] *= inverse[lane]
+            add_weighted(wide, method.matrix[s], step, stages, ROW_OF[MOMENT], change)
+        solve_by_factors(wide, count, stages)
         for s in range(count):
             for lane in range(wide):
                 before, by, worst = stages[ENERGY + s, lane], stages[EQUATIONS + s, lane], stages[CHANNEL, lane]
@@ -202,9 +199,14 @@ def correct_stages(
             # They converge geometrically, though the second one may be smaller than that by far.
             ratio = smaller(larger(worst / before, LEAST_RATIO), SLOWEST_RATIO) if before > 0.0 else SLOWEST_RATIO
             left = worst * ratio / (1.0 - ratio)
-            missed = tolerance[lane] if tolerance[lane] < 1.0 else SURE
-            enough = (left <= MAY_BE_LEFT * missed * work) | (worst <= ROUNDED_ENERGY * energy[lane])
-            now = (1.0 if enough else 0.0) if worst < math.inf else -1.0
+            allowed = MAY_BE_LEFT * (tolerance[lane] if tolerance[lane] < 1.0 else SURE) * work
+            in_the_end = left
+            for _ in range(correction + 1, MOST_CORRECTIONS):
+                in_the_end *= ratio
+            # Of slopes laid anew nothing is known before their second round.
+            hopeless = (correction > 1) & (in_the_end > allowed)
+            enough = (left <= allowed) | (worst <= ROUNDED_ENERGY * energy[lane])
+            now = (1.0 if enough else (-1.0 if hopeless else 0.0)) if worst < math.inf else -1.0
             if stages[SLOWNESS, lane] == 0.0:
                 stages[SLOWNESS, lane], stages[CHANGE, lane], stages[LEFT, lane] = now, worst, left
                 stages[ROUNDS, lane] += 1.0
@@ -228,12 +230,16 @@ def lay_factors(
     step: Memory,
     stages: Memory,
 ) -> None:
-    """Factors L and U of I − h·A·∂M/∂E at the energies of the stages, with 1/U on the diagonal."""
+    """Factors L and U of I − h·A·∂M/∂E at the energies of the stages, with 1/U on the diagonal.
+
+    Slopes are of the step then: h·∂M/∂E.
+    """
     count = method.stages
     for s in range(count):
-        at, slope = form.width * method.place_of[s], stages[SLOPE + s]
-        slopes_at_place(wide, form, drive, exponents, places, at, stages[SPEED + s], slope)
+        at, motors, slope = form.width * method.place_of[s], stages[MOTOR_SLOPE + s], stages[SLOPE + s]
+        slopes_at_place(wide, form, drive, exponents, places, at, stages[SPEED + s], motors, slope)
         for lane in range(wide):
+            motors[lane] *= step[lane]
             slope[lane] *= step[lane]
     for s in range(count):
         for k in range(count):
@@ -252,6 +258,26 @@ def lay_factors(
         pivot = stages[FACTORS + s * count + s]
         for lane in range(wide):
             pivot[lane] = 1.0 / pivot[lane]
+
+
+@routine
+def solve_by_factors(wide: int, count: int, stages: Memory) -> None:
+    """Solve the equations whose factors are laid; the solution is where the right-hand sides were."""
+    for s in range(count):
+        change = stages[EQUATIONS + s]
+        for k in range(s):
+            factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
+            for lane in range(wide):
+                change[lane] -= factor[lane] * of[lane]
+    for i in range(count):
+        s = count - 1 - i
+        change, inverse = stages[EQUATIONS + s], stages[FACTORS + s * count + s]
+        for k in range(s + 1, count):
+            factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
+            for lane in range(wide):
+                change[lane] -= factor[lane] * of[lane]
+        for lane in range(wide):
+            change[lane] *= inverse[lane]
 
 
 @routine
@@ -310,28 +336,38 @@ def take_corrections(wide: int, count: int, stages: Memory) -> float:
 @routine
 def add_weighted(wide: int, weights: np.ndarray, step: Memory, stages: Memory, row: int, total: Memory) -> None:
     """Add to a total the integral over the step of what stands at the stages, in rows from `row` on."""
+    if weights.shape[0] == SEVEN:
+        # Written out, the sum stays in a register: it is most of what corrections do.
+        a, b, c, d, e, f, g = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5], weights[6]
+        for lane in range(wide):
+            first = a * stages[row, lane] + b * stages[row + 1, lane] + c * stages[row + 2, lane]
+            rest = d * stages[row + 3, lane] + e * stages[row + 4, lane] + f * stages[row + 5, lane]
+            total[lane] += step[lane] * (first + (rest + g * stages[row + 6, lane]))
+        return
     for s in range(weights.shape[0]):
         if weights[s] != 0.0:
             add_share(wide, weights[s], step, stages[row + s], total)
 
 
 @routine
-def estimate(wide: int, method: Method, step: Memory, stages: Memory, row: int, other: Memory, error: Memory) -> None:
+def estimate(
+    wide: int, method: Method, step: Memory, stages: Memory, row: int, work: Memory, at: int, error: Memory
+) -> None:
     """Estimated error of such an integral, with its sign, from formulas that vanish up to lower orders.
 
-    `other` is a row to work in. Source: as of DOP853. Each is the root of the squares of all of its order: one alone
-    happens to be zero at some lengths of a step, at which nothing of what is missed would be seen.
+    ROOTS rows of `work` are to work in, from `at` on. Source: as of DOP853. Each is the root of the squares of all of
+    its order: one alone happens to be zero at some lengths of a step, at which nothing of what is missed would be seen.
     """
-    root_of_squares(wide, method.coarsest, step, stages, row, error, stages[EQUATIONS + 1])
-    root_of_squares(wide, method.coarse, step, stages, row, error, stages[EQUATIONS])
-    root_of_squares(wide, method.fine, step, stages, row, error, other)
+    root_of_squares(wide, method.coarsest, step, stages, row, error, work[at + 2])
+    root_of_squares(wide, method.coarse, step, stages, row, error, work[at + 1])
+    root_of_squares(wide, method.fine, step, stages, row, error, work[at])
     if method.coarsest.shape[0] == 0:
         for lane in range(wide):
-            fine, coarse = other[lane], stages[EQUATIONS, lane]
+            fine, coarse = work[at, lane], work[at + 1, lane]
             error[lane] = math.copysign(fine * fading(fine, coarse), error[lane])
         return
     for lane in range(wide):
-        fine, coarse, coarsest = other[lane], stages[EQUATIONS, lane], stages[EQUATIONS + 1, lane]
+        fine, coarse, coarsest = work[at, lane], work[at + 1, lane], work[at + 2, lane]
         # What fades geometrically over three pairs of orders does so over the next three, and one order is left for
         # safety. The fine ones may happen to be small, where what came before tells how much they fade at most.
         before = FADES_FASTER * fading(coarse, coarsest)

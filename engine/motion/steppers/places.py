@@ -192,13 +192,25 @@ def moments_at_speed(
 
 @routine
 def slopes_at_place(
-    wide: int, form: Form, drive: Memory, exponents: Memory, places: Memory, at: int, speed: Memory, slope: Memory
+    wide: int,
+    form: Form,
+    drive: Memory,
+    exponents: Memory,
+    places: Memory,
+    at: int,
+    speed: Memory,
+    motors: Memory,
+    slope: Memory,
 ) -> None:
-    """∂M/∂E = ∂M/∂ω/(Iω) at a place; as `moments_at_place`."""
+    """∂M/∂E = ∂M/∂ω/(Iω) of the motors and of everything at a place; as `moments_at_place`."""
     for lane in range(wide):
-        slope[lane] = drive[FALL, lane] + polynomial_slope(places, at + LOADS, lane, speed[lane])
-    add_induction_slopes(wide, drive, form.motors, speed, slope)
+        motors[lane] = drive[FALL, lane]
+    add_induction_slopes(wide, drive, form.motors, speed, motors)
+    for lane in range(wide):
+        slope[lane] = motors[lane] + polynomial_slope(places, at + LOADS, lane, speed[lane])
     for law in range(form.laws):
         add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
     for lane in range(wide):
-        slope[lane] *= 0.5 * places[at + INVERSE, lane] / speed[lane]
+        by_energy = 0.5 * places[at + INVERSE, lane] / speed[lane]
+        motors[lane] *= by_energy
+        slope[lane] *= by_energy

@@ -29,9 +29,10 @@ from engine.motion.steppers.mesh import (
     LENGTH,
     LOW,
     MESH_STATE,
+    MISSED,
     NEXT,
-    OTHER,
     SCALE,
+    SPARE,
     START,
     STEP_ROWS,
     TOLERANCE,
@@ -50,6 +51,7 @@ from engine.motion.steppers.one_step import (
     ENERGY,
     FROM_MOTORS,
     MOMENT,
+    MOTOR_SLOPE,
     ROW_OF,
     SLOPE,
     SLOWNESS,
@@ -208,12 +210,12 @@ def take_means(
     steps: Memory,
     state: Memory,
 ) -> None:
-    """Means of the loads over the cycle into a place at row `at`, with 2/I = 1; their mean magnitude into OTHER."""
+    """Means of the loads over the cycle into a place at row `at`, with 2/I = 1; their mean magnitude into MISSED."""
     for row in range(form.width):
         for lane in range(LANES):
             places[at + row, lane] = 0.0
     for lane in range(wide):
-        places[at + INVERSE, lane], state[OTHER, lane] = 1.0, 0.0
+        places[at + INVERSE, lane], state[MISSED, lane] = 1.0, 0.0
     for k in range(made):
         step, first = steps[STEP_ROWS * k + LENGTH], form.width * method.shares.shape[0] * k
         for s in range(method.stages):
@@ -221,7 +223,7 @@ def take_means(
                 add_share(wide, method.weights[s] / cycle, step, places[first + form.width * s + row], places[at + row])
             for lane in range(wide):
                 size = abs(places[first + form.width * s + LOADS, lane])
-                state[OTHER, lane] += size * step[lane] / (method.stages * cycle)
+                state[MISSED, lane] += size * step[lane] / (method.stages * cycle)
 
 
 @routine
@@ -275,7 +277,7 @@ def find_balance(
             falls = (before[lane] > 0.0) & (value <= 0.0)
             low[lane] = state[LAST, lane] if falls else low[lane]
             high[lane] = speed if falls else high[lane]
-            idle[lane] = idle[lane] if abs(value) <= NO_WORK * state[OTHER, lane] else 0.0
+            idle[lane] = idle[lane] if abs(value) <= NO_WORK * state[MISSED, lane] else 0.0
             known[lane] = 1.0 if abs(value) < math.inf else known[lane]
             before[lane], state[LAST, lane] = value, speed
     for lane in range(wide):
@@ -338,7 +340,9 @@ def make_slopes(
     """∂M/∂E at the stages of a step."""
     for s in range(method.stages):
         at = first + form.width * s
-        slopes_at_place(wide, form, drive, exponents, places, at, stages[SPEED + s], stages[SLOPE + s])
+        slopes_at_place(
+            wide, form, drive, exponents, places, at, stages[SPEED + s], stages[MOTOR_SLOPE + s], stages[SLOPE + s]
+        )
 
 
 @routine
@@ -433,7 +437,7 @@ def add_with_error(
     """Add an integral over a step to its total; where there is no doubt, its estimated error to the sum of errors."""
     add_weighted(wide, method.weights, step, stages, row, total)
     if doubt == 0.0:
-        estimate(wide, method, step, stages, row, state[OTHER], state[ERROR])
+        estimate(wide, method, step, stages, row, state, SPARE, state[ERROR])
         for lane in range(wide):
             error = abs(state[ERROR, lane])
             greatest[lane] = larger(error, greatest[lane])
@@ -614,10 +618,10 @@ def gather_cycle(
         )
         judge_step(wide, method, cycle, state, steps, at, stages)
         for lane in range(wide):
-            state[WORST, lane] = larger(state[OTHER, lane], state[WORST, lane])
+            state[WORST, lane] = larger(state[MISSED, lane], state[WORST, lane])
             state[SCALE, lane] = state[WORK, lane]
             # What isn't a number is no less than any.
-            state[WORST, lane] = state[WORST, lane] if state[OTHER, lane] < math.inf else math.inf
+            state[WORST, lane] = state[WORST, lane] if state[MISSED, lane] < math.inf else math.inf
         for lane in range(wide):
             state[LOST, lane] = 0.0
         total, greatest = state[E_AFTER], state[OF_E]

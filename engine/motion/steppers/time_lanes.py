@@ -15,6 +15,7 @@ from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
 from engine.motion.steppers.one_step import (
+    ROOTS,
     ROW_OF,
     add_weighted,
     cubic_extreme,
@@ -36,8 +37,9 @@ GIVEN = 9
 AFTER, OMEGA_AFTER, MOTOR, SQUARES, MISSED, SLOWEST, FASTEST = range(7)
 FOUND = 7
 # Rows to work in.
-ERROR, OTHER, REACH, CHANGE = range(4)
-SPARE = 4 + DENSE_PARTS
+ERROR, REACH, CHANGE = range(3)
+ROOT = CHANGE + 1 + DENSE_PARTS
+SPARE = ROOT + ROOTS
 # Between so many equal shares of a step extremes of the speed are searched.
 LOOKS = 8
 # Rows of stages: angle, speed, acceleration, moments of the motors and of everything, power of the motors, their moment
@@ -175,10 +177,10 @@ def judge_step_in_time(
         for lane in range(wide):
             spare[REACH, lane] = larger(abs(step[lane] * stages[SPEED + s, lane]), spare[REACH, lane])
             spare[CHANGE, lane] = larger(abs(step[lane] * stages[RISE + s, lane]), spare[CHANGE, lane])
-    estimate(wide, method, step, stages, ROW_OF[SPEED], spare[OTHER], spare[ERROR])
+    estimate(wide, method, step, stages, ROW_OF[SPEED], spare, ROOT, spare[ERROR])
     for lane in range(wide):
         found[MISSED, lane] = abs(spare[ERROR, lane]) / (tolerance * spare[REACH, lane])
-    estimate(wide, method, step, stages, ROW_OF[RISE], spare[OTHER], spare[ERROR])
+    estimate(wide, method, step, stages, ROW_OF[RISE], spare, ROOT, spare[ERROR])
     for lane in range(wide):
         of_speed = abs(spare[ERROR, lane]) / (tolerance * spare[CHANGE, lane])
         # What doesn't move at all misses nothing.

@@ -5,13 +5,14 @@ the frame for what is geared to the crank, and against what carries them for pin
 of structural groups swing or turn as their loops allow: racks on one go with pinions whose angle is known against it.
 """
 
-import math
+import numpy as np
 
 from engine.scene.masses import places_on
-from engine.scene.names import Problem, did_you_mean, guide_of, sliders, turns_of
+from engine.scene.names import Problem, did_you_mean, guide_of, sliders
 from engine.scene.pairs import drive_base
 from engine.scene.parts import FRAME, CrankInput
-from engine.scene.scene import Scene
+from engine.scene.scene import Numbers, Scene
+from engine.scene.structure.input_laws import drive_turns
 
 # Turns over a cycle below this come from rounded ratios.
 _NO_TURN = 1e-9
@@ -47,7 +48,7 @@ def mesh_problems(scene: Scene) -> list[Problem]:
 
 def _wrong_wheel(scene: Scene, name: str) -> list[Problem]:
     wheel, drive, at = scene.noncircular_wheels[name], scene.input, f"noncircular_wheels.{name}"
-    on_frame = {n for n, shaft in scene.shafts.items() if shaft.pivot is not None and shaft.carrier is None}
+    on_frame = {n for n, shaft in scene.shafts.items() if shaft.carrier is None and has_known_angle(scene, n)}
     on_frame |= set(scene.noncircular_wheels) | ({drive.link} if isinstance(drive, CrankInput) else set())
     if wheel.geared_to not in on_frame:
         message = "is in mesh with the crank, a shaft with a pivot on the frame, or another such wheel; "
@@ -126,7 +127,7 @@ def _turning(scene: Scene) -> set[str]:
     crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
     return (
         crank
-        | {n for n, s in scene.shafts.items() if s.pivot is not None}
+        | {name for name in scene.shafts if has_known_angle(scene, name)}
         | {*scene.pinions, *scene.noncircular_wheels}
         | {name for name, second in scene.inputs.items() if second.type == "crank"}
     )
@@ -147,21 +148,47 @@ def root_of(scene: Scene, link: str) -> str:
     """Link against which the angle of a link is known over all turns: the frame, one of a structural group, itself."""
     while (carrier := carrier_of(scene, link)) is not None:
         link = carrier
-    return FRAME if link in _turning(scene) else link
+    crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
+    return FRAME if link in {*crank, *scene.noncircular_wheels} or has_known_angle(scene, link) else link
 
 
-def net_turns(scene: Scene, link: str) -> float:
-    """Turns of a link for each turn of the crank, against that which its angle is known against."""
+def has_known_angle(scene: Scene, shaft: str) -> bool:
+    """Whether a link is a shaft whose angle against the frame is known over all turns.
+
+    Parameters
+    ----------
+    scene : Scene
+    shaft : str
+    """
+    part = scene.shafts.get(shaft)
+    return (
+        part is not None
+        and part.pivot is not None
+        and all(root_of(scene, link) == FRAME for link in (part.geared_to, part.carrier or FRAME))
+    )
+
+
+def net_turns(scene: Scene, link: str, numbers: Numbers | None = None) -> float | np.ndarray:
+    """Turns of a link for each turn of the crank, against that which its angle is known against.
+
+    Parameters
+    ----------
+    scene : Scene
+    link : str
+    numbers : Numbers, optional
+        Of variants, for ratios of shafts in place of the scene's; the turns are then an array (variants,) of float
+        where those vary.
+    """
     if link in scene.noncircular_wheels:
         wheel = scene.noncircular_wheels[link]
-        return -wheel.driver_lobes / wheel.lobes * net_turns(scene, wheel.geared_to)
+        return -wheel.driver_lobes / wheel.lobes * net_turns(scene, wheel.geared_to, numbers)
     carrier = carrier_of(scene, link)
     if carrier is not None:
-        return _own_turns(scene, link) + net_turns(scene, carrier)
-    return turns_of(scene, link) if root_of(scene, link) == FRAME else 0.0
-
-
-def _own_turns(scene: Scene, link: str) -> float:
-    """Turns of a second input against what carries it, for each turn of the crank; none of what else is carried."""
-    second = scene.inputs.get(link)
-    return second.ratio + second.advance / math.tau if second is not None and second.type == "crank" else 0.0
+        own = drive_turns(scene, link) if link in scene.inputs else 0.0
+        return own + net_turns(scene, carrier, numbers)
+    if has_known_angle(scene, link):
+        shaft = scene.shafts[link]
+        ratio = shaft.ratio if numbers is None else numbers[f"shafts.{link}.ratio"]
+        carried = net_turns(scene, shaft.carrier or FRAME, numbers)
+        return carried + ratio * (net_turns(scene, shaft.geared_to, numbers) - carried)
+    return 1.0 if link == scene.input.link and isinstance(scene.input, CrankInput) else 0.0

@@ -26,6 +26,7 @@ from engine.scene.parts import FRAME, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
 from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
 from engine.scene.structure.meshes import mesh_problems, rides_along
+from engine.scene.structure.trains import train_problems
 
 
 class Element(NamedTuple):
@@ -306,7 +307,7 @@ def order(scene: Scene) -> Structure:
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
         problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)
-        problems = problems or mesh_problems(scene)
+        problems = problems or train_problems(scene) or mesh_problems(scene)
     if not problems:
         problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:

@@ -326,7 +326,6 @@ def test_run__gains_the_energy_that_is_put_in():
             },
             "'camshaft' makes 0.5 turns in a cycle of 1 of the crank",
         ),
-        ({"friction": {"f": {"pair": "cam.guide", "coefficient": 0.1}}}, "friction isn't computed there"),
     ],
 )
 def test_wrong_cams__are_refused_in_words(changes, told):

@@ -15,6 +15,7 @@ from sweeps.pictures.plans import (
     loads_on_links,
     velocities,
 )
+from sweeps.pictures.plans.symbol_text import SymbolText
 
 # A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
 EXACT = 1e-12
@@ -77,7 +78,8 @@ def test_loads_with_friction__every_free_link_in_equilibrium(kind):
 
 
 def test_sheet_of_a_triad__names_its_special_point():
-    texts = [text.get_text() for text in kinematic_sheet(cycle_of("three bars").at(0.7), "acceleration").texts]
+    figure = kinematic_sheet(cycle_of("three bars").at(0.7), "acceleration")
+    texts = [text.get_text() for text in figure.findobj(SymbolText)]
     assert any("special points of Assur: $W$ on 5" in text for text in texts)
 
 

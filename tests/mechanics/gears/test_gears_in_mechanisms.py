@@ -93,7 +93,7 @@ def test_forces_between_teeth__turn_the_shaft_and_load_both_bearings():
     data["shafts"]["second"] |= {"ratio": -2, "pressure_angle": "20 deg"}
     data["moments"] = {"load": {"type": "constant", "on": "second", "moment": "9 N m"}}
     names = ["second.tangential_force", "second.radial_force", "second.reaction_x", "second.reaction_y"]
-    names += ["input.reaction_x", "input.reaction_y", "input_moment_by_equilibrium"]
+    names += ["input.reaction_x", "input.reaction_y", "input_moment_by_equilibrium", "second.normal_force"]
     _, outcome = asked(data, names)
     pull = 9 / 0.06
     apart = pull * math.tan(math.radians(20))
@@ -101,6 +101,7 @@ def test_forces_between_teeth__turn_the_shaft_and_load_both_bearings():
     # The moment is counter-clockwise: at the pitch point, left of it, the shaft presses down, and is held up.
     expected = {
         "second.radial_force": apart,
+        "second.normal_force": pull / math.cos(math.radians(20)),
         "second.reaction_x": -apart,
         "second.reaction_y": -pull,
         "input.reaction_x": apart,
@@ -148,18 +149,18 @@ HYPOCYCLOID = Machine(
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"shafts__planet__pivot": "O"}, "'O' is no point of the carrier 'crank'"),
-        ({"shafts__planet__pivot": None}, "a planet turns about a point of its carrier"),
+        ({"shafts__planet__pivot": "O"}, "its teeth have no place, as it is about the axis of 'frame'"),
+        ({"shafts__planet__pivot": None}, "shaft 'planet' has no pivot; give it one"),
         ({"shafts__planet__carrier": "rod"}, "gears that nothing drives"),
         ({"shafts__planet__ratio": 1}, "axes lie apart"),
-        ({"shafts__planet__geared_to": "crank"}, "'crank' carries the planet"),
+        ({"shafts__planet__geared_to": "crank"}, "'crank' carries this wheel"),
         (
             {
                 "points__C": {"x": 0.2, "y": 0},
                 "shafts__far": {"geared_to": "crank", "ratio": 2, "pivot": "C"},
                 "shafts__planet__geared_to": "far",
             },
-            "the distance changes",
+            "the distance of their axes would change",
         ),
         ({"shafts__planet__ratio": 1.5}, "'planet' makes -0.5 turns in a cycle of 1 of the crank"),
         ({"shafts__planet__carrier": None}, "'A' is not on the frame"),
@@ -184,3 +185,9 @@ def test_planets__are_told_and_drawn(tmp_path):
     said("new", "geared_five_bar", "--out", str(scene))
     said("plot", str(scene), "--out", str(picture))
     assert picture.stat().st_size > 10_000
+
+
+def test_ratios_that_do_not_close_the_cycle__are_told():
+    machine = Machine(Scene.model_validate(FIVE_BAR), ["equilibrium_residual"], varied=["shafts.second.ratio"])
+    status = machine.evaluate({"shafts.second.ratio": np.array([1.0, 1.3, -1.0])}).status
+    assert [Verdict(code) for code in status] == [Verdict.OK, Verdict.DOES_NOT_CLOSE, Verdict.OK]

@@ -83,7 +83,7 @@ def test_force_between_teeth__leans_from_the_tangent_of_the_ellipse_and_holds_th
     """The normal of an ellipse halves the angle between the lines to its foci."""
     data = changed(ELLIPSES, gravity=0, groups={}, bodies={}, points__D=None, guides={})
     data["moments"] = {"load": {"type": "constant", "on": "second", "moment": "9 N m"}}
-    names = ["reaction_x", "reaction_y", "pitch_x", "pitch_y", "tangential_force", "radial_force"]
+    names = ["reaction_x", "reaction_y", "pitch_x", "pitch_y", "tangential_force", "radial_force", "normal_force"]
     machine, outcome = asked(data, [*(f"second.{name}" for name in names), "input.reaction_x"])
     rows = {name: outcome.fields[f"second.{name}"][0] for name in names}
     distance = complex(0.2, 0.05)
@@ -101,6 +101,7 @@ def test_force_between_teeth__leans_from_the_tangent_of_the_ellipse_and_holds_th
         # It pushes the wheel away from the driver, whose foci lie behind the pitch point.
         assert -parts.real == pytest.approx(rows["radial_force"][k], rel=200 * EPS)
         assert abs(parts.imag) == pytest.approx(abs(rows["tangential_force"][k]), rel=200 * EPS)
+        assert abs(force) == pytest.approx(rows["normal_force"][k], rel=200 * EPS)
         assert -parts.real == pytest.approx(abs(parts.imag) * math.tan(math.radians(20)), rel=200 * EPS)
 
 

@@ -96,11 +96,11 @@ def test_forces_between_rack_and_pinion__hold_up_a_weight_and_push_the_axis_away
         "inertia_in_reactions": False,
     }
     names = ["post.tangential_force", "post.radial_force", "post.reaction_x", "input.reaction_x", "input.reaction_y"]
-    names += ["input_moment_by_equilibrium", "post.slide"]
+    names += ["input_moment_by_equilibrium", "post.slide", "post.normal_force"]
     machine, outcome = asked(data, names)
     pull, apart = 10.0, 10 * math.tan(0.35)
     # Driven up by a pinion that turns counter-clockwise, the rack is to the right of its axis.
-    expected = [pull, apart, -apart, apart, pull, 0.04 * pull, 0.04 * machine.input_values[3]]
+    expected = [pull, apart, -apart, apart, pull, 0.04 * pull, 0.04 * machine.input_values[3], pull / math.cos(0.35)]
     for name, value in zip(names, expected, strict=True):
         assert outcome.fields[name][0][3] == pytest.approx(value, rel=16 * EPS), name
 

@@ -142,7 +142,7 @@ def test_geared_five_bar__oracle():
         },
         "groups": {"bars": rrr("B", ("left", "A", 1.1), ("right", "M", 1.0))},
     }
-    check(scene, shafts__gear__ratio=[-1.0, 2.0, 1.5], groups__bars__mode=[1, -1, 1])
+    check(scene, shafts__gear__ratio=[-1.0, 2.0, 3.0], groups__bars__mode=[1, -1, 1])
 
 
 def test_sliding_input__oracle():

@@ -52,6 +52,13 @@ def test_figure_of_the_quick_return_ratio__is_what_its_angles_may_change(up, fig
     assert found.error <= max(abs(moved - found.value)) * (1 + 4 * figure / up) + 1e-12
 
 
+def test_quick_return_ratio__of_an_end_that_may_be_at_either_of_two_places_is_undefined():
+    # A slide that comes to its far end twice in a turn, half a turn apart.
+    found = quick_return_ratio(Measured(0.0), Measured(math.pi / 2, math.pi))
+    assert math.isnan(found.value)
+    assert math.isnan(found.error)
+
+
 # Machines
 
 

@@ -180,7 +180,7 @@ MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 5, "no_load_speed": 
             {"inputs": {"left": {"type": "crank", "pivot": "C", "ratio": 1}}},
             "inputs.left: link 'left' is already moved",
         ),
-        ({"input": SLIDER, "guides": {"way": {}}}, "this input slides"),
+        ({"input": SLIDER, "guides": {"way": {}}}, "inputs.second: the first input slides and has no angle"),
         ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: counts on one drive"),
         ({"moments": {"motor": MOTOR}}, "moments.motor: counts on one drive"),
         ({"flywheel": {"speed_fluctuation": 0.05}}, "flywheel: counts on one drive"),
@@ -193,7 +193,7 @@ def test_wrong_second_inputs__are_refused_in_words(changes, told):
 
 
 def test_second_input_that_never_moves__is_refused():
-    with pytest.raises(ValueError, match="never moves: give a ratio, harmonics, sections"):
+    with pytest.raises(ValueError, match="never moves: give a ratio, a speed, harmonics"):
         Scene.model_validate(changed(FIVE_BAR, inputs__second__ratio=0, inputs__second__harmonics={}))
 
 

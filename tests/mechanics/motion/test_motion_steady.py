@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from motion_scenes import MOMENTS, RATIO, ask, rotor, run, slider_crank, steady
 
-from engine import Verdict
+from engine import Machine, Scene, Verdict
 
 MACHINES = {
     "DC motor, cutting": ("dc fan gravity cut", 0.2, 60.0),
@@ -59,6 +59,19 @@ def test_steady_motion__is_the_limit_of_a_long_run(name):
     once = ask(scene_of(name, {"go": run("", from_speed=at_zero, cycles=1.0)}), "go.time go.final_speed", 960)
     assert once["go.time"] == pytest.approx(found["on.period"], rel=1e-9)
     assert found["on.mean_speed"] == pytest.approx(2 * math.pi / once["go.time"], rel=1e-9)
+
+
+def test_fields_of_a_cycle__as_found_to_the_last_digits_within_their_figures():
+    names = ["speed", "acceleration", "motor_moment", "input_moment", "input.reaction", "useful_power"]
+    fields = [f"on.{name}" for name in names]
+    for name in MACHINES:
+        scene = Scene.model_validate(scene_of(name, {"on": steady("")}))
+        own, exact = (Machine(scene, (), fields, positions=240, accuracy=a).evaluate({}) for a in (1e-6, 1e-13))
+        for field in fields:
+            off = np.abs(own.fields[field] - exact.fields[field]).max()
+            assert off <= own.errors[field][0] + exact.errors[field][0], (name, field)
+            # Figures alone could be large.
+            assert own.errors[field][0] <= 1e-5 * np.abs(own.fields[field]).max(), (name, field)
 
 
 @pytest.mark.parametrize("name", [*MACHINES, "engine with fan"])

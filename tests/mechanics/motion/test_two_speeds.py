@@ -127,18 +127,20 @@ def test_clutch_alone__makes_the_heat_of_an_inelastic_impact():
 # Against an independent simulation
 
 
+def inertia(phi: float) -> tuple[float, float]:
+    """I(φ) of the slider-crank, and its derivative."""
+    c, s = math.cos(phi), math.sin(phi)
+    x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
+    rate = -RADIUS * s - RADIUS**2 * s * c / x
+    curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
+    fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
+    return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
+
+
 def reference(capacity: float, engagement: float, until: float, shaft_speed: float) -> dict:
     """The slider-crank from rest by SciPy, phase by phase: time, both speeds, heat, slip time, and phases."""
     own, motor = RATIO**2 * SHAFT_INERTIA, MOMENTS["dc"]
     oil, fan = MOMENTS["oil"]["coefficient"], MOMENTS["fan"]["coefficient"]
-
-    def inertia(phi: float) -> tuple[float, float]:
-        c, s = math.cos(phi), math.sin(phi)
-        x = math.sqrt(ROD**2 - (RADIUS * s) ** 2)
-        rate = -RADIUS * s - RADIUS**2 * s * c / x
-        curve = -RADIUS * c - RADIUS**2 * (c * c - s * s) / x - (RADIUS**2 * s * c) ** 2 / x**3
-        fixed = CRANK_INERTIA + ECCENTRIC_MASS * ECCENTRICITY**2
-        return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
 
     def limit(t: float) -> float:
         return RATIO * capacity * min(t / engagement, 1.0)
@@ -384,6 +386,48 @@ def test_steady_motion_through_a_fluid__is_what_a_run_comes_to():
     assert seen.verdict == Verdict.OK
     assert (seen.shaft_speed > RATIO * seen.speed).all()
     assert np.ptp(seen.angle) == pytest.approx(2.0 * math.pi, rel=1e-12)
+
+
+def through_oil(slope: float, own: float, speeds: np.ndarray, cycles: float) -> np.ndarray:
+    """Time, both speeds, heat of the coupling and work of the motor by SciPy's stiff method, over the crank angle."""
+    own, oil, motor = RATIO**2 * own, MOMENTS["oil"]["coefficient"], MOMENTS["dc"]
+    factor = slope * 860.0 * 0.2**5 * RATIO**3
+
+    def rates(phi: float, y: np.ndarray) -> list[float]:
+        whole, change = inertia(phi)
+        pull = factor * y[1] * (y[1] - y[0])
+        drive = RATIO * motor["stall_moment"] * (1.0 - RATIO * y[1] / motor["no_load_speed"])
+        crank = -2.0 - oil * y[0] - 0.5 * y[0] ** 2 * change + pull
+        every = [crank / whole, (drive - pull) / own, pull * (y[1] - y[0]), drive * y[1], 1.0]
+        return [value / y[0] for value in every]
+
+    begin = [*speeds, 0.0, 0.0, 0.0]
+    end = 2.0 * math.pi * cycles
+    return solve_ivp(rates, (0.0, end), begin, method="Radau", rtol=1e-11, atol=1e-13).y[:, -1]
+
+
+def test_steep_fluid_coupling__goes_as_a_stiff_integrator_does():
+    """The coupling pulls the speeds together within a thousandth of a cycle, and less."""
+    slopes, own = np.array([0.1, 1.0]), np.array([4e-4, 4e-5])
+    go = run("dc oil load", from_speed=9.0, from_shaft_speed=99.0, cycles=1.3)
+    scene = fluid(slider_crank({"go": go, "work": steady("dc oil load")}))
+    # λ by a table isn't varied: a coupling of another density drives as one of another slope does.
+    varied = {"couplings.fluid.density": 860.0 * slopes / 1e-3, "shafts.motor_shaft.inertia": own}
+    names = "final_speed motor_shaft_final_speed fluid_heat motor_work time"
+    found = ask(scene, of("go", names) + " work.fluid_heat work.period work.return_residual", varied=varied)
+    assert found.status == [Verdict.OK] * 2
+    for i in range(2):
+        first, second, heat, work, time = through_oil(slopes[i], own[i], np.array([9.0, 99.0 / RATIO]), 1.3)
+        for key, value in zip(names.split(), (first, RATIO * second, heat, work, time), strict=True):
+            # SciPy's own error: 1e-11 a step, over some thousand steps.
+            assert found.values[f"go.{key}"][i] == pytest.approx(value, rel=1e-8), (key, i)
+            allowed = found.errors[f"go.{key}"][i] + 1e-8 * abs(value)
+            assert abs(found.values[f"go.{key}"][i] - value) <= allowed, (key, i)
+        # Cycles forget their begin within the first.
+        before, after = (through_oil(slopes[i], own[i], np.array([13.0, 13.0]), cycles) for cycles in (2.0, 3.0))
+        assert found.values["work.fluid_heat"][i] == pytest.approx(after[2] - before[2], rel=1e-6)
+        assert found.values["work.period"][i] == pytest.approx(after[4] - before[4], rel=1e-7)
+    assert np.abs(found.values["work.return_residual"]).max() < 1e-9
 
 
 def test_load_beyond_what_a_fluid_drives__stalls():

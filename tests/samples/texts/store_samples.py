@@ -143,3 +143,11 @@ def child_holds(path: Path) -> None:
     with Store.open(path, layout()):
         print("held", flush=True)
         sys.stdin.readline()
+
+
+def child_tries(path: Path) -> None:
+    print("trying", flush=True)
+    try:
+        Store.open(path, layout()).close()
+    except StoreError as error:
+        print(error, flush=True)

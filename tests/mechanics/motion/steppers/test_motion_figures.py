@@ -6,6 +6,7 @@ from motion_scenes import ask, run, slider_crank, steady
 
 from engine import Verdict
 from engine.compiling.threads import set_threads
+from engine.motion.regimes_in_order import Known
 
 REGIMES = {
     "start": run("dc fan gravity", speed=35.0),
@@ -85,6 +86,30 @@ def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss(monkeypat
     # Roundings of the stiff equation, in both.
     assert (abs(value - exact) <= figure + 1e-14 * exact).all(), abs(value / exact - 1.0).max()
     assert (figure <= 1e-6 * exact).all()
+
+
+@pytest.mark.parametrize("more", ["", "go.motor_work go.useful_work go.harmful_work"], ids=["alone", "works"])
+def test_doubts_carried_along__are_what_a_run_of_changed_steps_changes(more, monkeypatch):
+    machines = random_machines(150, 11) | {"flywheel.inertia": np.geomspace(0.1, 3.0, 150)}
+    regimes = {"go": run("dc induction fan gravity cut rub", from_speed=60.0, cycles=3.7)}
+    names = ["go.final_speed", "go.time", "go.motor_moment_rms", "go.energy_change"]
+    names += more.split()
+    scene = slider_crank(regimes)
+    monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", 1e-5)
+    along = ask(scene, " ".join(names), 120, varied=machines)
+    monkeypatch.setattr(Known, "tells", lambda self, variants, begin: np.zeros(variants.size, bool))
+    again = ask(scene, " ".join(names), 120, varied=machines)
+    sound = np.array([verdict == Verdict.OK for verdict in again.status])
+    assert sound.mean() > 0.95
+    for name in names:
+        assert np.array_equal(along.values[name], again.values[name], equal_nan=True), name
+        told, other = along.errors[name][sound], again.errors[name][sound]
+        # What is neglected is the square of the doubts. Changes of work and energy are differences of greater ones.
+        size = np.abs(again.values[name][sound])
+        assert (np.abs(told - other) <= 0.05 * other + 1e-12 * (size + 1.0)).all(), (
+            name,
+            np.abs(told / other - 1).max(),
+        )
 
 
 @pytest.fixture

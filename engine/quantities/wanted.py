@@ -1,0 +1,77 @@
+"""Deviations from what is wanted: of places from the path of a point, of a motion from rows over the crank angle."""
+
+import numpy as np
+
+from engine.cycle import measured as numbers
+from engine.cycle.measured import Measured
+from engine.graph.nodes import Node
+from engine.laws.elementary import angle_of, direction_of
+from engine.laws.tables import entry
+from engine.mechanism.actions.tables import rows_over_angle
+from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.synthesis.wanted_motion import WantedAngle, WantedPath, WantedSlide
+from engine.mechanism.vectors import Vector
+from engine.quantities.expressions import Expression, Extreme, Formula, Integral, peak, sqrt
+from engine.quantities.register import Declared, Field, Summary
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Deviations of all wanted motions, as root of the mean square and at most."""
+    for name, wanted in mechanics.scene.wanted.items():
+        if isinstance(wanted, WantedPath):
+            what, units = f"distance of the places wanted in {name} from the path of {wanted.point}", "m"
+            apart = _apart(mechanics, wanted)
+            rms, most = Formula(_rms, apart), Formula(_most, apart)
+        else:
+            what, units = f"deviation of {wanted.of} from {name}", "rad" if isinstance(wanted, WantedAngle) else "m"
+            inside = rows_over_angle(mechanics.kinematics, _from_to(wanted), [1.0, 1.0], "linear", "zero")
+            curve = inside * _beyond(mechanics, name, wanted)
+            yield Field(f"{name}.deviation", f"{what}, 0 outside its rows", units, lambda curve=curve: curve, "Δ")
+            rms, most = sqrt(Integral(curve * curve) / Integral(inside)), peak(curve)
+        words = f"{what}, root of the mean square"
+        yield Summary(f"{name}.deviation_rms", words, units, lambda rms=rms: rms, symbol="Δrms")
+        yield Summary(f"{name}.deviation_max", f"{what}, at most", units, lambda most=most: most, symbol="Δmax")
+
+
+def _apart(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expression, ...]:
+    """Square of the distance of each place from the path."""
+    graph, at = mechanics.graph, mechanics.kinematics.points[wanted.point].r
+    begin = graph.store(np.array([wanted.x, wanted.y]))
+    places = len(wanted.x)
+    found = []
+    for i in range(places):
+        place = Vector(*(graph.apply(entry, graph.memory, begin + float(k)) for k in (i, i + places)))
+        away = at - place
+        found.append(Extreme(away.dot(away), "least"))
+    return tuple(found)
+
+
+def _from_to(wanted: WantedSlide | WantedAngle) -> list[float]:
+    return [wanted.over_angle[0], wanted.over_angle[-1]]
+
+
+def _beyond(mechanics: Mechanics, name: str, wanted: WantedSlide | WantedAngle) -> Node:
+    """What a motion is beyond the rows and the offset."""
+    kinematics, graph = mechanics.kinematics, mechanics.graph
+    rows = rows_over_angle(kinematics, wanted.over_angle, wanted.wanted, wanted.interpolation, "hold")
+    due = rows + graph.number(f"wanted.{name}.offset")
+    if isinstance(wanted, WantedSlide):
+        return kinematics.slides[wanted.of].d - due
+    along, ahead = Vector(*graph.apply(direction_of, due)), kinematics.links[wanted.of].u
+    return graph.apply(angle_of, along.dot(ahead), along.cross(ahead))
+
+
+def _rms(*squares: Measured) -> Measured:
+    return numbers.sqrt(sum(_not_negative(square) for square in squares) / len(squares))
+
+
+def _most(*squares: Measured) -> Measured:
+    found = squares[0]
+    for square in squares[1:]:
+        found = numbers.maximum(found, square)
+    return numbers.sqrt(_not_negative(found))
+
+
+def _not_negative(square: Measured) -> Measured:
+    """The square of a distance; by rounding it may come out below zero."""
+    return Measured(np.maximum(square.value, 0.0), square.error)

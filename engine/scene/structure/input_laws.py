@@ -1,0 +1,62 @@
+"""The laws of second inputs against the first: how fast they go, how often they repeat themselves, what they fix."""
+
+import math
+
+from engine.scene.parts import CrankInput
+from engine.scene.scene import Scene, scene_numbers
+
+
+def law_rate(scene: Scene, name: str) -> float:
+    """How fast the argument of a second input's law goes with the first input [rad per rad, or per m].
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of the second input.
+    """
+    second = scene.inputs[name]
+    if second.period is not None:
+        return math.tau / (scene.input.speed * second.period)
+    return 1.0 if second.travel is None else math.tau / second.travel
+
+
+def drive_turns(scene: Scene, name: str) -> float:
+    """Turns that a second input gets on by against what it stands on, for each turn (or 2π m) of the first input.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of a second input that turns; others make none.
+    """
+    second = scene.inputs[name]
+    if second.type == "slider":
+        return 0.0
+    by_law = (second.ratio + second.advance / math.tau) * law_rate(scene, name)
+    return by_law + second.speed / scene.input.speed
+
+
+def fixed_by_laws(scene: Scene) -> set[str]:
+    """Numbers that all variants share because of second inputs.
+
+    A cycle must close in every variant, and places where sections meet are counted once for all of them.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+    cycle = isinstance(scene.input, CrankInput) and scene.input.start is None
+    found: set[str] = set()
+    for name, second in scene.inputs.items():
+        at, speed = f"inputs.{name}", getattr(second, "speed", 0.0)
+        placed = second.sections or second.table is not None
+        if cycle:
+            found |= {f"{at}.ratio", f"{at}.speed"}
+        if cycle or placed:
+            found |= {f"{at}.period", f"{at}.travel"}
+            found |= {"input.speed"} if second.period is not None else set()
+        found |= {"input.speed"} if cycle and speed != 0.0 else set()
+        if second.advance:
+            found |= {p for p in scene_numbers(scene) if p.startswith(f"{at}.sections.") and not p.endswith(".angle")}
+    return found

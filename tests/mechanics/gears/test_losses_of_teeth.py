@@ -1,0 +1,134 @@
+"""Losses between the teeth of gears in mechanisms: efficiencies by hand, equilibrium, and the power that is lost."""
+
+import math
+
+import numpy as np
+import pytest
+from driving_cams import changed
+from geared_links import CRANK
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_wheels_on_groups import WATT
+
+from engine import Machine, Scene, SceneError, Verdict
+
+EPS = np.finfo(float).eps
+BALANCE = ["input_moment_disagreement", "equilibrium_residual"]
+LOAD = {"load": {"type": "constant", "on": "second", "moment": -12.0}}
+PAIR_OF_WHEELS = {
+    "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.3, "y": 0.1}},
+    "input": CRANK,
+    "shafts": {"second": {"geared_to": "crank", "ratio": 0.5, "pivot": "C", "efficiency": 0.9}},
+    "moments": LOAD,
+}
+FIELDS = ["input_moment_with_friction", "input_moment", "second.mesh_loss", "input.reaction", "second.reaction"]
+
+
+def rows_of(data: dict, fields: list[str], summaries: list[str], **values: float) -> dict[str, np.ndarray]:
+    machine = Machine(Scene.model_validate(data), [*BALANCE, *summaries], fields, list(values), 48)
+    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    assert outcome.status[0] == Verdict.OK
+    # A few roundings of what a handful of links pass on, against the greatest.
+    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
+    return {n: outcome.fields[n][0] for n in fields} | {n: outcome.summaries[n][0] for n in summaries}
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.floats(0.5, 1.0), st.sampled_from([-1, 1]), st.sampled_from([-0.5, 2.5]), st.booleans())
+def test_two_wheels__lose_what_their_efficiency_says(efficiency, load, ratio, teeth):
+    data = changed(PAIR_OF_WHEELS, shafts__second__ratio=ratio, moments__load__moment=12.0 * load)
+    data = changed(data, **({"shafts__second__pressure_angle": "20 deg"} if teeth else {}))
+    asked = ["friction_loss", "second.mesh_work", "mechanical_efficiency"]
+    rows = rows_of(data, FIELDS, asked, **{"shafts.second.efficiency": efficiency})
+    taken = -12.0 * load * ratio
+    driven = taken / efficiency if taken > 0 else taken * efficiency
+    if 1.0 - ratio * (1 / efficiency if taken > 0 else efficiency) == 0.0:
+        return
+    tolerance = 100 * EPS * 12.0 * 2.5 / efficiency
+    np.testing.assert_allclose(rows["input_moment"], taken, atol=tolerance)
+    np.testing.assert_allclose(rows["input_moment_with_friction"], driven, atol=tolerance)
+    np.testing.assert_allclose(rows["second.mesh_loss"], 4 * math.pi * (driven - taken), atol=20 * tolerance)
+    np.testing.assert_allclose(rows["friction_loss"], 2 * math.pi * (driven - taken), atol=20 * tolerance)
+    np.testing.assert_allclose(rows["second.mesh_work"], rows["friction_loss"], atol=20 * tolerance)
+    if teeth:
+        # The force acts so far from both axes that its moments on them are those of the load and the drive.
+        across = rows["second.reaction"][0] * math.cos(math.radians(20))
+        arms = 12.0 / across, abs(driven) / across
+        np.testing.assert_allclose(arms[1] + math.copysign(arms[0], -ratio), math.hypot(0.3, 0.1), rtol=1e-10)
+
+
+def test_planet__loses_power_of_its_motion_against_the_carrier():
+    """By Willis's method: i = 1 + z₃/z₁ from the sun, the ring held; η = (1 + η₀ z₃/z₁)/(1 + z₃/z₁)."""
+    first, second, teeth = 0.97, 0.98, 84 / 24
+    data = {
+        "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0, "y": 0}},
+        "input": CRANK,
+        "shafts": {
+            "arm": {"geared_to": "crank", "ratio": 1, "pivot": "C"},
+            "planet": {"geared_to": "frame", "carrier": "crank", "pivot": "A", "ratio": "84/30", "efficiency": second},
+            "sun": {"geared_to": "planet", "carrier": "crank", "pivot": "O", "ratio": "-30/24", "efficiency": first},
+        },
+        "moments": {"drive": {"type": "constant", "on": "sun", "moment": 2.0, "role": "driving"}},
+    }
+    # The sun drives: the crank, its carrier, takes what the train gives.
+    rows = rows_of(data, ["input_moment_with_friction", "input_moment"], ["friction_loss"])
+    np.testing.assert_allclose(rows["input_moment"], -2.0 * (1 + teeth), rtol=64 * EPS)
+    np.testing.assert_allclose(rows["input_moment_with_friction"], -2.0 * (1 + first * second * teeth), rtol=64 * EPS)
+
+
+@pytest.mark.parametrize("teeth", [None, "20 deg"])
+@pytest.mark.parametrize("speed", [12.0, -12.0])
+def test_wheel_on_a_rocker__loses_in_both_senses_of_its_swing(teeth, speed):
+    """Powers of drive, inertia and losses balance at every position; the loss is that share of what rolls through."""
+    shafts = {"counter": WATT["shafts"]["counter"] | {"efficiency": 0.92, "pressure_angle": teeth}}
+    shafts["counter"] = {key: value for key, value in shafts["counter"].items() if value is not None}
+    points = {key: value for key, value in WATT["points"].items() if key != "G"}
+    bodies = {key: value for key, value in WATT["bodies"].items() if key != "idler_body"}
+    data = WATT | {"shafts": shafts, "points": points, "bodies": bodies, "input": WATT["input"] | {"speed": speed}}
+    wheel = ["counter.angle_phi", "counter.angle_phiphi", "counter.angle"]
+    moments = ["input_moment_with_friction", "input_moment", "counter.mesh_loss"]
+    rows = rows_of(data, [*wheel, *moments], ["friction_loss"])
+    angle = rows["counter.angle"]
+    # About its own axis: 0.02 kg m² and 0.8 kg at 0.01 m, with 0.001 kg m² of that body.
+    own = (0.02 + 0.001 + 0.8e-4) * speed**2 * rows["counter.angle_phiphi"] + 0.8 * 9.81 * 0.01 * np.cos(angle)
+    rolling = own * rows["counter.angle_phi"] * speed
+    loss = np.where(rolling > 0, (1 / 0.92 - 1) * rolling, (0.92 - 1) * rolling)
+    np.testing.assert_allclose(rows["counter.mesh_loss"], loss, atol=1e4 * EPS * np.abs(rolling).max())
+    extra = (rows["input_moment_with_friction"] - rows["input_moment"]) * speed
+    np.testing.assert_allclose(extra, loss, atol=1e4 * EPS * np.abs(rows["input_moment"] * speed).max())
+
+
+def test_motion_with_losses__takes_their_work_from_the_motor():
+    data = changed(
+        PAIR_OF_WHEELS,
+        shafts__second__inertia=0.5,
+        moments__motor={"type": "dc_motor", "on": "crank", "stall_moment": 40.0, "no_load_speed": "180 rpm"},
+        moments__load={"type": "linear_drag", "on": "second", "coefficient": 1.5},
+        regimes={"steady": {"type": "steady"}},
+    )
+    found = {}
+    for efficiency in (0.8, 1.0):
+        machine = Machine(Scene.model_validate(data), ["steady.speed_max"], varied=["shafts.second.efficiency"])
+        outcome = machine.evaluate({"shafts.second.efficiency": np.array([efficiency])})
+        assert outcome.status[0] == Verdict.OK
+        found[efficiency] = outcome.summaries["steady.speed_max"][0], outcome.errors["steady.speed_max"][0]
+    # 40 (1 − ω/ω₀) = 1.5 (ω/2)²/ω/η, the drag of a shaft at half the speed seen from the crank.
+    for efficiency, (speed, error) in found.items():
+        known = 40.0 / (40.0 / (6 * math.pi) + 1.5 * 0.25 / efficiency)
+        assert abs(speed - known) <= error + 1e-9 * known
+
+
+def test_losses_and_what_does_not_know_them__are_refused_in_words():
+    data = changed(PAIR_OF_WHEELS, shafts__second__efficiency=1.2)
+    with pytest.raises(ValueError, match="efficiency"):
+        Scene.model_validate(data)
+    clutch = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 20.0}
+    coupled = changed(
+        PAIR_OF_WHEELS,
+        shafts__motor_shaft={"geared_to": "crank", "ratio": 2, "efficiency": 0.9, "inertia": 0.1},
+        couplings={"clutch": clutch},
+        regimes={"run": {"type": "run", "time": 1.0}},
+    )
+    scene = Scene.model_validate(coupled)
+    with pytest.raises(SceneError, match="beside"):
+        Machine(scene, ["run.time"])

@@ -1,0 +1,176 @@
+"""Wheels on links that turn unevenly, differentials of two drives, planetary trains with a sun: by Willis and power."""
+
+import math
+
+import numpy as np
+import pytest
+from driving_cams import changed
+from geared_links import CRANK
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Machine, Scene, SceneError, Verdict
+from engine.scene.structure.ordering import order
+
+EPS = np.finfo(float).eps
+BALANCE = ("input_moment_disagreement", "equilibrium_residual")
+# J. Watt's sun and planet, and a wheel that the beam turns.
+WATT = {
+    "gravity": 9.81,
+    "points": {
+        "O": {"x": 0, "y": 0},
+        "D": {"x": 0.4, "y": 0},
+        "F": {"x": 0.52, "y": 0.03},
+        "G": {"link": "sun", "x": 0.03, "y": 0},
+        "H": {"link": "counter", "x": 0.06, "y": 0.01},
+    },
+    "input": CRANK | {"length": 0.1},
+    "groups": {
+        "beam": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "rod", "joint": "A", "length": 0.4},
+            "second": {"link": "rocker", "joint": "D", "length": 0.2},
+        }
+    },
+    "shafts": {
+        "sun": {"geared_to": "rod", "carrier": "crank", "pivot": "O", "ratio": -1, "inertia": 0.05, "phase": 0.4}
+        | {"pressure_angle": "20 deg"},
+        "counter": {"geared_to": "rocker", "pivot": "F", "ratio": -2.5, "around": "110 deg", "inertia": 0.02},
+        "idler": {"geared_to": "rod", "carrier": "rocker", "pivot": "D", "ratio": -0.7, "around": "-90 deg"},
+    },
+    "bodies": {
+        "rod_body": {"link": "rod", "mass": 3.0, "x": 0.2, "inertia": 0.04},
+        "counter_body": {"link": "counter", "mass": 0.8, "x": 0.01, "inertia": 0.001},
+        "idler_body": {"link": "idler", "mass": 1.0, "inertia": 0.01},
+    },
+}
+LINKS = ("rod", "rocker", "sun", "counter", "idler")
+FIELDS = [f"{link}.angle{rate}" for link in LINKS for rate in ("", "_phi", "_phiphi")]
+
+
+def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
+    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    assert outcome.status[0] == Verdict.OK
+    # A few roundings of what a handful of links pass on, against the greatest.
+    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
+    return {name: outcome.fields[name][0] for name in machine.asked_fields}
+
+
+@pytest.fixture(scope="module")
+def watt() -> Machine:
+    varied = ["shafts.sun.phase", "shafts.counter.ratio", "shafts.counter.around"]
+    fields = [*FIELDS, "sun.tangential_force", "H.x", "H.y", "H.x_phi", "H.y_phi"]
+    return Machine(Scene.model_validate(WATT), BALANCE, fields, varied, 48)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.floats(-3.0, 3.0), st.floats(-4.0, -0.3), st.floats(1.0, 2.8))
+def test_wheels_on_links_of_a_group__go_by_willis(watt, phase, ratio, around):
+    rows = rows_of(watt, **dict(zip(watt.varied, (phase, ratio, around), strict=True)))
+    rod, rocker, sun, counter, idler = (
+        np.array([rows[f"{n}.angle{r}"] for r in ("", "_phi", "_phiphi")]) for n in LINKS
+    )
+    crank = np.array([watt.nodes, np.ones(48), np.zeros(48)])
+    # Transfer functions of the group are below 10; the ratios multiply them.
+    np.testing.assert_allclose(sun[1:], (2 * crank - rod)[1:], atol=400 * EPS)
+    np.testing.assert_allclose(counter[1:], ratio * rocker[1:], atol=400 * EPS)
+    np.testing.assert_allclose(idler[1:], (rocker - 0.7 * (rod - rocker))[1:], atol=400 * EPS)
+    np.testing.assert_allclose(np.exp(1j * sun[0]), np.exp(1j * (2 * crank - rod + phase)[0]), atol=100 * EPS)
+    swung = around + np.angle(np.exp(1j * (rocker[0] - around)))
+    np.testing.assert_allclose(np.exp(1j * counter[0]), np.exp(1j * ratio * swung), atol=100 * EPS)
+    between = -math.pi / 2 + np.angle(np.exp(1j * (rod[0] - rocker[0] + math.pi / 2)))
+    np.testing.assert_allclose(np.exp(1j * idler[0]), np.exp(1j * (rocker[0] - 0.7 * between)), atol=100 * EPS)
+    point = 0.52 + 0.03j + (0.06 + 0.01j) * np.exp(1j * counter[0])
+    np.testing.assert_allclose(rows["H.x"] + 1j * rows["H.y"], point, atol=20 * EPS)
+    rate = 1j * counter[1] * (point - 0.52 - 0.03j)
+    np.testing.assert_allclose(rows["H.x_phi"] + 1j * rows["H.y_phi"], rate, atol=100 * EPS)
+    # Nothing but its inertia loads the sun, whose radius is half of the crank's length.
+    force = 0.05 * (4 * math.pi) ** 2 * sun[2] / 0.05
+    np.testing.assert_allclose(np.abs(rows["sun.tangential_force"]), np.abs(force), atol=1e4 * EPS)
+
+
+def test_wheel_whose_driver_swings_half_a_turn_away__is_singular_unless_the_ratio_is_whole(watt):
+    values = {"shafts.sun.phase": 0.0, "shafts.counter.around": -1.3}
+    outcomes = [watt.evaluate({**values, "shafts.counter.ratio": ratio}).status[0] for ratio in (-2.5, -2.0)]
+    assert outcomes == [Verdict.SINGULAR, Verdict.OK]
+
+
+# Two drives on a differential
+
+DIFFERENTIAL = {
+    "points": {
+        **{axis: {"x": 0, "y": 0} for axis in ("O", "C", "E")},
+        "P": {"link": "out", "x": 0.1, "y": 0},
+    },
+    "input": CRANK,
+    "inputs": {
+        "cage": {"type": "crank", "pivot": "C", "phase": 0.2, "harmonics": {"one": {"order": 1, "sine": 0.4}}}
+    },
+    "shafts": {"out": {"geared_to": "crank", "carrier": "cage", "pivot": "E", "ratio": -1, "phase": 0.3}},
+    "moments": {"load": {"type": "constant", "on": "out", "moment": -10.0}},
+    "bodies": {"tip": {"link": "out", "mass": 0.0, "x": 0.1}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("pivot", [True, False])
+def test_differential__adds_motions_and_divides_moments(pivot):
+    scene = DIFFERENTIAL if pivot else changed(DIFFERENTIAL, shafts__out__pivot=None, points__P=None, bodies={})
+    rates = ["out.angle", "out.angle_phi", "out.angle_phiphi", "P.x"] if pivot else []
+    drives = ["input_moment_by_equilibrium", "cage.driving_moment", "input_moment_by_power"]
+    machine = Machine(Scene.model_validate(scene), BALANCE, [*drives, *rates], positions=24)
+    rows, phi = rows_of(machine), machine.nodes
+    # Both side wheels of a differential with equal wheels turn against its cage by the same angle, oppositely.
+    np.testing.assert_allclose(rows["input_moment_by_equilibrium"], -10.0, atol=100 * EPS)
+    np.testing.assert_allclose(rows["cage.driving_moment"], 20.0, atol=100 * EPS)
+    np.testing.assert_allclose(rows["input_moment_by_power"], -10.0 + 20.0 * 0.4 * np.cos(phi), atol=400 * EPS)
+    if pivot:
+        angle = 0.3 + 2 * (0.2 + 0.4 * np.sin(phi)) - phi
+        np.testing.assert_allclose(np.exp(1j * rows["out.angle"]), np.exp(1j * angle), atol=32 * EPS)
+        np.testing.assert_allclose(rows["out.angle_phi"], 0.8 * np.cos(phi) - 1.0, atol=16 * EPS)
+        np.testing.assert_allclose(rows["out.angle_phiphi"], -0.8 * np.sin(phi), atol=16 * EPS)
+        np.testing.assert_allclose(rows["P.x"], 0.1 * np.cos(angle), atol=8 * EPS)
+
+
+def test_planetary_train_with_a_sun__has_the_ratio_of_willis():
+    """A carrier drives the sun: 1 + z₃/z₁ = 1 + 84/24, and moments as 1 to that."""
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": CRANK,
+        "shafts": {
+            "planet": {"geared_to": "frame", "carrier": "crank", "pivot": "A", "ratio": "84/30"},
+            "sun": {"geared_to": "planet", "carrier": "crank", "pivot": "O", "ratio": "-30/24", "inertia": 0.01},
+        },
+        "moments": {"load": {"type": "constant", "on": "sun", "moment": -2.0}},
+    }
+    fields = ["sun.angle_phi", "input_moment_by_equilibrium", "reduced_inertia", "frame.reaction_moment"]
+    for teeth in ({}, {"shafts__sun__pressure_angle": 0.35, "shafts__planet__pressure_angle": 0.35}):
+        machine = Machine(Scene.model_validate(changed(scene, **teeth)), BALANCE, fields, positions=12)
+        turned, moment, inertia, on_frame = rows_of(machine).values()
+        np.testing.assert_allclose(turned, 4.5, rtol=8 * EPS)
+        np.testing.assert_allclose(moment, 9.0, rtol=32 * EPS)
+        np.testing.assert_allclose(inertia, 0.01 * 4.5**2, rtol=32 * EPS)
+        # The ring takes what the drive and the load don't, and the frame passes on the drive's own.
+        np.testing.assert_allclose(on_frame, -2.0, rtol=64 * EPS)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"shafts__counter__geared_to": "rod"}, "no joint holds 'rod' on 'frame'"),
+        ({"shafts__counter__geared_to": "sun", "shafts__counter__pivot": "F"}, None),
+        ({"shafts__sun__pivot": "D"}, "'D' is no point of the carrier 'crank'"),
+        ({"shafts__idler__carrier": "rod"}, "'rod' carries this wheel"),
+        ({"shafts__idler__pressure_angle": 0.3, "shafts__idler__pivot": "B"}, "about the axis of 'rod'"),
+        ({"shafts__loose": {"geared_to": "crank", "ratio": 2}, "shafts__counter__geared_to": "loose"}, "has no pivot"),
+        ({"shafts__idler__geared_to": "frame", "shafts__idler__carrier": "frame"}, "carries this wheel"),
+    ],
+)
+def test_wheels_that_cannot_mesh__are_refused_in_words(changes, told):
+    scene = Scene.model_validate(changed(WATT, **changes))
+    if told is None:
+        order(scene)
+        return
+    with pytest.raises(SceneError) as caught:
+        order(scene)
+    assert told in str(caught.value)

@@ -1,0 +1,264 @@
+"""Second inputs that move by laws of time, and beside a first input that slides, against loops in 40 digits."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from driving_cams import changed
+from geared_links import CRANK
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from engine import Machine, Scene, SceneError, Verdict
+from engine.machine.results import AskError
+from engine.scene.structure.ordering import order
+
+EPS = np.finfo(float).eps
+BALANCE = ("input_moment_disagreement", "equilibrium_residual")
+SPEED, PERIOD, TURNING = 4 * math.pi, 0.8, -2.5
+SWINGS = {
+    "out": {"type": "rise", "law": "cycloidal", "angle": "120 deg", "swing": 0.3},
+    "back": {"type": "return", "law": "cycloidal", "angle": "90 deg"},
+    "rest": {"type": "dwell"},
+}
+SECOND = {
+    "type": "crank",
+    "pivot": "C",
+    "phase": 0.5,
+    "begin": 1.0,
+    "harmonics": {"two": {"order": 2, "cosine": 0.1, "sine": -0.06}},
+    "sections": SWINGS,
+}
+MACHINE = {
+    "gravity": 9.81,
+    "points": {"C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
+    "groups": {
+        "arms": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "left", "joint": "A", "length": 0.19},
+            "second": {"link": "right", "joint": "D", "length": 0.17},
+        }
+    },
+    "bodies": {
+        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "inertia": 0.002},
+        "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
+        "second_body": {"link": "second", "mass": 1.5, "x": 0.04, "y": 0.01, "inertia": 0.002},
+    },
+}
+# Over 0 … 7 rad of a crank no turn of which is like another, as 2.5 turns of it take 5/8 of two periods.
+OVER_RANGE = MACHINE | {
+    "points": MACHINE["points"] | {"O": {"x": 0, "y": 0}},
+    "input": CRANK | {"speed": SPEED, "start": 0.0, "stop": 7.0},
+    "inputs": {"second": SECOND | {"period": PERIOD, "speed": TURNING}},
+}
+SLIDING = MACHINE | {
+    "guides": {"way": {"angle": 0.1}},
+    "input": {"type": "slider", "link": "ram", "guide": "way", "point": "A", "start": -0.05, "stop": 0.05, "speed": 1},
+    "inputs": {"second": SECOND | {"travel": 0.06}},
+    "bodies": MACHINE["bodies"] | {"ram_body": {"link": "ram", "mass": 2.0}},
+}
+FIELDS = ["B.x", "B.y", "second.angle", "second.angle_phi", "second.angle_phiphi"]
+DRIVES = ["input_moment_by_equilibrium", "second.driving_moment", "input_moment_by_power", "input_moment"]
+
+
+def swing(tau: mpmath.mpf) -> mpmath.mpf:
+    """What harmonics and sections of SECOND make of the argument of its law."""
+    turned, two_pi = (tau - 1) % (2 * mpmath.pi), 2 * mpmath.pi
+    law = mpmath.mpf(0.1) * mpmath.cos(2 * tau) - mpmath.mpf(0.06) * mpmath.sin(2 * tau)
+    out, back = mpmath.radians(120), mpmath.radians(90)
+    for u, sign in ((turned / out, 1), ((turned - out) / back, -1)):
+        u = min(max(u, mpmath.mpf(0)), mpmath.mpf(1))
+        law += sign * mpmath.mpf(0.3) * (u - mpmath.sin(two_pi * u) / two_pi)
+    return law
+
+
+def away_from_joins(tau: float) -> bool:
+    turned = (tau - 1.0) % (2 * math.pi)
+    return np.abs(turned - np.radians([0.0, 120.0, 210.0, 360.0])).min() > 1e-6
+
+
+def joint(one: mpmath.mpc, psi: mpmath.mpf) -> tuple[mpmath.mpc, mpmath.mpc]:
+    """Where both bars meet, and the end of the second."""
+    other = mpmath.mpc(0.2, 0.02) + mpmath.mpc(0.04, 0.01) * mpmath.expj(psi)
+    line = other - one
+    near = (abs(line) ** 2 + mpmath.mpf(0.19) ** 2 - mpmath.mpf(0.17) ** 2) / (2 * abs(line))
+    return one + line / abs(line) * mpmath.mpc(near, mpmath.sqrt(mpmath.mpf(0.19) ** 2 - near**2)), other
+
+
+def energy_change(one, psi, time: mpmath.mpf, ram: float) -> mpmath.mpf:
+    """Power that changes the energy, from positions over time alone."""
+
+    def parts(t: mpmath.mpf) -> list[tuple[mpmath.mpc, mpmath.mpc]]:
+        inner, other = joint(one(t), psi(t))
+        left, right = (inner - one(t)) / mpmath.mpf(0.19), (inner - other) / mpmath.mpf(0.17)
+        return [(one(t) + 0.09 * left, left), (other + 0.08 * right, right), (other, mpmath.expj(psi(t)))]
+
+    def energy(t: mpmath.mpf) -> mpmath.mpf:
+        total = mpmath.mpf(0)
+        for i, (mass, inertia) in enumerate([(0.7, 0.002), (0.8, 0.003), (1.5, 0.002)]):
+            centre, direction = (mpmath.diff(lambda x, i=i, k=k: parts(x)[i][k], t) for k in (0, 1))
+            total += mass * abs(centre) ** 2 / 2 + inertia * abs(direction) ** 2 / 2
+            total += mass * 9.81 * parts(t)[i][0].imag
+        return total + ram * 9.81 * one(t).imag
+
+    return mpmath.diff(energy, time)
+
+
+def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
+    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    assert outcome.status[0] == Verdict.OK
+    # A few roundings of what a handful of links pass on, against the greatest.
+    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
+    return {name: outcome.fields[name][0] for name in machine.asked_fields}
+
+
+def compared(rows: dict[str, np.ndarray], k: int, one, psi, time: mpmath.mpf, speed: float, ram: float = 0.0) -> None:
+    """Position and power at a node; motions over time."""
+    with mpmath.workdps(40):
+        true, angle = joint(one(time), psi(time))[0], psi(time)
+        rate, bend = (mpmath.diff(psi, time, n) / mpmath.mpf(speed) ** n for n in (1, 2))
+        power = energy_change(one, psi, time, ram)
+    # Angles of about ten radians, and what loops of 0.2 m make of them.
+    assert abs(complex(rows["B.x"][k], rows["B.y"][k]) - complex(true)) < 400 * EPS
+    assert abs(math.remainder(rows["second.angle"][k] - float(angle), 2 * math.pi)) < 100 * EPS
+    scale = 1.0 if abs(speed) > 1.0 else 2 * math.pi / 0.06
+    np.testing.assert_allclose(rows["second.angle_phi"][k], float(rate), atol=200 * EPS * scale)
+    np.testing.assert_allclose(rows["second.angle_phiphi"][k], float(bend), atol=1000 * EPS * scale**2)
+    own, turning = rows["input_moment_by_equilibrium"][k], rows["second.driving_moment"][k]
+    whole = own + turning * rows["second.angle_phi"][k]
+    size = max(np.abs(rows["input_moment"]).max(), np.abs(rows["second.driving_moment"]).max() * scale)
+    assert abs(whole * speed - float(power)) < 1e4 * EPS * abs(speed) * size
+    np.testing.assert_allclose(whole, rows["input_moment_by_power"][k], atol=1e4 * EPS * size)
+    np.testing.assert_allclose(whole, rows["input_moment"][k], atol=1e4 * EPS * size)
+
+
+@pytest.fixture(scope="module")
+def over_range() -> Machine:
+    return Machine(Scene.model_validate(OVER_RANGE), BALANCE, [*FIELDS, *DRIVES], ["inputs.second.phase"], 48)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.floats(-0.3, 0.9), st.integers(0, 47))
+def test_law_of_time__over_a_range_that_closes_nowhere(over_range, phase, k):
+    rows, phi = rows_of(over_range, **{"inputs.second.phase": phase}), float(over_range.nodes[k])
+    tau = 2 * math.pi * phi / SPEED / PERIOD
+    if away_from_joins(tau):
+        time = mpmath.mpf(phi) / mpmath.mpf(SPEED)
+        compared(
+            rows,
+            k,
+            lambda t: mpmath.mpf(CRANK["length"]) * mpmath.expj(mpmath.mpf(SPEED) * t),
+            lambda t: phase + TURNING * t + swing(2 * mpmath.pi * t / mpmath.mpf(PERIOD)),
+            time,
+            SPEED,
+        )
+
+
+def test_crank_that_turns_back__goes_through_the_law_as_time_does():
+    """At −ω the law is met in its own order while the crank's angle falls."""
+    turns, periods = 3, 2
+    drive = CRANK | {"speed": -SPEED, "revolutions": turns}
+    second = SECOND | {"period": turns * 2 * math.pi / SPEED / periods, "speed": 2 * SPEED / turns}
+    scene = changed(OVER_RANGE, input=drive, inputs={"second": second})
+    machine = Machine(Scene.model_validate(scene), BALANCE, [*FIELDS, *DRIVES], positions=72)
+    rows = rows_of(machine)
+    for k in (3, 20, 35, 49, 66):
+        phi = float(machine.nodes[k])
+        tau = -2 * math.pi * phi / SPEED / second["period"]
+        assert away_from_joins(tau)
+        compared(
+            rows,
+            k,
+            lambda t: mpmath.mpf(CRANK["length"]) * mpmath.expj(-mpmath.mpf(SPEED) * t),
+            lambda t: 0.5 + mpmath.mpf(second["speed"]) * t + swing(2 * mpmath.pi * t / mpmath.mpf(second["period"])),
+            mpmath.mpf(phi) / -mpmath.mpf(SPEED),
+            -SPEED,
+        )
+
+
+@pytest.fixture(scope="module")
+def sliding() -> Machine:
+    return Machine(Scene.model_validate(SLIDING), BALANCE, [*FIELDS, *DRIVES], ["inputs.second.phase"], 48)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.floats(-0.3, 0.9), st.integers(0, 47))
+def test_first_input_that_slides__beside_a_second_by_its_travel(sliding, phase, k):
+    rows, s = rows_of(sliding, **{"inputs.second.phase": phase}), float(sliding.input_values[k])
+    if away_from_joins(2 * math.pi * s / 0.06):
+        compared(
+            rows,
+            k,
+            lambda t: t * mpmath.expj(0.1),
+            lambda t: phase + swing(2 * mpmath.pi * t / mpmath.mpf(0.06)),
+            mpmath.mpf(s),
+            1.0,
+            ram=2.0,
+        )
+
+
+def test_speed_and_period_vary__where_nothing_has_to_close():
+    harmonics = changed(OVER_RANGE, inputs={"second": {**SECOND, "sections": {}, "period": PERIOD}})
+    varied = ["input.speed", "inputs.second.period"]
+    rows = rows_of(
+        Machine(Scene.model_validate(harmonics), BALANCE, [*FIELDS, *DRIVES], varied, 24),
+        **dict(zip(varied, (20.0, 0.31), strict=True)),
+    )
+    other = changed(harmonics, input__speed=20.0, inputs__second__period=0.31)
+    own = rows_of(Machine(Scene.model_validate(other), BALANCE, [*FIELDS, *DRIVES], positions=24))
+    for name, row in rows.items():
+        np.testing.assert_allclose(row, own[name], rtol=1e-13, atol=1e-13 * np.abs(row).max())
+
+
+TURNS = {"start": None, "stop": None}
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"input": CRANK}, "doesn't close: set input.revolutions"),
+        (
+            {"input": CRANK, "inputs__second": {"type": "crank", "pivot": "C", "speed": 1.0}},
+            "inputs.second.speed: 'second' makes",
+        ),
+        ({"inputs__second__travel": 0.1, "inputs__second__period": None}, "inputs.second.travel: is of a first input"),
+        ({"regimes": {"run": {"type": "run", "time": 1.0}}}, "counts on one drive"),
+    ],
+)
+def test_laws_without_meaning__are_refused_in_words(changes, told):
+    with pytest.raises(SceneError) as caught:
+        order(Scene.model_validate(changed(OVER_RANGE, **changes)))
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"inputs__second__travel": None}, "give travel, the length"),
+        ({"inputs__second__drive": "crank"}, "there is no crank"),
+    ],
+)
+def test_laws_beside_a_sliding_input__are_refused_in_words(changes, told):
+    with pytest.raises(SceneError) as caught:
+        order(Scene.model_validate(changed(SLIDING, **changes)))
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"inputs__second__travel": 0.1}, "one of the two"),
+        ({"inputs__second__drive": "crank"}, "follows the crank's angle, not the time"),
+    ],
+)
+def test_laws_of_two_kinds__are_no_law(changes, told):
+    with pytest.raises(ValueError, match=told):
+        Scene.model_validate(changed(OVER_RANGE, **changes))
+
+
+@pytest.mark.parametrize("path", ["inputs.second.period", "input.speed"])
+def test_what_places_sections__is_the_same_for_all_variants(path):
+    with pytest.raises(AskError, match="the same for all variants"):
+        Machine(Scene.model_validate(OVER_RANGE), varied=[path])

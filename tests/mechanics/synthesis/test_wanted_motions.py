@@ -1,0 +1,196 @@
+"""Deviations from wanted motions, in closed form, and a linkage that is found again by its path."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import said
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from machines import crank, frame, rpp
+from test_paths import drawn
+
+from engine import Machine, Scene, Verdict
+from sweeps import read
+from sweeps.text.input_files import InputError
+from sweeps.text.scene_text import read_scene, write_scene
+
+R = 0.05
+TOLD = ("deviation_rms", "deviation_max")
+
+
+def machine(wanted, **parts):
+    """A crank of 50 mm with a Scotch yoke."""
+    return Scene.model_validate(
+        {
+            "points": {"O": frame(0.0, 0.0)},
+            "guides": {"way": {}},
+            "input": crank(length=R),
+            "groups": {"yoke": rpp(("block", "A"), ("ram", "way"), math.pi / 2)},
+            "wanted": {"it": wanted},
+        }
+        | parts
+    )
+
+
+def deviations(scene):
+    """Both deviations, and what they may be off by."""
+    outcome = Machine(scene, [f"it.{name}" for name in TOLD]).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    return [[float(row[0]) for row in found.values()] for found in (outcome.summaries, outcome.errors)]
+
+
+def assert_told(found, expected):
+    values, errors = found
+    for value, error, due in zip(values, errors, expected, strict=True):
+        assert abs(value - due) <= error + 1e-15
+        assert error < 1e-7
+
+
+COORDINATE = st.floats(-0.2, 0.2)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=3, max_size=3))
+def test_places_off_a_circle__are_as_far_as_their_radii_say(places):
+    x, y = zip(*places, strict=True)
+    apart = np.abs(np.hypot(x, y) - R)
+    found = deviations(machine({"type": "path", "point": "A", "x": list(x), "y": list(y)}))
+    assert_told(found, (np.sqrt(np.mean(apart**2)), apart.max()))
+
+
+def test_places_on_an_exact_straight_line__are_met_and_others_missed_by_their_distance():
+    # Scott Russell: crank and rod of one length; the rod's end beyond the pin stays on the line through the bearing.
+    def scene(x):
+        wanted = {"type": "path", "point": "P", "x": x, "y": [0.04, 0.06, 0.08]}
+        rod = {"link": "rod", "joint": "A", "length": R}
+        parts = {
+            "points": {"O": frame(0.0, 0.0), "P": {"link": "rod", "x": -R, "y": 0.0}},
+            "input": crank(length=R, start=0.3, stop=1.2),
+            "groups": {
+                "drive": {"type": "RRP", "inner": "B", "first": rod, "second": {"link": "block", "guide": "way"}}
+            },
+        }
+        return machine(wanted, **parts)
+
+    met, _ = found = deviations(scene([0.0, 0.0, 0.0]))
+    # The square of a distance is known to rounding, 1e-16 of the machine's, the distance to the root of that.
+    assert max(met) < 1e-8
+    assert_told(found, (0.0, 0.0))
+    assert_told(deviations(scene([0.003, -0.004, 0.0])), (math.sqrt(25e-6 / 3), 0.004))
+
+
+def test_slide_of_a_yoke_against_a_straight_line__by_the_integral_of_their_difference():
+    # The yoke's slide is −r sin φ or r cos φ as the guide lies; from 0 to 90 deg the wanted one falls evenly.
+    wanted = {
+        "type": "slider",
+        "of": "ram",
+        "over_angle": [0.0, math.pi / 2],
+        "slide": [R, 0.0],
+        "interpolation": "linear",
+    }
+    # cos φ − (1 − 2φ/π) is greatest where sin φ = 2/π; the integral of its square over the quarter is elementary.
+    greatest = math.asin(2 / math.pi)
+    most = math.cos(greatest) - 1 + 2 * greatest / math.pi
+    square = math.pi / 4 + math.pi / 6 - 2 * (2 / math.pi)
+    assert_told(deviations(machine(wanted)), (R * math.sqrt(square / (math.pi / 2)), R * most))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.25, -1.0])
+def test_angle_of_the_crank_against_an_even_turn__is_their_difference(offset):
+    rows = {"over_angle": [1.0, 2.0, 4.0], "angle": [1.0, 1.5, 2.5], "interpolation": "linear"}
+    scene = machine({"type": "link", "of": "crank", **rows, "offset": offset})
+    # φ − (½ + φ/2) − offset rises evenly from −offset to 1.5 − offset over 1 to 4 rad.
+    first, last = -offset, 1.5 - offset
+    rms = math.sqrt((first**2 + first * last + last**2) / 3)
+    assert_told(deviations(scene), (rms, max(abs(first), abs(last))))
+
+
+def test_spline_through_rows_that_the_motion_passes__deviates_by_the_splines_error():
+    angles = np.linspace(0.0, math.pi, 33)
+    wanted = {"type": "slider", "of": "ram", "over_angle": angles.tolist(), "slide": (R * np.cos(angles)).tolist()}
+    values, _ = deviations(machine(wanted))
+    # A natural spline's curvature is zero at the ends, where the cosine's is not: h² r/(9 √3) there at most.
+    assert 0 < values[1] < (math.pi / 32) ** 2 * R / 15
+
+
+def test_scene_written_and_read_again__wants_the_same(tmp_path):
+    scene = machine({"type": "path", "point": "A", "x": [0.1, 0.02], "y": [0.0, 0.03]})
+    Path(tmp_path / "again.toml").write_text(write_scene(scene))
+    assert read_scene(tmp_path / "again.toml").wanted == scene.wanted
+
+
+LINKAGE = """
+[points]
+O = {x = "0 mm", y = "0 mm"}
+D = {x = "216 mm", y = "0 mm"}
+P = {link = "coupler", x = "80 mm", y = "60 mm"}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "60 mm"
+speed = "60 rpm"
+
+[groups.swing]
+type = "RRR"
+inner = "B"
+first = {link = "coupler", joint = "A", length = "198 mm"}
+second = {link = "rocker", joint = "D", length = "120 mm"}
+"""
+
+
+def test_linkage_sought_by_the_path_it_draws__is_found_again(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    # The path of the other test, seen from the crank's bearing.
+    places = 1e3 * (drawn(9) * np.exp(-0.4j) - 0.1 * np.exp(-0.4j))
+    Path("wanted.csv").write_text("\n".join(["x [mm], y [mm]", *(f"{z.real!r}, {z.imag!r}" for z in places.tolist())]))
+    Path("linkage.toml").write_text(f'{LINKAGE}\n[wanted.curve]\ntype = "path"\npoint = "P"\nfile = "wanted.csv"\n')
+    ranges = {"groups.swing.second.length": (110, 180), "points.P.x": (60, 140), "points.P.y": (40, 120)}
+    rows = "\n".join(f'"{path}" = {{low = "{low} mm", high = "{high} mm"}}' for path, (low, high) in ranges.items())
+    asked = '[outputs]\nsummaries = ["curve.deviation_max"]\n\n[optimise]\nminimise = "curve.deviation_rms"\n'
+    Path("search.toml").write_text(f'scene = "linkage.toml"\n\n[vary]\n{rows}\n\n{asked}population = 30\n')
+    answer = said("optimise", "search.toml", "--no-plots")
+    assert answer.exit_code == 0, answer.output
+    data = read("results/search_optimised.h5")
+    best = int(np.nanargmin(data["curve.deviation_rms"]))
+    found = [1e3 * float(data[path][best]) for path in ranges]
+    # Near the least the deviation is proportional to what the lengths are off by; the descent ends below 1e-3 mm.
+    assert found == pytest.approx([144.0, 100.0, 80.0], abs=0.05)
+    assert 1e3 * float(data["curve.deviation_max"][best]) < 0.05
+
+
+ROWS = 'over_angle = ["0 deg", "1 deg"]'
+TURN = 'type = "link"\nof = "rocker"\nangle = ["0 deg", "1 deg"]\n'
+
+
+@pytest.mark.parametrize(
+    ("wanted", "words"),
+    [
+        ('type = "path"\npoint = "Q"\nx = ["1 mm"]\ny = ["1 mm"]', "'Q'"),
+        ('type = "path"\npoint = "O"\nx = ["1 mm"]\ny = ["1 mm"]', "'O' is at rest on the frame; name a moving point"),
+        ('type = "path"\npoint = "P"\nx = ["1 mm", "2 mm"]\ny = ["1 mm"]', "x has 2 rows, y has 1"),
+        ('type = "path"\npoint = "P"\nx = []\ny = []', "give 1 to 100 places"),
+        (f'type = "slider"\nof = "rocker"\n{ROWS}\nslide = ["0 mm", "1 mm"]', "'rocker' doesn't slide"),
+        (f'type = "link"\nof = "frame"\n{ROWS}\nangle = ["0 deg", "1 deg"]', "the frame doesn't turn"),
+        (f'type = "link"\nof = "rocker"\n{ROWS}\nangle = ["0 mm", "1 mm"]', "angle"),
+        (f'{TURN}over_angle = ["1 deg", "0 deg"]', "sort the rows"),
+        (f'{TURN}over_angle = ["0 deg", "401 deg"]', "401 deg isn't within the range of the crank, 0 deg to 360 deg"),
+        ('type = "force"', "path"),
+    ],
+)
+def test_wanted_motion_that_is_none__is_refused(wanted, words, tmp_path):
+    Path(tmp_path / "scene.toml").write_text(f"{LINKAGE}\n[wanted.it]\n{wanted}\n")
+    with pytest.raises(InputError) as caught:
+        read_scene(tmp_path / "scene.toml")
+    assert "wanted.it" in str(caught.value)
+    assert words in str(caught.value)
+
+
+def test_asked_of_a_sliding_input__is_refused():
+    sliding = {"type": "slider", "link": "bar", "guide": "way", "point": "A", "speed": 0.1, "start": 0.0, "stop": 0.1}
+    wanted = {"type": "slider", "of": "ram", "over_angle": [0.0, 1.0], "slide": [0.0, 1.0]}
+    with pytest.raises(Exception, match="a sliding input has no crank angle"):
+        Machine(machine(wanted, input=sliding), [])
