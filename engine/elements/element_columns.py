@@ -29,8 +29,9 @@ from engine.elastic.oscillators.oscillator_columns import oscillator_law
 from engine.elastic.oscillators.oscillator_element import OscillatorElement
 from engine.elastic.trains.train_columns import train_law
 from engine.elastic.trains.train_element import TorsionalTrain
-from engine.elements.bodies.body_elements import RotatingGuide, TiltedBody, WoundFlywheel
+from engine.elements.bodies.body_elements import RotatingGuide, TetheredBody, TiltedBody, WoundFlywheel
 from engine.elements.bodies.rotating_guides import rotating_guide_law
+from engine.elements.bodies.tethered_bodies import tethered_body_law
 from engine.elements.bodies.tilted_bodies import tilted_body_law
 from engine.elements.bodies.wound_flywheels import wound_flywheel_law
 from engine.elements.element_laws import LAWS, NUDGE, ROUNDING, ElementLaw, ElementResult, LawOfArrays
@@ -259,6 +260,8 @@ def _with_errors(law: LawOfArrays, numbers: np.ndarray) -> tuple[np.ndarray, np.
 def law_of(element: MachineElement) -> ElementLaw | LawOfArrays:
     """What is computed of an element; of rotors, engines, governors, cams and gear trains it depends on their parts."""
     match element:
+        case TetheredBody():
+            return tethered_body_law(element)
         case TiltedBody():
             return tilted_body_law(element)
         case RotatingGuide():

@@ -20,6 +20,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
+from engine.elastic.drives.event_times import MOST_TURNS, newton_between
 from engine.elastic.oscillators.damped_vibration import damped_vibration, next_turn
 
 # What a drive is given, and what is found; in this order in the tables.
@@ -32,7 +33,6 @@ BEGINS, TOUCHES, MOVES, GAP, RATE, LOAD_RATE = range(6)
 PHASE = 6
 
 MOST_EVENTS = 20_000
-_TURNS = 60
 # A stretch shorter than this share of a radian of the vibration is none.
 _SHORT = 1e-9
 _NEVER = math.inf
@@ -82,20 +82,13 @@ def _when_moment(
     low, high = begin, end
     rises = _moment_at(end, w, beta, u, v, k, b, twist) > _moment_at(begin, w, beta, u, v, k, b, twist)
     time = 0.5 * (begin + end)
-    for _ in range(_TURNS):
+    for _ in range(MOST_TURNS):
         deviation, rate = damped_vibration(w, beta, u, v, time)
         over = k * (twist + deviation) + b * rate - level
-        if (over > 0.0) == rises:
-            high = time
-        else:
-            low = time
         slope = k * rate - b * (2.0 * beta * rate + w * w * deviation)
-        new = time - over / slope if slope != 0.0 else low
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - time) <= 4e-16 * new or high - low <= 4e-16 * high:
-            return new
-        time = new
+        time, low, high, settled = newton_between(time, over, slope, rises, low, high)
+        if settled:
+            break
     return time
 
 
@@ -129,27 +122,18 @@ def _when_stops(
     u: float,
     v: float,
 ) -> float:
-    """When the load stops, on a stretch on which its speed passes 0 once: the method of Illinois."""
-    a, b = begin, end
-    fa = _speed_at(a, momentum, push, first, both, w, beta, u, v)
-    fb = _speed_at(b, momentum, push, first, both, w, beta, u, v)
-    side = 0
-    for _ in range(_TURNS):
-        if abs(b - a) <= 4e-16 * b or fa == fb:
+    """When the load stops, on a stretch on which its speed passes 0 once: Newton's method between bounds."""
+    low, high = begin, end
+    rises = _speed_at(end, momentum, push, first, both, w, beta, u, v) > 0.0
+    time = 0.5 * (begin + end)
+    for _ in range(MOST_TURNS):
+        deviation, rate = damped_vibration(w, beta, u, v, time)
+        speed = (momentum + push * time - first * rate) / both
+        slope = (push + first * (2.0 * beta * rate + w * w * deviation)) / both
+        time, low, high, settled = newton_between(time, speed, slope, rises, low, high)
+        if settled:
             break
-        c = b - fb * (b - a) / (fb - fa)
-        fc = _speed_at(c, momentum, push, first, both, w, beta, u, v)
-        if fc == 0.0:
-            return c
-        if (fc > 0.0) == (fb > 0.0):
-            b, fb = c, fc
-            fa = 0.5 * fa if side == 1 else fa
-            side = 1
-        else:
-            a, fa = c, fc
-            fb = 0.5 * fb if side == -1 else fb
-            side = -1
-    return b
+    return time
 
 
 @driver

@@ -5,6 +5,7 @@ between the rows of a table (a DC motor has two), or Kloss' formula. Within a ph
 Taylor series of high order: all that occurs is sums, products and one quotient, so that every coefficient follows from
 those before. The time is counted in 1/ω_n of the drive in touch. A step is as long as its last terms allow, by which it
 is exact but for rounding; what ends a phase is sought on the polynomials themselves, between their turning points.
+Under straight lines, many vibrations in which nothing ends a phase are one step (`calm_stretches`).
 
 Sources: K. V. Frolov et al., Theory of Mechanisms and Machines (drives with elastic links and clearances); E. Hairer,
 S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.8 (Taylor series).
@@ -25,6 +26,8 @@ from engine.elastic.drives.backlash_phases import (
     LOAD_SPEED,
     MOTOR_SPEED,
 )
+from engine.elastic.drives.calm_stretches import LEAST_TURNS, calm_stretch
+from engine.elastic.drives.event_times import MOST_TURNS, newton_between
 
 # What a drive is given; in this order in the table.
 MOTOR_INERTIA, LOAD_INERTIA, STIFFNESS, DAMPING, BACKLASH, LOAD, TIME, RUNNING, SPEED, LOAD_BEFORE = range(10)
@@ -39,9 +42,10 @@ SHAFT_MOMENT, MOTOR_RATE, LOAD_RATE, GAP, MOTOR_MOMENT = range(5)
 SHOWN = 5
 
 ORDER = 20
-# Series of a step: gap, its rate, speed of the load, of the motor, moments of shaft and motor; slip and Kloss' divisor.
-_E, _V, _LOAD, _MOTOR, _SHAFT, _DRIVING, _SLIP, _DIVISOR, _WATCHED = range(9)
-MOTOR_ROOM = 9
+# Series of a step: gap, its rate, speed of the load, of the motor, moments of shaft and motor; slip, Kloss' divisor,
+# and what is known so far of the slip's square and of the divisor times the moment.
+_E, _V, _LOAD, _MOTOR, _SHAFT, _DRIVING, _SLIP, _DIVISOR, _SQUARE, _PRODUCT, _WATCHED = range(11)
+MOTOR_ROOM = 11
 MOST_STEPS = 200_000
 # The last terms of a step's series, over what they add to.
 _LAST_TERMS = 1e-16
@@ -49,7 +53,6 @@ _LAST_TERMS = 1e-16
 _LONGEST, _PARTS = 1.5, 6
 # Shares of what is watched that count as rounding.
 _ROUNDED = 1e-12
-_TURNS = 80
 _HIGHER = 1.0 + 1e-11
 # What ends a phase; a closing of the backlash is 4 or, backwards, -4.
 _GOES_ON, _PARTS_WITH, _LOAD_TURNS, _NEXT_LINE, _CLOSES = range(5)
@@ -65,51 +68,54 @@ def _at(c: np.ndarray, t: float) -> tuple[float, float]:
     return value, rate
 
 
+@inlined
+def _rate_at(c: np.ndarray, t: float) -> tuple[float, float]:
+    """First and second derivative of a series."""
+    rate, bend = ORDER * c[ORDER], 0.0
+    for j in range(ORDER - 1, 0, -1):
+        bend = bend * t + rate
+        rate = rate * t + j * c[j]
+    return rate, bend
+
+
 @routine
 def _root(c: np.ndarray, a: float, b: float) -> float:
-    """Where a series that has different signs at a and b vanishes: Newton's method between bounds."""
-    rises = _at(c, b)[0] > 0.0
-    t = 0.5 * (a + b)
-    for _ in range(_TURNS):
+    """Where a series that has different signs at a and b vanishes."""
+    rises, t = _at(c, b)[0] > 0.0, 0.5 * (a + b)
+    for _ in range(MOST_TURNS):
         value, rate = _at(c, t)
-        if (value > 0.0) == rises:
-            b = t
-        else:
-            a = t
-        new = t - value / rate if rate != 0.0 else a
-        if not a < new < b:
-            new = 0.5 * (a + b)
-        if abs(new - t) <= 4e-16 * new or b - a <= 4e-16 * b:
-            return new
-        t = new
+        t, a, b, settled = newton_between(t, value, rate, rises, a, b)
+        if settled:
+            break
     return t
 
 
 @routine
 def _turn(c: np.ndarray, a: float, b: float) -> float:
-    """Where a series turns whose derivative has different signs at a and b: the method of Illinois."""
-    fa, fb, side = _at(c, a)[1], _at(c, b)[1], 0
-    for _ in range(_TURNS):
-        if abs(b - a) <= 1e-15 * abs(b) or fa == fb:
+    """Where a series turns whose derivative has different signs at a and b."""
+    rises, t = _rate_at(c, b)[0] > 0.0, 0.5 * (a + b)
+    for _ in range(MOST_TURNS):
+        rate, bend = _rate_at(c, t)
+        t, a, b, settled = newton_between(t, rate, bend, rises, a, b)
+        if settled:
             break
-        m = b - fb * (b - a) / (fb - fa)
-        fm = _at(c, m)[1]
-        if fm == 0.0:
-            return m
-        if (fm > 0.0) == (fb > 0.0):
-            b, fb = m, fm
-            fa = 0.5 * fa if side == 1 else fa
-            side = 1
-        else:
-            a, fa = m, fm
-            fb = 0.5 * fb if side == -1 else fb
-            side = -1
-    return b
+    return t
+
+
+@inlined
+def _excursion(c: np.ndarray, h: float) -> float:
+    """By how much a series within a step can't be farther than from its first term."""
+    total = 0.0
+    for j in range(ORDER, 0, -1):
+        total = (total + abs(c[j])) * h
+    return total
 
 
 @routine
 def _falls_below(c: np.ndarray, h: float, nothing: float) -> float:
     """When a series falls below 0 within a step, by more than nothing; never where it doesn't."""
+    if c[0] > _excursion(c, h):
+        return math.inf
     before, (g, rate) = 0.0, _at(c, 0.0)
     for part in range(1, _PARTS + 1):
         t = h * part / _PARTS
@@ -125,6 +131,13 @@ def _falls_below(c: np.ndarray, h: float, nothing: float) -> float:
             return _root(c, before, lowest) if g > 0.0 else before
         before, g, rate = t, value, slope
     return math.inf
+
+
+@inlined
+def _add_products(total: np.ndarray, series: np.ndarray, factor: float, own: int, begin: int, end: int) -> None:
+    """To the coefficients of a product, what a factor's coefficient `own` makes with the others `begin` … `end` − 1."""
+    for i in range(begin, min(end, ORDER + 1 - own)):
+        total[own + i] += factor * series[i]
 
 
 @routine
@@ -146,19 +159,22 @@ def _expand(
         breakdown, synchronous = kloss[BREAKDOWN_SLIP], kloss[SYNCHRONOUS_SPEED]
         damping = kloss[ROTOR_RATIO] * breakdown
         factor = kloss[BREAKDOWN_MOMENT] * (2.0 + damping) * breakdown
+        for j in range(ORDER + 1):
+            s[_SQUARE, j], s[_PRODUCT, j] = 0.0, 0.0
     for j in range(ORDER + 1):
         constant = 1.0 if j == 0 else 0.0
         s[_MOTOR, j] = s[_LOAD, j] + s[_V, j]
         s[_SHAFT, j] = k * (s[_E, j] + constant * behind) + b * s[_V, j] if touch != 0 else 0.0
         if kloss.size > 0:
             s[_SLIP, j] = constant - s[_MOTOR, j] / synchronous
-            square, quotient = 0.0, 0.0
-            for i in range(j + 1):
-                square += s[_SLIP, i] * s[_SLIP, j - i]
-            s[_DIVISOR, j] = square + damping * breakdown * s[_SLIP, j] + constant * breakdown * breakdown
-            for i in range(1, j + 1):
-                quotient += s[_DIVISOR, i] * s[_DRIVING, j - i]
-            s[_DRIVING, j] = (factor * s[_SLIP, j] - quotient) / s[_DIVISOR, 0]
+            _add_products(s[_SQUARE], s[_SLIP], 2.0 * s[_SLIP, j], j, 0, j)
+            if 2 * j <= ORDER:
+                s[_SQUARE, 2 * j] += s[_SLIP, j] * s[_SLIP, j]
+            s[_DIVISOR, j] = s[_SQUARE, j] + damping * breakdown * s[_SLIP, j] + constant * breakdown * breakdown
+            if j > 0:
+                _add_products(s[_PRODUCT], s[_DRIVING], s[_DIVISOR, j], j, 0, j)
+            s[_DRIVING, j] = (factor * s[_SLIP, j] - s[_PRODUCT, j]) / s[_DIVISOR, 0]
+            _add_products(s[_PRODUCT], s[_DIVISOR], s[_DRIVING, j], j, 1, j + 1)
             if s[_SLIP, 0] < 0.0 and s[_DIVISOR, 0] <= 0.0:
                 # Beyond the poles of the formula it has no meaning.
                 s[_DRIVING, j] = math.nan
@@ -182,12 +198,13 @@ def _watch(s: np.ndarray, sign: float, constant: float, by_gap: float, by_rate: 
 
 
 @inlined
-def _length(v: np.ndarray) -> float:
+def _length(v: np.ndarray, most: float) -> float:
     """How long a step may be for the last terms of the relative speed's series."""
-    size, h = abs(v[0]) + abs(v[1]), math.inf
+    size, h = _LAST_TERMS * (abs(v[0]) + abs(v[1])), most
     for j in range(ORDER - 2, ORDER + 1):
-        if v[j] != 0.0:
-            h = min(h, (_LAST_TERMS * size / abs(v[j])) ** (1.0 / j))
+        # Most steps are as long as may be: roots are dear.
+        if abs(v[j]) * h**j > size:
+            h = (size / abs(v[j])) ** (1.0 / j)
     return h
 
 
@@ -238,13 +255,26 @@ def follow_motor_drives(
         greatest, greatest_at, closings = 0.0, 0.0, 0
         impact_at, impact_speed = math.nan, math.nan
         load_at = 0.0 if speed > 0.0 or (moves != 0 and touch != 0) else math.nan
-        fresh = True
+        followed, fresh = 0.0, True
         while now < horizon and steps < MOST_STEPS:
             steps += 1
             level, slope = 0.0, 0.0
             if curve.size == 0:
                 slope = (lines[i, row + 1, 1] - lines[i, row, 1]) / (lines[i, row + 1, 0] - lines[i, row, 0])
                 level = lines[i, row, 1] - slope * lines[i, row, 0]
+                most = horizon
+                if instant < shown.shape[1]:
+                    most = horizon * instant / max(shown.shape[1] - 1, 1)
+                if touch != 0 and most - now > LEAST_TURNS * math.tau * unit:
+                    behind = backlash if touch < 0 else 0.0
+                    below = lines[i, row, 0] if row > 0 else -math.inf
+                    above = lines[i, row + 1, 0] if row + 2 < lines.shape[1] else math.inf
+                    line = level, slope, load, moves, touch if backlash > 0.0 else 0, below, above
+                    leap, twist, v, speed = calm_stretch(
+                        e + behind, v, speed, first, second, k, b, *line, greatest, followed, most - now
+                    )
+                    if leap > 0.0:
+                        e, now, followed = twist - behind, now + leap, 0.0
             s[_E, 0], s[_V, 0], s[_LOAD, 0] = e, v, speed
             if steps == 1:
                 _expand(s, own, curve, level, slope, unit, 0, moves)
@@ -257,9 +287,7 @@ def follow_motor_drives(
                     s[_E, 0] = e
             _expand(s, own, curve, level, slope, unit, touch, moves)
             left = (horizon - now) / unit
-            h = min(left, _length(s[_V]))
-            if touch != 0:
-                h = min(h, _LONGEST)
+            h = _length(s[_V], min(left, _LONGEST) if touch != 0 else left)
             if not h > 0.0:
                 break
             what, took = _GOES_ON, h
@@ -312,7 +340,8 @@ def follow_motor_drives(
                     # A damper is hit with full speed.
                     greatest, greatest_at = abs(s[_SHAFT, 0]), now
                 before, rate = 0.0, s[_SHAFT, 1]
-                for part in range(1, _PARTS + 1):
+                may_be = abs(s[_SHAFT, 0]) + _excursion(s[_SHAFT], took) > greatest
+                for part in range(1, (_PARTS if may_be else 0) + 1):
                     t = took * part / _PARTS
                     value, slope = _at(s[_SHAFT], t)
                     if rate * slope < 0.0:
@@ -338,7 +367,7 @@ def follow_motor_drives(
                 instant += 1
             e, v, speed = _at(s[_E], took)[0], _at(s[_V], took)[0], _at(s[_LOAD], took)[0]
             carried = _at(s[_SHAFT], took)[0]
-            now = until
+            now, followed = until, followed + unit * took if what == _GOES_ON else 0.0
             if what == _NEXT_LINE:
                 row += towards
             elif what == _PARTS_WITH:

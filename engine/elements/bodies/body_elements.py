@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from engine.scene.actions import Force, Stiffness
 from engine.scene.parts import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, Speed, quantity
 
 Positive = Annotated[Length, Field(gt=0)]
@@ -101,3 +102,18 @@ class WoundFlywheel(Part):
         if self.strength is not None and not self.winding_stress < self.strength:
             raise ValueError("winding_stress must be below strength: the tape would tear while it is wound")
         return self
+
+
+class TetheredBody(Part):
+    """A body on an elastic tie about a fixed point, set off by an impulse across it or spun up slowly.
+
+    `length` is that of the tie without force, `strength` the force at which it bursts, `speed` that of the body. A thin
+    rim of radius R and section A is one with the length R, the stiffness 2πEA/R and 2π times its section's strength.
+    """
+
+    type: Literal["tethered_body"]
+    mass: Annotated[Mass, Field(gt=0)]
+    length: Positive
+    stiffness: Annotated[Stiffness, Field(gt=0)]
+    strength: Annotated[Force, Field(gt=0)]
+    speed: Annotated[Speed, Field(gt=0)]

@@ -65,7 +65,31 @@ def _turned(yaw: np.ndarray, pitch: np.ndarray, roll: np.ndarray) -> np.ndarray:
     return turned
 
 
-def _tilted(n: dict[str, np.ndarray]) -> np.ndarray:
+def body_ellipsoid(element: TiltedBody) -> tuple[np.ndarray, np.ndarray]:
+    """The uniform ellipsoid that has the mass and the moments of inertia of a body.
+
+    Parameters
+    ----------
+    element : TiltedBody
+
+    Returns
+    -------
+    semi_axes : ndarray (3,)
+        a, of which J = m(b² + c²)/5 and so on; NaN where no body has such moments [m].
+    axes : ndarray (3, 3)
+        Its columns are their directions, in fixed coordinates.
+    """
+    shape = (*MOMENTS, *_PRODUCTS) if element.inertia_x is not None else SEMI_AXES
+    inertia = _about_centre({key: np.array([getattr(element, key)], float) for key in ("mass", *shape, *_PLACE)})[0]
+    moments, axes = np.linalg.eigh(inertia)
+    squares = 2.5 / element.mass * (moments.sum() - 2.0 * moments)
+    if squares.min() < -5.0 * _PLATE * moments.max() / element.mass:
+        squares = np.full(3, math.nan)
+    return np.sqrt(np.maximum(squares, 0.0)), axes
+
+
+def _about_centre(n: dict[str, np.ndarray]) -> np.ndarray:
+    """Moments of inertia about fixed directions through the centre of mass, (variants, 3, 3)."""
     mass = n["mass"]
     own = np.zeros((mass.size, 3, 3))
     if "inertia_x" in n:
@@ -78,9 +102,14 @@ def _tilted(n: dict[str, np.ndarray]) -> np.ndarray:
     for i in range(3):
         own[:, i, i] = moments[i]
     turned = _turned(n["yaw"], n["pitch"], n["roll"])
+    return turned @ own @ turned.transpose(0, 2, 1)
+
+
+def _tilted(n: dict[str, np.ndarray]) -> np.ndarray:
+    mass = n["mass"]
     away = np.stack([n["x"], n["y"], n["z"]], axis=1)
     square = (away**2).sum(axis=1)[:, None, None] * np.eye(3) - away[:, :, None] * away[:, None, :]
-    fixed = turned @ own @ turned.transpose(0, 2, 1) + mass[:, None, None] * square
+    fixed = _about_centre(n) + mass[:, None, None] * square
     principal, axes = np.linalg.eigh(fixed)
     # Of an axis and its opposite the one along z; across it for the tangent, as a cosine near 1 says little.
     across = np.hypot(axes[:, 0], axes[:, 1])

@@ -329,7 +329,7 @@ FADING = {"type": "formula", "on": "P", "force": "-f * exp(-abs(v) / 1 m/s)", "n
         (
             {},
             {"friction": {"f": {"pair": "g.second", "coefficient": 0.1}}},
-            "friction in pairs isn't counted on an elastic shaft",
+            "aren't counted on an elastic shaft",
         ),
     ],
 )

@@ -24,6 +24,15 @@ DRIVE = {
 LINE = {"type": "dc", "stall_moment": 100.0, "no_load_speed": 20.0}
 KLOSS = {"type": "induction", "synchronous_speed": 20.0, "breakdown_moment": 150.0, "breakdown_slip": 0.3}
 TABLE = {"type": "table", "speed": [0.0, 2.0, 5.0, 20.0], "moment": [80.0, 60.0, 140.0, 0.0]}
+# A heavy motor that is braked by its load: the moment's peaks first grow, then fall.
+BRAKED = {
+    "motor_inertia": 3.0,
+    "load_inertia": 0.5,
+    "begin": "running",
+    "speed": 19.0,
+    "load_before": 0.0,
+    "time": 4.0,
+}
 KEYS = ("motor_inertia", "load_inertia", "stiffness", "damping", "backlash", "load_moment")
 NAMES = ("greatest_moment", "greatest_moment_at", "motor_speed", "load_speed", "closings")
 
@@ -99,6 +108,46 @@ def test_straight_characteristic_without_backlash__is_the_matrix_exponential():
     )
     end = scipy.linalg.expm(system) @ [0, 0, 0, 1]
     assert one(drive, "motor_speed", "load_speed") == pytest.approx(end[1:3], rel=1e-11)
+
+
+@pytest.mark.parametrize("motor", [LINE, TABLE])
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1, 1.5])
+def test_shaft_of_any_stiffness__turns_as_a_rigid_one_in_the_end(motor, damping_ratio):
+    given = {"motor": motor, "backlash": 0.0, "load_moment": 10.0, "time": 2.0, "damping_ratio": damping_ratio}
+    rigid = scipy.integrate.solve_ivp(
+        lambda t, w: (motor_moment(motor, w[0]) - 10.0) / 3.5, (0, 2), [0], "DOP853", rtol=1e-12, max_step=1e-3
+    )
+    for k in (1e10, 1e14):
+        first, second = one(DRIVE | given | {"stiffness": k}, "motor_speed", "load_speed")
+        # Until T = 10 N m the load sticks, for at most 1 rad of the vibration; that turns the motor by T₀/(I₁ ω) more.
+        away = 100.0 / math.sqrt(0.5 * k)
+        assert (first, second) == pytest.approx((rigid.y[0, -1],) * 2, abs=3 * away + 1e-9)
+
+
+@pytest.mark.parametrize("motor", [LINE, TABLE])
+@pytest.mark.parametrize("change", [{}, {"damping_ratio": 0.02}, {"load_moment": 70.0}, {"backlash": 0.001}, BRAKED])
+def test_vibrations_leapt_over__are_those_followed_one_by_one(motor, change):
+    drive = DRIVE | {"motor": motor, "backlash": 0.0, "stiffness": 1e6, "time": 1.0} | change
+    found = one(drive, "greatest_moment", "motor_speed", "load_speed")
+    # At a hundred instants in each vibration there is no room to leap.
+    followed = drive_history(
+        Scene.model_validate({"elements": {"it": drive}}).elements["it"], 25_001 if drive["time"] < 2.0 else 100_001
+    )
+    assert found[1:] == pytest.approx((followed.motor_speed[-1], followed.load_speed[-1]), rel=1e-10)
+    # Between instants the peak is (ω h)²/8 = 5e-4 higher.
+    assert 1.0 <= found[0] / np.abs(followed.moment).max() < 1.0 + 5e-4
+
+
+def test_drive_that_is_stalled__vibrates_about_its_moment_for_as_long_as_asked():
+    drive = DRIVE | {"motor": LINE, "backlash": 0.0, "stiffness": 1e8, "load_moment": 500.0, "time": 3.0}
+    greatest, at, first, second, _ = one(drive, *NAMES)
+    # I₁ e″ + (S) e′ + k e = M₀ with S = 5 N m s.
+    decay, frequency = 5.0, math.sqrt(1e8 / 0.5 - 5.0**2)
+    assert greatest == pytest.approx(100.0 * (1 + math.exp(-decay * math.pi / frequency)), rel=1e-12)
+    assert at == pytest.approx(math.pi / frequency, rel=1e-9)
+    end = 100.0 / (0.5 * frequency) * math.exp(-decay * 3.0) * math.sin(frequency * 3.0)
+    # Of 42 000 rad a rounding each, e^-15 of the amplitude of 0.014 rad/s.
+    assert (first, second) == pytest.approx((end, 0.0), abs=1e-17)
 
 
 def test_nameplate__gives_the_motor_of_its_constants():

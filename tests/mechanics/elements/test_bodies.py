@@ -202,3 +202,50 @@ def test_stresses_of_the_spinning_wheel__carry_its_centrifugal_forces(bore, shar
 def test_wrong_body__is_refused_with_the_mend(element, words):
     with pytest.raises(ValidationError, match=words):
         asked({"it": element})
+
+
+TIED = {"type": "tethered_body", "mass": 0.5, "length": 0.8, "stiffness": 4e4, "strength": 3e3, "speed": 30.0}
+
+
+@pytest.mark.parametrize("stiffness", [50.0, 4e3, 4e5])
+def test_impulse__stretches_the_tie_as_far_as_the_motion_followed_over_time(stiffness):
+    def rates(t, z):
+        x, y, u, v = z
+        r = math.hypot(x, y)
+        pull = stiffness * (r - 0.8) / (0.5 * r)
+        return u, v, -pull * x, -pull * y
+
+    def turns(t, z):
+        return z[0] * z[2] + z[1] * z[3] - (1e-9 if t == 0 else 0)
+
+    turns.terminal, turns.direction = True, -1
+    motion = solve_ivp(rates, (0, 10), (0.8, 0, 0, 30.0), "DOP853", events=turns, rtol=1e-12, atol=1e-13)
+    farthest = math.hypot(*motion.y[:2, -1])
+    (stretch,) = one(TIED | {"stiffness": stiffness}, "impulse_stretch")
+    # Near its greatest value the radius doesn't depend on when that is.
+    assert stretch == pytest.approx(farthest - 0.8, rel=1e-9)
+
+
+def test_tie__bursts_at_the_speeds_at_which_its_force_is_its_strength():
+    mass, length, stiffness, strength = 10.0 ** np.random.default_rng(5).uniform(-4, 4, (4, 400))
+    keys = ("mass", "length", "stiffness", "strength")
+    ties = {f"it__{key}": v for key, v in zip(keys, (mass, length, stiffness, strength), strict=True)}
+
+    def of(*names, **speed):
+        values, outcome = asked({"it": TIED}, *(f"it.{name}" for name in names), **ties, **speed)
+        assert (outcome.status == Verdict.OK).all()
+        return values
+
+    by_impulse, by_spin_up = of("impulse_burst_speed", "spin_up_burst_speed")
+    # A few roundings; the force changes at most as the square of the speed.
+    assert of("impulse_force", it__speed=by_impulse)[0] == pytest.approx(strength, rel=1e-14)
+    assert of("spin_up_force", it__speed=by_spin_up)[0] == pytest.approx(strength, rel=1e-14)
+    impulse, spin_up = of("bursts_by_impulse", "bursts_by_spin_up", it__speed=0.5 * (by_impulse + by_spin_up))
+    assert impulse.all()
+    assert not spin_up.any()
+
+
+def test_stiff_tie__is_pulled_twice_as_much_by_an_impulse():
+    factor, force, spun = one(TIED | {"stiffness": 1e12}, "dynamic_factor", "impulse_force", "spin_up_force")
+    # x is 1e-9: the next term of κ x (1 + x)² = 2 + x.
+    assert (factor, force, spun) == pytest.approx((2.0, 2 * 0.5 * 30.0**2 / 0.8, 0.5 * 30.0**2 / 0.8), rel=1e-8)

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from element_samples import DISC, LEVER, WOUND, one, scene
 
-from engine import wound_stresses
-from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, wound_flywheel_sheet
+from engine import body_ellipsoid, wound_stresses
+from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, tilted_body_sheet, wound_flywheel_sheet
 from sweeps.pictures.elements.element_pictures import element_pictures
 from sweeps.pictures.elements.unbalance_plan import static_plan
+from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
+
+PLATE = {"type": "tilted_body", "mass": 8.0, "semi_axis_x": 0.1, "semi_axis_y": 0.06, "semi_axis_z": 0.02}
 
 
 def axes_of(figure, label):
@@ -65,11 +68,41 @@ def test_polygon_of_a_flat_rotor__is_closed_by_the_mass_that_balances_it():
     assert end == pytest.approx(0.0, abs=1e-12)
 
 
+def test_moments_of_an_ellipsoid__give_it_back():
+    a, b, c = 0.1, 0.06, 0.02
+    moments = {"inertia_x": 1.6 * (b**2 + c**2), "inertia_y": 1.6 * (c**2 + a**2), "inertia_z": 1.6 * (a**2 + b**2)}
+    turned = {"type": "tilted_body", "mass": 8.0, "yaw": 0.4, "pitch": -1.1, "roll": 2.0}
+    semi_axes, axes = body_ellipsoid(scene(it=turned | moments).elements["it"])
+    assert semi_axes == pytest.approx([a, b, c], rel=1e-12)
+    # The longest one lies where yaw and pitch turn x to.
+    along = [math.cos(0.4) * math.cos(1.1), math.sin(0.4) * math.cos(1.1), math.sin(1.1)]
+    assert abs(axes[:, 0] @ along) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_outline_of_a_tilted_body__goes_as_far_as_the_ellipsoid():
+    element = scene(it=PLATE | {"pitch": 0.5, "x": 0.012, "z": 0.03}).elements["it"]
+    front = tilted_body_sheet(element, new_figure(180, 130), "plate").axes[0]
+    x, z = next(line for line in front.get_lines() if line.get_label() == "outline").get_data()
+    # The farthest point in a direction n is √(nᵀ R diag(a², b², c²) Rᵀ n) away.
+    high = 1e3 * math.hypot(0.1 * math.sin(0.5), 0.02 * math.cos(0.5))
+    wide = 1e3 * math.hypot(0.1 * math.cos(0.5), 0.02 * math.sin(0.5))
+    assert (z.max(), z.min()) == pytest.approx((30.0 + high, 30.0 - high), rel=1e-12)
+    assert (x.max(), x.min()) == pytest.approx((12.0 + wide, 12.0 - wide), rel=1e-12)
+
+
+def test_moments_that_no_body_has__are_not_drawn():
+    moments = {"inertia_x": 1.0, "inertia_y": 1.0, "inertia_z": 3.0}
+    element = scene(it={"type": "tilted_body", "mass": 8.0} | moments).elements["it"]
+    with pytest.raises(PictureError, match="no body has"):
+        tilted_body_sheet(element, new_figure(180, 130), "none")
+
+
 def test_bodies__are_drawn_with_the_other_elements(tmp_path):
-    made = element_pictures(scene(lever=LEVER, tape=WOUND, disc=DISC), tmp_path / "bodies.svg")
+    made = element_pictures(scene(lever=LEVER, tape=WOUND, disc=DISC, plate=PLATE), tmp_path / "bodies.svg")
     assert [path.name for path in made] == [
         "bodies_lever_sliding.svg",
         "bodies_tape_stresses.svg",
         "bodies_disc_plan.svg",
+        "bodies_plate_views.svg",
     ]
     assert all(path.stat().st_size > 1000 for path in made)
