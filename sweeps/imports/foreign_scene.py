@@ -5,21 +5,23 @@ from pathlib import Path
 
 from engine import Scene
 from sweeps.imports.chain import chain_scene
+from sweeps.imports.pmks_plus_addresses import is_pmks_plus_address, pmks_plus_chain
 from sweeps.imports.pmks_texts import pmks_chain
 from sweeps.imports.pylinkage_files import pylinkage_chain
 from sweeps.text.input_files import InputError, read_text
 
 
-def import_scene(path: Path | str, unit: float = 1e-3, speed: str = "60 rpm") -> Scene:
-    """Scene from a linkage of pylinkage (JSON) or PMKS (text, address).
+def import_scene(path: Path | str, unit: float | None = None, speed: str | None = None) -> Scene:
+    """Scene from a linkage of pylinkage (JSON), PMKS (text, address) or PMKS+ (address).
 
     Parameters
     ----------
     path : Path or str
-    unit : float
-        What a unit of length of the file is [m]; files of both don't say.
-    speed : str
-        Of the crank, with its unit; clockwise where the file's crank turns so.
+    unit : float, optional
+        What a unit of length of the file is [m]; unless given what addresses of PMKS+ say, 1 mm in other files.
+    speed : str, optional
+        Of the crank, with its unit; clockwise where pylinkage's crank turns so. Unless given what addresses of PMKS+
+        say, 60 rpm in other files.
 
     Raises
     ------
@@ -27,6 +29,9 @@ def import_scene(path: Path | str, unit: float = 1e-3, speed: str = "60 rpm") ->
         The file can't be read, or its linkage doesn't become a scene.
     """
     text = read_text(Path(path))
+    if is_pmks_plus_address(text):
+        return chain_scene(pmks_plus_chain(text, str(path), unit, speed))
+    unit, speed = 1e-3 if unit is None else unit, speed or "60 rpm"
     if not text.lstrip().startswith(("{", "[")):
         return chain_scene(pmks_chain(text, str(path), unit, speed))
     try:

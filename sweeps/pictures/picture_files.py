@@ -278,7 +278,7 @@ def sweep_data(
         arrays["status"],
         along,
         goal.where or "" if goal else "",
-        result.candidates()[chosen],
+        result.candidates(chosen),
         d.variants if is_too_many else None,
     )
     return data, best

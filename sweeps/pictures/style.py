@@ -126,6 +126,8 @@ def save(figure: Figure, path: Path | str) -> None:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         _lettered(figure)
         with house_style(), whole_file(path) as draft:
-            figure.savefig(draft, metadata=undated)
+            # Half the time of the usual level 6, files that are 1 % larger.
+            packed = {"pil_kwargs": {"compress_level": 4}} if ending == ".png" else {}
+            figure.savefig(draft, metadata=undated, **packed)
     except OSError as error:
         raise PictureError(f"{path} can't be written: {error.strerror}") from None

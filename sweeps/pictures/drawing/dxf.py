@@ -1,5 +1,7 @@
 """A mechanism as a DXF drawing for CAD programs: layers, millimetres, hidden lines left out."""
 
+import os
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -13,6 +15,7 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.text.whole_files import whole_file
 
 if TYPE_CHECKING:
+    from ezdxf.document import Drawing
     from ezdxf.layouts import Modelspace
 
 MM = 1000.0
@@ -26,6 +29,33 @@ _LOOKS = {
     "joints": (7, "CONTINUOUS"),
     "names": (5, "CONTINUOUS"),
 }
+# What reading a garbled list of fonts may end in.
+_GARBLED = (ValueError, TypeError, LookupError, AttributeError)
+
+
+def new_document() -> "Drawing":
+    """An empty drawing in millimetres.
+
+    Raises
+    ------
+    PictureError
+        The package ezdxf isn't installed, or what it keeps of this machine's fonts is garbled and can't be removed.
+    """
+    fonts = Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "ezdxf" / "font_manager_cache.json"
+    try:
+        try:
+            import ezdxf
+        except _GARBLED:
+            # It reads its list of fonts as it is imported, and makes one where there is none.
+            fonts.unlink()
+            for name in [name for name in sys.modules if name.partition(".")[0] == "ezdxf"]:
+                del sys.modules[name]
+            import ezdxf
+    except ImportError:
+        raise PictureError("DXF needs the package ezdxf: pip install 'machine-sweeps[dxf]'") from None
+    except (OSError, *_GARBLED):
+        raise PictureError(f"DXF: ezdxf can't read its list of fonts, {fonts}: remove it") from None
+    return ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
 
 
 def write_dxf(
@@ -49,11 +79,7 @@ def write_dxf(
     PictureError
         The package ezdxf isn't installed, the mechanism can't be drawn so, or the file can't be written.
     """
-    try:
-        import ezdxf
-    except ImportError:
-        raise PictureError("DXF needs the package ezdxf: pip install 'machine-sweeps[dxf]'") from None
-    document = ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
+    document = new_document()
     for layer, (colour, line) in _LOOKS.items():
         document.layers.add(layer, color=colour, linetype=line)
     space = document.modelspace()

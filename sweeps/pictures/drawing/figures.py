@@ -17,6 +17,8 @@ from sweeps.pictures.picture_error import PictureError
 USUAL_CRANK_ANGLE = math.pi / 3
 # Height of what is lettered on demand, in radii of a hinge.
 TEXT_HEIGHT = 1.9
+# Radius of a place that a path is to pass, likewise.
+DOT = 0.45
 
 
 def primitives(
@@ -48,7 +50,11 @@ def primitives(
 
 
 def figures(
-    motion: DrawnMotion, at: Sequence[float], paths: Sequence[str] = (), shown: Sequence[str] = ()
+    motion: DrawnMotion,
+    at: Sequence[float],
+    paths: Sequence[str] = (),
+    shown: Sequence[str] = (),
+    named: bool = True,
 ) -> list[list[Primitive]]:
     """Figures of a mechanism at several positions, the first of them whole and last in painting order.
 
@@ -61,6 +67,8 @@ def figures(
         As for `primitives`.
     shown : sequence of str
         What else is shown of the first: some of `ANNOTATIONS`.
+    named : bool
+        Whether points have their names.
 
     Returns
     -------
@@ -71,15 +79,18 @@ def figures(
         if name not in motion.points:
             raise PictureError(f"paths: {name!r} is not a point of this scene; {did_you_mean(name, motion.points)}")
     first, *rest = (motion.node(place) for place in at)
-    trails = [motion.points[n] for n in paths]
+    wanted = [wish for wish in motion.scene.wanted.values() if wish.type == "path"]
+    trails = [motion.points[n] for n in dict.fromkeys([*paths, *(wish.point for wish in wanted)])]
     if has_cycle(motion.scene):
         trails = [_once(trail, 0.5 * motion.radius) for trail in trails]
     trails = [line(*trail, layer="paths") for trail in trails]
+    places = [complex(*place) for wish in wanted for place in zip(wish.x, wish.y, strict=True)]
+    trails += [Primitive("paths", "circle", (place,), DOT * motion.radius, "solid") for place in places]
     others = [[p for part in plates_and_bars(motion, k) for p in part] for k in rest]
     plates, bars = plates_and_bars(motion, first)
     whole = [*frame_parts(motion), *trails, *plates, *stands(motion), *bars, *input_arrows(motion, first)]
     obstacles = [*whole, *(p for other in others for p in other)]
-    names = names_of_points(motion, [first], [obstacles])[0]
+    names = names_of_points(motion, [first], [obstacles])[0] if named else []
     if not shown:
         return [*others, [*whole, *names]]
     more, marked = annotations(motion, first, shown, whole)

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from engine import FRAME
+from engine import FRAME, mesh_axis
 from sweeps.pictures.drawing.higher_pairs import follower_guides
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
@@ -32,7 +32,7 @@ def frame_parts(m: DrawnMotion) -> list[Primitive]:
     for name, shaft in scene.shafts.items():
         if shaft.pivot is not None and shaft.carrier is None:
             found += _gearing(
-                *(m.points[p][0] for p in (scene.input.pivot, shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
+                *(m.points[p][0] for p in (mesh_axis(scene, name), shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
             )
     return found
 

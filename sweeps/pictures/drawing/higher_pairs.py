@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engine import FRAME, has_cycle
+from engine import has_cycle, mesh_axis
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive, hatched, line
 
@@ -58,10 +58,11 @@ def planet_circles(m: DrawnMotion, k: int) -> list[Primitive]:
     """Pitch circles of planets at a node, and of the wheels that they are geared to."""
     found = []
     for name, shaft in m.scene.shafts.items():
-        if shaft.carrier is not None:
-            on = shaft.carrier if shaft.geared_to == FRAME else shaft.geared_to
-            centre, other = (complex(m.axes(link)[0][k]) for link in (name, on))
+        if shaft.carrier is not None and shaft.pivot is not None:
+            centre, other = (complex(m.points[point][k]) for point in (shaft.pivot, mesh_axis(m.scene, name)))
             ratio = m.numbers[f"shafts.{name}.ratio"]
+            if centre == other:
+                continue
             radius = abs(centre - other) / abs(ratio - 1.0)
             found += [
                 Primitive("pitch", "circle", (c,), r) for c, r in ((centre, radius), (other, abs(ratio) * radius))

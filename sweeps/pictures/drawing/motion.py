@@ -86,7 +86,7 @@ class DrawnMotion:
         fields = [f"{n}.{axis}" for n in moving for axis in "xy"] + [f"{n}.slide" for n in structure.sliders]
         free = [name for name, link in scene.links.items() if link.guide is None]
         free += [cam.follower.link for cam in scene.cams.values() if not cam.translating]
-        free += [name for name, shaft in scene.shafts.items() if shaft.carrier is not None]
+        free += [name for name, shaft in scene.shafts.items() if shaft.pivot is not None]
         free += self._wheels
         fields += [f"{n}.angle" for n in free]
         fields += [f"{n}.contact_{axis}" for n in scene.cams for axis in "xy"]
@@ -159,11 +159,8 @@ class DrawnMotion:
             return self.points[drive.pivot], np.exp(1j * self.q)
         if link == drive.link:
             return self.points[drive.point], self.guide(drive.guide)[1]
-        if link in self.scene.shafts and self.scene.shafts[link].carrier is not None:
-            return self.points[self.scene.shafts[link].pivot], self._turned[link]
         if link in self.scene.shafts:
-            ratio, phase = self.numbers[f"shafts.{link}.ratio"], self.numbers[f"shafts.{link}.phase"]
-            return self.points[self.scene.shafts[link].pivot], np.exp(1j * (ratio * self.q + phase))
+            return self.points[self.scene.shafts[link].pivot], self._turned[link]
         if link in self._wheels:
             return self.points[self._wheels[link].pivot], self._turned[link]
         if link in self._driven_sliders:

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Circle, PathPatch, Polygon
 from matplotlib.path import Path as Outline
+from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 
 from engine import Scene, has_cycle
@@ -116,17 +117,17 @@ def paint(ax: Axes, drawn: Iterable[Primitive], factor: float, ghost: bool = Fal
             "edgecolor": ink,
             "facecolor": {"solid": ink, "tint": "none" if ghost else FILLS["tint"]}.get(p.fill, FILLS[p.fill]),
             "linewidth": WIDTHS.get(p.layer, 0.0) * (0.6 if ghost else 1.0),
-            "linestyle": DASHES.get(p.layer, "solid"),
+            "linestyle": "solid" if p.fill == "solid" else DASHES.get(p.layer, "solid"),
             "zorder": z / 1000 if ghost else 3 + (p.layer == "paths") + 2 * (p.layer in ABOVE) + z / 1000,
         }
         if p.kind == "text":
-            ax.add_patch(_lettering(p, factor, style["zorder"]))
+            ax.add_artist(_lettering(p, factor, style["zorder"]))
         elif p.kind == "circle":
-            ax.add_patch(Circle(vertices[0], factor * p.size, **style))
+            ax.add_artist(Circle(vertices[0], factor * p.size, **style))
         elif p.kind == "polygon":
-            ax.add_patch(Polygon(vertices, joinstyle="round", **style))
+            ax.add_artist(Polygon(vertices, joinstyle="round", **style))
         else:
-            ax.add_patch(PathPatch(Outline(vertices), **{**style, "facecolor": "none"}, capstyle="round"))
+            ax.add_artist(PathPatch(Outline(vertices), **{**style, "facecolor": "none"}, capstyle="round"))
 
 
 def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
@@ -136,7 +137,11 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
     box = path.get_extents()
     at = p.points[0] * factor - complex(box.x0 + box.x1, box.y0 + box.y1) / 2
     moved = Outline(path.vertices + np.array([at.real, at.imag]), path.codes)
-    return PathPatch(moved, facecolor="black", edgecolor="none", zorder=zorder)
+    letters = PathPatch(moved, facecolor="black", edgecolor="none", zorder=zorder)
+    if p.layer == "notes":
+        # There are many notes, and not for each a place clear of lines: these are broken where a note crosses them.
+        letters.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+    return letters
 
 
 def picture(

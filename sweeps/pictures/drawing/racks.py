@@ -34,6 +34,9 @@ def _meshing(
     carried = place if rack is None else m.axes(rack)[0]
     reach = ((touches - carried) / u).real
     reached = [reach]
+    if rack is not None and rack not in m.scene.racks:
+        # The bar begins where the stem from the slider meets it.
+        reached.append(np.zeros(1))
     if rack in m.scene.racks:
         # The bar carries the points of its link.
         reached += [((m.points[name] - carried) / u).real for name in m.members(rack)]

@@ -1,4 +1,4 @@
-"""Single bodies to be looked at: the way of one that slides out on a turning lever, stresses in a wound flywheel."""
+"""Single bodies to be looked at: tilted ones, those that slide out on a turning lever, stresses of wound flywheels."""
 
 import math
 from pathlib import Path
@@ -7,14 +7,24 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import ElementsAlone, RotatingGuide, Scene, WoundFlywheel, slides_out, wound_stresses
+from engine import (
+    ElementsAlone,
+    RotatingGuide,
+    Scene,
+    TiltedBody,
+    WoundFlywheel,
+    body_ellipsoid,
+    slides_out,
+    wound_stresses,
+)
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, house_style, new_figure, save
 from sweeps.text.engineer_units import engineer_unit
 
 PLACES = 721
 # Stretches of the lever, in time alike, at which it is drawn.
 LEVERS = 8
+CENTRE_LINE = (0, (12, 3, 2, 3))
 
 
 def rotating_guide_sheet(element: RotatingGuide, target: Path | str | Figure, title: str = "") -> Figure:
@@ -129,3 +139,79 @@ def wound_flywheel_sheet(element: WoundFlywheel, target: Path | str | Figure, ti
     if not isinstance(target, Figure):
         save(figure, target)
     return figure
+
+
+def tilted_body_sheet(element: TiltedBody, target: Path | str | Figure, title: str = "") -> Figure:
+    """A tilted body from the front, the side and above: outlines of the uniform ellipsoid that is inert as it is.
+
+    Its principal axes and the fixed z axis are drawn as centre lines; its results stand beside the views.
+
+    Parameters
+    ----------
+    element : TiltedBody
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, it can't be written, or no body has such moments of inertia.
+    """
+    semi_axes, axes = body_ellipsoid(element)
+    if np.isnan(semi_axes).any():
+        raise PictureError("no body has a moment of inertia greater than the sum of the two others")
+    centre = np.array([element.x, element.y, element.z])
+    factor, unit = engineer_unit("m", np.append(semi_axes, centre))
+    # Which of x, y and z lie across and upwards on the paper.
+    views = (("the front", 0, 2), ("the side", 1, 2), ("above", 0, 1))
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+        drawn = figure.subplot_mosaic([["the front", "the side"], ["above", "told"]])
+        for name, across, up in views:
+            ax = drawn[name]
+            _outline(ax, factor * centre, factor * semi_axes, axes, (across, up))
+            ax.plot(0.0, 0.0, "+", color="black", markersize=9)
+            if up == 2:
+                ax.axvline(0.0, color="black", linewidth=0.8, linestyle=CENTRE_LINE)
+            ax.set(aspect="equal", adjustable="datalim", title=f"From {name}")
+            ax.set(xlabel=f"{'xyz'[across]}, {unit}", ylabel=f"{'xyz'[up]}, {unit}")
+        _tell(drawn["told"], element)
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _outline(ax: Axes, centre: np.ndarray, semi_axes: np.ndarray, axes: np.ndarray, view: tuple[int, int]) -> None:
+    """Outline of an ellipsoid on the paper, with its axes."""
+    seen = axes[list(view)] * semi_axes
+    # Of points c + A u on the ellipsoid the outermost to each side are those with u along Aᵀ of that direction.
+    angle = np.linspace(0.0, math.tau, PLACES)
+    outwards = np.stack([np.cos(angle), np.sin(angle)])
+    reach = seen.T @ outwards
+    size = np.linalg.norm(reach, axis=0)
+    outline = seen @ np.divide(reach, size, out=np.zeros_like(reach), where=size > 0.0)
+    middle = centre[list(view)]
+    ax.fill(middle[0] + outline[0], middle[1] + outline[1], facecolor=SKY, alpha=0.35, edgecolor="none")
+    ax.plot(middle[0] + outline[0], middle[1] + outline[1], color=BLUE, label="outline")
+    for k, colour in zip(range(3), (GREEN, ORANGE, PURPLE), strict=True):
+        end = 1.25 * seen[:, k]
+        ends = np.stack([middle - end, middle + end])
+        ax.plot(*ends.T, color=colour, linewidth=0.8, linestyle=CENTRE_LINE)
+    ax.plot(*middle, "o", color=VERMILION, markersize=4)
+
+
+def _tell(ax: Axes, element: TiltedBody) -> None:
+    """The body's results in words, in place of a fourth view."""
+    ax.axis("off")
+    scene = Scene(elements={"it": element})
+    known = ElementsAlone(scene).available_summaries
+    found = ElementsAlone(scene, list(known)).evaluate({}).summaries
+    lines = []
+    for name, quantity in known.items():
+        value = float(found[name][0])
+        factor, unit = engineer_unit(quantity.units, np.array([value]))
+        lines.append(f"{name.partition('.')[2].replace('_', ' ')}: {factor * value:.4g} {unit}")
+    ax.text(0.0, 1.0, "\n".join(lines), transform=ax.transAxes, verticalalignment="top", linespacing=1.5)

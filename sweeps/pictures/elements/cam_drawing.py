@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from engine import CamCurves, CamElement, Scene, cam_curves
+from sweeps.pictures.drawing.dxf import new_document
 from sweeps.pictures.picture_error import PictureError
 from sweeps.report.files.cam_tables import cam_csv
 from sweeps.text.input_files import InputError
@@ -117,11 +118,7 @@ def _cross() -> list[tuple[complex, complex]]:
 
 
 def _dxf(out: Path, lines: dict[str, np.ndarray]) -> None:
-    try:
-        import ezdxf
-    except ImportError:
-        raise PictureError("DXF needs the package ezdxf: pip install 'machine-sweeps[dxf]'") from None
-    document = ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
+    document = new_document()
     space = document.modelspace()
     for name in (*lines, "axis"):
         colour, kind, _ = _LOOKS[name]

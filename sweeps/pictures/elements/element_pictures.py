@@ -15,12 +15,13 @@ from engine import (
     RotorElement,
     Scene,
     StaticRotor,
+    TiltedBody,
     TorsionalTrain,
     TwoMassDrive,
     WoundFlywheel,
     governed_scene,
 )
-from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, wound_flywheel_sheet
+from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, tilted_body_sheet, wound_flywheel_sheet
 from sweeps.pictures.elements.cam_sheet import cam_sheet
 from sweeps.pictures.elements.elastic_sheets import (
     drive_sheet,
@@ -46,8 +47,8 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_shaking`, `_braking`,
-        `_sliding`, `_stresses`, `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam`, `_velocities` or
-        `_friction` added.
+        `_sliding`, `_views`, `_stresses`, `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam`,
+        `_velocities` or `_friction` added.
 
     Returns
     -------
@@ -58,7 +59,8 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     ------
     PictureError
         The file's ending isn't a picture's, or it can't be written; a cam's follower doesn't reach its base circle,
-        or a machine has no steady motion on its elastic shaft.
+        a machine has no steady motion on its elastic shaft, or a
+        body can't be.
     """
     made = []
     scene, cycles = governed_scene(scene)
@@ -83,6 +85,9 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case RotatingGuide():
                 made.append(path.with_name(f"{path.stem}_{name}_sliding{path.suffix}"))
                 rotating_guide_sheet(element, made[-1], title)
+            case TiltedBody():
+                made.append(path.with_name(f"{path.stem}_{name}_views{path.suffix}"))
+                tilted_body_sheet(element, made[-1], title)
             case WoundFlywheel():
                 made.append(path.with_name(f"{path.stem}_{name}_stresses{path.suffix}"))
                 wound_flywheel_sheet(element, made[-1], title)

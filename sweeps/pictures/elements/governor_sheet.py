@@ -55,6 +55,9 @@ def governor_sheet(
             _speeds(axes[0, 1], curve, governor.friction)
             figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
             if rows > 1:
+                if point is None:
+                    # A throttle that is either open or shut has no linear stability: time has all the room.
+                    axes[1, 0].set_subplotspec(axes[1, 0].get_gridspec()[1, :])
                 _change(axes[1, 0], change, governor)
                 _diagram(axes[1, 1], point)
         words = [title] if title else []

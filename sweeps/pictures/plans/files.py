@@ -112,7 +112,8 @@ def reaction_pictures(
         The files made.
     """
     higher = scene.inputs or scene.cams or scene.noncircular_wheels or scene.racks or scene.pinions
-    higher = higher or any(s.carrier or s.pressure_angle is not None for s in scene.shafts.values())
+    for shaft in scene.shafts.values():
+        higher = higher or shaft.carrier or not (shaft.pressure_angle is None and shaft.efficiency is None)
     known = {pair.name for pair in pairs_of(scene)} if not higher else set()
     asked = {name.rpartition(".reaction")[0] for name in fields} & known
     return _reactions(MachineCycle(scene, values), path, asked) if asked else []

@@ -46,7 +46,7 @@ def mechanism_plan(pose: Pose, ax: Axes, special: Sequence[SpecialPoint] = ()) -
     for link in pose.cycle.structure.links:
         _number(paper, pose, link)
     motion.radius = usual
-    paper.letter()
+    pose.lettered[paper.size] = paper.letter(() if near else pose.lettered.get(paper.size, ()))
     scale = 1e3 * paper.per_mm
     ratio = f"1 : {scale:g}" if scale >= 1 else f"{1 / scale:g} : 1"
     paper.scale(f"{20 * scale:g} mm", ratio)
@@ -54,8 +54,7 @@ def mechanism_plan(pose: Pose, ax: Axes, special: Sequence[SpecialPoint] = ()) -
 
 
 def _figures(pose: Pose) -> list:
-    drawn = figures(pose.motion, [pose.motion.q[pose.k]])[-1]
-    return [p for p in drawn if p.kind != "text"]
+    return figures(pose.motion, [pose.motion.q[pose.k]], named=False)[-1]
 
 
 def _near(special: Sequence[SpecialPoint], drawn: list) -> list[SpecialPoint]:

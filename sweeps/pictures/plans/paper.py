@@ -1,19 +1,17 @@
 """A drawing on axes to a scale that a ruler reads: vectors, figures of a mechanism, letters clear of lines."""
 
 import math
-import re
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Circle, Polygon
 from matplotlib.textpath import TextPath
 
 from sweeps.pictures.drawing import Primitive, paint
+from sweeps.pictures.plans.symbol_text import SymbolText, line_of_symbols
 from sweeps.pictures.style import GREY, MM_PER_INCH
 
 MM_PER_POINT = MM_PER_INCH / 72
@@ -52,20 +50,15 @@ class _Label(NamedTuple):
     origin: complex
 
 
-def _without_formula(text: str) -> tuple[str, str]:
-    """A name as plain text and its style, where it is a formula of nothing else: these are laid out much faster."""
-    name = re.fullmatch(r"\$(?:\\mathrm\{([A-Za-z0-9]+)\}|([A-Za-z]))\$", text)
-    if name is None:
-        return text, "normal"
-    return (name[1], "normal") if name[1] else (name[2], "italic")
-
-
-@lru_cache(maxsize=4096)
 def half_size(text: str) -> complex:
     """Half the width and height of a text on paper [mm]."""
-    plain, style = _without_formula(text)
-    box = TextPath((0, 0), plain, size=LETTERS, prop=FontProperties(style=style)).get_extents()
-    return complex(box.width, max(box.height, 0.55 * LETTERS)) * MM_PER_POINT / 2
+    line = line_of_symbols(text)
+    if line is None:
+        box = TextPath((0, 0), text, size=LETTERS).get_extents()
+        width, height = box.width, box.height
+    else:
+        width, height = LETTERS * line.width, LETTERS * (line.above + line.below)
+    return complex(width, max(height, 0.55 * LETTERS)) * MM_PER_POINT / 2
 
 
 class Paper:
@@ -144,7 +137,7 @@ class Paper:
         shaft = np.array([start, tip - 0.8 * head * u])
         self.ax.plot(shaft.real, shaft.imag, color=colour, linewidth=width, zorder=7, solid_capstyle="butt")
         corners = [(z.real, z.imag) for z in (tip, *wings)]
-        self.ax.add_patch(Polygon(corners, closed=True, facecolor=colour, edgecolor="none", zorder=7.5))
+        self.ax.add_artist(Polygon(corners, closed=True, facecolor=colour, edgecolor="none", zorder=7.5))
         self.mark([start, tip])
         self.mark([tip, wings[0], wings[1], tip])
         if text:
@@ -179,7 +172,9 @@ class Paper:
 
     def dot(self, at: complex, text: str, size: float = 0.45) -> None:
         """A point with its name, `size` its radius [mm]."""
-        self.ax.add_patch(Circle((at.real, at.imag), size * self.per_mm, facecolor="black", edgecolor="none", zorder=8))
+        self.ax.add_artist(
+            Circle((at.real, at.imag), size * self.per_mm, facecolor="black", edgecolor="none", zorder=8)
+        )
         around = at + size * self.per_mm * np.exp(2j * np.pi * np.arange(5) / 4)
         self.mark(around)
         self.name(at, text, clear=size + 0.3)
@@ -191,11 +186,32 @@ class Paper:
         ends = [a + 1j * self.per_mm, a, b, b + 1j * self.per_mm]
         self.ax.plot(np.real(ends), np.imag(ends), color="black", linewidth=0.8, solid_joinstyle="miter")
         middle = (a + b) / 2
-        self.ax.text(middle.real, middle.imag + 0.4 * self.per_mm, bar, fontsize=6.5, ha="center", va="bottom")
-        self.ax.text(b.real + 3 * self.per_mm, b.imag, note, fontsize=7, ha="left", va="bottom")
+        self._text(middle + 0.8j * self.per_mm, bar, fontsize=6.5, ha="center", va="bottom")
+        self._text(b + 3 * self.per_mm, note, fontsize=7, ha="left", va="bottom")
 
-    def letter(self) -> None:
-        """Put every text where it covers least: names before the symbols of vectors, as they were asked for."""
+    def _text(self, at: complex, text: str, **look: object) -> None:
+        self.ax.add_artist(SymbolText(at.real, at.imag, text, transform=self.ax.transData, **look))
+
+    def letter(self, places: Sequence[complex] = ()) -> list[complex]:
+        """Write every text that was asked for.
+
+        Parameters
+        ----------
+        places : sequence of complex, optional
+            Where the texts' centres are, from an equal paper [mm].
+
+        Returns
+        -------
+        list of complex
+            Where they are: unless given, where they cover least, names before the symbols of vectors.
+        """
+        found = list(places) or self._clear_places()
+        for label, place in zip(self._labels, found, strict=True):
+            self._write(label, place)
+        self._labels.clear()
+        return found
+
+    def _clear_places(self) -> list[complex]:
         marks = np.concatenate(self._marks) if self._marks else np.empty(0, complex)
         taken: list[tuple[complex, complex]] = []
         for label in self._labels:
@@ -206,8 +222,7 @@ class Paper:
             cost = label.costs + 1.5 * covered + 8 * overlaps + 10 * self._outside(label.places, half)
             best = complex(label.places[np.argmin(cost)])
             taken.append((best, half))
-            self._write(label, best)
-        self._labels.clear()
+        return [place for place, _ in taken]
 
     def _outside(self, places: np.ndarray, half: complex) -> np.ndarray:
         """How far texts would reach beyond the paper, or into the strip of its scale [mm]."""
@@ -216,9 +231,8 @@ class Paper:
         return sum(np.clip(part, 0, None) for part in beyond)
 
     def _write(self, label: _Label, place: complex) -> None:
-        at, (text, style) = self.corner + self.per_mm * place, _without_formula(label.text)
-        look = {"color": label.colour, "fontsize": LETTERS, "fontstyle": style}
-        self.ax.text(at.real, at.imag, text, ha="center", va="center", zorder=9, **look)
+        look = {"color": label.colour, "fontsize": LETTERS, "zorder": 9}
+        self._text(self.corner + self.per_mm * place, label.text, ha="center", va="center", **look)
         away = place - label.origin
         edge = min(
             label.half.real / abs(away.real) if away.real else math.inf,

@@ -60,12 +60,16 @@ class MachineCycle:
                 f"plans are drawn without cams, and they drive {driven}: leave out what asks for plans; forces are "
                 "fields, such as 'CAM.contact_force'"
             )
-        geared = [n for n, s in scene.shafts.items() if s.carrier is not None or s.pressure_angle is not None]
+        geared = [
+            name
+            for name, shaft in scene.shafts.items()
+            if not (shaft.carrier is None and shaft.pressure_angle is None and shaft.efficiency is None)
+        ]
         geared += [*scene.inputs, *scene.noncircular_wheels, *scene.racks, *scene.pinions]
         if geared:
             raise PictureError(
-                "plans are drawn without second inputs, planets, racks, non-circular wheels and forces between "
-                f"teeth, and {geared[0]!r} is or has one: leave out what asks for plans; forces are fields, "
+                "plans are drawn without second inputs, planets, racks, non-circular wheels, forces and losses "
+                f"between teeth, and {geared[0]!r} is or has one: leave out what asks for plans; forces are fields, "
                 "such as 'SHAFT.reaction_x'"
             )
         self.scene, self._values = scene, dict(values or {})
@@ -160,10 +164,16 @@ class Pose:
     cycle : MachineCycle
     k : int
         Number of the node.
+
+    Attributes
+    ----------
+    lettered : dict
+        Where the names stand in the mechanism's drawing, by the size of its paper: it is on every sheet of forces.
     """
 
     def __init__(self, cycle: MachineCycle, k: int) -> None:
         self.cycle, self.k = cycle, k
+        self.lettered: dict[complex, list[complex]] = {}
         self.scene, self.motion = cycle.scene, cycle.motion
 
     @property

@@ -13,6 +13,7 @@ from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.polygons import accelerations, velocities
 from sweeps.pictures.plans.pose import Pose
+from sweeps.pictures.plans.symbol_text import SymbolText
 from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
 
 WIDTH, HEIGHT = 180.0, 130.0
@@ -35,14 +36,15 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
 def write(figure: Figure, left: float, top: float, text: str, **look: object) -> None:
     """Text at a place on a sheet [mm], below and to the right of it."""
     w, h = figure.get_size_inches() * MM_PER_INCH
-    figure.text(left / w, top / h, text, ha="left", va="top", **look)
+    figure.add_artist(SymbolText(left / w, top / h, text, ha="left", va="top", **look))
 
 
 def heading(figure: Figure, scene: Scene, what: str) -> None:
     """Title of a sheet."""
-    height = figure.get_size_inches()[1] * MM_PER_INCH
+    w, h = figure.get_size_inches() * MM_PER_INCH
     text = f"{scene.title}: {what}" if scene.title else what[:1].upper() + what[1:]
-    write(figure, 4, height - 3, text, fontsize=10, fontweight="bold")
+    look = {"fontsize": 10, "fontweight": "bold", "parse_math": False}
+    figure.text(4 / w, (h - 3) / h, text, ha="left", va="top", **look)
 
 
 def links_line(pose: Pose) -> str:
@@ -120,7 +122,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
         mechanism_plan(pose, place(figure, 2, 48 + strip, 62, 50))
         force_plan(pose, of, place(figure, 66, 9 + strip, 112, 88))
         notes = [
-            f"links: 0 frame, {links_line(pose)}",
+            *fill(f"links: 0 frame, {links_line(pose)}", LINE).splitlines(),
             "$R_{12}$: force of link 1 on link 2; $G$ weight, $U$ inertia force; ∠ from x, counter-clockwise. "
             "Arrows at links are not to scale.",
         ]

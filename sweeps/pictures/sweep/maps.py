@@ -17,7 +17,7 @@ from sweeps.optimising.pareto import pareto_front
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
-from sweeps.pictures.sweep.sweep_data import SweepData
+from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.engineer_units import engineer_unit
 
@@ -46,6 +46,9 @@ REASONS = {
     Verdict.SELF_LOCKS: "gears lock by themselves",
     Verdict.STANDS: "losses stop the gears",
     Verdict.SLIDES: "friction wheels slide",
+    Verdict.MODE_NOT_REACHED: "mode not reached",
+    Verdict.OTHER_MODE: "comes back in another mode",
+    Verdict.DOES_NOT_CLOSE: "cycle doesn't close",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 
@@ -55,6 +58,8 @@ VEIL = "#e9ebed"
 MOST_TRAVEL = 4.0
 # A band about a curve can be seen from this share of the curve's range on.
 SEEN = 0.002
+# Letters along the side of a panel among others.
+BESIDE_A_PANEL = 34
 
 
 def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int | None = None) -> None:
@@ -92,7 +97,7 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         _mark_failed(ax, along, data.status)
         if best is not None:
             ax.plot(along[best], values[best], "*", color=VERMILION, markersize=10, label="best")
-        ax.set_ylabel(y_label)
+        ax.set_ylabel("\n".join(wrapped(y_label.replace("\n", " "), BESIDE_A_PANEL)))
     axes[-1].set_xlabel(label)
     _legend_below(figure, axes)
 

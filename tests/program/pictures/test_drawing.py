@@ -3,6 +3,7 @@
 import math
 from xml.etree import ElementTree
 
+import machines
 import numpy as np
 import pytest
 from drawn_machines import (
@@ -16,12 +17,14 @@ from drawn_machines import (
     slider_crank,
     sliding_input,
 )
+from machines import frame
 from matplotlib.figure import Figure
 
 from engine import Scene
 from sweeps.pictures.drawing import LAYERS, DrawnMotion, draw, picture, primitives
 from sweeps.pictures.drawing.figures import default_position, figures
 from sweeps.pictures.drawing.frame import stands
+from sweeps.pictures.drawing.racks import rack_shapes
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH
 from sweeps.pictures.picture_error import PictureError
 
@@ -418,3 +421,46 @@ def test_scale__is_that_of_the_paper(tmp_path, monkeypatch):
     (left, _), (right, _) = ax.transData.transform([(0, 0), (100, 0)])
     told = float(ax.get_title(loc="left").rpartition("scale 1 : ")[2])
     assert told == pytest.approx(100 / ((right - left) / made[0].dpi * 25.4), rel=5e-3)
+
+
+# Racks
+
+
+def along_bar(scene, points):
+    """Where a rack's bar ends along the guide, and where some points of its link are, in a mechanism on the x axis."""
+    motion = DrawnMotion(scene)
+    k = motion.node(1.0)
+    bar = next(p for p in rack_shapes(motion, k) if p.kind == "polygon")
+    found = [complex(motion.points[name][k]) for name in points]
+    return [corner.real for corner in bar.points], found
+
+
+def test_rack_that_a_slider_carries__reaches_from_its_stem_to_the_pinion():
+    # The pinion's axis stands far ahead of all places of the slider.
+    pinion = {"rack": "ram", "pivot": "C", "radius": 0.03}
+    points = {"O": frame(0.0, 0.0), "C": frame(0.6, 0.05)}
+    scene = Scene.model_validate(machines.slider_crank(points=points, pinions={"wheel": pinion}))
+    bar, (joint,) = along_bar(scene, "B")
+    assert min(bar) < joint.real < max(bar)
+    assert min(bar) < 0.6 < max(bar)
+
+
+def test_rack_with_points_far_off__carries_them():
+    points = {"O": frame(0.0, 0.0), "E": {"link": "table", "x": 0.4, "y": 0.0}}
+    pinion = {"guide": "way", "pivot": "B", "radius": 0.03}
+    rack = {"pinion": "wheel", "pivot": "B", "guide": "way", "radius": -0.03}
+    parts = {"points": points, "pinions": {"wheel": pinion}, "racks": {"table": rack}}
+    bar, (end,) = along_bar(Scene.model_validate(machines.slider_crank(**parts)), "E")
+    assert min(bar) < end.real < max(bar)
+
+
+def test_path_that_is_wanted__is_drawn_with_its_places():
+    places = [complex(0.03, 0.05), complex(0.0, 0.02)]
+    wish = {"type": "path", "point": "B", "x": [z.real for z in places], "y": [z.imag for z in places]}
+    scene = Scene.model_validate(machines.four_bar() | {"wanted": {"it": wish}})
+    motion = DrawnMotion(scene)
+    drawn = figures(motion, [1.0])[-1]
+    dots = [p.points[0] for p in drawn if p.layer == "paths" and p.kind == "circle"]
+    assert dots == places
+    (trail,) = [p for p in drawn if p.layer == "paths" and p.kind == "line"]
+    assert set(trail.points) <= set(motion.points["B"])

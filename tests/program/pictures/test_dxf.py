@@ -1,6 +1,9 @@
 """DXF: layers, millimetres, and hidden lines left out."""
 
+import json
 import math
+import os
+import subprocess
 import sys
 
 import ezdxf
@@ -52,3 +55,14 @@ def test_dxf_without_its_package__says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "ezdxf", None)
     with pytest.raises(PictureError, match=r"pip install 'machine-sweeps\[dxf\]'"):
         write_dxf(tmp_path / "a.dxf", slider_crank(), 0.0)
+
+
+def test_garbled_list_of_fonts__is_made_again(tmp_path):
+    fonts = tmp_path / "ezdxf" / "font_manager_cache.json"
+    fonts.parent.mkdir()
+    fonts.write_bytes(b"\xae" * 40)
+    command = "from sweeps.pictures.drawing.dxf import new_document; print(new_document().units)"
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
+    ended = subprocess.run([sys.executable, "-c", command], env=environment, capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout.strip()) == (0, str(int(ezdxf.units.MM))), ended.stderr
+    assert json.loads(fonts.read_text("utf8"))

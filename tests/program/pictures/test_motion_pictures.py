@@ -2,6 +2,7 @@
 
 import csv
 import math
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -40,7 +41,11 @@ def machine(**changes):
 
 
 SCENE = machine()
-SEEN = history(SCENE)
+
+
+@cache
+def seen():
+    return history(SCENE)
 
 
 def summary(scene, name):
@@ -53,7 +58,7 @@ def lines_of(axes):
 
 
 def test_history_sheet__has_a_column_for_each_regime_as_long_as_it_lasts():
-    figure = history_diagrams(SCENE, SEEN, Figure())
+    figure = history_diagrams(SCENE, seen(), Figure())
     assert len(figure.axes) == 12
     assert [ax.get_title() for ax in figure.axes[:3]] == ["start", "work (one cycle)", "stop"]
     for ax, name in zip(figure.axes[:3], ("start.time", "work.period", "stop.time"), strict=True):
@@ -64,7 +69,7 @@ def test_history_sheet__has_a_column_for_each_regime_as_long_as_it_lasts():
 
 
 def test_history_sheet__goes_from_rest_to_the_asked_speed_and_back():
-    start, work, stop = history_diagrams(SCENE, SEEN, Figure()).axes[:3]
+    start, work, stop = history_diagrams(SCENE, seen(), Figure()).axes[:3]
     ends = [ax.lines[0].get_ydata()[[0, -1]] for ax in (start, work, stop)]
     assert ends[0] == pytest.approx([0, 8 * RPM], abs=1e-9)
     assert ends[1][0] == pytest.approx(ends[1][1], rel=1e-9)
@@ -72,7 +77,7 @@ def test_history_sheet__goes_from_rest_to_the_asked_speed_and_back():
 
 
 def test_history_sheet__works_add_up_to_the_change_of_energy():
-    figure = history_diagrams(SCENE, SEEN, Figure())
+    figure = history_diagrams(SCENE, seen(), Figure())
     for ax in figure.axes[9:12]:
         lines = lines_of(ax)
         energy = lines.pop("kinetic energy E")[1]
@@ -83,7 +88,7 @@ def test_history_sheet__works_add_up_to_the_change_of_energy():
 
 
 def test_history_sheet__shows_only_what_acts():
-    figure = history_diagrams(SCENE, SEEN, Figure())
+    figure = history_diagrams(SCENE, seen(), Figure())
     assert [set(lines_of(ax)) for ax in figure.axes[3:6]] == [
         {"motors", "harmful resistances"},
         {"motors", "useful resistances", "harmful resistances"},
@@ -105,7 +110,7 @@ def test_history_sheet__draws_the_reactions_that_the_history_keeps():
 
 
 def test_cycle_sheet__marks_mean_speed_and_fluctuation():
-    axes = cycle_diagrams(SCENE, SEEN, "work", Figure()).axes
+    axes = cycle_diagrams(SCENE, seen(), "work", Figure()).axes
     mean, delta = (summary(SCENE, f"work.{key}")[0] for key in ("mean_speed", "speed_fluctuation"))
     assert axes[0].get_title() == f"δ = {delta:.3g}, mean speed {mean * RPM:.4g} rpm"
     speed, middle, low, high = (line.get_ydata() for line in axes[0].lines)
@@ -139,7 +144,7 @@ def test_machine_that_does_not_start__is_a_page_that_says_why():
 
 def test_regime_that_the_history_has_not__is_no_failure_of_those_it_has():
     with pytest.raises(PictureError, match=r"no steady motion 'rest': the regimes are start, work, stop$"):
-        cycle_diagrams(SCENE, SEEN, "rest", Figure())
+        cycle_diagrams(SCENE, seen(), "rest", Figure())
 
 
 def test_verdict_that_the_history_does_not_share__keeps_its_own_reason():
@@ -188,7 +193,7 @@ def test_long_row__keeps_its_extremes_when_thinned():
 
 
 def test_courses__begin_each_regime_at_zero_and_go_on_with_the_works():
-    parts = courses(SEEN)
+    parts = courses(seen())
     assert [part.name for part in parts] == ["start", "work", "stop"]
     for before, after in pairwise(parts):
         assert after.time[0] == 0

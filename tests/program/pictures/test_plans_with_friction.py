@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from plan_machines import rubbing
 from rubbing_machines import RHO, press, yoke
 from test_plans import EXACT
@@ -125,5 +126,5 @@ def test_free_body_with_friction__shows_the_friction_circle_to_scale():
 
 def test_force_sheet_with_friction__says_what_its_letters_mean():
     pose = MachineCycle(Scene.model_validate(press(0.15))).at(1.0)
-    notes = [text.get_text() for text in force_sheet(pose, "drive").texts]
+    notes = [text.get_text() for text in force_sheet(pose, "drive").findobj(Text)]
     assert any(r"\rho_{12}$: radius of the friction circle" in note for note in notes)

@@ -260,9 +260,8 @@ def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_wo
 
 
 def test_elements_that_have_no_picture__say_so(folder):
-    body = '[elements.body]\ntype = "tilted_body"\nmass = "8 kg"\npitch = "5 deg"\n'
-    body += "".join(f'semi_axis_{axis} = "{i} cm"\n' for i, axis in enumerate("xyz", 1))
-    Path("body.toml").write_text(body, encoding="utf8")
-    said_of = " ".join(refused("plot", "body.toml").split())
+    shaft = '[elements.drive]\ntype = "compliance"\nparts.tyre = { type = "coupling", stiffness = "2 kN m/rad" }\n'
+    Path("drive.toml").write_text(shaft, encoding="utf8")
+    said_of = " ".join(refused("plot", "drive.toml").split())
     assert "machine elements alone, and none that there is a picture of" in said_of
     assert "there is no mechanism to draw" in refused("export", "v_twin", "--to", "a.dxf")

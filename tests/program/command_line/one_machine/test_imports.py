@@ -2,6 +2,7 @@
 
 import json
 import math
+import string
 from pathlib import Path
 
 import numpy as np
@@ -144,6 +145,55 @@ def test_address_of_pmks__is_read_by_the_command(tmp_path, monkeypatch):
     assert "exists already" in refused("import", "m.url")
 
 
+DIGITS = string.digits + string.ascii_uppercase + string.ascii_lowercase + "_-"
+
+
+def shared(joints, links, switches="0P", integers="K,0", choices="101", check=True):
+    """Address of PMKS+: joints (switches, name, x, y, angle), links (kind, name, joints), in thousandths."""
+
+    def number(value):
+        digits, left = "", abs(value)
+        while left or not digits:
+            digits, left = DIGITS[left % 64] + digits, left // 64
+        return ("0" if value < 0 else "") + digits
+
+    rows = [f"{DIGITS[flags]}{name},{name},{','.join(map(number, places))}" for flags, name, *places in joints]
+    bars = [f"{kind}{name},{name},Fe,Fe,0,0,c5cae9,{','.join(members)},," for kind, name, members in links]
+    whole = f"{switches}.SS.{integers}.{choices}.{'.'.join([*rows, '', *bars])}...N_"
+    return f"https://app.pmksplus.com/?{whole}{DIGITS[len(whole) % 62 if check else (len(whole) + 1) % 62]}"
+
+
+# A slider-crank with a point on its rod; switches: 1 slides, 2 is the input, 4 on the frame.
+HINGES = [(6, "A", 0, 0, 0), (0, "B", -1200, 4100, 0), (0, "C", 15000, -3700, 0), (0, "P", 6000, 8000, 0)]
+GUIDE = (5, "S", 15000, -3700, 175)
+BARS = [("YR", "AB", "AB"), ("YR", "BCP", "BCP"), ("YP", "CS", "CS")]
+
+
+def test_address_of_pmks_plus__stands_where_it_says_at_its_speed(tmp_path):
+    file = tmp_path / "m.url"
+    file.write_text(shared([*HINGES, GUIDE], BARS))
+    scene = import_scene(file)
+    # 20 rpm clockwise; centimetres, the joints in thousandths of them.
+    assert scene.input.speed == pytest.approx(-20 * math.pi / 30, rel=1e-15)
+    b, c, p = (place / 1e-5 for place in places(scene, math.atan2(4100, -1200), ("B", "C", "P")))
+    assert [b, c, p] == pytest.approx([-1200 + 4100j, 15000 - 3700j, 6000 + 8000j], abs=1e-7)
+    (later,) = (place / 1e-5 for place in places(scene, 3.0, ("C",)))
+    assert np.angle(-(later - c)) == pytest.approx(0.175, abs=1e-9)
+    # An option has the last word.
+    slow = import_scene(file, unit=1.0, speed="3 rpm")
+    assert slow.input.speed == pytest.approx(0.1 * math.pi, rel=1e-15)
+    assert slow.input.length == pytest.approx(abs(-1.2 + 4.1j), rel=1e-15)
+
+
+def test_welded_links_of_pmks_plus__are_one(tmp_path):
+    file = tmp_path / "m.url"
+    parts = [("NR", "BC", "BC"), ("NR", "CP", "CP")]
+    file.write_text(shared([*HINGES, GUIDE], [*BARS, *parts], choices="2112", switches="3u").removeprefix("https:"))
+    scene = import_scene(file)
+    assert [group.first.link for group in scene.groups.values()] == ["BCP"]
+    assert (scene.input.speed > 0, scene.input.length) == (True, pytest.approx(abs(-1.2 + 4.1j), rel=1e-15))
+
+
 def changed(data, kind, **values):
     joints = [joint | values if joint["type"] == kind else joint for joint in data["joints"]]
     return json.dumps(data | {"joints": joints})
@@ -171,6 +221,14 @@ def changed(data, kind, **values):
         (changed(JOINTS, "Prismatic", joint1=ref("B")), "a line that moves"),
         (changed(JOINTS, "Prismatic", type="Screw"), "'Screw' is none of"),
         (changed(LINKS, "tracker", type="prismatic"), "isn't read; ground, revolute and tracker"),
+        (shared([*HINGES, GUIDE], BARS, check=False), "isn't whole"),
+        (shared([*HINGES, GUIDE], BARS, choices="901"), "choice 9, isn't known; give --unit"),
+        (shared([*HINGES, (1, *GUIDE[1:])], BARS), "isn't on one guide of the frame"),
+        (shared([*HINGES, (*GUIDE, 3)], BARS), "joints and sliders on the frame are"),
+        (shared([*HINGES, GUIDE], [("YR", "AQ", "AQ")]), "a joint 'Q' that the address doesn't hold"),
+        (shared([*HINGES, (7, *GUIDE[1:])], BARS), "it has 2 inputs"),
+        (shared([(4, *HINGES[0][1:]), *HINGES[1:], (7, *GUIDE[1:])], BARS), "a crank must be the input"),
+        (shared([(6, "A", 0, 0)], []), "of an older form"),
     ],
 )
 def test_what_becomes_no_scene__is_refused_in_words(tmp_path, monkeypatch, text, words):
