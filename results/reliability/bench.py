@@ -141,9 +141,10 @@ class Child:
     def end(self) -> Ended:
         """Wait for its end."""
         _, status, usage = os.wait4(self.pid, 0)
-        said = [path.read_text(errors="replace") for path in self._paths]
+        # Killed at once, it may not have come to open its files.
+        said = [path.read_text(errors="replace") if path.exists() else "" for path in self._paths]
         for path in self._paths:
-            path.unlink()
+            path.unlink(missing_ok=True)
         return Ended(os.waitstatus_to_exitcode(status), *said, usage.ru_utime + usage.ru_stime)
 
 

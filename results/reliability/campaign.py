@@ -31,18 +31,18 @@ from surroundings import cache_refused, clock_set_back, empty_cache, full_disk, 
 HERE = Path(__file__).parent
 # How often each kind of fault is done in a turn.
 TURN = {
-    kill: 10,
-    interrupt: 3,
-    damage: 9,
+    kill: 6,
+    interrupt: 5,
+    damage: 5,
     damage_search: 1,
-    full_disk: 1,
-    room_again: 0.2,
-    clock_set_back: 0.3,
-    together: 0.3,
+    full_disk: 2,
+    room_again: 0.5,
+    clock_set_back: 0.5,
+    together: 2,
     inject: 2,
-    spoil_cache: 0.2,
-    cache_refused: 0.1,
-    empty_cache: 0.05,
+    spoil_cache: 0.4,
+    cache_refused: 0.3,
+    empty_cache: 0.1,
 }
 # So many texts of what went wrong are kept.
 TOLD = 60
@@ -69,6 +69,9 @@ class Tally:
         row["ways"][way] = row["ways"].get(way, 0) + 1
         if wrong:
             row["wrong"] += 1
+            # Of a traceback its last line: others name places of files on this machine.
+            said, marker, trace = wrong.partition("traceback:")
+            wrong = f"{said}{marker} {trace.strip().splitlines()[-1]}" if trace.strip() else wrong
             self.data["wrong"] = [*self.data["wrong"], f"{fault}: {' '.join(wrong.split())}"[:600]][-TOLD:]
             print(self.data["wrong"][-1], flush=True)
 

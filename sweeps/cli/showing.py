@@ -1,5 +1,6 @@
 """Commands that show what there is: show, plot, orders, animate."""
 
+import gc
 from pathlib import Path
 
 import click
@@ -44,7 +45,7 @@ def show(
         answer_text,
         counts_text,
         fields_text,
-        undecided_text,
+        meeting_text,
         variants_done_text,
         variants_text,
         varied_text,
@@ -79,9 +80,7 @@ def show(
     for line in fields_text(result):
         tell(line)
     tell(counts_text(result))
-    left_open = undecided_text(result, condition)
-    count = int(result.meeting(condition).sum())
-    tell(f"{count} variants meet the condition{left_open}; the first {chosen.size}:")
+    tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
     tell(variants_text(result, chosen, names))
     if where is None:
         tell((optimum_text if is_search(result) else answer_text)(result))
@@ -164,6 +163,8 @@ def plot(
     from sweeps.pictures.plans import bearing_pictures, plan_pictures
     from sweeps.text.scene_text import with_values
 
+    # What is loaded by now stays to the end: the collector of garbage need not go through it at every sheet.
+    gc.freeze()
     tables = ""
     if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
         made = picture_files.result_pictures(Path(file), out, x, y, colour)

@@ -44,7 +44,8 @@ class Waiting:
             if words != self._words:
                 self._words, self._begun = words, now
                 self._take_back()
-            if words and now - self._begun >= PATIENCE:
+            # A look may have begun before the end and come to write after it.
+            if words and now - self._begun >= PATIENCE and not self._ended.is_set():
                 self._shown = words
                 sys.stderr.write(f"{_CLEARED}{words}: {now - self._begun:.0f} s")
                 sys.stderr.flush()

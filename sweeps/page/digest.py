@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import Verdict, any_quantity, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult
-from sweeps.store import MappedResult
+from sweeps.store import MappedResult, mapped_columns
 from sweeps.study.study import misses
 from sweeps.text.conditions import Condition, errors_in
 
@@ -178,14 +178,13 @@ def digest_of(path: Path) -> Digest:
         The file can't be read, or is no result of a sweep.
     """
     result = SweepResult(path)
-    mapped = MappedResult(path)
+    mapped = mapped_columns(path)
     first = _Choosing(result, aim_of(result))
     for start, rows in _pieces(mapped, first.names):
         first.take(start, rows)
     second = _Gathering(first)
     for start, rows in _pieces(mapped, second.names):
         second.take(start, rows)
-    mapped.refuse_damage(("flat",))
     return second.digest()
 
 
@@ -208,10 +207,8 @@ def condition_of(aim: Aim | None) -> Condition | None:
 def _pieces(mapped: MappedResult, names: list[str]) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
     """Number of the first variant, and the named columns, of one piece of the rows after another."""
     block = max(1, NUMBERS_AT_A_TIME // len(names))
-    # A writer hands status over last: what is ok here has its numbers there.
-    first = sorted(names, key=lambda name: name != "status")
     for start in range(0, mapped.variants, block):
-        yield start, {name: np.array(mapped.columns[name][start : start + block]) for name in first}
+        yield start, {name: np.array(mapped.columns[name][start : start + block]) for name in names}
         mapped.release()
 
 

@@ -73,8 +73,8 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         rows.append((price.text, _room(price.margin), gain, without))
     if rows:
         yield (
-            f"A condition binds where the {aim.word} {aim.name} would be another without it. Room is that left to the "
-            "limit, as a share of the magnitudes compared.",
+            f"A condition binds where the {aim.word} {aim.name} would be another without it. Room is what is left "
+            "up to the limit, as a share of the magnitudes compared.",
             PageTable(("condition", "room", "", f"{aim.word} {aim.name} without it"), rows, (1,)),
         )
     if digest.missed:
@@ -161,7 +161,10 @@ def _ranks(digest: Digest) -> list[tuple[str, str]]:
         pair = digest.rows[name][works], digest.rows[digest.aim.name][works]
         if works.size > 10 and all(np.ptp(values) > 0 for values in pair):
             found.append((name, float(spearmanr(*pair).statistic)))
-    return [(name, f"{rank:+.2f}") for name, rank in sorted(found, key=lambda pair: -abs(pair[1]))]
+    return [
+        (name, f"{rank:+.2f}".replace("-", "\N{MINUS SIGN}"))
+        for name, rank in sorted(found, key=lambda pair: -abs(pair[1]))
+    ]
 
 
 # Tables of all

@@ -7,6 +7,7 @@ import numpy as np
 
 from engine import Scene, Verdict, described_dimension, scene_numbers
 from sweeps.report.sweep_result import SweepResult
+from sweeps.store import variant_keys
 from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
@@ -49,25 +50,29 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
     parts = ["Scene and study:", *(told[:MOST_LISTED] or ["  the same"])]
     if len(told) > MOST_LISTED:
         parts.append(f"  and {len(told) - MOST_LISTED} more")
-    here, there = _common(one, other)
-    parts.append(f"Variants: {one.description.variants} and {other.description.variants}, {here.size} in common")
-    apart = one.columns["status"][here] != other.columns["status"][there]
-    if apart.any():
-        first = int(np.argmax(apart))
-        pair = [Verdict(int(r.columns["status"][v[first]])).name.lower() for r, v in ((one, here), (other, there))]
-        parts.append(f"  {int(apart.sum())} with another status, first variant {here[first]}: {' and '.join(pair)}")
-    shared = [name for name in one.summaries if name in other.summaries]
-    rows = [("", "within", "outside", "the farthest apart")]
-    agrees = not apart.any()
-    for name in shared:
-        row, outside = _of_summary(name, one, other, here, there)
-        rows.append(row)
-        agrees &= outside == 0
+    shared = {name: _Gap(name, one, other) for name in one.summaries if name in other.summaries}
+    common, apart, first = 0, 0, (0, 0)
+    for here, there in _common(one, other):
+        differs = one.columns["status"][here] != other.columns["status"][there]
+        if not apart and differs.any():
+            k = int(np.argmax(differs))
+            first = int(here[k]), int(there[k])
+        common, apart = common + here.size, apart + int(differs.sum())
+        for gap in shared.values():
+            gap.take(here, there)
+        other.release()
+    if not common:
+        raise InputError(str(one.path), [(None, "", f"has no variant in common with {other.path}")])
+    parts.append(f"Variants: {one.description.variants} and {other.description.variants}, {common} in common")
+    if apart:
+        pair = [Verdict(int(r.columns["status"][v])).name.lower() for r, v in zip((one, other), first, strict=True)]
+        parts.append(f"  {apart} with another status, first variant {first[0]}: {' and '.join(pair)}")
+    rows = [("", "within", "outside", "the farthest apart"), *(gap.row(common) for gap in shared.values())]
     parts += ["Summaries, as many variants within and outside the sum of both error figures:", table(rows, "  ")]
-    for result, names in ((one, set(one.summaries) - set(shared)), (other, set(other.summaries) - set(shared))):
+    for result, names in ((one, set(one.summaries) - shared.keys()), (other, set(other.summaries) - shared.keys())):
         if names:
             parts.append(f"Only in {result.path}: {', '.join(sorted(names))}")
-    return Comparison("\n".join(parts), bool(agrees))
+    return Comparison("\n".join(parts), not apart and not any(gap.outside for gap in shared.values()))
 
 
 def _of_records(one: SweepResult, other: SweepResult) -> Iterator[str]:
@@ -108,43 +113,77 @@ def _shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _common(one: SweepResult, other: SweepResult) -> tuple[np.ndarray, np.ndarray]:
-    """Variants with the same parameters, in each result."""
+def _common(one: SweepResult, other: SweepResult) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Variants with the same parameters, in each result: some at a time, as those of 1e8 would fill memory."""
     names = [name for name in one.parameters if name in other.parameters]
-    if set(one.parameters) ^ set(other.parameters) or not names:
-        count = min(one.description.variants, other.description.variants)
-        if one.description.variants != other.description.variants:
-            message = f"{other.path} varies other parameters, and has another number of variants: nothing to compare"
-            raise InputError(str(one.path), [(None, "", message)])
-        return np.arange(count), np.arange(count)
-    rows = [np.stack([result.columns[name] for name in names], axis=1).tolist() for result in (one, other)]
-    places = {tuple(row): i for i, row in enumerate(rows[1])}
-    pairs = [(i, places[tuple(row)]) for i, row in enumerate(rows[0]) if tuple(row) in places]
-    if not pairs:
-        raise InputError(str(one.path), [(None, "", f"has no variant in common with {other.path}")])
-    here, there = np.array(pairs).T
-    return here, there
+    of_same_numbers = set(one.parameters) ^ set(other.parameters) or not names
+    if of_same_numbers and one.description.variants != other.description.variants:
+        message = f"{other.path} varies other parameters, and has another number of variants: nothing to compare"
+        raise InputError(str(one.path), [(None, "", message)])
+    found = None
+    for part in one.parts():
+        here = np.arange(part.start, part.stop)
+        if of_same_numbers or all(np.array_equal(one.columns[n][part], other.columns[n][part]) for n in names):
+            yield here, here
+            continue
+        # Other studies, or other ranges, have the same variants elsewhere.
+        found = found or _Places(other, names)
+        there = found.of(one, part)
+        yield here[there >= 0], there[there >= 0]
 
 
-def _of_summary(
-    name: str, one: SweepResult, other: SweepResult, here: np.ndarray, there: np.ndarray
-) -> tuple[tuple[str, ...], int]:
-    """Row on a summary, and in how many variants it is outside the figures."""
-    a, b = one.columns[name][here], other.columns[name][there]
-    figures = one.columns[f"{name}_error"][here] + other.columns[f"{name}_error"][there]
-    with np.errstate(invalid="ignore"):
-        gap = np.abs(a - b)
-        within = gap <= np.nan_to_num(figures) + ROUNDING * np.maximum(np.abs(a), np.abs(b))
-    within |= np.isnan(a) & np.isnan(b)
-    outside = int((~within).sum())
-    if not outside:
-        return (name, str(a.size), "0", ""), 0
-    farthest = int(np.nanargmax(np.where(within, -1.0, np.nan_to_num(gap, nan=np.inf))))
-    unit = one.units[name]
-    values = [quantity_text(float(v[farthest]), unit) for v in (a, b)]
-    return (
-        name,
-        str(a.size - outside),
-        str(outside),
-        f"variant {here[farthest]}: {values[0]} and {values[1]}",
-    ), outside
+class _Places:
+    """Where in a result variants stand, by their parameters."""
+
+    def __init__(self, result: SweepResult, names: list[str]) -> None:
+        self.result, self.names = result, names
+        keys = np.concatenate([variant_keys(result.columns, names, part) for part in result.parts()])
+        self.order = np.argsort(keys, kind="stable")
+        self.keys = keys[self.order]
+
+    def of(self, other: SweepResult, part: slice) -> np.ndarray:
+        """The same variants as those of another result; −1 where there is none."""
+        wanted = variant_keys(other.columns, self.names, part)
+        at = np.minimum(np.searchsorted(self.keys, wanted), self.keys.size - 1)
+        rows = np.where(self.keys[at] == wanted, self.order[at], -1)
+        for name in self.names:
+            rows[self.result.columns[name][rows] != other.columns[name][part]] = -1
+        return rows
+
+
+class _Gap:
+    """How far apart the values of a summary are that two results have of the same variants."""
+
+    def __init__(self, name: str, one: SweepResult, other: SweepResult) -> None:
+        self.name, self.results = name, (one, other)
+        self.outside, self.widest, self.farthest = 0, -1.0, (0, 0)
+
+    def take(self, here: np.ndarray, there: np.ndarray) -> None:
+        """Look at some variants more."""
+        one, other = self.results
+        a, b = one.columns[self.name][here], other.columns[self.name][there]
+        figures = one.columns[f"{self.name}_error"][here] + other.columns[f"{self.name}_error"][there]
+        with np.errstate(invalid="ignore"):
+            gap = np.abs(a - b)
+            within = gap <= np.nan_to_num(figures) + ROUNDING * np.maximum(np.abs(a), np.abs(b))
+        within |= np.isnan(a) & np.isnan(b)
+        if within.all():
+            return
+        self.outside += int((~within).sum())
+        gap = np.where(within, -1.0, np.nan_to_num(gap, nan=np.inf))
+        k = int(np.argmax(gap))
+        if gap[k] > self.widest:
+            self.widest, self.farthest = float(gap[k]), (int(here[k]), int(there[k]))
+
+    def row(self, common: int) -> tuple[str, ...]:
+        """Row of the table: how many of the common variants agree."""
+        if not self.outside:
+            return self.name, str(common), "0", ""
+        pairs = zip(self.results, self.farthest, strict=True)
+        values = [quantity_text(float(r.columns[self.name][v]), r.units[self.name]) for r, v in pairs]
+        return (
+            self.name,
+            str(common - self.outside),
+            str(self.outside),
+            f"variant {self.farthest[0]}: {values[0]} and {values[1]}",
+        )

@@ -50,6 +50,12 @@ def undecided_text(result: SweepResult, where: str | None) -> str:
     return f", {count} more may or may not: their error figures reach across its limit" if count else ""
 
 
+def meeting_text(result: SweepResult, where: str | None) -> str:
+    """How many variants meet a condition, and how many neither meet nor miss it for certain."""
+    count = result.count_meeting(where)
+    return f"{count} {'variant meets' if count == 1 else 'variants meet'} the condition{undecided_text(result, where)}"
+
+
 def counts_text(result: SweepResult) -> str:
     """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
     status = result.columns["status"]
@@ -144,10 +150,11 @@ def answer_text(result: SweepResult) -> str:
     rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
     rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
     lines.append(table(rows, "  "))
-    if left_open := undecided_text(result, goal.where):
-        lines.append(f"{np.count_nonzero(result.candidates())} variants meet the condition{left_open}.")
+    if undecided_text(result, goal.where):
+        lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
-        lines.append(f"{rivals} other variants are as good within the error figures: choose among them by other needs.")
+        others = f"{rivals} other variants are" if rivals > 1 else "Another variant is"
+        lines.append(f"{others} as good within the error figures: choose among them by other needs.")
     return "\n".join(lines)
 
 

@@ -28,6 +28,8 @@ from sweeps.text.input_files import InputError, check_file
 
 # What is worked out of all variants is worked out of so many at a time.
 VARIANTS_AT_A_TIME = 1 << 19
+# So many where they lie anywhere in the file.
+CHOSEN_AT_A_TIME = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +63,10 @@ class SweepResult:
         for start in range(0, self.description.variants, VARIANTS_AT_A_TIME):
             yield slice(start, min(start + VARIANTS_AT_A_TIME, self.description.variants))
             self._mapped.release()
+
+    def release(self) -> None:
+        """Give back the memory of what was read, as `parts` does of itself."""
+        self._mapped.release()
 
     @cached_property
     def units(self) -> dict[str, str]:
@@ -198,8 +204,15 @@ class SweepResult:
 
     def meeting(self, where: str | None) -> np.ndarray:
         """Which variants were computed and meet a condition for sure (variants,); the condition as for `select`."""
+        met, found = self._met(where), np.zeros(self.description.variants, bool)
+        for part in self.parts():
+            found[part] = met(part)
+        return found
+
+    def count_meeting(self, where: str | None) -> int:
+        """How many variants were computed and meet a condition for sure; the condition as for `select`."""
         met = self._met(where)
-        return np.concatenate([met(part) for part in self.parts()])
+        return sum(int(np.count_nonzero(met(part))) for part in self.parts())
 
     def undecided(self, where: str) -> int:
         """Of how many computed variants the error figures leave open whether they meet a condition.
@@ -218,24 +231,24 @@ class SweepResult:
         parts = ((status[part] == Verdict.OK) & judged(part).undecided for part in self.parts())
         return sum(int(np.count_nonzero(part)) for part in parts)
 
-    def _met(self, where: str | None) -> Callable[[slice], np.ndarray]:
-        """Which of a run of variants were computed and meet a condition for sure."""
+    def _met(self, where: str | None) -> Callable[[slice | np.ndarray], np.ndarray]:
+        """Which of some variants were computed and meet a condition for sure."""
         status = self.columns["status"]
         if not where:
             return lambda part: status[part] == Verdict.OK
         judged = self._judged(where)
         return lambda part: (status[part] == Verdict.OK) & judged(part).met
 
-    def _judged(self, where: str) -> Callable[[slice], Judgement]:
-        """What a condition says of a run of variants; worked out each time, as that of 1e8 would fill memory."""
+    def _judged(self, where: str) -> Callable[[slice | np.ndarray], Judgement]:
+        """What a condition says of some variants; worked out each time, as that of 1e8 would fill memory."""
         try:
             condition = Condition.read(where, dimensions_by_unit(self.units))
         except ExpressionError as error:
             raise InputError(str(self.path), [(None, "where", str(error))]) from None
 
-        def judged(part: slice) -> Judgement:
+        def judged(part: slice | np.ndarray) -> Judgement:
             here = self.rows(part, condition.names)
-            return condition.judged(here, errors_in(here), part.stop - part.start)
+            return condition.judged(here, errors_in(here), self.columns["status"][part].size)
 
         return judged
 
@@ -243,18 +256,32 @@ class SweepResult:
         """All columns of some variants, in memory."""
         found = {}
         for name, column in self.columns.items():
-            found[name] = np.array(column[chosen])
+            pieces = [chosen] if isinstance(chosen, slice) else self._pieces(chosen)
+            found[name] = np.concatenate([np.array(column[piece]) for piece in pieces])
             self._mapped.release()
         return found
 
-    def rows(self, part: slice, names: Iterable[str]) -> dict[str, np.ndarray]:
-        """Some columns of a run of variants, and their error figures where they have any."""
+    def _pieces(self, chosen: np.ndarray) -> Iterator[np.ndarray]:
+        """A few of some variants after another; the memory of each is given back after it.
+
+        Whoever looks at one number of a file has a page of it in memory.
+        """
+        for start in range(0, max(chosen.size, 1), CHOSEN_AT_A_TIME):
+            yield chosen[start : start + CHOSEN_AT_A_TIME]
+            self._mapped.release()
+
+    def rows(self, part: slice | np.ndarray, names: Iterable[str]) -> dict[str, np.ndarray]:
+        """Some columns of some variants, and their error figures where they have any."""
         pairs = (name for wish in names for name in (wish, f"{wish}_error"))
         return {name: self.columns[name][part] for name in pairs if name in self.columns}
 
-    def candidates(self) -> np.ndarray:
-        """Which variants were computed and meet the condition for the best one (variants,)."""
-        return self.meeting(self.goal.where if self.goal else None)
+    def candidates(self, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Which of some variants were computed and meet the condition for the best one."""
+        where = self.goal.where if self.goal else None
+        if isinstance(chosen, slice):
+            return self.meeting(where)[chosen]
+        met = self._met(where)
+        return np.concatenate([met(piece) for piece in self._pieces(chosen)])
 
     def missed(self) -> dict[str, np.ndarray]:
         """For each condition of `require`, which variants fail it (variants,); those not yet computed not counted.

@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import Verdict
 from sweeps.run.blocks import evaluate_block, evaluate_variants
-from sweeps.store import Column, FileLayout, MappedResult, StoreError, describe_result
+from sweeps.store import Column, FileLayout, MappedResult, StoreError, describe_result, variant_keys
 from sweeps.study.study import Study
 from sweeps.study.study_record import machine_record
 
@@ -56,20 +56,13 @@ class Earlier:
     def _index(self) -> tuple[np.ndarray, np.ndarray]:
         """Keys of all variants, sorted, and which variants they are of."""
         keys = np.concatenate(
-            [self._keys(self._file.columns, self._file.rows(block)) for block in range(self._file.done.size)]
+            [
+                variant_keys(self._file.columns, self.parameters, self._file.rows(block))
+                for block in range(self._file.done.size)
+            ]
         )
         order = np.argsort(keys, kind="stable")
         return keys[order], order
-
-    def _keys(self, columns: Mapping[str, np.ndarray], rows: slice) -> np.ndarray:
-        """A 64-bit number for the parameters of each of some variants."""
-        found = np.zeros(rows.stop - rows.start, np.uint64)
-        for name in self.parameters:
-            # Multiplication by an odd number and a shift, as in SplitMix64, spread every bit over all.
-            found ^= np.ascontiguousarray(columns[name][rows]).view(np.uint64)
-            found = found * np.uint64(0xBF58476D1CE4E5B9) + np.uint64(0x9E3779B97F4A7C15)
-            found ^= found >> np.uint64(31)
-        return found
 
     def rows_of(self, values: Mapping[str, np.ndarray], count: int) -> np.ndarray:
         """Which of its variants have these parameters (count,); −1 for those it hasn't, or not undamaged.
@@ -80,7 +73,7 @@ class Earlier:
         count : int
         """
         keys, order = self._index
-        wanted = self._keys(values, slice(0, count))
+        wanted = variant_keys(values, self.parameters, slice(0, count))
         at = np.minimum(np.searchsorted(keys, wanted), keys.size - 1)
         rows = np.where(keys[at] == wanted, order[at], -1)
         for name in self.parameters:
@@ -112,9 +105,12 @@ class Earlier:
         if not self.names or not self.names >= {*self._file.flat, *self._file.fields} - {*self.parameters}:
             return False
         size, step = study.design.size, self._file.block
-        done = [self._keys(self._file.columns, self._file.rows(i)) for i in np.flatnonzero(self._file.done)]
+        done = [
+            variant_keys(self._file.columns, self.parameters, self._file.rows(i))
+            for i in np.flatnonzero(self._file.done)
+        ]
         parts = ((start, min(start + step, size)) for start in range(0, size, step))
-        ours = [self._keys(study.values(*part)[0], slice(0, part[1] - part[0])) for part in parts]
+        ours = [variant_keys(study.values(*part)[0], self.parameters, slice(0, part[1] - part[0])) for part in parts]
         return not done or bool(np.isin(np.concatenate(done), np.concatenate(ours)).all())
 
 

@@ -69,6 +69,7 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
             along, values = machine.kept_at[name]
             axis = along.name
             axes[axis] = FieldAxis(axis, along.long_name, along.units, values)
+        if name in machine.fields_with_error:
             columns.append(Column(f"{name}_error", f"greatest error figure of: {words}", quantity.units))
         columns.append(Column(name, words, quantity.units, ("variant", axis), machine.dtype.type))
     crank = units.q == "rad"

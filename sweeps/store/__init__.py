@@ -3,7 +3,16 @@
 from .creating import part_path
 from .errors import DamagedError, StoreError
 from .layout import NOT_COMPUTED, POSITION_NAMES, Column, FieldAxis, FileLayout
-from .reading import Description, MappedResult, damage_text, describe_result, mapped_columns, open_dataset, read_columns
+from .reading import (
+    Description,
+    MappedResult,
+    damage_text,
+    describe_result,
+    mapped_columns,
+    open_dataset,
+    read_columns,
+    variant_keys,
+)
 from .writing import Store, reword
 
 __all__ = [
@@ -24,4 +33,5 @@ __all__ = [
     "part_path",
     "read_columns",
     "reword",
+    "variant_keys",
 ]

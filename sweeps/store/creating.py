@@ -4,10 +4,14 @@ A file that never grows has nothing to lose: killing its writer or filling the d
 being written, but not HDF5's own tables or the rows written earlier.
 """
 
+import errno
 import itertools
 import json
+import os
 import shutil
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -17,7 +21,15 @@ from .checksums import texts_checksums
 from .errors import StoreError, explained, is_busy
 from .layout import NOT_COMPUTED, Column, FieldAxis, FileLayout
 
+try:
+    import fcntl
+except ImportError:
+    # Windows lets nobody open a file that another process writes.
+    fcntl = None
+
 _VARIANTS_AT_ONCE = 1 << 20
+# Seconds for which a folder's lock is waited for, and between two looks at it: whoever holds it renames a file.
+_PATIENCE, _PAUSE = 5.0, 0.002
 _FINAL_TEXTS = {"finished": 32, "outcome": 2000}
 
 
@@ -71,20 +83,59 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> None:
         Another sweep makes or has made the same file, or the system refuses.
     """
     raw = part.with_name(f"{part.name}.new")
-    remove_unlocked(raw)
     with explained(part, "create"):
+        with _alone_in(part.parent):
+            remove_unlocked(raw)
+            try:
+                file = h5py.File(raw, "x")
+            except FileExistsError:
+                raise StoreError(f"another sweep is creating {part}. Give another --out.") from None
         try:
-            # "x" lets one process in; the look at the part file comes after, so none is overwritten.
-            with h5py.File(raw, "x") as file:
-                if part.exists():
-                    raise StoreError(f"another sweep is writing {part}. Give another --out.")
-                _fill(file, layout, sources)
-        except FileExistsError:
-            raise StoreError(f"another sweep is creating {part}. Give another --out.") from None
+            # Looked for once the draft is there, which lets one process in: so none is overwritten.
+            if part.exists():
+                raise StoreError(f"another sweep is writing {part}. Give another --out.")
+            _fill(file, layout, sources)
+            with _alone_in(part.parent):
+                file.close()
+                raw.replace(part)
         except BaseException:
-            raw.unlink(missing_ok=True)
+            with _alone_in(part.parent):
+                try:
+                    file.close()
+                finally:
+                    raw.unlink(missing_ok=True)
             raise
-        raw.replace(part)
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Wait until no other process makes, gives its name to or removes a draft in a folder.
+
+    A new file isn't locked until HDF5 has opened it, and no longer once it is closed: between that and its
+    name, another process would take it for what a killed one left. Where folders have no locks, it is risked.
+    """
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except OSError:
+        descriptor = -1
+    try:
+        if fcntl and descriptor >= 0:
+            patience = time.monotonic() + _PATIENCE
+            while not _locked(descriptor) and time.monotonic() < patience:
+                time.sleep(_PAUSE)
+        yield
+    finally:
+        if descriptor >= 0:
+            os.close(descriptor)
+
+
+def _locked(descriptor: int) -> bool:
+    """Whether a file is locked now, or can't be."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno != errno.EWOULDBLOCK
+    return True
 
 
 def note_texts(file: h5py.File) -> None:

@@ -12,6 +12,9 @@ import numpy as np
 NOT_COMPUTED = 255
 """Status code of a variant whose block has not been written yet."""
 
+DONE = 1
+"""Flag of a block that is written; 0 before."""
+
 # Names of the axis over positions: crank angle, share of the range of a sliding input.
 POSITION_NAMES = ("phi", "travel")
 RESERVED = ("variant", "progress")

@@ -4,7 +4,7 @@ import difflib
 import hashlib
 import json
 import mmap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,7 +17,7 @@ from sweeps.text.input_files import HDF5_SIGNATURE
 from .checksums import checksum, texts_checksums
 from .creating import part_path, texts_of
 from .errors import DamagedError, StoreError, explained
-from .layout import Column
+from .layout import DONE, NOT_COMPUTED, Column
 
 if TYPE_CHECKING:
     import xarray
@@ -99,7 +99,7 @@ def describe_result(path: Path) -> Description:
             position_units=position["units"] if position else "",
             axes={axis["name"]: axis for axis in record.get("axes", ())},
             blocks=len(done),
-            blocks_done=int(np.count_nonzero(done)),
+            blocks_done=int(np.count_nonzero(done == DONE)),
         )
 
 
@@ -138,7 +138,11 @@ class MappedResult:
             record, progress = layout_record(file), file["progress"]
             self.variants, self.block = int(record["variants"]), int(record["block"])
             # What is flagged before its rows are read was there before.
-            self.done = progress["block_done"][:].astype(bool)
+            # Looked at before the flags: of a finished file every block was done by then.
+            finished = bool(file.attrs.get("finished"))
+            flags = progress["block_done"][:]
+            self.done = flags == DONE
+            self._misflagged = ~self.done & ((flags != 0) | finished)
             self.has_checksums = "block_checksum" in progress
             self._sums = {
                 kind: progress[name][:]
@@ -176,10 +180,13 @@ class MappedResult:
         return all(self._agrees(kind, block) for kind in kinds if kind in self._sums)
 
     def damaged(self, kinds: Sequence[str] = ("flat", "fields")) -> list[int]:
-        """Numbers of the blocks that are done and don't agree with their checksums, as for `is_sound`."""
+        """Numbers of the blocks whose flags changed, or that are done and don't agree with their checksums.
+
+        Kinds are as for `is_sound`.
+        """
         found = []
-        for i in map(int, np.flatnonzero(self.done)):
-            if not self.is_sound(i, kinds):
+        for i in map(int, np.flatnonzero(self.done | self._misflagged)):
+            if self._misflagged[i] or not self.is_sound(i, kinds):
                 found.append(i)
             self.release()
         return found
@@ -202,6 +209,19 @@ class MappedResult:
         if damaged := self.damaged(kinds):
             words = damage_text(self, damaged)
             raise DamagedError(f"{self.path} is damaged: numbers of variants {words} changed. {_AGAIN}")
+
+    def known_status(self) -> np.ndarray:
+        """The column `status`; in memory, with blocks that aren't done as not computed, of an unfinished file.
+
+        A writer hands status over last: what is ok here has its numbers there.
+        """
+        status = self.columns["status"]
+        if self.done.all():
+            return status
+        status = np.array(status)
+        for i in map(int, np.flatnonzero(~self.done)):
+            status[self.rows(i)] = NOT_COMPUTED
+        return status
 
     def rows(self, block: int) -> slice:
         """Variants of a block."""
@@ -240,6 +260,26 @@ def _mapped(pages: mmap.mmap, dataset: h5py.Dataset) -> np.ndarray:
     return np.frombuffer(pages, dataset.dtype, dataset.size, offset).reshape(dataset.shape)
 
 
+def variant_keys(columns: Mapping[str, np.ndarray], names: Iterable[str], rows: slice) -> np.ndarray:
+    """A 64-bit number for the parameters of each of some variants: the same for the same parameters.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray
+    names : iterable of str
+        The parameters.
+    rows : slice
+        Which variants.
+    """
+    found = np.zeros(rows.stop - rows.start, np.uint64)
+    for name in names:
+        # The sum makes 0 of −0. Multiplication by an odd number and a shift, as in SplitMix64, spread every bit.
+        found ^= (columns[name][rows] + 0.0).view(np.uint64)
+        found = found * np.uint64(0xBF58476D1CE4E5B9) + np.uint64(0x9E3779B97F4A7C15)
+        found ^= found >> np.uint64(31)
+    return found
+
+
 def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
     """Name the variants of some blocks, "0 … 4095, 8192 … 12287"; of many the first."""
     shown = [result.rows(i) for i in blocks[:_SHOWN]]
@@ -263,10 +303,7 @@ def mapped_columns(path: Path) -> MappedResult:
         The file cannot be read, or is damaged.
     """
     mapped = MappedResult(path)
-    status = mapped.columns["status"]
-    if not mapped.done.all():
-        # A writer hands status over last: what is ok here has its numbers there.
-        status = np.array(status)
+    status = mapped.known_status()
     mapped.refuse_damage(("flat",))
     mapped.columns = {name: mapped.columns[name] for name in mapped.flat} | {"status": status}
     return mapped
@@ -291,10 +328,8 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np
     mapped = _sound(path, names)
     if names is None:
         names = mapped.flat
-    # A writer hands status over last: what is ok here has its numbers there.
-    first = sorted(names, key=lambda name: name != "status")
-    arrays = {name: np.array(mapped.columns[name]) for name in first}
-    return {name: arrays[name] for name in names}
+    first = {"status": np.array(mapped.known_status())} if "status" in names else {}
+    return {name: first[name] if name in first else np.array(mapped.columns[name]) for name in names}
 
 
 def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:

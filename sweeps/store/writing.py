@@ -27,7 +27,7 @@ from .creating import (
     write_final_text,
 )
 from .errors import DamagedError, StoreError, explained
-from .layout import NOT_COMPUTED, Column, FileLayout
+from .layout import DONE, NOT_COMPUTED, Column, FileLayout
 from .reading import MappedResult, damage_text, layout_record, opened
 
 # HDF5's lock keeps out other processes, but not a second store in this one.
@@ -173,7 +173,7 @@ class Store:
             file["progress/block_checksum"][i] = checksum(i, flat)
             if self.layout.fields:
                 file["progress/fields_checksum"][i] = checksum(i, (arrays[c.name] for c in self.layout.fields))
-            file["progress/block_done"][i] = 1
+            file["progress/block_done"][i] = DONE
             file.flush()
         self._done[i] = True
 

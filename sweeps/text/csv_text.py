@@ -97,7 +97,7 @@ def _check_numbers(path: Path, lines: Sequence[int], column: list[str]) -> None:
         sound = False
     if not sound:
         bad = next(i for i, cell in enumerate(column) if not _is_number(cell))
-        message = f"{_quoted(path, column[bad]).strip() or 'a cell'} is not a number; use a decimal point"
+        message = f"{_quoted(path, column[bad]).strip() or 'a cell'} is not a number such as 0.5 (with a decimal point)"
         raise InputError(path.name, [(lines[bad], "", message)])
 
 

@@ -44,7 +44,7 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
     prefix : tuple of str
         Keys of the table in which the scene stands in the text.
     """
-    for table in ("forces", "moments"):
+    for table in ("forces", "moments", "wanted"):
         actions = data.get(table)
         for name, action in actions.items() if isinstance(actions, dict) else ():
             if isinstance(action, dict) and "file" in action:
@@ -198,6 +198,10 @@ def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
         for key, unit in (("times", "s"), ("angles", "rad")):
             if key in regime.get("at", {}):
                 regime["at"][key] = [f"{v!r} {unit}" for v in regime["at"][key]]
+    for motion in data.get("wanted", {}).values():
+        for key, unit in (("x", "m"), ("y", "m"), ("over_angle", "rad"), ("slide", "m"), ("angle", "rad")):
+            if isinstance(motion.get(key), list):
+                motion[key] = [f"{v!r} {unit}" for v in motion[key]]
     units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
     for table, unit in (("forces", "N"), ("moments", "N m")):
         for action in data.get(table, {}).values():

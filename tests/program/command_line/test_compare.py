@@ -7,6 +7,7 @@ import pytest
 from commands import STUDY, refused, said
 from press_texts import PRESS
 
+from sweeps.report import sweep_result
 from sweeps.report.comparison import comparison
 from sweeps.report.sweep_result import SweepResult
 
@@ -39,6 +40,23 @@ def test_results_of_other_machines__differ_where_they_should(results):
     # In line, the stroke is twice the crank whatever the rod; the two longest cranks assemble with neither.
     assert row(answer.stdout, "ram.stroke")[1:3] == ["8", "0"]
     assert row(answer.stdout, "excess_work")[1:3] == ["2", "6"]
+
+
+def test_same_variants_in_another_order__each_beside_itself(press_result, monkeypatch):
+    one, other = SweepResult(Path(press_result)), SweepResult(Path(press_result))
+    order = [5, 0, 7, 2, 1, 6, 3, 4]
+    turned = {name: column[order].copy() for name, column in other.columns.items()}
+    turned["ram.stroke"][2] *= 1.01
+    turned["status"][4] = 2
+    vars(other)["_mapped"] = SimpleNamespace(columns=turned, release=lambda: None)
+    turned["input.length"][7] *= 1.5
+    for at_a_time in (3, 100):
+        monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", at_a_time)
+        text = comparison(one, other).text
+        assert "Variants: 8 and 8, 7 in common" in text
+        assert "1 with another status, first variant 1: ok and singular" in text
+        assert row(text, "ram.stroke")[1:5] == ["6", "1", "variant", "7:"]
+        assert row(text, "excess_work")[1:3] == ["7", "0"]
 
 
 def test_value_just_beyond_its_figure__is_outside(press_result):

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import h5py
@@ -226,6 +227,29 @@ def test_creation_under_way_elsewhere__refused(path: Path, part: Path) -> None:
         with pytest.raises(StoreError, match="another sweep is writing"):
             Store.open(path, layout())
         child.communicate("\n", timeout=60)
+
+
+def test_second_writer_before_the_draft_has_its_name__first_goes_on(
+    path: Path, part: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, children = Path.replace, []
+
+    def late(old: Path, new: Path) -> Path:
+        children.append(start_child(f"child_tries(Path({str(path)!r}))"))
+        assert children[0].stdout.readline() == "trying\n"
+        # Time in which the other one would take the draft, closed already, for what a killed one left.
+        time.sleep(0.5)
+        return real(old, new)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", late)
+        store = Store.open(path, layout())
+    with store, children[0] as child:
+        out, err = child.communicate(timeout=60)
+        assert (err, child.returncode) == ("", 0)
+        assert "another sweep is writing" in out
+        store.write(0, results(store, 0))
+    assert files(path.parent) == ["out.part.h5"]
 
 
 def test_part_file_appears_during_creation__not_overwritten(

@@ -18,6 +18,7 @@ from sweeps.store import (
     Store,
     StoreError,
     describe_result,
+    mapped_columns,
     open_dataset,
     read_columns,
 )
@@ -154,7 +155,14 @@ def spoilt(path: Path, name: str, element: int) -> None:
 
 @pytest.mark.parametrize(
     ("name", "element", "block"),
-    [("length", 0, 0), ("peak_torque", 9, 2), ("status", 21, 5), ("torque", 5 * 13, 3), ("order", 4, 1)],
+    [
+        ("length", 0, 0),
+        ("peak_torque", 9, 2),
+        ("status", 21, 5),
+        ("torque", 5 * 13, 3),
+        ("order", 4, 1),
+        ("progress/block_done", 2, 2),
+    ],
 )
 def test_changed_bit__found_named_and_pending_again(path: Path, name: str, element: int, block: int) -> None:
     complete(path, layout())
@@ -191,6 +199,27 @@ def test_changed_bit_in_a_part_file__block_pending_and_not_computed_for_readers(
             store.write(i, results(store, i))
         store.finish()
     assert MappedResult(path).damaged() == []
+
+
+def test_finished_file_with_a_block_not_flagged__damaged(path: Path) -> None:
+    complete(path, layout())
+    with h5py.File(path, "r+") as file:
+        file["progress/block_done"][1] = 0
+        file["status"][5] = 83
+    assert MappedResult(path).damaged() == [1]
+    with pytest.raises(DamagedError, match=r"variants 4 … 7 changed"):
+        mapped_columns(path)
+
+
+def test_status_of_blocks_not_done__not_computed_whatever_stands_there(path: Path, part: Path) -> None:
+    with Store.open(path, layout()) as store:
+        store.write(1, results(store, 1))
+    with h5py.File(part, "r+") as file:
+        file["status"][:4] = (0, 83, 0, 254)
+    for status in (read_columns(part)["status"], mapped_columns(part).columns["status"]):
+        assert (status[:4] == NOT_COMPUTED).all()
+        assert (status[4:8] != NOT_COMPUTED).all()
+        assert (status[8:] == NOT_COMPUTED).all()
 
 
 def test_opening__holds_no_number_of_every_variant(path: Path) -> None:

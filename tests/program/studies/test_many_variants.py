@@ -25,6 +25,7 @@ def path(tmp_path_factory):
 @pytest.fixture
 def in_pieces(path, monkeypatch):
     monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 7)
+    monkeypatch.setattr(sweep_result, "CHOSEN_AT_A_TIME", 5)
     return SweepResult(path)
 
 
@@ -36,6 +37,7 @@ def test_choosing_piece_by_piece__is_that_of_all_at_once(path, in_pieces):
     met = whole.meeting(where)
     assert 0 < met.sum() < ok.sum()
     assert in_pieces.meeting(where).tolist() == met.tolist()
+    assert in_pieces.count_meeting(where) == met.sum()
     for descending, sign in ((False, 1.0), (True, -1.0)):
         chosen = np.flatnonzero(met)
         expected = chosen[np.argsort(sign * columns[name][chosen], kind="stable")]
@@ -44,6 +46,10 @@ def test_choosing_piece_by_piece__is_that_of_all_at_once(path, in_pieces):
     assert in_pieces.best() == np.flatnonzero(met)[np.argmin(whole.goal.sign * columns[name][met])]
     assert in_pieces.rivals(in_pieces.best()) == whole.rivals(whole.best())
     assert in_pieces.undecided(where) == whole.undecided(where)
+    some = np.arange(1, met.size, 3)[::-1]
+    assert in_pieces.candidates(some).tolist() == met[some].tolist()
+    taken = in_pieces.taken(some)
+    assert all(np.array_equal(taken[name], column[some], equal_nan=True) for name, column in columns.items())
 
 
 def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, monkeypatch):

@@ -67,6 +67,7 @@ CODES = {
     24: "grows",
     25: "turns_back",
     26: "too_coarse",
+    27: "does_not_close",
     255: "not_computed",
 }
 

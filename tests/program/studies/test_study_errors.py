@@ -57,6 +57,7 @@ precision | positions | precision = "float16"\npositions | float16 | precision |
 unknown summary | "ram.stroke", | "ram.strok", | [outputs] | outputs | 'ram.strok' is not a summary | 'ram.stroke'
 unknown field | [outputs] | [outputs]\nfields = ["B.z"] | [outputs] | outputs | 'B.z' is not a field | 'B.x'
 best of nothing | minimise = "excess_work" | minimise = "exces_work" | exces | best.minimise | 'excess_work'
+best without a name | minimise = "excess_work" | minimise = "" | minimise = "" | best.minimise | is not a summary
 best of two | minimise = "excess_work" | minimise = "excess_work"\nmaximise = "ram.stroke" | [best] | best | either
 best where unfinished | > '90 mm' | > | where | best.where | >
 best where unknown | ram.stroke > | ram.strok > | where | best.where | 'ram.stroke'
