@@ -60,13 +60,19 @@ class Load(NamedTuple):
 
 
 class Characteristic(NamedTuple):
-    """How large a load is: `coefficient` (a number of the variant) × `value`; `order` as for `Load`."""
+    """How large a load is: `coefficient` (a number of the variant) × `value`; `order` as for `Load`.
+
+    `role` is that of a part of an action that has another one than the whole: what is lost on the way to it.
+    """
 
     coefficient: Node
     value: Node
     order: float | str = 0
+    role: str | None = None
 
 
 def load(action: str, size: Characteristic, grip: Grip, velocity: Node, role: str | None) -> Load:
     """A load and its reduced moment."""
-    return Load(action, size.coefficient, size.value, grip, velocity, velocity * size.value, role, size.order)
+    return Load(
+        action, size.coefficient, size.value, grip, velocity, velocity * size.value, size.role or role, size.order
+    )

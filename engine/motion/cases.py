@@ -145,13 +145,13 @@ def _law(dynamics: Dynamics, regime: RunRegime, arguments: frozenset[str]) -> Mo
         return None
     if "t" in arguments:
         reduction = dynamics.reduction
-        timed = [key for key in reduction.keys if key[0] in dynamics.active and reduction.depends_on_time(key)]
+        timed = [key for key in reduction.keys if key.action in dynamics.active and reduction.depends_on_time(key)]
         actions = reduction.mechanics.scene.forces | reduction.mechanics.scene.moments
-        tabled = len(timed) == 1 and isinstance(actions[timed[0][0]], Tabled)
+        tabled = len(timed) == 1 and isinstance(actions[timed[0].action], Tabled)
         return MomentLaw.TIMED if arguments == {"t"} and tabled and regime.time is not None else None
     scene = dynamics.reduction.mechanics.scene
     formulas = load_formulas(scene)
-    if any(order > 0 and dynamics.reduction.keys[i][0] in formulas for i, _, order in dynamics.polynomial):
+    if any(order > 0 and dynamics.reduction.keys[i].action in formulas for i, _, order in dynamics.polynomial):
         # It may drive the faster it goes, which closed forms leave out.
         return None
     if any(isinstance(scene.moments[name], InductionMotor) for name in dynamics.motors):

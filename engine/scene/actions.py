@@ -19,7 +19,6 @@ from engine.laws.tables import TableError, make_table
 from engine.scene.formulas.by_formula import ByFormula, FormulaText
 from engine.scene.parts import (
     FRAME,
-    STANDARD_GRAVITY,
     Acceleration,
     Angle,
     AngularSpeed,
@@ -324,14 +323,15 @@ class TorsionSpring(Part):
 class Carried(Part):
     """Masses that a drum or wheel on the crank or on a shaft moves along a straight way, at the speed of its rim.
 
-    With `forwards` the way that the drum turns as they go forward is said: up, where the way rises.
+    With `forwards` the way that the drum turns as they go forward is said: up, where the way rises. Their `gravity` is
+    the scene's if nothing else is said, and 9.80665 m/s² where the scene has none.
     """
 
     masses: ClassVar[tuple[str, ...]] = ("mass",)
     radius: ClassVar[str] = "drum_radius"
     on: Name
     forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
-    gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
+    gravity: Annotated[Acceleration, Field(gt=0)] | None = None
     role: Role = "useful"
 
 
@@ -339,6 +339,7 @@ class HoistMoment(Carried):
     """A load on the rope of a drum: its weight m g r, and its mass as the inertia m r².
 
     `efficiency` is that of all between the load and the drum: lifting takes m g r/η, lowering gives back m g r η.
+    What is lost is harmful work, whatever the `role` of the load.
     """
 
     type: Literal["hoist"]

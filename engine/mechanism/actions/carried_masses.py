@@ -17,9 +17,11 @@ from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.kinematics import Kinematics
 from engine.scene.actions import Carried, ConveyorMoment, HoistMoment
 from engine.scene.inertia import carried_inertia, carried_on
+from engine.scene.parts import STANDARD_GRAVITY
 from engine.scene.scene import Numbers
 
 _Value = float | np.ndarray
+_OfNumbers = Callable[[Numbers], _Value]
 _WAYS = {"counter-clockwise": 1.0, "clockwise": -1.0}
 
 
@@ -38,16 +40,19 @@ def carried_characteristics(kinematics: Kinematics, load: Carried, at: str, alon
     graph, way = kinematics.graph, _WAYS[load.forwards]
     against = graph.held(along.switch(constant_against_motion, 1.0))
 
-    def number(words: str, value: Callable[[Numbers], _Value]) -> Node:
+    gravity = _gravity(load, at)
+
+    def number(words: str, value: _OfNumbers) -> Node:
         return graph.derived(f"{words} of {at}", value, "load")
 
     if isinstance(load, HoistMoment):
-        weight = number("moment of the weight", lambda n: n[f"{at}.mass"] * n[f"{at}.gravity"] * n[f"{at}.drum_radius"])
+        weight = number("moment of the weight", lambda n: n[f"{at}.mass"] * gravity(n) * n[f"{at}.drum_radius"])
+        yield Characteristic(weight, graph.constant(-way))
         efficiency = graph.number(f"{at}.efficiency", "load")
         factor = along.switch(lifting_factor, efficiency, way * input_sense(kinematics))
-        yield Characteristic(weight, -way * graph.held(factor))
+        yield Characteristic(weight, -way * (graph.held(factor) - 1.0), role="harmful")
         return
-    rubs, lifts = _conveyed(at) if isinstance(load, ConveyorMoment) else _driven(at)
+    rubs, lifts = _conveyed(at, gravity) if isinstance(load, ConveyorMoment) else _driven(at, gravity)
     yield Characteristic(number("moment of friction", lambda n: rubs(n) * np.sign(n["input.speed"])), against)
     yield Characteristic(number("moment of the slope", lifts), graph.constant(-way))
     if not isinstance(load, ConveyorMoment):
@@ -55,11 +60,18 @@ def carried_characteristics(kinematics: Kinematics, load: Carried, at: str, alon
         yield Characteristic(drag, against * (along.velocity * along.velocity), 2)
 
 
-def _driven(at: str) -> tuple[Callable[[Numbers], _Value], Callable[[Numbers], _Value]]:
+def _gravity(load: Carried, at: str) -> _OfNumbers:
+    """The load's own gravity, else the scene's, and the standard one where the scene has none."""
+    if load.gravity is not None:
+        return lambda n: n[f"{at}.gravity"]
+    return lambda n: np.where(n["gravity"] == 0.0, STANDARD_GRAVITY, np.abs(n["gravity"]))
+
+
+def _driven(at: str, gravity: _OfNumbers) -> tuple[_OfNumbers, _OfNumbers]:
     """Moments of a vehicle's rolling resistance, and of the slope."""
 
     def weight(n: Numbers) -> _Value:
-        return n[f"{at}.mass"] * n[f"{at}.gravity"] * n[f"{at}.wheel_radius"]
+        return n[f"{at}.mass"] * gravity(n) * n[f"{at}.wheel_radius"]
 
     return (
         lambda n: n[f"{at}.rolling"] * weight(n) * np.cos(n[f"{at}.slope"]),
@@ -67,11 +79,11 @@ def _driven(at: str) -> tuple[Callable[[Numbers], _Value], Callable[[Numbers], _
     )
 
 
-def _conveyed(at: str) -> tuple[Callable[[Numbers], _Value], Callable[[Numbers], _Value]]:
+def _conveyed(at: str, gravity: _OfNumbers) -> tuple[_OfNumbers, _OfNumbers]:
     """Moments of a conveyor's friction, and of what it lifts."""
 
     def arm(n: Numbers) -> _Value:
-        return n[f"{at}.gravity"] * n[f"{at}.drum_radius"]
+        return gravity(n) * n[f"{at}.drum_radius"]
 
     def friction(n: Numbers) -> _Value:
         pressed = (n[f"{at}.load_mass"] + n[f"{at}.belt_mass"]) * np.cos(n[f"{at}.incline"])

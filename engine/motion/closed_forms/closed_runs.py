@@ -76,7 +76,7 @@ def _equation(
     instant, value = 0.0, 1.0
     if timed is not None:
         scene = reduction.mechanics.scene
-        action = (scene.forces | scene.moments)[timed[0]]
+        action = (scene.forces | scene.moments)[timed.action]
         table = make_table(action.abscissae, action.ordinates, action.interpolation, outside=action.outside)
         instant, value = strongest(table)
     rows = len(reduction.keys) + 2

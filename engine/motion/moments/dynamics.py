@@ -102,6 +102,19 @@ class Variants(NamedTuple):
         )
 
 
+class Acting(NamedTuple):
+    """What a row of a moment belongs to: an action of the scene, or a part with an order and a role of its own."""
+
+    action: str
+    order: float | str
+    role: str | None
+
+    @classmethod
+    def of(cls, load: Load) -> "Acting":
+        """What a load belongs to."""
+        return cls(load.action, load.order, load.role)
+
+
 class Reduction:
     """Rows of a machine in motion, made once for whatever acts: I, dI/dφ, and the moment of each action by its order.
 
@@ -115,8 +128,8 @@ class Reduction:
     time : Given
         On which loads over time depend.
     loads : Loads
-    keys : list of (str, int, float or str)
-        Action and order of each row of a moment.
+    keys : list of Acting
+        What each row of a moment belongs to.
     nodes : list of Node
         I, dI/dφ and a moment for each key.
     tabulation : Tabulation
@@ -130,9 +143,9 @@ class Reduction:
         graph, reduced = mechanics.graph, mechanics.reduced
         self.mechanics, self.time = mechanics, graph.given("time")
         self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time)
-        moments: dict[tuple[str, float | str], Node] = {}
-        for key in dict.fromkeys((load.action, load.order) for load in self.loads.terms):
-            own = [(t.coefficient, t.basis) for t in self.loads.terms if (t.action, t.order) == key]
+        moments: dict[Acting, Node] = {}
+        for key in dict.fromkeys(Acting.of(load) for load in self.loads.terms):
+            own = [(t.coefficient, t.basis) for t in self.loads.terms if Acting.of(t) == key]
             moments[key] = graph.combination(own)
         self.keys = [key for key, moment in moments.items() if moment is not graph.zero]
         self.nodes = [reduced.inertia, reduced.slope, *(moments[key] for key in self.keys)]
@@ -141,7 +154,7 @@ class Reduction:
         title = "A machine in motion."
         functions = functions_at(graph, title, mechanics.first, mechanics.last, self.nodes, watched)
         self.tabulation = Tabulation(functions)
-        judged = [(action, row) for row, (action, _) in enumerate(self.keys, 2)]
+        judged = [(key.action, row) for row, key in enumerate(self.keys, 2)]
         self.has_cycle = mechanics.has_cycle
         turns = mechanics.scene.input.revolutions if self.has_cycle else 1
         self.landmarks = Landmarks(self.tabulation, terms, judged, turns)
@@ -162,9 +175,9 @@ class Reduction:
         ends = [np.broadcast_to(end.compute(numbers), (count,)) for end in (self.mechanics.first, self.mechanics.last)]
         return np.minimum(*ends).astype(float), np.maximum(*ends).astype(float)
 
-    def depends_on_time(self, key: tuple[str, float | str]) -> bool:
+    def depends_on_time(self, key: "Acting") -> bool:
         """Whether the moment of a key does."""
-        own = [t.basis for t in self.loads.terms if (t.action, t.order) == key]
+        own = [t.basis for t in self.loads.terms if Acting.of(t) == key]
         return self.time in reached(own)
 
     def variants(self, numbers: Numbers, direction: np.ndarray, flywheel: np.ndarray) -> "Variants":
@@ -268,7 +281,7 @@ class Dynamics:
         self.channels = CHANNELS if works else ("all",)
         self.motors = tuple(name for name in loads.motors if name not in off)
         # Of what acts: its row of the reduction, its channel and its order.
-        acting = [(i, key) for i, key in enumerate(reduction.keys) if key[0] not in off]
+        acting = [(i, key) for i, key in enumerate(reduction.keys) if key.action not in off]
         self.active = frozenset(load.action for load in loads.terms if load.action not in off)
         self.active |= {IN_PAIRS} if friction is not None else set()
         self.active |= {OF_INERTIA} if scene.cams else set()
@@ -277,11 +290,10 @@ class Dynamics:
         formulas = load_formulas(scene)
         self.changing = any(formulas[name].depends_on_time for name in self.active if name in formulas)
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
-        roles = {load.action: load.role for load in loads.terms}
         self.polynomial, self.laws = [], []
-        for i, (action, order) in acting:
-            place = (i, self._channel(roles[action]), order)
-            (self.polynomial if order in POLYNOMIAL_ORDERS else self.laws).append(place)
+        for i, key in acting:
+            place = (i, self._channel(key.role), key.order)
+            (self.polynomial if key.order in POLYNOMIAL_ORDERS else self.laws).append(place)
         # Whether all that acts vanishes with the speed: then nothing stops the machine, nor sets it going.
         self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
         self.fades &= friction is None

@@ -85,7 +85,7 @@ def evaluate():
     return found
 
 
-GO = ("go.final_speed", "go.angle", "go.driving_work", "go.useful_work", "go.energy_change")
+GO = ("go.final_speed", "go.angle", "go.driving_work", "go.useful_work", "go.harmful_work", "go.energy_change")
 
 
 @settings(max_examples=20, deadline=None)
@@ -98,22 +98,38 @@ def test_hoist__is_lifted_at_constant_acceleration(evaluate, stepwise, mass, eff
     inertia = OWN + DRUM**2 * mass * 0.3**2
     speed = (times - 1.0) * weight / inertia * 0.7
     angle = 0.35 * speed
-    expected = [speed, angle, times * weight * angle, weight * angle, 0.5 * inertia * speed**2]
+    lifted, lost = efficiency * weight * angle, (1.0 - efficiency) * weight * angle
+    expected = [speed, angle, times * weight * angle, lifted, lost, 0.5 * inertia * speed**2]
     assert status == Verdict.OK
     # Moments that nearly balance carry their rounding, and what a step misses, so many times as much.
-    np.testing.assert_allclose(found, expected, rtol=TOLERANCE / (times - 1.0))
+    tolerance = TOLERANCE / (times - 1.0)
+    np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance * weight * angle)
 
 
 @pytest.mark.parametrize("stepwise", [False, True])
 def test_hoist__drives_less_where_it_is_lowered_than_it_takes_to_lift_it(evaluate, stepwise):
-    names = ("stop.time", "stop.angle", "back.final_speed", "back.useful_work")
+    names = ("stop.time", "stop.angle", "back.final_speed", "back.useful_work", "back.harmful_work")
     numbers = {"moments__rope__mass": 50.0, "moments__rope__efficiency": 0.6}
     status, found = evaluate(names, stepwise, **numbers)
     weight, inertia = 50.0 * GRAVITY * 0.3 * abs(DRUM), OWN + DRUM**2 * 50.0 * 0.3**2
     slows, falls = weight / 0.6 / inertia, 0.6 * weight / inertia
-    expected = [5.0 / slows, 12.5 / slows, -falls * 0.5, -0.6 * weight * 0.125 * falls]
+    way = 0.125 * falls
+    expected = [5.0 / slows, 12.5 / slows, -falls * 0.5, -weight * way, 0.4 * weight * way]
     assert status == Verdict.OK
     np.testing.assert_allclose(found, expected, rtol=TOLERANCE)
+
+
+@pytest.mark.parametrize(("own", "of_scene", "taken"), [(3.7, 9.81, 3.7), (None, 9.81, 9.81), (None, 0.0, 9.80665)])
+def test_weight__is_by_its_own_gravity_or_the_scenes_or_the_standard(own, of_scene, taken):
+    rope = {key: value for key, value in SCENE["moments"]["rope"].items() if key != "gravity"}
+    rope |= {"mass": 50.0} | ({} if own is None else {"gravity": own})
+    parts = {key: SCENE[key] for key in ("points", "input", "shafts")}
+    made = Machine(
+        Scene.model_validate(parts | {"gravity": of_scene, "moments": {"rope": rope}}), ["mean_useful_moment"]
+    )
+    assert made.evaluate({}).summaries["mean_useful_moment"][0] == pytest.approx(
+        50.0 * taken * 0.3 * abs(DRUM), rel=1e-14
+    )
 
 
 @settings(max_examples=20, deadline=None)
