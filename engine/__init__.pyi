@@ -39,11 +39,12 @@ from engine.compiling.kept_code import is_compiling
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.elastic.compliances.elastic_parts import ComplianceElement
 from engine.elastic.drives.machine_drive_element import MachineDrive
 from engine.elastic.drives.two_mass_columns import drive_history
 from engine.elastic.drives.two_mass_element import TwoMassDrive
 from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
-from engine.elastic.oscillators.oscillator_element import OscillatorElement, OverTime, SupportOverTime
+from engine.elastic.oscillators.oscillator_element import FreeStart, OscillatorElement, OverTime, SupportOverTime
 from engine.elastic.oscillators.over_time import oscillator_history
 from engine.elastic.oscillators.run_through import run_through_motion
 from engine.elastic.trains.excitation import TrainExcitation, train_excitation, train_speed
@@ -52,7 +53,7 @@ from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_
 from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
 from engine.elastic.trains.train_columns import is_excited, train_numbers
 from engine.elastic.trains.train_element import TorsionalTrain
-from engine.elements.bodies.body_elements import RotatingGuide, TiltedBody, WoundFlywheel
+from engine.elements.bodies.body_elements import RotatingGuide, TetheredBody, TiltedBody, WoundFlywheel
 from engine.elements.bodies.rotating_guides import slides_out
 from engine.elements.bodies.tilted_bodies import body_ellipsoid
 from engine.elements.bodies.wound_flywheels import wound_stresses
@@ -69,6 +70,7 @@ from engine.governors.governor_elements import AnyGovernor, Governor
 from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
 from engine.higher_pairs.cams.cam_elements import CamElement
 from engine.higher_pairs.cams.driving_cams import DrivingCam
+from engine.higher_pairs.gears.drive_elements import ChainDrive
 from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
 from engine.higher_pairs.gears.gear_elements import GearTrain
@@ -187,6 +189,8 @@ __all__ = [
     "CamCurves",
     "CamElement",
     "CarElement",
+    "ChainDrive",
+    "ComplianceElement",
     "CounterweightPlace",
     "CrankInput",
     "DCMotor",
@@ -204,6 +208,7 @@ __all__ = [
     "ExpressionTree",
     "FormulaNumber",
     "FreeGroup",
+    "FreeStart",
     "GearTrain",
     "Governor",
     "GovernorCurves",
@@ -258,6 +263,7 @@ __all__ = [
     "SupportOverTime",
     "SynthesisError",
     "TableError",
+    "TetheredBody",
     "TextExpression",
     "TextOperation",
     "TiltedBody",

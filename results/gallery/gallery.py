@@ -72,6 +72,12 @@ SHOWN = (
     of_template("A start through backlash", "elastic_drive", "elastic_drive*.png"),
     of_template("A cam", "cam", "cam*.png"),
     of_template("A gear train", "planetary_train", "planetary_train*.png"),
+    of_template(
+        "A machine behind an elastic shaft", "driven_machine", "driven_machine*cycle.png", "driven_machine*run.png"
+    ),
+    Shown("Other elements of machines", ("sweeps plot elements.toml",), ("elements_*.png",)),
+    Shown("A locomotive's driving axle", ("sweeps plot locomotive",), ("locomotive_*.png",)),
+    Shown("Brakes of a car", ("sweeps plot braking_car",), ("braking_car_*.png",)),
 )
 
 

@@ -64,15 +64,10 @@ def machine_pictures(
     Raises
     ------
     PictureError
-        The scene has machine elements alone that no picture is made of, or its mechanism can't be assembled.
+        The mechanism can't be assembled, or an element can't be drawn.
     """
     made = element_pictures(with_values(scene, values), path)
     if scene.input is None:
-        if not made:
-            raise PictureError(
-                "the scene has machine elements alone, and none that there is a picture of, such as a rotor, "
-                "an engine, a governor, a gear train, a cam, a screw or a belt: nothing to draw"
-            )
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
     picture(scene, path, at, paths, values, shown)

@@ -1,4 +1,4 @@
-"""Single bodies to be looked at: tilted ones, those that slide out on a turning lever, stresses of wound flywheels."""
+"""Single bodies to be looked at: tilted, sliding out on a turning lever, on an elastic tie, and wound flywheels."""
 
 import math
 from pathlib import Path
@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.integrate import solve_ivp
 
 from engine import (
     ElementsAlone,
     RotatingGuide,
     Scene,
+    TetheredBody,
     TiltedBody,
     WoundFlywheel,
     body_ellipsoid,
@@ -91,6 +93,85 @@ def _plan(ax: Axes, element: RotatingGuide, time: np.ndarray, radius: np.ndarray
     ax.plot(beyond.real, beyond.imag, alpha=0.0)
     ax.plot(0.0, 0.0, "o", color="black", markersize=4)
     ax.set(aspect="equal", adjustable="datalim", xlabel=f"x, {unit}", ylabel=f"y, {unit}", title="From above")
+
+
+def tethered_body_sheet(element: TetheredBody, target: Path | str | Figure, title: str = "") -> Figure:
+    """Way of a body on an elastic tie after an impulse, beside its circle when spun up, and the pull over the speed.
+
+    Parameters
+    ----------
+    element : TetheredBody
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, or it can't be written.
+    """
+    kinds = (("impulse", BLUE, "by an impulse"), ("spin_up", ORANGE, "spun up slowly"))
+    asked = [f"it.{kind}_{what}" for kind, _, _ in kinds for what in ("force", "burst_speed", "stretch")]
+    alone = ElementsAlone(Scene(elements={"it": element}), asked, varied=["elements.it.speed"])
+    given = alone.evaluate({"elements.it.speed": np.array([element.speed])}).summaries
+    own = {name: float(values[0]) for name, values in given.items()}
+    fastest = 1.15 * max(element.speed, own["it.spin_up_burst_speed"], own["it.impulse_burst_speed"])
+    speeds = np.linspace(fastest / PLACES, fastest, PLACES)
+    pulls = alone.evaluate({"elements.it.speed": speeds}).summaries
+    factor, unit = engineer_unit("N", np.array([element.strength]))
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(180, 85)
+        plan, pull = figure.subplots(1, 2)
+        _tethered_plan(plan, element, own)
+        for kind, colour, label in kinds:
+            burst = own[f"it.{kind}_burst_speed"]
+            pull.plot(speeds, factor * pulls[f"it.{kind}_force"], color=colour, label=label)
+            pull.plot(burst, factor * element.strength, "o", color=colour, markersize=4)
+        pull.axhline(factor * element.strength, color=VERMILION, linewidth=0.8, label="strength of the tie")
+        pull.axvline(element.speed, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)), label="its speed")
+        pull.set(xlabel="speed, m/s", ylabel=f"greatest pull, {unit}", xlim=(0, fastest))
+        pull.set_ylim(0, 2.2 * factor * element.strength)
+        pull.legend(loc="upper left")
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _tethered_plan(ax: Axes, element: TetheredBody, own: dict[str, float]) -> None:
+    """The way after the impulse, about a turn of it, and where the tie is longest."""
+    length, moment = element.length, element.speed * element.length
+
+    def motion(_: float, state: np.ndarray) -> tuple[float, float, float]:
+        radius, rate, _ = state
+        pulled = element.stiffness / element.mass * (radius - length)
+        return rate, moment**2 / radius**3 - pulled, moment / radius**2
+
+    last = math.tau * length / element.speed
+    way = solve_ivp(motion, (0.0, last), (length, 0.0, 0.0), rtol=1e-8, max_step=last / PLACES)
+    factor, unit = engineer_unit("m", np.array([length]))
+    turn = np.exp(1j * np.linspace(0.0, math.tau, PLACES))
+    circles = (
+        (length, GREY, "tie without force", "-"),
+        (length + own["it.spin_up_stretch"], ORANGE, "spun up slowly", (0, (4, 2))),
+    )
+    for radius, colour, label, dashes in circles:
+        ax.plot(factor * radius * turn.real, factor * radius * turn.imag, color=colour, linewidth=0.8, linestyle=dashes,
+                label=label)  # fmt: skip
+    path = factor * way.y[0] * np.exp(1j * way.y[2])
+    ax.plot(path.real, path.imag, color=BLUE, label="after the impulse")
+    # It comes again and again: the first time of them.
+    longest = path[np.argmax(way.y[0] - length > (1.0 - 1e-4) * (way.y[0].max() - length))]
+    ax.plot([0.0, longest.real], [0.0, longest.imag], color=VERMILION, linewidth=0.8)
+    ax.plot(longest.real, longest.imag, "o", color=VERMILION, markersize=4, label="greatest pull")
+    ax.annotate(
+        "", (factor * length, 0.35 * factor * length), (factor * length, 0.0),
+        arrowprops={"arrowstyle": "-|>", "color": BLUE, "shrinkA": 0, "shrinkB": 0},
+    )  # fmt: skip
+    ax.plot(0.0, 0.0, "o", color="black", markersize=4)
+    ax.set(aspect="equal", adjustable="datalim", xlabel=f"x, {unit}", ylabel=f"y, {unit}", title="Along the axis")
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 0.2))
 
 
 def wound_flywheel_sheet(element: WoundFlywheel, target: Path | str | Figure, title: str = "") -> Figure:

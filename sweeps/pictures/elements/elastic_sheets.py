@@ -1,4 +1,4 @@
-"""Oscillators and elastic drives to be looked at: vibration over speed and time, a start, a machine over its cycle."""
+"""Oscillators and elastic drives to be looked at: vibration, a start, a machine over its cycle, and shares of parts."""
 
 import math
 from pathlib import Path
@@ -8,6 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import (
+    ComplianceElement,
+    ElementsAlone,
+    FreeStart,
     OscillatorElement,
     OverTime,
     Scene,
@@ -29,17 +32,19 @@ INSTANTS = 2001
 # Damping ratios drawn beside the oscillator's own, and the range of frequency ratios.
 RATIOS, WIDEST = (0.05, 0.1, 0.2, 0.5), 3.0
 RPM = 30 / math.pi
+# Where an oscillator without a start is let go [m].
+LET_GO = 1e-3
 
 
 def oscillator_sheet(element: OscillatorElement, target: Path | str | Figure, title: str = "") -> Figure:
     """What an oscillator is asked about: free motion, vibration over the exciting frequency, run through resonance.
 
-    Under an excitation over time: that, displacement, and force of the spring over time.
+    Under an excitation over time: that, displacement, and force of the spring over time. One that is asked about its
+    own numbers alone is let go at a displacement of 1 mm.
 
     Parameters
     ----------
     element : OscillatorElement
-        With a start or an excitation.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
@@ -51,6 +56,8 @@ def oscillator_sheet(element: OscillatorElement, target: Path | str | Figure, ti
     """
     if isinstance(element.excitation, OverTime):
         return _over_time_sheet(element, target, title)
+    if element.start is None and element.excitation is None:
+        element = element.model_copy(update={"start": FreeStart(displacement=LET_GO)})
     drawn = [draw for draw, given in (
         (_free, element.start), (_forced, element.excitation), (_run_through, element.run_through)
     ) if given is not None]  # fmt: skip
@@ -260,6 +267,50 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
     if not isinstance(target, Figure):
         save(figure, target)
     return figure
+
+
+def compliance_sheet(element: ComplianceElement, target: Path | str | Figure, title: str = "") -> Figure:
+    """What share of the twist, or of the energy, each elastic part of a shaft line has, the softest first.
+
+    Parameters
+    ----------
+    element : ComplianceElement
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure to draw on.
+    title : str
+
+    Raises
+    ------
+    PictureError
+        The file's ending isn't a picture's, or it can't be written.
+    """
+    scene = Scene(elements={"it": element})
+    found = ElementsAlone(scene, list(ElementsAlone(scene).available_summaries)).evaluate({}).summaries
+    own = {name.removeprefix("it."): float(row[0]) for name, row in found.items()}
+    shares = {name.removesuffix(".share"): value for name, value in own.items() if name.endswith(".share")}
+    parts = sorted(shares, key=shares.get)
+    told = [f"{100 * shares[part]:.3g} %, {_stiffness(own[f'{part}.stiffness'])}" for part in parts]
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(140, 25 + 9 * len(parts))
+        ax = figure.subplots()
+        bars = ax.barh([part.replace(".", " · ") for part in parts], [100 * shares[part] for part in parts], color=BLUE)
+        ax.bar_label(bars, told, padding=3, fontsize=7)
+        ax.set(xlabel="share of the energy, %", xlim=(0, 1.6 * 100 * max(shares.values())))
+        ax.grid(axis="y", visible=False)
+        words = f"whole line: {_stiffness(own['stiffness'])}"
+        if "twist" in own:
+            words += f", {math.degrees(own['twist']):.3g}° under {element.moment:g} N·m"
+        ax.set_title(words)
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if not isinstance(target, Figure):
+        save(figure, target)
+    return figure
+
+
+def _stiffness(value: float) -> str:
+    factor, unit = engineer_unit("N m rad-1", np.array([value]))
+    return f"{factor * value:.4g} {unit}"
 
 
 def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:

@@ -5,6 +5,8 @@ from pathlib import Path
 from engine import (
     CamElement,
     CarElement,
+    ChainDrive,
+    ComplianceElement,
     EngineElement,
     GearTrain,
     Governor,
@@ -15,22 +17,30 @@ from engine import (
     RotorElement,
     Scene,
     StaticRotor,
+    TetheredBody,
     TiltedBody,
     TorsionalTrain,
     TwoMassDrive,
     WoundFlywheel,
     governed_scene,
 )
-from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, tilted_body_sheet, wound_flywheel_sheet
+from sweeps.pictures.elements.body_sheets import (
+    rotating_guide_sheet,
+    tethered_body_sheet,
+    tilted_body_sheet,
+    wound_flywheel_sheet,
+)
 from sweeps.pictures.elements.cam_sheet import cam_sheet
+from sweeps.pictures.elements.chain_sheet import chain_sheet
 from sweeps.pictures.elements.elastic_sheets import (
+    compliance_sheet,
     drive_sheet,
     machine_drive_sheet,
     machine_run_sheet,
     oscillator_sheet,
 )
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
-from sweeps.pictures.elements.friction_sheet import CURVES, friction_sheet
+from sweeps.pictures.elements.friction_sheet import friction_sheet
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.governor_sheet import governor_sheet
 from sweeps.pictures.elements.journal_and_roller_sheets import journal_sheet, roller_sheet
@@ -40,20 +50,20 @@ from sweeps.pictures.elements.vehicle_sheets import car_sheet, locomotive_sheet
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the elements of a scene that have pictures, from rotors and engines to gears and screws.
+    """Draw the elements of a scene, from rotors and engines to gears and screws.
 
     Parameters
     ----------
     scene : Scene
     path : Path
         The names of the pictures are this one's with the element's name and `_plan`, `_orders`, `_shaking`, `_braking`,
-        `_sliding`, `_views`, `_stresses`, `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`, `_cam`,
-        `_velocities` or `_friction` added.
+        `_sliding`, `_views`, `_stresses`, `_pull`, `_governor`, `_vibration`, `_transient`, `_cycle`, `_run`,
+        `_shares`, `_cam`, `_velocities`, `_chain` or `_friction` added.
 
     Returns
     -------
     list of Path
-        The files made; other elements have no pictures.
+        The files made.
 
     Raises
     ------
@@ -97,7 +107,16 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case TorsionalTrain():
                 made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
                 train_sheet(scene, name, made[-1], title)
-            case OscillatorElement() if element.start is not None or element.excitation is not None:
+            case TetheredBody():
+                made.append(path.with_name(f"{path.stem}_{name}_pull{path.suffix}"))
+                tethered_body_sheet(element, made[-1], title)
+            case ComplianceElement():
+                made.append(path.with_name(f"{path.stem}_{name}_shares{path.suffix}"))
+                compliance_sheet(element, made[-1], title)
+            case ChainDrive():
+                made.append(path.with_name(f"{path.stem}_{name}_chain{path.suffix}"))
+                chain_sheet(element, made[-1], title)
+            case OscillatorElement():
                 made.append(path.with_name(f"{path.stem}_{name}_vibration{path.suffix}"))
                 oscillator_sheet(element, made[-1], title)
             case TwoMassDrive():
@@ -121,7 +140,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
             case _ if element.type == "roller":
                 made.append(path.with_name(f"{path.stem}_{name}_friction{path.suffix}"))
                 roller_sheet(element, made[-1], title)
-            case _ if element.type in CURVES:
+            case _:
                 made.append(path.with_name(f"{path.stem}_{name}_friction{path.suffix}"))
                 friction_sheet(element, made[-1], title)
     return made

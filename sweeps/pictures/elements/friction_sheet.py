@@ -22,6 +22,7 @@ CURVES = {
     "belt": (("tight_tension", "slack_tension", "shaft_force"), ("tension_ratio",)),
     "wedge": (("drive_force", "withdraw_force"), ("efficiency",)),
     "incline": (("up_force", "down_force"), ("efficiency",)),
+    "friction_drive": (("needed_press_force", "tangential_force"), ("efficiency",)),
     "guide": (("drive_force", "front_edge_force", "rear_edge_force"), ("efficiency",)),
 }
 

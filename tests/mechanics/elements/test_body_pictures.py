@@ -7,13 +7,20 @@ import pytest
 from element_samples import DISC, LEVER, WOUND, one, scene
 
 from engine import body_ellipsoid, wound_stresses
-from sweeps.pictures.elements.body_sheets import rotating_guide_sheet, tilted_body_sheet, wound_flywheel_sheet
+from sweeps.pictures.elements.body_sheets import (
+    rotating_guide_sheet,
+    tethered_body_sheet,
+    tilted_body_sheet,
+    wound_flywheel_sheet,
+)
 from sweeps.pictures.elements.element_pictures import element_pictures
 from sweeps.pictures.elements.unbalance_plan import static_plan
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
 
 PLATE = {"type": "tilted_body", "mass": 8.0, "semi_axis_x": 0.1, "semi_axis_y": 0.06, "semi_axis_z": 0.02}
+
+TIE = {"type": "tethered_body", "mass": 2.0, "length": 1.2, "stiffness": 4e4, "strength": 3e3, "speed": 25.0}
 
 
 def axes_of(figure, label):
@@ -97,12 +104,26 @@ def test_moments_that_no_body_has__are_not_drawn():
         tilted_body_sheet(element, new_figure(180, 130), "none")
 
 
+def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_momentum_allow():
+    plan, pull = tethered_body_sheet(scene(it=TIE).elements["it"], new_figure(180, 85), "tie").axes
+    x, y = next(line for line in plan.get_lines() if line.get_label() == "after the impulse").get_data()
+    (stretch,) = one(TIE, "impulse_stretch")
+    # The way is followed to 1e-8 a step, and drawn at places between which its distance stays within 1e-5 of its peak.
+    assert np.hypot(x, y).max() == pytest.approx(1e3 * (TIE["length"] + stretch), rel=1e-5)
+    assert np.hypot(x, y).min() == pytest.approx(1e3 * TIE["length"], rel=1e-5)
+    (burst,) = one(TIE, "impulse_burst_speed")
+    speed, force = next(line for line in pull.get_lines() if line.get_label() == "by an impulse").get_data()
+    # Straight between places that are a few hundredths of the speed apart.
+    assert np.interp(burst, speed, force) == pytest.approx(1e-3 * TIE["strength"], rel=1e-4)
+
+
 def test_bodies__are_drawn_with_the_other_elements(tmp_path):
-    made = element_pictures(scene(lever=LEVER, tape=WOUND, disc=DISC, plate=PLATE), tmp_path / "bodies.svg")
+    made = element_pictures(scene(lever=LEVER, tape=WOUND, disc=DISC, plate=PLATE, tie=TIE), tmp_path / "bodies.svg")
     assert [path.name for path in made] == [
         "bodies_lever_sliding.svg",
         "bodies_tape_stresses.svg",
         "bodies_disc_plan.svg",
         "bodies_plate_views.svg",
+        "bodies_tie_pull.svg",
     ]
     assert all(path.stat().st_size > 1000 for path in made)

@@ -8,7 +8,10 @@ from gear_samples import found_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine import Verdict
+from engine import Scene, Verdict
+from sweeps.pictures.elements.chain_sheet import chain_sheet
+from sweeps.pictures.elements.element_pictures import element_pictures
+from sweeps.pictures.style import new_figure
 
 EPS = np.finfo(float).eps
 FRICTION = {
@@ -99,3 +102,23 @@ def test_sprockets__have_whole_teeth_and_room():
     varied = {"driving_teeth": [17, 17.5], "distance": [0.4, 0.4]}
     assert list(found_of(CHAIN | {"distance": 0.4}, varied)[1]) == [Verdict.OK, Verdict.DOES_NOT_FIT]
     assert found_of(CHAIN | {"distance": 0.12})[1] == Verdict.DOES_NOT_FIT
+
+
+@pytest.mark.parametrize("speed", [50.0, -50.0])
+def test_drawn_chain__touches_both_pitch_circles_and_is_tight_where_it_is_drawn_in(speed):
+    drive = Scene(elements={"it": CHAIN | {"distance": 0.4, "speed": speed}}).elements["it"]
+    layout, _ = chain_sheet(drive, new_figure(180, 75)).axes
+    tight = next(line for line in layout.get_lines() if line.get_label() == "tight strand")
+    (x, y), radii = np.array(tight.get_data()), [0.5e3 * 0.0127 / math.sin(math.pi / z) for z in (17, 51)]
+    along = np.array([np.diff(x)[0], np.diff(y)[0]]) / math.hypot(np.diff(x)[0], np.diff(y)[0])
+    for point, radius, centre in zip(zip(x, y, strict=True), radii, (0.0, 400.0), strict=True):
+        arm = np.array(point) - (centre, 0.0)
+        assert arm @ along == pytest.approx(0.0, abs=1e-12 * radius)
+        assert np.hypot(*arm) == pytest.approx(radius, rel=1e-13)
+    # There the rim of the driving sprocket moves away from the driven one, and draws the chain along.
+    assert speed * (x[0] * along[1] - y[0] * along[0]) < 0.0
+
+
+def test_drives__are_drawn(tmp_path):
+    made = element_pictures(Scene(elements={"chain": CHAIN, "wheels": FRICTION}), tmp_path / "drives.svg")
+    assert [path.name for path in made] == ["drives_chain_chain.svg", "drives_wheels_friction.svg"]

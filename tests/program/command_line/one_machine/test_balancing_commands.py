@@ -259,9 +259,5 @@ def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_wo
     assert len(result_pictures(Path("results/rods.h5"), Path("a.png"))) == 1
 
 
-def test_elements_that_have_no_picture__say_so(folder):
-    shaft = '[elements.drive]\ntype = "compliance"\nparts.tyre = { type = "coupling", stiffness = "2 kN m/rad" }\n'
-    Path("drive.toml").write_text(shaft, encoding="utf8")
-    said_of = " ".join(refused("plot", "drive.toml").split())
-    assert "machine elements alone, and none that there is a picture of" in said_of
+def test_elements_alone__are_no_mechanism_to_draw(folder):
     assert "there is no mechanism to draw" in refused("export", "v_twin", "--to", "a.dxf")
