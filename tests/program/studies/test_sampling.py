@@ -1,4 +1,5 @@
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -34,8 +35,17 @@ def test_linear__is_linspace_with_exact_ends(start, stop, count):
     found = every(Linear("a.b", start, stop, count))["a.b"]
     assert found[0] == start
     assert found[-1] == stop
-    # Where the step underflows linspace takes another path; both then round to multiples of 5e-324.
-    np.testing.assert_allclose(found, np.linspace(start, stop, count), rtol=0, atol=count * 5e-324)
+    # linspace rounds step, product and sum, this one once or as often; where the step underflows, to 5e-324 each.
+    rounded = 3 * EPS * max(abs(start), abs(stop)) + count * 5e-324
+    np.testing.assert_allclose(found, np.linspace(start, stop, count), rtol=0, atol=rounded)
+
+
+@given(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6), st.integers(0, 9), st.integers(2, 300))
+def test_linear__has_the_numbers_that_a_person_would_write(first, last, places, count):
+    start, stop = (Fraction(end, 10**places) for end in (first, last))
+    found = every(Linear("a", float(start), float(stop), count))["a"]
+    # Correctly rounded, as a number of the text is.
+    assert found.tolist() == [float(start + (stop - start) * i / (count - 1)) for i in range(count)]
 
 
 def test_linear__counts_down_and_may_be_a_single_value():
