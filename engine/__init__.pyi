@@ -160,7 +160,17 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
-from engine.scene.units import UnitError, any_quantity, base_powers, column_in_text, in_text, recognised, unit_in
+from engine.scene.units import (
+    UnitError,
+    any_quantity,
+    base_powers,
+    column_in_text,
+    even_steps,
+    first_last_count,
+    in_text,
+    recognised,
+    unit_in,
+)
 from engine.verdicts import SENTENCES, Verdict
 
 __version__: str
@@ -314,9 +324,11 @@ __all__ = [
     "engine_torque",
     "evaluate_tree",
     "even_firing_order",
+    "even_steps",
     "firing_angles",
     "firing_intervals",
     "firing_sums",
+    "first_last_count",
     "four_bar_along",
     "four_bar_through",
     "four_runs",

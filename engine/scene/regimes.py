@@ -11,16 +11,16 @@ An end of the range of an input stops it: a run that arrives there ends, and the
 """
 
 import math
-import re
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple
 
+import numpy as np
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from engine.scene.actions import Time
 from engine.scene.parts import Angle, AngularSpeed, CrankInput, Length, Name, Number, Part, SliderInput, Speed
-from engine.scene.units import in_text
+from engine.scene.units import even_steps, first_last_count, in_text
 
 ENDS = ("cycles", "time", "speed", "velocity", "rest", "end_of_range", "lock_up")
 MOST_INSTANTS = 100_000
@@ -32,17 +32,16 @@ def _spaced(dimension: str, unit: str) -> Callable[[object], object]:
     def read(value: object) -> object:
         if not isinstance(value, str):
             return value
-        parts = re.fullmatch(r"(.+)\bto\b(.+),\s*(\d+)\s*", value)
-        if parts is None:
+        found = first_last_count(value)
+        if found is None:
             raise ValueError(
                 f"{value!r}: write a list, or 'FIRST to LAST, HOW MANY' such as '0 {unit} to 2 {unit}, 201'"
             )
-        first, last = (in_text(part.strip(), dimension) for part in parts.groups()[:2])
-        count = int(parts[3])
+        first, last = (in_text(end, dimension) for end in found[:2])
+        count = found[2]
         if not 2 <= count <= MOST_INSTANTS:
             raise ValueError(f"{value!r}: from 2 to {MOST_INSTANTS} values are kept, not {count}")
-        steps = count - 1
-        return [f"{(first * (steps - k) + last * k) / steps!r} {unit}" for k in range(count)]
+        return [f"{number!r} {unit}" for number in even_steps(first, last, count, np.arange(count)).tolist()]
 
     return read
 

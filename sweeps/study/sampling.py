@@ -7,16 +7,14 @@ the same bit for bit, and only the block is held in memory.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from typing import Literal, Protocol
 
 import numpy as np
 
+from engine import even_steps
 from sweeps.study.unit_points import SOBOL_LARGEST, latin_points, random_points, sobol_points
 
 LARGEST = 2**63 - 1
-# Whole numbers up to this are numbers of float64.
-COUNTED = 2**53
 
 _UNIT_POINTS = {"random": random_points, "sobol": sobol_points, "latin": latin_points}
 
@@ -75,9 +73,6 @@ class Listed:
 class Linear:
     """One parameter in `count` equal steps from `start` to `stop`, both hit exactly.
 
-    Ends that are short as decimal numbers have values that are rounded once, as if they were listed: 0.04 to 0.08 in
-    five steps has 0.06, where sums of steps come to 0.060000000000000005.
-
     Raises
     ------
     SamplingError
@@ -104,25 +99,7 @@ class Linear:
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
         """Values at the indices."""
-        whole = _in_whole_numbers(self.start, self.stop, self.count)
-        if whole is not None:
-            first, rise, denominator = whole
-            return {self.name: (first + rise * indices) / denominator}
-        step = (self.stop - self.start) / max(self.count - 1, 1)
-        steps = self.start + indices * step
-        return {self.name: np.where(indices == self.count - 1, self.stop, steps)}
-
-
-def _in_whole_numbers(start: float, stop: float, count: int) -> tuple[int, int, int] | None:
-    """Numerator of the first value, its rise, and the denominator of all, where none is beyond what float64 counts."""
-    last = max(count - 1, 1)
-    ends = [Decimal(repr(end)) for end in (float(start), float(stop))]
-    places = max(0, *(-end.as_tuple().exponent for end in ends))
-    denominator = last * 10**places
-    if denominator > COUNTED or max(map(abs, ends)) * denominator > COUNTED:
-        return None
-    first, after = (int(end * 10**places) for end in ends)
-    return first * last, (after - first if count > 1 else 0), denominator
+        return {self.name: even_steps(self.start, self.stop, self.count, indices)}
 
 
 @dataclass(frozen=True)

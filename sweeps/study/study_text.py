@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from engine import PlainNumber, PlainText, ScenePart
+from engine import PlainNumber, PlainText, ScenePart, first_last_count
 
 
 class Range(ScenePart):
@@ -118,9 +118,23 @@ def _kind_of_axis(axis: object) -> str:
     return "listing" if "values" in keys else "range"
 
 
+def _axis(value: object) -> object:
+    """An axis in short, a list or "40 mm to 80 mm, 5", by its keys."""
+    if isinstance(value, list):
+        return {"values": value}
+    if isinstance(value, dict):
+        return value
+    found = first_last_count(value) if isinstance(value, str) else None
+    if found is None:
+        example = "'40 mm to 80 mm, 5' (the first, the last, how many), a list, or { low = ..., high = ... } to sample"
+        raise ValueError(f"{value!r}: say how it varies, such as {example}; to change it for all variants, derive it")
+    return dict(zip(("from", "to", "count"), found, strict=True))
+
+
 AxisText = Annotated[
     Annotated[Range, Tag("range")] | Annotated[Listing, Tag("listing")] | Annotated[Between, Tag("between")],
     Discriminator(_kind_of_axis),
+    BeforeValidator(_axis),
 ]
 
 
@@ -128,7 +142,8 @@ class StudyText(ScenePart):
     """A study as it stands in its file.
 
     `scene` names a scene file beside it, or holds the scene itself. `vary` maps paths of the scene's numbers
-    (or free parameters, names without a dot) to axes; `variants` names a CSV file whose columns vary together.
+    (or free parameters, names without a dot) to axes, in short "40 mm to 80 mm, 5" or a list; `variants` names a CSV
+    file whose columns vary together.
     `derive` ties further numbers to those by arithmetic; `require` drops variants that don't meet a condition.
     `optimise` is what `sweeps optimise` searches for, instead of all variants; `tolerances` say how far numbers of
     the machine as built may be off. `accuracy` is the allowed error of every summary, as a share of its magnitude:

@@ -30,7 +30,10 @@ unknown spacing | count = 3 | count = 3, spacing = "logarithmic" | logarithmic |
 log through zero | "40 mm", to = "60 mm", count = 3 | "0 mm", to = "60 mm", count = 3, spacing = "log" | "0 mm"
     | vary.input.length | 0
 no values | [3, 4, 5] | [] | reach = | vary.reach.values | 1
-not an axis | {values = [3, 4, 5]} | 3 | reach = 3 | vary.reach | 3
+not an axis | {values = [3, 4, 5]} | 3 | reach = 3 | vary.reach | 3 | a list
+range without a count | {values = [3, 4, 5]} | "3 to 5" | reach = | vary.reach | '3 to 5' | how many
+range without a unit | {from = "40 mm", to = "60 mm", count = 3} | "40 to 60 mm, 3" | "40 to 60 mm, 3"
+    | vary.input.length | 40 has no unit
 low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2" | gravity | vary.gravity
     | [sampling] | method and count
 sampling of nothing | [derive] | [sampling]\nmethod = "sobol"\ncount = 4\n\n[derive] | [sampling] | sampling
