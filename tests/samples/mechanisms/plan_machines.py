@@ -125,13 +125,15 @@ _SERVOS = {
         "ram_body": {"link": "ram", "mass": 0.5, "x": 0.01, "inertia": 0.001},
     },
 }
+_LOSING_RACKS = changed(LIFT, pinions__gear__efficiency=0.9, racks__post__efficiency=0.8)
+_LOSING_WHEELS = changed(CHAIN, noncircular_wheels__middle__efficiency=0.9, noncircular_wheels__last__efficiency=0.8)
 HIGHER = {
     "planets": _TRAIN,
     "cardan circles": CARDAN,
-    "racks": LIFT,
+    "racks": _LOSING_RACKS,
     "rack on the crank": ON_CRANK,
     "ellipses": ELLIPSES,
-    "wheels that pass moments": CHAIN,
+    "wheels that pass moments": _LOSING_WHEELS,
     "roller": SLIDING,
     "edge": _KNIFE_EDGE,
     "rubbing cam": _RUBBING_CAM,

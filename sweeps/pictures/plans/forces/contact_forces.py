@@ -57,23 +57,31 @@ def contact_forces(pose: Pose) -> list[ContactForce]:
     )
 
 
-def share_lost_between_teeth(pose: Pose, name: str, moment: float) -> float:
-    """By how much losses between a shaft's teeth change the moment that loads its driver.
+def share_lost_between_teeth(pose: Pose, name: str, taken: float) -> float:
+    """By how much losses between teeth change what loads their driver.
 
     Parameters
     ----------
     pose : Pose
     name : str
-        Of the shaft.
-    moment : float
-        Of what acts on it but its driver, or what has its sign [N·m].
+        Of a shaft, non-circular wheel, rack or pinion.
+    taken : float
+        Moment on it from its driver [N·m], of a rack the force [N], or what has its sign.
     """
-    shaft = pose.scene.shafts[name]
-    if shaft.efficiency is None:
+    scene, numbers = pose.scene, pose.cycle.numbers
+    tables = ("shafts", "noncircular_wheels", "racks", "pinions")
+    table = next(table for table in tables if name in getattr(scene, table))
+    part = getattr(scene, table)[name]
+    if part.efficiency is None:
         return 1.0
-    turning = pose.turn(name).omega - pose.turn(shaft.carrier or FRAME).omega
-    # Power that the load takes comes from the driver.
-    return mesh_lost_share(-turning * moment, pose.cycle.numbers[f"shafts.{name}.efficiency"])
+    if table == "racks":
+        turning = pose.turn(part.pinion).omega - pose.turn(scene.guides[part.guide].link).omega
+        rolling_rate = numbers[f"racks.{name}.radius"] * turning
+    else:
+        guide = (part.guide or guide_of(scene, part.rack)) if table == "pinions" else None
+        carrier = scene.guides[guide].link if guide else getattr(part, "carrier", None) or FRAME
+        rolling_rate = pose.turn(name).omega - pose.turn(carrier).omega
+    return mesh_lost_share(rolling_rate * taken, numbers[f"{table}.{name}.efficiency"])
 
 
 def _on_follower(pose: Pose, name: str) -> list[ContactForce]:
@@ -97,15 +105,19 @@ def _on_shaft(pose: Pose, name: str) -> ContactForce:
     tangential, apart = _parts(pose, name)
     line = pose.point(shaft.pivot).place - pose.point(mesh_axis(pose.scene, name)).place
     along, radius = line / abs(line), abs(line) / (ratio - 1)
-    shifted = mesh_shifted_contact(radius, ratio, share_lost_between_teeth(pose, name, tangential * radius))
+    shifted = mesh_shifted_contact(radius, ratio, share_lost_between_teeth(pose, name, -tangential * radius))
     force = (-1j * tangential - math.copysign(apart, ratio)) * along
     return ContactForce(name, name, contact.driver, force, contact.place + (shifted - radius) * along)
 
 
 def _on_wheel(pose: Pose, name: str) -> ContactForce:
     (tangential, apart), contact = _parts(pose, name), rolling(pose, name)
-    tangent = pose.vector(f"{name}.tangent")
-    return ContactForce(name, name, contact.driver, (tangential - 1j * apart) * tangent, contact.place)
+    force = (tangential - 1j * apart) * pose.vector(f"{name}.tangent")
+    axis, driving = (pose.origin(link).place for link in (name, contact.driver))
+    along, own = (axis - driving) / abs(axis - driving), abs(axis - contact.place)
+    k = share_lost_between_teeth(pose, name, ((contact.place - axis).conjugate() * force).imag)
+    shifted = mesh_shifted_contact(-own, -abs(contact.place - driving) / own, k)
+    return ContactForce(name, name, contact.driver, force, contact.place + (shifted + own) * along)
 
 
 def _on_rack(pose: Pose, name: str) -> ContactForce:
@@ -116,4 +128,6 @@ def _on_rack(pose: Pose, name: str) -> ContactForce:
     radius = pose.cycle.numbers[f"{'racks' if is_rack else 'pinions'}.{name}.radius"]
     along = pose.guide(part.guide or guide_of(scene, part.rack))
     away = math.copysign(apart, radius) * (-1 if is_rack else 1)
-    return ContactForce(name, name, contact.driver, (tangential + 1j * away) * along, contact.place)
+    k = share_lost_between_teeth(pose, name, tangential if is_rack else tangential * radius)
+    place = contact.place + (radius - (radius * k if is_rack else radius / k)) * 1j * along
+    return ContactForce(name, name, contact.driver, (tangential + 1j * away) * along, place)

@@ -286,13 +286,14 @@ class _Collector:
                     self._twist(name, symbol("M", f"U{pose.number(name)}"), -inertia * pose.turn(name).epsilon)
                 if shaft.pressure_angle is None:
                     left = self._left(name)
-                    passed = numbers[f"shafts.{name}.ratio"] * left * share_lost_between_teeth(pose, name, left)
+                    passed = numbers[f"shafts.{name}.ratio"] * left * share_lost_between_teeth(pose, name, -left)
                     self._geared(name, shaft.geared_to, shaft.carrier or FRAME, left, passed)
             elif element.kind == "noncircular wheel":
                 wheel = pose.scene.noncircular_wheels[name]
                 if wheel.pressure_angle is None:
                     left, ratio = self._left(name), pose.turn(name).omega / pose.turn(wheel.geared_to).omega
-                    self._geared(name, wheel.geared_to, FRAME, left, ratio * left)
+                    passed = ratio * left * share_lost_between_teeth(pose, name, -left)
+                    self._geared(name, wheel.geared_to, FRAME, left, passed)
 
     def _left(self, link: str) -> float:
         """Moment of all loads of a link about its origin."""
