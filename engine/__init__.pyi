@@ -78,6 +78,8 @@ from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity
 from engine.higher_pairs.second_inputs import SecondCrank, SecondSlider
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
+from engine.laws.friction.teeth import lost_share as mesh_lost_share
+from engine.laws.friction.teeth import shifted_contact as mesh_shifted_contact
 from engine.laws.tables import TableError
 from engine.machine.assembly_modes import assembly_modes
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
@@ -109,7 +111,7 @@ from engine.motion.history import History, history, history_fields
 from engine.motion.quantities import of_sliding as sliding_quantity
 from engine.quantities.friction import friction_in_pairs
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
-from engine.quantities.reactions import acting_fields
+from engine.quantities.reactions import acting_fields, tooth_force_fields
 from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.scene.dimensions import DIMENSIONS, common_units
 from engine.scene.dimensions import described as described_dimension
@@ -133,10 +135,19 @@ from engine.scene.formulas.expressions import (
 from engine.scene.formulas.expressions import Tree as ExpressionTree
 from engine.scene.formulas.expressions import parse as parse_expression
 from engine.scene.formulas.unknown_names import unknown_name_message
-from engine.scene.inertia import body_mass, centre_along
+from engine.scene.inertia import body_mass, carried_inertia, centre_along
 from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
-from engine.scene.pairs import Pair, bearer_of, holder_of, joint_of, own_drives
+from engine.scene.pairs import (
+    Pair,
+    bearer_of,
+    contact_pairs,
+    drive_base,
+    driving_field,
+    holder_of,
+    joint_of,
+    own_drives,
+)
 from engine.scene.pairs import pairs as pairs_of
 from engine.scene.parts import (
     FRAME,
@@ -300,10 +311,12 @@ __all__ = [
     "body_mass",
     "boxer_engine",
     "cam_curves",
+    "carried_inertia",
     "centre_along",
     "check_yields",
     "column_in_text",
     "common_units",
+    "contact_pairs",
     "corrected_unbalance",
     "crank_radius",
     "crankshaft_counterweights",
@@ -313,9 +326,11 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
+    "drive_base",
     "drive_cycle",
     "drive_history",
     "drive_run",
+    "driving_field",
     "dyad_of_centre",
     "dyad_of_circle",
     "dyads_of_turn",
@@ -359,6 +374,8 @@ __all__ = [
     "made_engine",
     "made_ready",
     "mesh_axis",
+    "mesh_lost_share",
+    "mesh_shifted_contact",
     "names_in_tree",
     "natural_vibration",
     "nearest_names",
@@ -399,6 +416,7 @@ __all__ = [
     "stability_point",
     "threads",
     "tolerance_shares",
+    "tooth_force_fields",
     "train_excitation",
     "train_numbers",
     "train_speed",

@@ -25,6 +25,7 @@ from engine.laws.friction.settled import (
 )
 from engine.laws.senses import sense
 from engine.mechanism.actions.characteristics import input_sense
+from engine.mechanism.higher_pairs.rack_motion import rack_guide
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import named
@@ -121,16 +122,26 @@ def _sliding_at_cam(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
     return along.dot(against), along.dot(follower.a - cam.a) + swerving
 
 
-def relative_turning(kinematics: Kinematics, shaft: str) -> tuple[Node, Node]:
-    """Rate by the input at which a shaft turns against what carries it, and the derivative of the rate.
+def rolling_rate(kinematics: Kinematics, name: str) -> tuple[Node, Node]:
+    """Rate by the input at which teeth roll past what carries them, and the derivative of the rate.
 
     Parameters
     ----------
     kinematics : Kinematics
-    shaft : str
+    name : str
+        A shaft, non-circular wheel or pinion, of which it is the turning against what carries it or its rack; or a
+        rack, of which it is the motion past its pinion's axis.
     """
-    link, carrier = kinematics.links[shaft], kinematics.links[kinematics.scene.shafts[shaft].carrier or FRAME]
-    return link.w - carrier.w, link.e - carrier.e
+    scene, links = kinematics.scene, kinematics.links
+    if name in scene.racks:
+        rack, radius = scene.racks[name], kinematics.number(f"racks.{name}.radius")
+        pinion, carrier = links[rack.pinion], links[scene.guides[rack.guide].link]
+        return radius * (pinion.w - carrier.w), radius * (pinion.e - carrier.e)
+    if name in scene.pinions:
+        carrier = kinematics.guides[rack_guide(scene, name)].carrier
+    else:
+        carrier = links[getattr(scene.shafts.get(name), "carrier", None) or FRAME]
+    return links[name].w - carrier.w, links[name].e - carrier.e
 
 
 def pressing_in_group(

@@ -31,7 +31,7 @@ from engine.mechanism.acting import Load
 from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning
-from engine.mechanism.friction import Components, Settled, pressing_in_group, relative_turning, rubbing_pairs
+from engine.mechanism.friction import Components, Settled, pressing_in_group, rolling_rate, rubbing_pairs
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.groups.free_reactions import free_reactions
 from engine.mechanism.higher_pairs.cam_forces import cam_forces
@@ -51,6 +51,7 @@ from engine.scene.pairs import (
     follower_pair,
     has_friction,
     joint_of,
+    lossy_meshes,
     pairs,
     pairs_of_group,
 )
@@ -86,7 +87,7 @@ class Reactions:
     lost : dict of str to Node
         Work lost in each pair with friction, for each unit of the input's motion.
     lost_in_teeth : dict of str to Node
-        Work lost between the teeth of each shaft with an efficiency, for each unit of the input's motion.
+        Work lost between the teeth of each wheel or rack with an efficiency, for each unit of the input's motion.
     moment_of_drives : Node
         Moment of the input and of second inputs, reduced to the input.
     settlings : dict of str to Settled
@@ -105,6 +106,9 @@ class Reactions:
         self._pairs = {pair.name: pair for pair in pairs(self.scene)}
         self._contacts = {pair.name: pair for pair in contact_pairs(self.scene)}
         self._rubs = rubbing_pairs(kinematics, motion)
+        tables = ("shafts", "noncircular_wheels", "racks", "pinions")
+        paths = {name: f"{table}.{name}" for table in tables for name in getattr(self.scene, table)}
+        self._lossy = {name: paths[name] for name in lossy_meshes(self.scene)}
         self.lost_in_teeth: dict[str, Node] = {}
         self.lost = {friction.pair: self.graph.zero for friction in self.scene.friction.values()}
         self._own = self._loads_on_links(loads)
@@ -320,9 +324,8 @@ class Reactions:
         moment = load.moment
         if shaft.pivot is not None:
             moment = moment + self._in_pivot(name, load)
-        passed = self.graph.number(f"shafts.{name}.ratio") * moment * self._lost_share(name, moment)
+        passed = self.graph.number(f"shafts.{name}.ratio") * moment * self._lost_share(name, -moment)
         self.graph.bends(passed, moment)
-        self._lose(name, moment, passed)
         self._loads.twist(shaft.geared_to, passed)
         self._loads.twist(shaft.carrier or FRAME, moment - passed)
 
@@ -331,10 +334,9 @@ class Reactions:
         shaft, found = self.scene.shafts[name], mesh_of(self.kinematics, name)
         at, radius = found.pitch_point, found.radius
         if shaft.efficiency is not None:
-            ratio, k = self.graph.number(f"shafts.{name}.ratio"), self._lost_share(name, load.moment)
+            ratio, k = self.graph.number(f"shafts.{name}.ratio"), self._lost_share(name, -load.moment)
             radius = self.graph.apply(shifted_contact, found.radius, ratio, k)
             at = at + (radius - found.radius) * found.along
-            self._lose(name, load.moment, ratio * k * load.moment)
         tangential = load.moment / radius
         self.graph.bends(tangential, load.moment)
         # What pushes apart has the magnitude of what turns, and bends where that changes its sign.
@@ -347,23 +349,26 @@ class Reactions:
         self._in_teeth(name, tangential, apart)
         self._in_pivot(name, self._loads.total(name))
 
-    def _lost_share(self, name: str, moment: Node) -> Node:
-        """By how much losses between a shaft's teeth change the moment that loads its driver."""
-        if self.scene.shafts[name].efficiency is None:
-            return self.graph.one
-        rate, slope = relative_turning(self.kinematics, name)
-        self.graph.switches(rate, slope)
-        way = self.graph.held(self.graph.apply(sense, rate)) * input_sense(self.kinematics)
-        # What loads a wheel against its motion is what it takes power for.
-        return self.graph.apply(lost_share, -(way * moment), self.graph.number(f"shafts.{name}.efficiency", "load"))
+    def _lost_share(self, name: str, taken: Node) -> Node:
+        """By how much losses between teeth change what loads their driver.
 
-    def _lose(self, name: str, moment: Node, passed: Node) -> None:
-        """Account for what is lost between a shaft's teeth: power in the wheels' motion relative to the carrier."""
-        shaft, links = self.scene.shafts[name], self.kinematics.links
-        if shaft.efficiency is not None:
-            driving = links[shaft.geared_to].w - links[shaft.carrier or FRAME].w
-            taken = relative_turning(self.kinematics, name)[0]
-            self.lost_in_teeth[name] = input_sense(self.kinematics) * (moment * taken - passed * driving)
+        Parameters
+        ----------
+        name : str
+            Of what is driven.
+        taken : Node
+            Moment on it from its driver, of a rack the force: with the motion it takes power, which is accounted for.
+        """
+        if name not in self._lossy:
+            return self.graph.one
+        rate, slope = rolling_rate(self.kinematics, name)
+        self.graph.switches(rate, slope)
+        sense_of_input = input_sense(self.kinematics)
+        way = self.graph.held(self.graph.apply(sense, rate)) * sense_of_input
+        k = self.graph.apply(lost_share, way * taken, self.graph.number(f"{self._lossy[name]}.efficiency", "load"))
+        self.graph.bends(k, taken)
+        self.lost_in_teeth[name] = sense_of_input * ((k - 1.0) * (taken * rate))
+        return k
 
     def _noncircular_wheel(self, name: str) -> None:
         """Teeth balance the moments on a wheel: as a moment passed on by the ratio, or by forces at the pitch point."""
@@ -373,12 +378,18 @@ class Reactions:
             self._loads.total(name),
         )
         if wheel.pressure_angle is None:
-            passed = -(found.rate * load.moment)
+            passed = -(found.rate * load.moment * self._lost_share(name, -load.moment))
+            self.graph.bends(passed, load.moment)
             self._loads.twist(wheel.geared_to, passed)
             self._loads.twist(FRAME, load.moment - passed)
             self._in_pivot(name, load)
             return
-        arm = found.pitch_point - self.kinematics.links[name].origin.r
+        place = found.pitch_point
+        if wheel.efficiency is not None:
+            k, along = self._lost_share(name, -load.moment), self._line_of_centres(name)
+            shifted = self.graph.apply(shifted_contact, -found.radius, -found.rate, k)
+            place = place + (shifted + found.radius) * along
+        arm = place - self.kinematics.links[name].origin.r
         path = f"noncircular_wheels.{name}.pressure_angle"
         slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[path]))
         levers = arm.cross(found.tangent), arm.cross(found.away)
@@ -386,10 +397,16 @@ class Reactions:
         self.graph.bends(tangential, load.moment)
         self.graph.bends(apart, load.moment)
         self._in_teeth(name, tangential, apart)
-        at, force = self.kinematics.at_rest(found.pitch_point), tangential * found.tangent + apart * found.away
+        at, force = self.kinematics.at_rest(place), tangential * found.tangent + apart * found.away
         self._loads.push(name, at, force)
         self._loads.push(wheel.geared_to, at, -force)
         self._in_pivot(name, self._loads.total(name))
+
+    def _line_of_centres(self, name: str) -> Vector:
+        """Direction from the axis of a non-circular wheel's driver to its own."""
+        links, wheel = self.kinematics.links, self.scene.noncircular_wheels[name]
+        line = links[name].origin.r - links[wheel.geared_to].origin.r
+        return line * (self.graph.one / line.length)
 
     def _rack(self, name: str) -> None:
         """Teeth balance all that acts on a rack along its guide, which takes the rest."""
@@ -397,7 +414,8 @@ class Reactions:
         tangential = -load.force.dot(found.along)
         apart = self._apart(name, f"racks.{name}", tangential)
         force = tangential * found.along - apart * found.away
-        self._between_teeth(found, force, name, rack.pinion)
+        arm = found.radius if rack.efficiency is None else found.radius * self._lost_share(name, tangential)
+        self._between_teeth(found, arm, force, name, rack.pinion)
         left = self._loads.total(name)
         normal = -left.force.dot(self.kinematics.links[name].u.normal)
         self._prismatic(self._pairs[name], normal, -left.moment, {name})
@@ -405,10 +423,11 @@ class Reactions:
     def _pinion(self, name: str) -> None:
         """Teeth balance the moments on a pinion; its pivot takes the rest, its rack bears the force."""
         pinion, found, load = self.scene.pinions[name], toothing(self.kinematics, name), self._loads.total(name)
-        tangential = -load.moment / found.radius
+        arm = found.radius if pinion.efficiency is None else found.radius / self._lost_share(name, -load.moment)
+        tangential = -load.moment / arm
         apart = self._apart(name, f"pinions.{name}", tangential)
         bearer = pinion.rack or self.scene.guides[pinion.guide].link
-        self._between_teeth(found, tangential * found.along + apart * found.away, name, bearer)
+        self._between_teeth(found, arm, tangential * found.along + apart * found.away, name, bearer)
         self._in_pivot(name, self._loads.total(name))
 
     def _apart(self, name: str, at: str, tangential: Node) -> Node:
@@ -426,8 +445,12 @@ class Reactions:
         parts = {"tangential": tangential, "radial": apart, "normal": normal}
         self.variables |= {f"{name}.{part}_force": force for part, force in parts.items()}
 
-    def _between_teeth(self, found: Toothing, force: Vector, on: str, bearer: str) -> None:
-        at = self.kinematics.at_rest(found.pitch_point)
+    def _between_teeth(self, found: Toothing, arm: Node, force: Vector, on: str, bearer: str) -> None:
+        """Load a rack and its pinion by a force that has an arm about the pinion's axis, by losses not its radius."""
+        place = found.pitch_point
+        if arm is not found.radius:
+            place = place + (found.radius - arm) * found.along.normal
+        at = self.kinematics.at_rest(place)
         self._loads.push(on, at, force)
         self._loads.push(bearer, at, -force)
 

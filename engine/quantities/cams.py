@@ -45,6 +45,9 @@ def declare(mechanics: Mechanics) -> Declared:
         for axis, node in zip("xy", motion.contact, strict=True):
             words = f"{axis} coordinate of the contact of cam {name} with {cam.follower.link}"
             yield Field(f"{name}.contact_{axis}", words, "m", _known(node))
+        for axis, node in zip("xy", motion.normal, strict=True):
+            words = f"{axis} component of the unit normal of that contact, from cam {name} to {cam.follower.link}"
+            yield Field(f"{name}.normal_{axis}", words, "1", _known(node))
         words = f"curvature of the profile of cam {name} at the contact, positive where it is convex"
         yield Field(f"{name}.curvature", words, "m-1", _known(motion.curvature), "κ")
         if motion.undercut:

@@ -66,6 +66,9 @@ def _of_wheel(name: str, driver: str, motion: NoncircularMotion) -> Declared:
     yield Field(f"{name}.ratio", words, "1", _known(motion.rate), "i")
     for axis, node in zip("xy", motion.pitch_point, strict=True):
         yield Field(f"{name}.pitch_{axis}", f"{axis} coordinate of the pitch point of {name}", "m", _known(node))
+    for axis, node in zip("xy", motion.tangent, strict=True):
+        words = f"{axis} component of the unit tangent common to the pitch curves of {name} and {driver} there"
+        yield Field(f"{name}.tangent_{axis}", words, "1", _known(node))
     wheels = (
         ("", name, motion.radius, motion.curvature),
         ("driver_", driver, motion.driver_radius, motion.driver_curvature),

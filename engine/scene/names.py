@@ -578,7 +578,8 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
         if not isinstance(element, MachineDrive):
             continue
         at, off = f"elements.{name}", set(element.off)
-        if scene.friction or any(shaft.efficiency is not None for shaft in scene.shafts.values()):
+        toothed = {**scene.shafts, **scene.noncircular_wheels, **scene.racks, **scene.pinions}
+        if scene.friction or any(part.efficiency is not None for part in toothed.values()):
             lost = "friction in pairs and losses of teeth aren't counted on an elastic shaft; leave these or this out"
             problems.append((at, lost))
         motors = {n for n, moment in scene.moments.items() if isinstance(moment, (DCMotor, InductionMotor))}

@@ -71,8 +71,19 @@ def own_drives(scene: Scene) -> list[str]:
 
 
 def lossy_meshes(scene: Scene) -> list[str]:
-    """Shafts whose teeth lose power."""
-    return [name for name, shaft in scene.shafts.items() if shaft.efficiency is not None]
+    """Shafts, non-circular wheels, racks and pinions whose teeth lose power."""
+    driven = {**scene.shafts, **scene.noncircular_wheels, **scene.racks, **scene.pinions}
+    return [name for name, part in driven.items() if part.efficiency is not None]
+
+
+def driver_of(scene: Scene, name: str) -> str:
+    """What drives a shaft, non-circular wheel, rack or pinion by its teeth; of a fixed rack the link it is on."""
+    if name in scene.racks:
+        return scene.racks[name].pinion
+    if name in scene.pinions:
+        pinion = scene.pinions[name]
+        return pinion.rack or scene.guides[pinion.guide].link
+    return {**scene.shafts, **scene.noncircular_wheels}[name].geared_to
 
 
 def has_friction(scene: Scene) -> bool:

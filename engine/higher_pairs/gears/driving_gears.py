@@ -18,12 +18,14 @@ class ToothedBar(Part):
 
     `pivot` is the pinion's axis: a point of what carries the rack's guide, or of a slider on that guide. With a
     positive `radius` of the pinion's pitch circle the rack moves along the guide's direction as the pinion turns
-    counter-clockwise, and lies to the right of the axis; with a negative one it is the other way round.
+    counter-clockwise, and lies to the right of the axis; with a negative one it is the other way round. `efficiency`
+    is that of the mesh, the pinion's axis held, whichever drives.
     """
 
     pivot: Name
     radius: Length
     pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = 0.0
+    efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
 
     @field_validator("radius")
     @classmethod
@@ -171,6 +173,7 @@ class NoncircularWheel(Part):
     They turn against each other, `driver_lobes` turns of it to `lobes` of the driver's on average; within a lobe of
     the driver the `law` says how unevenly. `begin` is the driver's angle at which the law begins, and `phase` this
     wheel's angle there. With the `pressure_angle` of the teeth, forces between them are part of reactions.
+    `efficiency` is that of the mesh, whichever wheel drives.
     """
 
     geared_to: Name
@@ -181,3 +184,4 @@ class NoncircularWheel(Part):
     begin: Angle = 0.0
     phase: Angle = 0.0
     pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None
+    efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None

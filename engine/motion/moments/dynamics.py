@@ -10,7 +10,7 @@ from engine.laws.senses import sense
 from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
 from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
-from engine.mechanism.friction import relative_motion, relative_turning
+from engine.mechanism.friction import relative_motion, rolling_rate
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.at_speed import Drive, Moments, moments_at
@@ -240,7 +240,7 @@ def _reversals(mechanics: Mechanics) -> list[Load]:
             grip = Grip(pair.link, None, None)
             found.append(Load(IN_PAIRS, graph.one, way, grip, graph.one, way, "harmful", 0))
     for name in lossy_meshes(mechanics.scene):
-        rate, slope = relative_turning(mechanics.kinematics, name)
+        rate, slope = rolling_rate(mechanics.kinematics, name)
         graph.switches(rate, slope)
         way = graph.held(graph.apply(sense, rate))
         found.append(Load(IN_PAIRS, graph.one, way, Grip(name, None, None), graph.one, way, "harmful", 0))

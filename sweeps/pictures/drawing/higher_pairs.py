@@ -13,17 +13,25 @@ CLEAR, HALF_BUSH, BEYOND = 7.0, 4.0, 3.0
 
 def cam_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
     """Profiles of the cams at a node, with rollers, faces and the stems of followers that slide."""
+    return [shape for name in m.scene.cams for shape in (cam_profile(m, name, k), *follower_shape(m, name, k))]
+
+
+def cam_profile(m: DrawnMotion, name: str, k: int) -> Primitive:
+    """Profile of a cam at a node."""
+    place, along = m.axes(m.scene.cams[name].on)
+    return line(*(place[k] + m.profiles[name] * along[k]))
+
+
+def follower_shape(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
+    """Stem of a cam's follower that slides, and what touches the cam, at a node."""
+    cam = m.scene.cams[name]
+    origin, u = (values[k] for values in m.axes(cam.follower.link))
     found = []
-    for name, cam in m.scene.cams.items():
-        place, along = m.axes(cam.on)
-        found.append(line(*(place[k] + m.profiles[name] * along[k])))
-        origin, u = (values[k] for values in m.axes(cam.follower.link))
-        if cam.translating:
-            top = m.guide(cam.follower.guide)[0][k] + (_bush(m, name) + (HALF_BUSH + 1.5) * m.radius) * u
-            low = m.range_of(cam.follower.link)[0]
-            found.append(line(origin, top + (m.slides[cam.follower.link][k] - low) * u))
-        found += _touching(m, name, k, origin, u)
-    return found
+    if cam.translating:
+        top = m.guide(cam.follower.guide)[0][k] + (_bush(m, name) + (HALF_BUSH + 1.5) * m.radius) * u
+        low = m.range_of(cam.follower.link)[0]
+        found.append(line(origin, top + (m.slides[cam.follower.link][k] - low) * u))
+    return found + _touching(m, name, k, origin, u)
 
 
 def _touching(m: DrawnMotion, name: str, k: int, origin: complex, u: complex) -> list[Primitive]:

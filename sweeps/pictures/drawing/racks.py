@@ -25,9 +25,39 @@ def rack_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
     return found
 
 
+def rack_bar(m: DrawnMotion, k: int, name: str) -> list[Primitive]:
+    """The bar of a rack at a node, with the stem from its slider where it has one.
+
+    Parameters
+    ----------
+    m : DrawnMotion
+    k : int
+        Number of the node.
+    name : str
+        Of the rack, or of the pinion that it drives.
+    """
+    if name in m.scene.racks:
+        rack = m.scene.racks[name]
+        return _bar(m, k, f"racks.{name}.radius", name, rack.guide, rack.pivot)
+    pinion = m.scene.pinions[name]
+    guide = pinion.guide or guide_of(m.scene, pinion.rack)
+    return _bar(m, k, f"pinions.{name}.radius", pinion.rack, guide, pinion.pivot)
+
+
 def _meshing(
     m: DrawnMotion, k: int, path: str, rack: str | None, pinion: str, guide: str, pivot: str
 ) -> list[Primitive]:
+    radius, axis = m.numbers[path], m.points[pivot][k]
+    spoke = axis + abs(radius) * m.axes(pinion)[1][k]
+    found = [Primitive("pitch", "circle", (complex(axis),), abs(radius)), line(axis, spoke)]
+    *stem, bar = _bar(m, k, path, rack, guide, pivot)
+    if rack is None and m.scene.guides[guide].link == FRAME:
+        return found + hatched(*(bar.points if radius > 0 else bar.points[::-1]), m.radius)
+    return [*stem, bar, *found]
+
+
+def _bar(m: DrawnMotion, k: int, path: str, rack: str | None, guide: str, pivot: str) -> list[Primitive]:
+    """The stem of a bar, if any, and the bar; on the frame the line along which it lies."""
     radius, axis = m.numbers[path], m.points[pivot]
     place, u = m.guide(guide)
     touches = axis - 1j * radius * u
@@ -43,13 +73,11 @@ def _meshing(
     low = min(np.nanmin(some) for some in reached) - HALF_LENGTH * m.radius
     high = max(np.nanmax(some) for some in reached) + HALF_LENGTH * m.radius
     ends = [touches[k] + (end - reach[k]) * u[k] for end in (low, high)]
-    spoke = axis[k] + abs(radius) * m.axes(pinion)[1][k]
-    found = [Primitive("pitch", "circle", (complex(axis[k]),), abs(radius)), line(axis[k], spoke)]
     if rack is None and m.scene.guides[guide].link == FRAME:
-        return found + hatched(*(ends if radius > 0 else ends[::-1]), m.radius)
+        return [line(*ends)]
     half, away = 0.5 * HALF_HEIGHT * m.radius, -1j * np.sign(radius) * u[k]
     bar = box(sum(ends) / 2 + half * away, u[k], abs(ends[1] - ends[0]) / 2, half)
     if rack is None or rack in m.scene.racks:
-        return [bar, *found]
+        return [bar]
     foot = carried[k] + 1j * ((touches[k] - carried[k]) / u[k]).imag * u[k]
-    return [line(carried[k], foot), bar, *found]
+    return [line(carried[k], foot), bar]

@@ -6,10 +6,10 @@ matplotlib. Plans are drawn to round scales that hold on paper, with the scale Î
 
 from sweeps.pictures.plans.bearing_loads import bearing_load, bearing_sheet, least_loaded, load_polar, load_rose, shares
 from sweeps.pictures.plans.files import bearing_pictures, plan_pictures, reaction_pictures
-from sweeps.pictures.plans.force_plan import force_plan, force_polygon
-from sweeps.pictures.plans.free_body import free_body
+from sweeps.pictures.plans.forces.force_plan import force_plan, force_polygon
+from sweeps.pictures.plans.forces.free_body import free_body
+from sweeps.pictures.plans.forces.loads import DrawnLoad, group_loads, loads_on_links
 from sweeps.pictures.plans.kinematic_plans import acceleration_plan, velocity_plan
-from sweeps.pictures.plans.loads import DrawnLoad, group_loads, loads_on_links
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.polygons import Leg, PlanStep, VectorPlan, accelerations, velocities
 from sweeps.pictures.plans.pose import MachineCycle, Pose

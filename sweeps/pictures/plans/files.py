@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from engine import Scene, pairs_of
 from sweeps.pictures.plans.bearing_loads import bearing_sheet, revolute_pairs
+from sweeps.pictures.plans.forces.loads import loaded_links
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_sheet
 from sweeps.pictures.plans.sheets import force_sheet, kinematic_sheet
@@ -22,8 +23,9 @@ def plan_pictures(
 ) -> list[Path]:
     """Draw all plans of a machine at one position, and its reactions over the cycle.
 
-    Plans of velocities and accelerations; where anything loads the machine, a sheet of forces for each group and for
-    the input link, the reactions of all pairs, and the load of each bearing, or of the eight most heavily loaded ones.
+    Plans of velocities and accelerations; where anything loads the machine, a sheet of forces for each group, for the
+    input link and for each other link that forces act on, the reactions of all pairs, and the load of each bearing, or
+    of the eight most heavily loaded ones.
 
     Parameters
     ----------
@@ -50,7 +52,7 @@ def plan_pictures(
     pose = cycle.at(at)
     made = [_saved(kinematic_sheet(pose, which), path, which) for which in ("velocity", "acceleration")]
     if revolute_pairs(cycle):
-        parts = (scene.input.link, *cycle.groups)
+        parts = (scene.input.link, *cycle.groups, *loaded_links(pose))
         made += [_saved(force_sheet(pose, part), path, f"forces_{part}") for part in parts]
         made += _reactions(cycle, path, _most_loaded(cycle))
     return made
@@ -102,7 +104,7 @@ def reaction_pictures(
     path : Path
         As for `plan_pictures`.
     fields : collection of str
-        Names of fields; nothing is drawn where none is of a pair's reaction, or where the scene has cams or planets.
+        Names of fields; nothing is drawn where none is of a pair's reaction.
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
 
@@ -111,10 +113,7 @@ def reaction_pictures(
     list of Path
         The files made.
     """
-    higher = scene.inputs or scene.cams or scene.noncircular_wheels or scene.racks or scene.pinions
-    for shaft in scene.shafts.values():
-        higher = higher or shaft.carrier or not (shaft.pressure_angle is None and shaft.efficiency is None)
-    known = {pair.name for pair in pairs_of(scene)} if not higher else set()
+    known = {pair.name for pair in pairs_of(scene)}
     asked = {name.rpartition(".reaction")[0] for name in fields} & known
     return _reactions(MachineCycle(scene, values), path, asked) if asked else []
 

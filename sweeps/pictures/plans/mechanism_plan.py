@@ -1,6 +1,6 @@
 """The mechanism at one position, to a scale of drawing, its points named and its links numbered."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from matplotlib.axes import Axes
 
@@ -16,7 +16,9 @@ from sweeps.pictures.style import BLUE, GREY
 HINGE = 0.85
 
 
-def mechanism_plan(pose: Pose, ax: Axes, special: Sequence[SpecialPoint] = ()) -> Paper:
+def mechanism_plan(
+    pose: Pose, ax: Axes, special: Sequence[SpecialPoint] = (), places: Mapping[str, complex] | None = None
+) -> Paper:
     """Draw the mechanism to scale.
 
     Parameters
@@ -26,15 +28,19 @@ def mechanism_plan(pose: Pose, ax: Axes, special: Sequence[SpecialPoint] = ()) -
         Of the size on paper that they will keep.
     special : sequence of SpecialPoint, optional
         Those that are to be drawn; what lies farther from the mechanism than it is wide is left out.
+    places : mapping of str to complex, optional
+        Where further points lie that the plan names [m], such as pitch points.
     """
     motion = pose.motion
     whole = _figures(pose)
-    near = _near(special, whole)
-    paper = _laid_out(ax, whole, near)
+    near = [point for point in special if _is_near(point.place, whole)]
+    marked = {name: at for name, at in (places or {}).items() if _is_near(at, whole)}
+    cloud = [*(point.place for point in near), *marked.values()]
+    paper = _laid_out(ax, whole, cloud)
     usual = motion.radius
     motion.radius = min(max(usual, HINGE * paper.per_mm), 2.2 * usual)
     whole = _figures(pose)
-    paper = _laid_out(ax, whole, near)
+    paper = _laid_out(ax, whole, cloud)
     for point in near:
         for bar in point.bars:
             paper.line([complex(motion.points[bar.outer][pose.k]), point.place], GREY, 0.4, (0, (4, 2)))
@@ -43,10 +49,12 @@ def mechanism_plan(pose: Pose, ax: Axes, special: Sequence[SpecialPoint] = ()) -
     for joint in whole:
         if joint.layer == "joints" and joint.text:
             paper.name(joint.points[0], f"${subscript(joint.text)}$", clear=joint.size / paper.per_mm)
+    for name, at in marked.items():
+        paper.dot(at, f"${subscript(name)}$")
     for link in pose.cycle.structure.links:
         _number(paper, pose, link)
     motion.radius = usual
-    pose.lettered[paper.size] = paper.letter(() if near else pose.lettered.get(paper.size, ()))
+    pose.lettered[paper.size] = paper.letter(() if cloud else pose.lettered.get(paper.size, ()))
     scale = 1e3 * paper.per_mm
     ratio = f"1 : {scale:g}" if scale >= 1 else f"{1 / scale:g} : 1"
     paper.scale(f"{20 * scale:g} mm", ratio)
@@ -57,16 +65,16 @@ def _figures(pose: Pose) -> list:
     return figures(pose.motion, [pose.motion.q[pose.k]], named=False)[-1]
 
 
-def _near(special: Sequence[SpecialPoint], drawn: list) -> list[SpecialPoint]:
+def _is_near(place: complex, drawn: list) -> bool:
     low_x, low_y, high_x, high_y = bounds(drawn)
     low, high = complex(low_x, low_y), complex(high_x, high_y)
-    return [point for point in special if abs(point.place - (low + high) / 2) < 1.5 * abs(high - low)]
+    return abs(place - (low + high) / 2) < 1.5 * abs(high - low)
 
 
-def _laid_out(ax: Axes, drawn: list, special: Sequence[SpecialPoint]) -> Paper:
+def _laid_out(ax: Axes, drawn: list, further: Sequence[complex]) -> Paper:
     ax.clear()
     low_x, low_y, high_x, high_y = bounds(drawn)
-    cloud = [complex(low_x, low_y), complex(high_x, high_y), *(point.place for point in special)]
+    cloud = [complex(low_x, low_y), complex(high_x, high_y), *further]
     return Paper(ax, cloud, margin=5.0)
 
 

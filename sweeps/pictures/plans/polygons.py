@@ -3,7 +3,9 @@
 Every dyad gives two ways to the image of one point, which must meet there: RRR along both of its bars; RRP along the
 rod and along the guide; RPR along the slotted link and its slot; PRP along both guides; RPP along guide and slot. An
 acceleration goes such a way in two steps: normal and tangential on a bar, Coriolis and relative along a guide that
-turns. What is at rest has its image in the pole. A group of class III is begun with a special point of Assur; of any
+turns. What is at rest has its image in the pole. Second inputs give vectors like the first. Wheels and racks have one
+velocity at their pitch point, and accelerations that differ there along the common normal; on a cam its follower slides
+along the tangent: two ways again. A group of class III is begun with a special point of Assur; of any
 other group of free links all bars and slides are drawn.
 
 Source: any course of the theory of mechanisms, chapter on plans of velocities and accelerations, e.g.
@@ -13,7 +15,8 @@ I. I. Artobolevsky, Theory of Mechanisms and Machines.
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from engine import FRAME, RPP, RPR, CrankInput, FreeGroup, Hinged, joint_of
+from engine import FRAME, RPP, RPR, CrankInput, FreeGroup, Hinged, guide_of, joint_of
+from sweeps.pictures.plans.contacts import Rolling, Touching, lettered, rolling, touching
 from sweeps.pictures.plans.lettering import subscript, symbol
 from sweeps.pictures.plans.pose import Movement, Pose, Turn
 from sweeps.pictures.plans.special_points import SpecialPoint, special_point
@@ -54,6 +57,8 @@ class VectorPlan(NamedTuple):
         Places that lie under a point of another link, by their names (the point's with primes): the link they are of.
     special : tuple of SpecialPoint
         Special points of Assur that the plan begins groups with.
+    places : dict of str to complex
+        Where the points lie that the scene has no names for [m]: pitch points, those of cams and of sliding inputs.
     """
 
     images: dict[str, complex]
@@ -62,6 +67,7 @@ class VectorPlan(NamedTuple):
     links: tuple[tuple[str, ...], ...]
     under: dict[str, str]
     special: tuple[SpecialPoint, ...]
+    places: dict[str, complex]
 
 
 class _Order(NamedTuple):
@@ -71,6 +77,8 @@ class _Order(NamedTuple):
     image: Callable[[Movement], complex]
     turned: Callable[[Turn, complex], list[tuple[str, complex, str]]]
     slid: Callable[[Turn, complex, complex], list[tuple[str, complex, str]]]
+    curved: Callable[[Turn, complex, complex, complex], list[tuple[str, complex, str]]]
+    rolled: Callable[[float, complex], list[tuple[str, complex, str]]]
 
 
 _VELOCITY = _Order(
@@ -78,12 +86,20 @@ _VELOCITY = _Order(
     lambda moving: moving.v,
     lambda turn, arm: [("", 1j * turn.omega * arm, "whole")],
     lambda _, v, a: [("", v, "relative")],
+    lambda _, v, a, bend: [("", v, "relative")],
+    lambda omega, drift: [],
 )
 _ACCELERATION = _Order(
     "a",
     lambda moving: moving.a,
     lambda turn, arm: [("n", -(turn.omega**2) * arm, "normal"), ("t", 1j * turn.epsilon * arm, "tangential")],
     lambda turn, v, a: [("c", 2j * turn.omega * v, "coriolis"), ("r", a, "relative")],
+    lambda turn, v, a, bend: [
+        ("c", 2j * turn.omega * v, "coriolis"),
+        ("rn", abs(v) ** 2 * bend, "normal"),
+        ("rt", a, "relative"),
+    ],
+    lambda omega, drift: [("n", omega**2 * drift, "normal")],
 )
 
 
@@ -107,6 +123,7 @@ class _Composer:
         self.rest: dict[str, None] = {}
         self.under: dict[str, str] = {}
         self.special: list[SpecialPoint] = []
+        self.places: dict[str, complex] = {}
 
     def plan(self) -> VectorPlan:
         scene, drive = self.pose.scene, self.pose.scene.input
@@ -119,9 +136,16 @@ class _Composer:
                 self._group(scene.groups[element.name])
             elif element.kind == "free group":
                 self._free_group(self.pose.cycle.structure.free_groups[element.name])
+            elif element.kind == "cam":
+                contact = touching(self.pose, element.name)
+                self._touching(contact)
+                self._carried_by(contact.follower)
+            elif element.kind in ("second input", "shaft", "noncircular wheel", "rack", "pinion"):
+                self._driven(element.name, element.kind == "second input")
         links = [self._others_on(link) for link in self.pose.cycle.structure.links]
         figures = tuple(filter(None, links))
-        return VectorPlan(self.images, tuple(self.legs), tuple(self.rest), figures, self.under, tuple(self.special))
+        rest, special = tuple(self.rest), tuple(self.special)
+        return VectorPlan(self.images, tuple(self.legs), rest, figures, self.under, special, self.places)
 
     # Images
 
@@ -142,7 +166,7 @@ class _Composer:
         if link == FRAME:
             return FRAME
         self.under[point + primes] = link
-        return self._image(point + primes, self.pose.rigid(link, self.pose.point(point).place))
+        return self._image(point + primes, self.pose.rigid(link, self._place(point)))
 
     def _others_on(self, link: str) -> tuple[str, ...]:
         """Images of a link's points, its centres of mass among them; nothing where a leg says it all."""
@@ -175,7 +199,8 @@ class _Composer:
         self._leg(start, end, self.order.turned(self.pose.turn(link), arm), start in self.rest)
 
     def _place(self, name: str) -> complex:
-        return complex(self.pose.motion.points[name.rstrip("'")][self.pose.k])
+        point = name.rstrip("'")
+        return self.places[point] if point in self.places else complex(self.pose.motion.points[point][self.pose.k])
 
     def _along_guide(self, slider: str, guide: str, point: str, primes: str = "'") -> None:
         """From the place under a slider's joint to the joint."""
@@ -213,6 +238,76 @@ class _Composer:
                 else:
                     self._along_guide(part.link, part.guide, group.inner, primes)
                     primes = "''"
+
+    # Second inputs, wheels, racks and cams
+
+    def _driven(self, name: str, by_law: bool) -> None:
+        """What a law or a mesh drives: its pitch point, and the first of its points."""
+        contact = None if by_law else rolling(self.pose, name)
+        if contact is not None:
+            self._rolling(contact)
+        if not self._carried_by(name) and by_law and guide_of(self.pose.scene, name) is not None:
+            label = lettered(self.pose, "A", name)
+            self.places[label] = self.pose.origin(name).place
+            self._to(name, label)
+
+    def _carried_by(self, link: str) -> bool:
+        """The way to the first of a link's own points; whether it has one."""
+        own = [n for n, point in self.pose.scene.points.items() if point.link == link]
+        for name in own[:1]:
+            self._to(link, name)
+        return bool(own)
+
+    def _to(self, link: str, name: str) -> str:
+        """The way to the image of a link's place: along the guide it slides on, or from the joint it turns about."""
+        place, pose = self._place(name), self.pose
+        if link == FRAME:
+            return self._image(name, pose.rigid(link, place), at_rest=True)
+        guide = guide_of(pose.scene, link)
+        if guide is not None:
+            carrier = pose.scene.guides[guide].link
+            self._image(name, pose.slid(link, guide, place))
+            start = self._under(carrier, name.rstrip("'"), name[len(name.rstrip("'")) :] + "''")
+            self._slid(start, name, link, carrier, pose.guide(guide))
+            return name
+        start = self._point(pose.motion.members(link)[0])
+        self._image(name, pose.rigid(link, place))
+        # Wheels in mesh lead from the pole to their pitch point by one vector.
+        if not any(leg.end == name and leg.start in self.rest for leg in self.legs) or start not in self.rest:
+            arm = place - self._place(start)
+            self._leg(start, name, self.order.turned(pose.turn(link), arm), start in self.rest)
+        return name
+
+    def _rolling(self, contact: Rolling) -> None:
+        """Ways to the pitch point on both bodies, and from one to the other where plans tell them apart."""
+        name, turn = contact.name, self.pose.turn
+        self.places[name] = contact.place
+        apart = self.order.rolled(turn(contact.link).omega - turn(contact.driver).omega, contact.drift)
+        start = self._to(contact.driver, name + "'" * bool(apart))
+        self._to(contact.link, name)
+        if apart:
+            self.under[start] = contact.driver
+            self._leg(start, name, apart, start in self.rest)
+
+    def _touching(self, contact: Touching) -> None:
+        """Ways to a point on the cam and on its follower, and from one to the other along the tangent."""
+        pose, name = self.pose, contact.name
+        self.places[name] = contact.place
+        flat = contact.curvature is None
+        on_cam, on_follower = (name, f"{name}'") if flat else (f"{name}'", name)
+        self._to(contact.cam, on_cam)
+        self._to(contact.follower, on_follower)
+        cam, follower = (pose.rigid(link, contact.place) for link in (contact.cam, contact.follower))
+        start, end, under = (follower, cam, contact.follower) if flat else (cam, follower, contact.cam)
+        self.under[f"{name}'"] = under
+        # What closes the plan along the tangent; across it the motion of both must agree by itself.
+        tangent, turn = 1j * contact.normal, pose.turn(under)
+        v = ((end.v - start.v) / tangent).real * tangent
+        a = ((end.a - start.a - 2j * turn.omega * v) / tangent).real * tangent
+        steps = self.order.slid(turn, v, a)
+        if not flat:
+            steps = self.order.curved(turn, v, a, -contact.curvature * contact.normal)
+        self._leg(f"{name}'", name, steps, False)
 
     # Groups of free links
 

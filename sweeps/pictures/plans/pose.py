@@ -17,11 +17,14 @@ from engine import (
     Yoke,
     acting_fields,
     centre_along,
+    driving_field,
     friction_in_pairs,
     group_links,
+    guide_of,
     has_cycle,
     order_groups,
     pairs_of,
+    tooth_force_fields,
 )
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.drawing.figures import default_position
@@ -43,7 +46,7 @@ class MachineCycle:
     motion : DrawnMotion
     numbers : Numbers
     link_numbers : dict of str to int
-        Links as plans number them: the frame 0, the input 1, then those of the groups.
+        Links as plans number them: the frame 0, the input 1, those of the groups, second inputs, followers, wheels.
 
     Raises
     ------
@@ -54,30 +57,14 @@ class MachineCycle:
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
         if scene.input is None:
             raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
-        if scene.cams:
-            driven = ", ".join(cam.follower.link for cam in scene.cams.values())
-            raise PictureError(
-                f"plans are drawn without cams, and they drive {driven}: leave out what asks for plans; forces are "
-                "fields, such as 'CAM.contact_force'"
-            )
-        geared = [
-            name
-            for name, shaft in scene.shafts.items()
-            if not (shaft.carrier is None and shaft.pressure_angle is None and shaft.efficiency is None)
-        ]
-        geared += [*scene.inputs, *scene.noncircular_wheels, *scene.racks, *scene.pinions]
-        if geared:
-            raise PictureError(
-                "plans are drawn without second inputs, planets, racks, non-circular wheels, forces and losses "
-                f"between teeth, and {geared[0]!r} is or has one: leave out what asks for plans; forces are fields, "
-                "such as 'SHAFT.reaction_x'"
-            )
         self.scene, self._values = scene, dict(values or {})
         self.motion = DrawnMotion(scene, values)
         self.numbers = self.motion.numbers
         self.structure = order_groups(scene)
         in_groups = [link for links in self.groups.values() for link in links]
-        links = [FRAME, scene.input.link, *in_groups, *scene.shafts]
+        links = [FRAME, scene.input.link, *in_groups, *scene.inputs]
+        links += [cam.follower.link for cam in scene.cams.values()]
+        links += [*scene.shafts, *scene.noncircular_wheels, *scene.racks, *scene.pinions]
         self.link_numbers = {link: i for i, link in enumerate(links)}
         self.omega = float(self.numbers["input.speed"])
 
@@ -106,18 +93,27 @@ class MachineCycle:
 
     @cached_property
     def rates(self) -> dict[str, np.ndarray]:
-        """Transfer functions of points, links and sliders, by their fields."""
+        """Transfer functions of points, links and sliders, and shapes of cams and wheels where they touch."""
         known = Machine(self.scene).available_fields
-        return self._rows([name for name in known if name.endswith(("_phi", "_phiphi")) and "inertia" not in name])
+        fields = [name for name in known if name.endswith(("_phi", "_phiphi")) and "inertia" not in name]
+        for name in self.scene.cams:
+            fields += [f"{name}.{field}" for field in ("normal_x", "normal_y", "curvature")]
+        for name in self.scene.noncircular_wheels:
+            shape = ("pitch_x", "pitch_y", "tangent_x", "tangent_y", "curvature", "driver_curvature")
+            fields += [f"{name}.{field}" for field in shape]
+        return self._rows(fields)
 
     @cached_property
     def forces(self) -> dict[str, np.ndarray]:
-        """Reactions, inertia forces, acting forces and the input moment, by their fields."""
+        """Reactions, forces between teeth and on cams, inertia and acting forces, what drives, by their fields."""
         fields = [f"{pair.name}.reaction_{axis}" for pair in pairs_of(self.scene) for axis in "xy"]
         fields += [f"{pair.name}.reaction_moment" for pair in pairs_of(self.scene) if pair.kind == "prismatic"]
         parts = ("inertia_force_x", "inertia_force_y", "inertia_moment")
         fields += [f"{body}.{part}" for body in self.scene.bodies for part in parts]
         fields += [quantity.name for quantity in acting_fields(self.scene)]
+        fields += [quantity.name for quantity in tooth_force_fields(self.scene)]
+        fields += [f"{name}.contact_force" for name in self.scene.cams]
+        fields += [driving_field(self.scene, name) for name in self.scene.inputs]
         fields += friction_in_pairs(self.scene).values()
         return self._rows([*fields, "input_moment_by_equilibrium"])
 
@@ -188,6 +184,14 @@ class Pose:
         """Number of a link."""
         return self.cycle.link_numbers[link]
 
+    def value(self, field: str) -> float:
+        """A number of a contact at this position, by its field."""
+        return float(self.cycle.rates[field][self.k])
+
+    def vector(self, stem: str) -> complex:
+        """A place or direction of a contact at this position, x + iy."""
+        return complex(self.value(f"{stem}_x"), self.value(f"{stem}_y"))
+
     def _rate(self, stem: str) -> tuple[float, float]:
         """First and second derivative by time of a kinematic field at uniform input speed."""
         rows, omega = self.cycle.rates, self.cycle.omega
@@ -205,9 +209,10 @@ class Pose:
         """How a link turns."""
         if link == FRAME:
             return Turn(0.0, 0.0)
-        if link in self.scene.shafts:
-            driver, ratio = self.turn(self.scene.shafts[link].geared_to), self.cycle.numbers[f"shafts.{link}.ratio"]
-            return Turn(ratio * driver.omega, ratio * driver.epsilon)
+        if link in self.scene.shafts and self.scene.shafts[link].pivot is None:
+            shaft, ratio = self.scene.shafts[link], self.cycle.numbers[f"shafts.{link}.ratio"]
+            driver, carrier = self.turn(shaft.geared_to), self.turn(shaft.carrier or FRAME)
+            return Turn(*(c + ratio * (d - c) for c, d in zip(carrier, driver, strict=True)))
         return Turn(*self._rate(f"{link}.angle"))
 
     def slide(self, link: str) -> tuple[float, float]:
@@ -226,19 +231,25 @@ class Pose:
         """Movement of the origin of a link's axes."""
         if link == FRAME or (link in self.scene.shafts and self.scene.shafts[link].pivot is None):
             return Movement(0j, 0j, 0j)
-        for group in self.scene.groups.values():
-            if group.second.link == link and isinstance(group.second, Yoke):
-                return self._crossing(link, group.second.guide)
+        guide = guide_of(self.scene, link)
+        if guide is not None and self._is_where_it_slides(link):
+            return self.slid(link, guide, complex(self.motion.axes(link)[0][self.k]))
         point = self.point(self.motion.members(link)[0])
         # The axes of a free link may begin where it has no joint.
         return self._beside(link, point, complex(self.motion.axes(link)[0][self.k]))
 
-    def _crossing(self, yoke: str, guide: str) -> Movement:
-        """Movement of the crossing of slot and guide, the origin of a yoke."""
+    def _is_where_it_slides(self, link: str) -> bool:
+        """Whether the origin of a slider's axes lies on its guide, where no joint need be."""
+        yokes = (group.second for group in self.scene.groups.values() if isinstance(group.second, Yoke))
+        followers = (cam.follower for cam in self.scene.cams.values())
+        return link in {*self.scene.inputs, *self.scene.racks, *(part.link for part in (*yokes, *followers))}
+
+    def slid(self, slider: str, guide: str, place: complex) -> Movement:
+        """Movement of the place of a slider that is at `place` [m] at the moment, by its motion along its guide."""
         carrier, u = self.scene.guides[guide].link, self.guide(guide)
-        under = self.rigid(carrier, complex(self.motion.axes(yoke)[0][self.k]))
-        v, a = self.slide(yoke)
-        return Movement(under.place, under.v + v * u, under.a + 2j * self.turn(carrier).omega * v * u + a * u)
+        under = self.rigid(carrier, place)
+        v, a = self.slide(slider)
+        return Movement(place, under.v + v * u, under.a + 2j * self.turn(carrier).omega * v * u + a * u)
 
     def rigid(self, link: str, place: complex) -> Movement:
         """Movement of the place of a link that is at `place` [m] at the moment."""

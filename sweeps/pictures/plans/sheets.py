@@ -1,17 +1,18 @@
 """Sheets of plans: the mechanism at a position beside its plan, with the values behind it."""
 
+from collections.abc import Iterator
 from textwrap import fill
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import FRAME, Scene
-from sweeps.pictures.plans.force_plan import force_lines, force_plan
-from sweeps.pictures.plans.free_body import free_body
+from sweeps.pictures.plans.forces.force_plan import force_lines, force_plan
+from sweeps.pictures.plans.forces.free_body import free_body
 from sweeps.pictures.plans.kinematic_plans import acceleration_lines, acceleration_plan, velocity_lines, velocity_plan
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
-from sweeps.pictures.plans.polygons import accelerations, velocities
+from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.plans.symbol_text import SymbolText
 from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
@@ -77,6 +78,8 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         if special:
             points = ", ".join(f"${subscript(s.name)}$ on {pose.number(s.link)}" for s in special)
             notes.append(f"special points of Assur: {points}")
+        if plan.places:
+            notes += _of_places(plan)
         lines = lines_of(pose, plan)
         # More values than fit beside the plan stand in a strip of their own under it.
         few = len(lines) <= 33
@@ -84,13 +87,29 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9 + 3.4 * rows)
         figure = sheet(height=HEIGHT + strip)
         heading(figure, pose.scene, f"{which} plan at {pose.title}")
-        mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), special)
+        mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), special, plan.places)
         draw(pose, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
         for i, text in enumerate(columns(lines, rows)):
             at = (4 + 26 * i, 52 + strip) if few else (4 + 29 * i, strip)
             write(figure, *at, text, fontsize=6.5, linespacing=1.45)
         write(figure, 4, 4 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
     return figure
+
+
+_PLACES = {
+    "P": "pitch points",
+    "B": "centres of rollers, or edges",
+    "C": "centres of curvature of profiles",
+    "A": "origins of links that laws move",
+}
+
+
+def _of_places(plan: VectorPlan) -> Iterator[str]:
+    """What the points are that the scene has no names for."""
+    for letter, words in _PLACES.items():
+        names = [f"${subscript(name)}$" for name in plan.places if name[0] == letter]
+        if names:
+            yield f"{words}: {', '.join(names)}"
 
 
 def force_sheet(pose: Pose, of: str) -> Figure:

@@ -8,6 +8,7 @@ from driving_cams import changed
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from noncircular_wheels import ELLIPSES
 from test_wheels_on_groups import WATT
 
 from engine import Machine, Scene, SceneError, Verdict
@@ -96,6 +97,73 @@ def test_wheel_on_a_rocker__loses_in_both_senses_of_its_swing(teeth, speed):
     np.testing.assert_allclose(rows["counter.mesh_loss"], loss, atol=1e4 * EPS * np.abs(rolling).max())
     extra = (rows["input_moment_with_friction"] - rows["input_moment"]) * speed
     np.testing.assert_allclose(extra, loss, atol=1e4 * EPS * np.abs(rows["input_moment"] * speed).max())
+
+
+RACK = {
+    "points": {"O": {"x": 0, "y": 0}, "end": {"link": "bar", "x": 0.05, "y": 0}},
+    "guides": {"way": {"y": -0.1}},
+    "input": CRANK | {"start": 0, "stop": 2},
+    "racks": {
+        "bar": {"pinion": "crank", "pivot": "O", "guide": "way", "radius": 0.04, "pressure_angle": 0.35,
+                "efficiency": 0.9},
+    },
+    "forces": {"load": {"type": "constant", "on": "end", "force": 50.0, "angle": 0}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("angle", "radius"), [(0.0, 0.04), (math.pi, 0.04), (0.0, -0.04), (math.pi, -0.04)])
+def test_rack__takes_more_of_its_pinion_or_gives_it_less_as_power_goes(angle, radius):
+    """F r/η where the pinion drives against a force F, η F r where the force drives the pinion."""
+    data = changed(RACK, forces__load__angle=angle, racks__bar__radius=radius)
+    names = ["input_moment_with_friction", "input_moment", "bar.mesh_loss", "bar.tangential_force"]
+    rows = rows_of(data, [*names, "bar.reaction_moment"], ["friction_loss"])
+    ideal = -50.0 * math.cos(angle) * radius
+    driven = ideal / 0.9 if ideal > 0 else ideal * 0.9
+    np.testing.assert_allclose(rows["input_moment"], ideal, rtol=64 * EPS)
+    np.testing.assert_allclose(rows["input_moment_with_friction"], driven, rtol=64 * EPS)
+    np.testing.assert_allclose(rows["bar.mesh_loss"], 4 * math.pi * (driven - ideal), rtol=256 * EPS)
+    # Losses don't change what holds the load, but the arm at which it does: the crank's moment over that force.
+    np.testing.assert_allclose(rows["bar.tangential_force"], -50.0 * math.cos(angle), rtol=64 * EPS)
+    # About the origin on the way the teeth act at the height 0.1 − r k, and push down or up by tan 0.35 of that force
+    # beside the crank's axis, where the origin is s = r φ off.
+    k = driven / ideal
+    slide = radius * np.linspace(0, 2, 49)
+    pushed = -math.copysign(math.tan(0.35), radius) * 50.0
+    moment = -(-slide * pushed - (0.1 - radius * k) * -50.0 * math.cos(angle))
+    np.testing.assert_allclose(rows["bar.reaction_moment"], moment, atol=1e3 * EPS * 5.0)
+
+
+def test_pinion_that_rolls_on_a_rack__is_driven_by_what_losses_leave():
+    """A slider pushes a pinion along; a drag M on it asks for M/(η r) at the axis."""
+    data = changed(
+        RACK, racks=None, points={"O": {"x": 0, "y": 0}}, guides={"way": {}}, forces=None,
+        groups={"g": {"type": "RRP", "inner": "B", "first": {"link": "rod", "joint": "A", "length": 0.2},
+                      "second": {"link": "block", "guide": "way"}}},
+        pinions={"wheel": {"guide": "way", "pivot": "B", "radius": 0.03, "efficiency": 0.8}},
+        moments={"drag": {"type": "linear_drag", "on": "wheel", "coefficient": 0.5}},
+    )  # fmt: skip
+    names = ["wheel.angle_phi", "wheel.tangential_force", "wheel.mesh_loss", "input_moment_with_friction"]
+    rows = rows_of(data, [*names, "input_moment"], ["friction_loss"])
+    turning = rows["wheel.angle_phi"] * 4 * math.pi
+    np.testing.assert_allclose(rows["wheel.tangential_force"], 0.5 * turning / (0.8 * 0.03), atol=1e-12 * 500)
+    loss = 0.5 * turning**2 * (1 / 0.8 - 1)
+    np.testing.assert_allclose(rows["wheel.mesh_loss"], loss, atol=1e-12 * loss.max())
+    extra = (rows["input_moment_with_friction"] - rows["input_moment"]) * 4 * math.pi
+    np.testing.assert_allclose(extra, loss, atol=1e-12 * loss.max())
+
+
+@pytest.mark.parametrize("teeth", [None, 0.3])
+def test_noncircular_wheels__lose_a_share_of_what_rolls_through_them(teeth):
+    data = changed(
+        ELLIPSES, gravity=0, groups=None, guides=None, bodies=None, points__D=None,
+        noncircular_wheels__second__efficiency=0.85, noncircular_wheels__second__pressure_angle=teeth,
+        moments={"drag": {"type": "linear_drag", "on": "second", "coefficient": 0.5}},
+    )  # fmt: skip
+    rows = rows_of(data, ["second.angle_phi", "second.mesh_loss", "input_moment_with_friction", "input_moment"], [])
+    power = 0.5 * (4 * math.pi * rows["second.angle_phi"]) ** 2
+    np.testing.assert_allclose(rows["input_moment"] * 4 * math.pi, power, rtol=256 * EPS)
+    np.testing.assert_allclose(rows["input_moment_with_friction"] * 4 * math.pi, power / 0.85, rtol=256 * EPS)
+    np.testing.assert_allclose(rows["second.mesh_loss"], power / 0.85 - power, rtol=1e4 * EPS)
 
 
 def test_motion_with_losses__takes_their_work_from_the_motor():

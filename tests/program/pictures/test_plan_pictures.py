@@ -37,7 +37,7 @@ from sweeps.pictures.plans import (
     shares,
     velocity_plan,
 )
-from sweeps.pictures.plans.free_body import LONGEST
+from sweeps.pictures.plans.forces.free_body import LONGEST
 from sweeps.pictures.plans.paper import Paper, round_scale
 from sweeps.pictures.plans.sheets import kinematic_sheet
 from sweeps.pictures.plans.symbol_text import SymbolText, line_of_symbols
@@ -129,7 +129,9 @@ def test_vectors_on_paper__as_long_as_the_scale_says():
     assert arrows_on_paper(ax) == pytest.approx([length for length in expected if length >= 0.4], rel=1e-9)
 
 
-@pytest.mark.parametrize("name", [*MECHANISMS, "PRP", "moving guide", "geared five-bar", "turning yoke"])
+@pytest.mark.parametrize(
+    "name", [*MECHANISMS, "PRP", "moving guide", "geared five-bar", "turning yoke", "racks", "planets", "rubbing cam"]
+)
 def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
     pose = cycle_of(name).at()
     drawn = [(velocity_plan, ()), (acceleration_plan, ())]

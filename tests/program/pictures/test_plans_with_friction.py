@@ -14,7 +14,7 @@ from test_plans import EXACT
 
 from engine import Scene
 from sweeps.pictures.plans import MachineCycle, force_polygon, force_sheet, free_body, group_loads, loads_on_links
-from sweeps.pictures.plans.force_plan import force_lines
+from sweeps.pictures.plans.forces.force_plan import force_lines
 
 # All kinds of groups, shafts, both kinds of inputs, guides that move; some sliders tilt.
 RUBBING = [("PRP", 0.02), ("turning yoke", None), ("geared five-bar", None), ("sliding input", 0.06)]

@@ -3,6 +3,10 @@
 from functools import cache
 
 from drawn_machines import GALLERY, crank, four_bar
+from driving_cams import SLIDING, SWINGING, changed
+from geared_links import CARDAN, CRANK, TRAIN
+from noncircular_wheels import CHAIN, ELLIPSES
+from racks import LIFT, ON_CRANK
 
 from engine import Scene
 from engine.scene.pairs import pairs
@@ -61,17 +65,82 @@ TURNING_YOKE = four_bar(
 SCENES = {name: read_scene(bundled_templates()[name]) for name in templates()}
 
 
-def has_plans(scene):
-    """Plans are drawn of dyads, without cams, second inputs, planets, racks and forces of teeth."""
+def is_of_dyads(scene):
+    """Whether a mechanism has neither free links nor cams, second inputs, planets, racks and teeth with forces."""
     toothed = any(shaft.carrier or shaft.pressure_angle is not None for shaft in scene.shafts.values())
     toothed = toothed or scene.noncircular_wheels or scene.racks or scene.pinions
-    return scene.input is not None and not (scene.links or scene.cams or scene.inputs or toothed)
+    return not (scene.links or scene.cams or scene.inputs or toothed)
 
 
-MECHANISMS = [name for name, scene in SCENES.items() if has_plans(scene)]
+MECHANISMS = [name for name, scene in SCENES.items() if scene.input is not None and is_of_dyads(scene)]
 MACHINES = {name: SCENES[name] for name in MECHANISMS} | GALLERY
 MACHINES |= {"PRP": PRP, "geared to a rocker": GEARED_TO_A_ROCKER, "turning yoke": TURNING_YOKE}
 MACHINES |= {"without inertia": GEARED_TO_A_ROCKER.model_copy(update={"inertia_in_reactions": False})}
+_LOSING = {"pressure_angle": "20 deg", "efficiency": 0.95}
+_TRAIN = changed(TRAIN, gravity=9.81, shafts__moon__pressure_angle="25 deg", shafts__sun__inertia=0.01)
+_TRAIN["shafts"]["planet"] |= _LOSING
+_TRAIN["moments"] = {"load": {"type": "linear_drag", "on": "planet", "coefficient": 0.4}}
+_RUBBING_CAM = changed(SWINGING, gravity=9.81, shafts__camshaft__efficiency=0.9, shafts__camshaft__inertia=0.001)
+_RUBBING_CAM["friction"] = {
+    "contact": {"pair": "cam.contact", "coefficient": 0.1, "diameter": "8 mm"},
+    "pivot": {"pair": "cam.pivot", "coefficient": 0.1, "diameter": "12 mm"},
+}
+_FLAT_ARM = changed(SWINGING, cams__cam__follower={
+    "type": "oscillating", "link": "arm", "pivot": "Q", "contact": "flat", "mode": -1,
+})  # fmt: skip
+_KNIFE_EDGE = changed(SLIDING, cams__cam__follower={
+    "type": "translating", "link": "tappet", "guide": "way", "contact": "knife edge",
+})  # fmt: skip
+# Beside the crank one link is turned by a law, driven by the crank, and one slides on it with a drive of its own.
+_SERVOS = {
+    "gravity": 9.81,
+    "points": {
+        "O": {"x": 0, "y": 0},
+        "C": {"x": 0.2, "y": 0.02},
+        "D": {"link": "second", "x": 0.04, "y": 0.01},
+    },
+    "guides": {"bar": {"link": "second", "x": 0.01, "y": 0.03, "angle": 0.3}},
+    "input": CRANK,
+    "inputs": {
+        "second": {
+            "type": "crank",
+            "pivot": "C",
+            "ratio": -1,
+            "drive": "crank",
+            "harmonics": {"one": {"order": 1, "cosine": 0.2}},
+        },
+        "ram": {"type": "slider", "guide": "bar", "harmonics": {"one": {"order": 2, "sine": 0.02}}},
+    },
+    "groups": {
+        "arms": {
+            "type": "RRR",
+            "inner": "B",
+            "first": {"link": "left", "joint": "A", "length": 0.19},
+            "second": {"link": "right", "joint": "D", "length": 0.17},
+        }
+    },
+    "bodies": {
+        "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "y": 0.01, "inertia": 0.002},
+        "second_body": {"link": "second", "mass": 1.5, "x": 0.01, "y": 0.02, "inertia": 0.002},
+        "ram_body": {"link": "ram", "mass": 0.5, "x": 0.01, "inertia": 0.001},
+    },
+}
+_LOSING_RACKS = changed(LIFT, pinions__gear__efficiency=0.9, racks__post__efficiency=0.8)
+_LOSING_WHEELS = changed(CHAIN, noncircular_wheels__middle__efficiency=0.9, noncircular_wheels__last__efficiency=0.8)
+HIGHER = {
+    "planets": _TRAIN,
+    "cardan circles": CARDAN,
+    "racks": _LOSING_RACKS,
+    "rack on the crank": ON_CRANK,
+    "ellipses": ELLIPSES,
+    "wheels that pass moments": _LOSING_WHEELS,
+    "roller": SLIDING,
+    "edge": _KNIFE_EDGE,
+    "rubbing cam": _RUBBING_CAM,
+    "flat arm": _FLAT_ARM,
+    "servos": _SERVOS,
+}
+HIGHER = {name: Scene.model_validate(data) for name, data in HIGHER.items()}
 CLOSED = [name for name, scene in MACHINES.items() if scene.input.type == "crank" and scene.input.start is None]
 
 
@@ -87,7 +156,7 @@ def rubbing(name, length=None):
 
 @cache
 def cycle_of(name):
-    return MachineCycle(MACHINES[name])
+    return MachineCycle((MACHINES | HIGHER)[name])
 
 
 def poses(name):

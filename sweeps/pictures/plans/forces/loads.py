@@ -19,6 +19,10 @@ from engine import (
     TorsionSpring,
     bearer_of,
     body_mass,
+    carried_inertia,
+    contact_pairs,
+    drive_base,
+    driving_field,
     friction_in_pairs,
     guide_edge_forces,
     holder_of,
@@ -26,6 +30,7 @@ from engine import (
     pairs_of,
     slider_tilts,
 )
+from sweeps.pictures.plans.forces.contact_forces import ContactForce, contact_forces, share_lost_between_teeth
 from sweeps.pictures.plans.lettering import numbered, subscript, symbol
 from sweeps.pictures.plans.pose import Pose
 
@@ -86,6 +91,18 @@ def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
     return _Collector(pose).found()
 
 
+def loaded_links(pose: Pose) -> list[str]:
+    """Links beside the input and those of groups that forces act on: second inputs, followers, wheels and racks.
+
+    Parameters
+    ----------
+    pose : Pose
+    """
+    known = {pose.scene.input.link, *(link for links in pose.cycle.groups.values() for link in links)}
+    loads = loads_on_links(pose)
+    return [link for link in loads if link not in known and any(not load.is_moment for load in loads[link])]
+
+
 def group_loads(pose: Pose, name: str) -> list[DrawnLoad]:
     """What acts on the links of a group together: all but its inner pairs, what its first pair does last.
 
@@ -113,6 +130,7 @@ class _Collector:
         self.pose, self.k, self.forces = pose, pose.k, pose.cycle.forces
         self.loads: dict[str, list[DrawnLoad]] = {link: [] for link in pose.cycle.link_numbers}
         self.frictions = friction_in_pairs(pose.scene)
+        self.contacts = {pair.name for pair in contact_pairs(pose.scene)}
 
     def found(self) -> dict[str, list[DrawnLoad]]:
         for name in self.pose.scene.bodies:
@@ -120,6 +138,9 @@ class _Collector:
         self._actions()
         for pair in pairs_of(self.pose.scene):
             self._pair(pair)
+        for contact in contact_forces(self.pose):
+            self._touches(contact)
+        self._second_inputs()
         self._gears()
         self._drive()
         return {link: loads for link, loads in self.loads.items() if link != FRAME}
@@ -223,21 +244,68 @@ class _Collector:
         name = next((n for n, friction in self.pose.scene.friction.items() if friction.pair == pair.name), None)
         return None if name is None else self.pose.cycle.numbers.get(f"friction.{name}.length")
 
-    def _gears(self) -> None:
-        """Moments of gears: they balance each shaft and load what drives it by the ratio."""
+    def _touches(self, contact: ContactForce) -> None:
+        """A force in a higher pair on its link, and the opposite on the other."""
+        name = contact.pair if contact.pair in self.contacts else f"{contact.pair}.teeth"
+        pair = Pair(name, "contact", contact.link, contact.other, "")
+        if contact.rubs:
+            self._both(pair, "F", contact.force, contact.at, before=r"\mathrm{f}")
+        else:
+            self._both(pair, "R", contact.force, contact.at)
+
+    def _second_inputs(self) -> None:
+        """What drives second inputs, from the links that their drives stand on, by the crank where that drives."""
         pose = self.pose
+        for name, second in pose.scene.inputs.items():
+            value = float(self.forces[driving_field(pose.scene, name)][self.k])
+            index, base = rf"\mathrm{{in}}{pose.number(name)}", drive_base(pose.scene, name)
+            if second.translating:
+                rate, at, u = pose.slide(name)[0], pose.origin(name).place, pose.direction(name)
+                self._add(name, symbol("F", index), value * u, at)
+                self._add(base, symbol("F", index), -value * u, at)
+            else:
+                rate = pose.turn(name).omega - pose.turn(base).omega
+                self._twist(name, symbol("M", index), value)
+                self._twist(base, symbol("M", index), -value)
+            if second.drive == "crank":
+                one, crank = pose.number(name), pose.scene.input.link
+                self._twist(crank, numbered("M", one, pose.number(crank)), -value * rate / pose.cycle.omega)
+
+    def _gears(self) -> None:
+        """Moments of gears: they balance each wheel, load what drives it by the ratio, what carries both by the rest.
+
+        Teeth with a place have done so by their forces.
+        """
+        pose, numbers = self.pose, self.pose.cycle.numbers
         for element in reversed(pose.cycle.structure.elements):
-            if element.kind != "shaft":
-                continue
-            name, shaft = element.name, pose.scene.shafts[element.name]
-            if pose.scene.inertia_in_reactions:
-                inertia = pose.cycle.numbers[f"shafts.{name}.inertia"]
-                self._twist(name, symbol("M", f"U{pose.number(name)}"), -inertia * pose.turn(name).epsilon)
-            origin = pose.origin(name).place
-            total = sum(load.moment_about(origin) for load in self.loads[name])
-            driver, n = shaft.geared_to, pose.number
-            self._twist(name, numbered("M", n(driver), n(name)), -total)
-            self._twist(driver, numbered("M", n(name), n(driver)), total * pose.cycle.numbers[f"shafts.{name}.ratio"])
+            name = element.name
+            if element.kind == "shaft":
+                shaft = pose.scene.shafts[name]
+                if pose.scene.inertia_in_reactions:
+                    inertia = numbers[f"shafts.{name}.inertia"] + carried_inertia(pose.scene, name, numbers)
+                    self._twist(name, symbol("M", f"U{pose.number(name)}"), -inertia * pose.turn(name).epsilon)
+                if shaft.pressure_angle is None:
+                    left = self._left(name)
+                    passed = numbers[f"shafts.{name}.ratio"] * left * share_lost_between_teeth(pose, name, -left)
+                    self._geared(name, shaft.geared_to, shaft.carrier or FRAME, left, passed)
+            elif element.kind == "noncircular wheel":
+                wheel = pose.scene.noncircular_wheels[name]
+                if wheel.pressure_angle is None:
+                    left, ratio = self._left(name), pose.turn(name).omega / pose.turn(wheel.geared_to).omega
+                    passed = ratio * left * share_lost_between_teeth(pose, name, -left)
+                    self._geared(name, wheel.geared_to, FRAME, left, passed)
+
+    def _left(self, link: str) -> float:
+        """Moment of all loads of a link about its origin."""
+        origin = self.pose.origin(link).place
+        return sum(load.moment_about(origin) for load in self.loads[link])
+
+    def _geared(self, name: str, driver: str, carrier: str, left: float, passed: float) -> None:
+        """Balance a wheel, and load its driver and its carrier."""
+        one, two, carrying = (self.pose.number(link) for link in (driver, name, carrier))
+        self._twist(name, numbered("M", one, two), -left)
+        self._twist(driver, numbered("M", two, one), passed)
+        self._twist(carrier, numbered("M", two, carrying), left - passed)
 
     def _drive(self) -> None:
         drive = self.pose.scene.input

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from engine import did_you_mean
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.plans.loads import DrawnLoad, group_loads, loads_on_links
+from sweeps.pictures.plans.forces.loads import DrawnLoad, group_loads, loads_on_links
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, VERMILION

@@ -6,13 +6,10 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import RPP, RPR, Sliding
-from sweeps.pictures.drawing import Primitive
-from sweeps.pictures.drawing.motion import DrawnMotion
-from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, box, line, link_shape
-from sweeps.pictures.plans.force_plan import colour_of
+from sweeps.pictures.plans.forces.force_plan import colour_of
+from sweeps.pictures.plans.forces.link_figure import link_figure
+from sweeps.pictures.plans.forces.loads import DrawnLoad, loads_on_links
 from sweeps.pictures.plans.lettering import subscript
-from sweeps.pictures.plans.loads import DrawnLoad, loads_on_links
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
 
@@ -42,12 +39,13 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
         What acts on the link.
     """
     loads = _felt(loads_on_links(pose)[link], pose.motion.radius)
-    figure = link_figure(pose.motion, link, pose.k)
+    figure = link_figure(pose, link)
     outline = np.array([p for primitive in figure for p in primitive.points])
     middle = complex(outline.real.min() + outline.real.max(), outline.imag.min() + outline.imag.max()) / 2
     # A slider by itself is drawn no larger than its symbol needs.
     least = middle + LEAST * pose.motion.radius * np.array([-1 - 1j, 1 + 1j])
-    paper = Paper(ax, [*outline, *least], margin=LONGEST + 4)
+    places = [load.at for load in loads if not load.is_moment]
+    paper = Paper(ax, [*outline, *least, *places], margin=LONGEST + 4)
     paper.figures(figure)
     for name in pose.motion.members(link):
         paper.name(complex(pose.motion.points[name][pose.k]), f"${subscript(name)}$", clear=1.3)
@@ -94,40 +92,3 @@ def _moment(paper: Paper, centre: complex, load: DrawnLoad, radius: float) -> No
     tangent = sense * 1j * cmath.exp(1j * float(angles[-1]))
     paper.arrow(complex(arc[-1]), 3.0 * paper.per_mm * tangent, "", colour_of(load))
     paper.name(complex(arc[20]), load.text, colour_of(load))
-
-
-def link_figure(m: DrawnMotion, link: str, k: int) -> list[Primitive]:
-    """A link by itself as it is drawn within the mechanism, with its joints."""
-    r, places = m.radius, [complex(m.points[n][k]) for n in m.members(link)]
-    found = link_shape(places, r)
-    for group in m.scene.groups.values():
-        found = [*_sliding_part(m, group, link, k), *found]
-    slides = link in m.scene.links and m.scene.links[link].guide is not None
-    if slides or (link == m.scene.input.link and len(places) == 1):
-        found.append(box(complex(m.axes(link)[0][k]), complex(m.axes(link)[1][k]), HALF_LENGTH * r, HALF_HEIGHT * r))
-    hinges = [n for n in m.members(link) if n in m.hinges]
-    others = [n for n in m.members(link) if n not in m.hinges]
-    found += [Primitive("joints", "circle", (complex(m.points[n][k]),), r, "paper", n) for n in hinges]
-    return found + [Primitive("joints", "circle", (complex(m.points[n][k]),), 0.55 * r, "solid", n) for n in others]
-
-
-def _sliding_part(m: DrawnMotion, group: object, link: str, k: int) -> list[Primitive]:
-    """What a group's slider, block or slotted link has besides the line through its points."""
-    r = m.radius
-    origin, u = (complex(values[k]) for values in m.axes(link))
-    half = (HALF_LENGTH * r, HALF_HEIGHT * r)
-    blocks = [part.link for part in (group.first, group.second) if isinstance(part, Sliding)]
-    if isinstance(group, (RPR, RPP)):
-        blocks.append(group.first.link)
-    if link in blocks:
-        return [box(origin, u, *half)]
-    if link != group.second.link or not isinstance(group, (RPR, RPP)):
-        return []
-    low, high = m.range_of(group.first.link)
-    margin = (HALF_LENGTH + 1.5) * r
-    if isinstance(group, RPR):
-        return [line(origin + min(low - margin, 0) * u, origin + max(high + margin, 0) * u)]
-    slot = complex(m.axes(group.first.link)[1][k])
-    reach = [((m.points[n][k] - origin) / u).real for n in m.members(link)]
-    stem = line(origin + min([0.0, *reach]) * u, origin + max([12 * r, *reach]) * u)
-    return [stem, box(origin + (low + high) / 2 * slot, slot, (high - low) / 2 + margin, half[1], "paper")]
