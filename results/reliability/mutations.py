@@ -53,10 +53,10 @@ READ_WITHIN, RUN_WITHIN = 10.0, 120.0
 MOST_MEMORY = 1_000_000_000
 # Of more variants than these, a garbled study is only read.
 FEW = 5000
-# Cases for each process: what was compiled is given back with it.
-BATCH = 60
-# Processor time [s] after which a process begins no other case: some studies take seconds whatever their numbers.
-BATCH_SECONDS = 60.0
+# Cases for each process: what was compiled is given back with it; of numbers in one study so many more.
+BATCH, NUMBERS_BATCH = 60, 300
+# Processor time [s] after which a process changes no other number: some studies take seconds whatever their numbers.
+BATCH_SECONDS = 15.0
 # Values that a number takes at most in a study of which only numbers change, and variants where they are sampled.
 VALUES, SAMPLED = 2, 8
 # Processor time [s] from which a run of a few variants is told as long.
@@ -304,7 +304,9 @@ def with_other_numbers(dice: random.Random, document: dict) -> str:
         leaves = [(t, k) for t, k in places(document) if isinstance(t[k], (str, int, float)) and k != "scene"]
         if not leaves:
             break
-        table, key = dice.choice(leaves)
+        # What is no number or formula decides more often on the structure.
+        numeric = [(t, k) for t, k in leaves if str(t[k])[:1] in "-.0123456789" or " " in str(t[k])]
+        table, key = dice.choice(numeric if numeric and dice.random() < 0.9 else leaves)
         old = table[key]
         if isinstance(old, bool):
             table[key] = not old if dice.random() < 0.2 else old
@@ -511,10 +513,11 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
     """Garbled texts or lines of one kind, counted: how many ended how, longest time, memory, what was wrong."""
     row = data["kinds"].setdefault(kind, {"ways": {}, "wrong": 0, "longest": 0.0, "memory": 0})
     context = multiprocessing.get_context("fork")
-    for first in range(0, count, BATCH):
+    size = NUMBERS_BATCH if kind == "numbers" else BATCH
+    for first in range(0, count, size):
         mine, its = context.Pipe(duplex=False)
         process = context.Process(
-            target=batch, args=(kind, seed * 1_000_000 + first, min(BATCH, count - first), folder, its)
+            target=batch, args=(kind, seed * 1_000_000 + first, min(size, count - first), folder, its)
         )
         process.start()
         its.close()
