@@ -137,6 +137,21 @@ class SweepResult:
         status = self.columns["status"]
         return sum(int(np.count_nonzero(status[part] != Verdict.NOT_COMPUTED)) for part in self.parts())
 
+    def verdict_counts(self) -> dict[Verdict, int]:
+        """How many variants got each verdict, of those that any got."""
+        status = self.columns["status"]
+        # Counting makes whole numbers of eight bytes of the verdicts.
+        there = sum(np.bincount(status[part], minlength=256) for part in self.parts())
+        return {verdict: int(there[verdict]) for verdict in Verdict if there[verdict]}
+
+    def first_with(self, verdict: Verdict) -> int | None:
+        """Number of the first variant with a verdict; None where none has it."""
+        status = self.columns["status"]
+        for part in self.parts():
+            if (found := status[part] == verdict).any():
+                return part.start + int(np.argmax(found))
+        return None
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Sizes of the axes of the design, the last fastest; the candidates of a search form none."""
@@ -327,22 +342,19 @@ class SweepResult:
         met = self.meets(where)
         return np.concatenate([met(piece) for piece in self._pieces(chosen)])
 
-    def missed(self) -> dict[str, np.ndarray]:
-        """For each condition of `require`, which variants fail it (variants,); those not yet computed not counted.
+    def missed(self) -> Iterator[np.ndarray]:
+        """Which variants fail which condition of `require` (conditions, variants), some variants after the others.
 
-        Found anew from the parameters, as the file holds only whether a variant was dropped.
+        Those not yet computed aren't counted. Found anew from the parameters, as the file holds only whether a variant
+        was dropped.
         """
-        if not self.record["require"]:
-            return {}
         fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
         conditions = [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]]
-        found = np.zeros((len(conditions), self.description.variants), bool)
         names = {name for condition in conditions for name in condition.names}
         for part in self.parts():
             known = fixed | self.rows(part, names)
-            found[:, part] = misses(conditions, known, part.stop - part.start)
-        found &= self.columns["status"] != Verdict.NOT_COMPUTED
-        return {condition.text: row for condition, row in zip(conditions, found, strict=True)}
+            found = misses(conditions, known, part.stop - part.start)
+            yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)
 
     def best(self) -> int | None:
         """Number of the variant that answers the study's question; None without a goal or without candidates."""
