@@ -88,6 +88,7 @@ class Statements:
         self.positions: list[str] = []
         self.laws: list = []
         self.taken = {*_TAKEN, *taken}
+        self._counts: dict[str, int] = {}
         self._texts: dict[Node, str] = {}
         self._depth: dict[Node, int] = {}
         order = reached(outputs, self._is_leaf)
@@ -136,10 +137,13 @@ class Statements:
     def _name(self, node: Node) -> str:
         wanted = "".join(c if c.isalnum() else "_" for c in node.label).strip("_")
         wanted = wanted if wanted[:1].isalpha() and len(wanted) <= 40 else "x"
-        name, count = wanted, 1
+        # Lower numbers are all taken: of thousands of one label, none is tried again.
+        count = self._counts.get(wanted, 1)
+        name = wanted if count == 1 else f"{wanted}{count}"
         while name in self.taken:
             count += 1
             name = f"{wanted}{count}"
+        self._counts[wanted] = count
         self.taken.add(name)
         return name
 

@@ -1,6 +1,7 @@
 """A scene: one machine, whole, and the numbers in it by their paths."""
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Annotated, NamedTuple, get_args
 
 import numpy as np
@@ -160,6 +161,15 @@ def _marks(annotation: object, metadata: list) -> list:
     return found
 
 
+@cache
+def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
+    """Dimension of a number that a kind of part has, and its limits."""
+    field = kind.model_fields[key]
+    marks = _marks(field.annotation, field.metadata)
+    dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
+    return dimension, tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
+
+
 def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
     if isinstance(part, FormulaNumber):
         yield path, SceneNumber(part.value, part.dimension, ())
@@ -173,9 +183,7 @@ def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
             for name, inner in value.items():
                 yield from _walk(inner, f"{here}.{name}")
         elif isinstance(value, (int, float)) and not isinstance(value, bool):
-            marks = _marks(field.annotation, field.metadata)
-            dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
-            limits = tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
+            dimension, limits = _marked(type(part), key)
             if dimension is not None:
                 yield here, SceneNumber(float(value), dimension, limits)
             elif field.annotation == Mode:

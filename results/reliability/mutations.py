@@ -1,6 +1,6 @@
 """Scenes, studies, tables and command lines garbled at random; writes `mutations.md` beside this file.
 
-    python results/reliability/mutations.py --texts 20000 --evaluated 2000 --lines 2000 --seed 2
+    python results/reliability/mutations.py --texts 20000 --numbers 4000 --evaluated 100 --lines 2000 --seed 2
 
 Counts are added to those in `mutations.json`, from which the table is made: slices with other seeds add up. Counts of
 an earlier state of the program are thrown away with `--anew`.
@@ -10,6 +10,10 @@ seed: numbers become extreme, wrong or none, names become others, keys are renam
 with all that stands below them, lines and bytes are lost or doubled. Each text is read, and its machine's functions
 are printed; some are run to their end. A command may refuse in words or give results; what counts as wrong is a
 traceback, a crash, more processor time or memory than stated in the table, and code in a text that is carried out.
+
+A machine of another structure is compiled for seconds before it is run for milliseconds. So few are run of those of
+which anything may have changed; most runs are of studies in which numbers, units, formulas, goals and names have, and
+what compiling depends on has not. They have a few variants each, all else is as it is bundled.
 """
 
 import argparse
@@ -49,8 +53,14 @@ READ_WITHIN, RUN_WITHIN = 10.0, 120.0
 MOST_MEMORY = 1_000_000_000
 # Of more variants than these, a garbled study is only read.
 FEW = 5000
-# Cases for each process: what was compiled is given back with it.
-BATCH = 60
+# Cases for each process: what was compiled is given back with it; of numbers in one study so many more.
+BATCH, NUMBERS_BATCH = 60, 300
+# Processor time [s] after which a process changes no other number: some studies take seconds whatever their numbers.
+BATCH_SECONDS = 15.0
+# Values that a number takes at most in a study of which only numbers change, and variants where they are sampled.
+VALUES, SAMPLED = 2, 8
+# Processor time [s] from which a run of a few variants is told as long.
+LONG = 10.0
 # Parts of a slice, after each of which its counts are written; and how many texts on what went wrong are kept.
 TURNS, TOLD = 20, 60
 UNDEFINED = "results, undefined: "
@@ -115,6 +125,22 @@ HOSTILE = (
 )
 
 
+# Units of one dimension, and what stands for one another in a formula.
+SAME = (
+    ("mm", "cm", "m", "in", "ft"),
+    ("deg", "rad", "rev"),
+    ("rpm", "rad/s", "1/s", "deg/s"),
+    ("kg", "g", "t", "lb"),
+    ("N", "kN", "MN", "lbf"),
+    ("N m", "kN m", "J", "lbf ft"),
+    ("kg m2", "g cm2", "kg mm2"),
+    ("s", "ms", "min", "h"),
+    ("W", "kW", "MW", "hp"),
+    ("bar", "Pa", "MPa", "psi"),
+)
+SIGNS = (("+", "-", "*", "/", "**"), ("<", ">", "<=", ">="), ("sin", "cos", "tan", "sqrt", "exp", "log", "abs"))
+
+
 class Slow(BaseException):
     """More processor time went by than a text may take."""
 
@@ -132,6 +158,12 @@ def stock() -> dict[str, str]:
 def documents() -> list[dict]:
     """All bundled TOML texts as they are read."""
     return [tomllib.loads(text) for path, text in stock().items() if path.endswith(".toml")]
+
+
+@cache
+def runnable() -> list[str]:
+    """All bundled texts that can be run, by their paths: studies, and scenes with nothing varied."""
+    return [path for path in stock() if path.endswith(".toml") and "/scenes/" not in path]
 
 
 Place = tuple[Any, Any]
@@ -217,6 +249,114 @@ def garbled_text(dice: random.Random, text: str) -> str:
         else:
             lines = lines[: i + 1]
     return "".join(lines)
+
+
+def changed_number(dice: random.Random, text: str) -> str:
+    """A number, perhaps with its unit, that is another, or in another unit of its dimension."""
+    number, _, unit = text.partition(" ")
+    family = next((f for f in SAME if unit in f), (unit,))
+    try:
+        value = float(number)
+    except ValueError:
+        return text
+    way = dice.random()
+    if way < 0.5:
+        number = f"{value * 10 ** dice.gauss(0, 0.15):.6g}"
+    elif way < 0.65:
+        number = f"{value * 10 ** dice.uniform(-4, 4):.6g}"
+    elif way < 0.72:
+        number = repr(value * (1 + dice.choice((-1, 1)) * 10.0 ** -dice.randrange(6, 16)))
+    elif way < 0.8:
+        number = dice.choice(NUMBERS)
+    elif way < 0.85:
+        number = f"{-value:.6g}"
+    if way > 0.85:
+        unit = dice.choice(family)
+    return f"{number} {unit}".strip()
+
+
+def changed_formula(dice: random.Random, text: str) -> str:
+    """A formula or a condition with a sign, a function or a number exchanged."""
+    words = text.split(" ")
+    i = dice.randrange(len(words))
+    bare = words[i].strip("()'\"")
+    family = next((f for f in SIGNS if bare in f), None)
+    words[i] = words[i].replace(bare, dice.choice(family)) if family else changed_number(dice, words[i])
+    return " ".join(words)
+
+
+def few_variants(study: dict) -> dict:
+    """A study with a few values of everything that varies."""
+    for varied in study.get("vary", {}).values():
+        if isinstance(varied, dict) and isinstance(varied.get("count"), int):
+            varied["count"] = min(varied["count"], VALUES)
+        if isinstance(varied, dict) and isinstance(varied.get("values"), list):
+            varied["values"] = varied["values"][:VALUES]
+    sampling = study.get("sampling")
+    if isinstance(sampling, dict) and isinstance(sampling.get("count"), int):
+        sampling["count"] = min(sampling["count"], SAMPLED)
+    return study
+
+
+def with_other_numbers(dice: random.Random, document: dict) -> str:
+    """A scene or study with one to three numbers, units, formulas, goals or names changed."""
+    for _ in range(dice.choice((1, 1, 2, 3))):
+        leaves = [(t, k) for t, k in places(document) if isinstance(t[k], (str, int, float)) and k != "scene"]
+        if not leaves:
+            break
+        # What is no number or formula decides more often on the structure.
+        numeric = [(t, k) for t, k in leaves if str(t[k])[:1] in "-.0123456789" or " " in str(t[k])]
+        table, key = dice.choice(numeric if numeric and dice.random() < 0.9 else leaves)
+        old = table[key]
+        if isinstance(old, bool):
+            table[key] = not old if dice.random() < 0.2 else old
+        elif isinstance(old, int):
+            table[key] = dice.randint(1, 4) if key == "count" else dice.choice((old - 1, old + 1, 2 * old, old))
+        elif isinstance(old, float):
+            table[key] = old * 10 ** dice.gauss(0, 0.3)
+        elif old[:1].isdigit() or old[:1] in "-.":
+            table[key] = changed_number(dice, old)
+        elif " " in old and key not in ("title", "question"):
+            table[key] = changed_formula(dice, old)
+        elif key in ("minimise", "maximise"):
+            table[{"minimise": "maximise", "maximise": "minimise"}[key]] = table.pop(key)
+        elif isinstance(table, dict) and dice.random() < 0.1:
+            table[f"{key}_{dice.randrange(9)}"] = table.pop(key)
+        elif dice.random() < 0.1:
+            table[key] = dice.choice([t[k] for t, k in leaves if isinstance(t[k], str)])
+    return tomlkit.dumps(document)
+
+
+def numbers(dice: random.Random, name: str, folder: Path, report: Callable[[str, str, float], None]) -> None:
+    """A study or template of which numbers change, in it or in its scene, run to its end."""
+    bundled = stock()
+    study = few_variants(tomllib.loads(bundled[name]))
+    scene = str(Path(name).parent / study["scene"]) if "scene" in study else ""
+    garbled = {name: tomlkit.dumps(study)}
+    if scene in bundled and dice.random() < 0.7:
+        garbled[scene] = with_other_numbers(dice, tomllib.loads(bundled[scene]))
+    else:
+        garbled[name] = with_other_numbers(dice, study)
+    for path, text in garbled.items():
+        (folder / path).write_text(text, encoding="utf8")
+    try:
+        run(name, folder, "\n".join(garbled.values()), report)
+    finally:
+        for path in garbled:
+            (folder / path).write_text(bundled[path], encoding="utf8")
+
+
+def run(target: str, folder: Path, garbled: str, report: Callable[[str, str, float], None]) -> None:
+    """Run a text to its end, and look whether what is there are numbers."""
+    result = folder / "result.h5"
+    line = ["run", target, "--no-plots", "--quiet", "--out", str(result), "--replace", "--jobs", "1"]
+    code, said, took = command(line, RUN_WITHIN)
+    wrong = judged(code, said, folder)
+    if code == 0 and result.exists() and (none := no_numbers(result)):
+        wrong = f"{UNDEFINED}{', '.join(none)}"
+    report(f"run: {wrong}", garbled, took)
+    for left in folder.glob("result*"):
+        left.unlink()
 
 
 def garbled_lines(dice: random.Random, scenes: list[str], made: str) -> list[str]:
@@ -313,15 +453,7 @@ def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[
 
             if read_study(target).design.size > FEW:
                 return
-            result = folder / "result.h5"
-            line = ["run", target, "--no-plots", "--quiet", "--out", str(result), "--replace", "--jobs", "1"]
-            code, said, took = command(line, RUN_WITHIN)
-            wrong = judged(code, said, folder)
-            if code == 0 and result.exists() and (none := no_numbers(result)):
-                wrong = f"{UNDEFINED}{', '.join(none)}"
-            report(f"run: {wrong}", garbled, took)
-            for left in folder.glob("result*"):
-                left.unlink()
+            run(target, folder, garbled, report)
     finally:
         (folder / name).write_text(bundled[name], encoding="utf8")
 
@@ -347,7 +479,12 @@ def judged(code: int | str, said: str, folder: Path) -> str:
 def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> None:
     """So many cases in a process of their own, each told as it ends."""
     os.chdir(folder)
+    # Machine code is shared by all of one study.
+    study = random.Random(f"{kind} {seed}").choice(runnable())
+    begun = time.process_time()
     for i in range(count):
+        if kind == "numbers" and time.process_time() - begun > BATCH_SECONDS:
+            break
         dice = random.Random(f"{kind} {seed} {i}")
         pipe.send(("begun", f"{kind} {seed} {i}"))
 
@@ -361,6 +498,8 @@ def batch(kind: str, seed: int, count: int, folder: Path, pipe: Connection) -> N
             code, said, took = command(line, READ_WITHIN * 6)
             how = judged(code, said, folder)
             report("results" if how.startswith("message of") and "--help" in line else how, " ".join(line), took)
+        elif kind == "numbers":
+            numbers(dice, study, folder, report)
         else:
             texts(dice, folder, kind == "evaluated", report)
     pipe.send("over")
@@ -374,10 +513,11 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
     """Garbled texts or lines of one kind, counted: how many ended how, longest time, memory, what was wrong."""
     row = data["kinds"].setdefault(kind, {"ways": {}, "wrong": 0, "longest": 0.0, "memory": 0})
     context = multiprocessing.get_context("fork")
-    for first in range(0, count, BATCH):
+    size = NUMBERS_BATCH if kind == "numbers" else BATCH
+    for first in range(0, count, size):
         mine, its = context.Pipe(duplex=False)
         process = context.Process(
-            target=batch, args=(kind, seed * 1_000_000 + first, min(BATCH, count - first), folder, its)
+            target=batch, args=(kind, seed * 1_000_000 + first, min(size, count - first), folder, its)
         )
         process.start()
         its.close()
@@ -396,12 +536,13 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
                 case = told[1]
                 continue
             case, how, content, took, memory = told
+            row["long"] = row.get("long", 0) + (took > LONG)
             row["longest"], row["memory"] = max(row["longest"], took), max(row["memory"], memory)
             if how.startswith(f"run: {UNDEFINED}"):
                 data["undefined"] = sorted({*data["undefined"], *how.removeprefix(f"run: {UNDEFINED}").split(", ")})
                 how = "run: results"
             fine = how.removeprefix("run: ") in ("results", "refused")
-            if memory > MOST_MEMORY and kind == "texts":
+            if memory > MOST_MEMORY and kind in ("texts", "numbers"):
                 fine, how = False, f"{memory / 1e6:.0f} MB; {how}"
             way = how if fine else "run: wrong" if how.startswith("run: ") else "wrong"
             row["ways"][way] = row["ways"].get(way, 0) + 1
@@ -416,9 +557,10 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
 def main() -> None:
     """Garble, read, run, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name, usual in (("texts", 20_000), ("evaluated", 2000), ("lines", 2000), ("seed", 1)):
+    for name, usual in (("texts", 20_000), ("numbers", 4000), ("evaluated", 100), ("lines", 2000), ("seed", 1)):
         parser.add_argument(f"--{name}", type=int, default=usual)
     parser.add_argument("--anew", action="store_true", help="Forget the counts of earlier slices.")
+    parser.add_argument("--cache", type=Path, help="Folder for machine code, empty or of an earlier slice.")
     parser.add_argument("--keep", type=Path, help="Folder for the texts that went wrong.")
     asked = parser.parse_args()
     if asked.keep:
@@ -426,16 +568,16 @@ def main() -> None:
     begun, counts = time.monotonic(), HERE / "mutations.json"
     empty = {"slices": [], "kinds": {}, "undefined": [], "wrong": []}
     data = json.loads(counts.read_text()) if counts.exists() and not asked.anew else empty
-    line = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "evaluated", "lines", "seed"))
+    line = " ".join(f"--{name} {getattr(asked, name)}" for name in ("texts", "numbers", "evaluated", "lines", "seed"))
     load()
     with tempfile.TemporaryDirectory(prefix="mutations-") as scratch:
         folder = Path(scratch) / "texts"
         for part in ("studies", "templates"):
             shutil.copytree(STOCK / part, folder / part, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
-        os.environ["XDG_CACHE_HOME"] = str(Path(scratch) / "cache")
+        os.environ["XDG_CACHE_HOME"] = str((asked.cache or Path(scratch) / "cache").absolute())
         # In turns, so that a slice that is stopped holds something of each; what is done then is kept.
         for turn in range(TURNS):
-            for kind in ("texts", "lines", "evaluated"):
+            for kind in ("texts", "lines", "numbers", "evaluated"):
                 share = getattr(asked, kind) * (turn + 1) // TURNS - getattr(asked, kind) * turn // TURNS
                 campaign(kind, share, asked.seed * TURNS + turn, folder, asked.keep, data)
             minutes = (time.monotonic() - begun) / 60
@@ -457,6 +599,7 @@ def load() -> None:
 NAMES = {
     "texts": "texts read, functions printed",
     "lines": "command lines",
+    "numbers": "numbers, units, formulas, names changed, and run",
     "evaluated": "texts read, and run where read",
 }
 
@@ -467,8 +610,8 @@ def table(data: dict[str, Any]) -> str:
     for kind, row in data["kinds"].items():
         ways = sorted(row["ways"].items(), key=lambda pair: -pair[1])
         told = ", ".join(f"{count} {way}" for way, count in ways)
-        times = sum(count for way, count in ways if not way.startswith("run: "))
-        figures = f"{row['longest']:.1f} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
+        times = sum(count for way, count in ways if kind == "numbers" or not way.startswith("run: "))
+        figures = f"{row['longest']:.1f} | {row.get('long', 0)} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
         rows.append(f"| {NAMES[kind]} | {times} | {told} | {figures} |")
     slices = [f"- `mutations.py {s['line']}`, {s['minutes']:.0f} minutes, {s['turns']}" for s in data["slices"]]
     wrong = [f"- {text}" for text in data["wrong"]]
@@ -485,8 +628,8 @@ def table(data: dict[str, Any]) -> str:
             f"to read a text, more than {RUN_WITHIN:g} s to run one of at most {FEW} variants, a failure without a",
             "word, a message of more than 3000 characters, and code in a text that is carried out.",
             "",
-            "| what | times | what came of it | longest, s of processor | memory, MB | wrong |",
-            "|---|---|---|---|---|---|",
+            f"| what | times | what came of it | longest, s of processor | over {LONG:g} s | memory, MB | wrong |",
+            "|---|---|---|---|---|---|---|",
             *rows,
             "",
             "Undefined in variants that are ok, as what never happens has no time:",

@@ -208,11 +208,11 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
     """The best machine and the reactions kept; without a goal those of the first variant that works."""
     path = result.path
     if best is None:
-        first = np.flatnonzero(result.columns["status"] == Verdict.OK)[:1]
-        if first.size == 0 or result.goal is not None or result.scene.input is None:
+        first = result.first_with(Verdict.OK)
+        if first is None or result.goal is not None or result.scene.input is None:
             return []
-        stem = path.with_name(f"{path.stem}_{first[0]}.png")
-        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(int(first[0])))
+        stem = path.with_name(f"{path.stem}_{first}.png")
+        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(first))
     stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
     if result.scene.input is None:
         return element_pictures(with_values(result.scene, values), stem)

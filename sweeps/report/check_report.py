@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 MOST_COUNTED = 16 * LARGEST_BLOCK
 # A field whose greatest magnitude exceeds that at its kept positions by this share hides something between them.
 MISSED = 0.02
+# Lines of printed functions that are compiled within half a minute; those of longer ones aren't for a check.
+MOST_COMPILED = 1500
 # Classes of structural groups as textbooks write them.
 ROMAN = ("", "I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
 
@@ -198,17 +200,19 @@ def check_text(
         Called with sentences on what is waited for meanwhile.
     """
     machine = study.machine()
-    warned = "\n".join([*remarks_on(study.scene), *filter(None, [between_positions_text(study)])])
+    uncompiled = _uncompiled_text(machine)
+    between = "" if uncompiled else between_positions_text(study)
+    warned = "\n".join([*remarks_on(study.scene), *filter(None, [between])])
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
-        ("Machine as it is", nominal_text(study)),
-        *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes else []),
+        ("Machine as it is", uncompiled or nominal_text(study)),
+        *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes and not uncompiled else []),
         *([("Warning", warned)] if warned else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),
-        *_cost_sections(study, machine, out),
+        *(_file_sections(study, machine, out) if uncompiled else _cost_sections(study, machine, out)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
@@ -234,7 +238,7 @@ def _positions_text(machine: Machine) -> str:
 
 def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
     """How a study is evaluated, and its time, memory and file."""
-    cost, layout = probe(study, machine), layout_of(study, machine)
+    cost = probe(study, machine)
     way = "each variant from its own numbers"
     seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
     if machine.schedule is not None:
@@ -242,15 +246,31 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     block = block_size(study, machine, cost.seconds)
     memory = block * (numbers + bytes_of_fields(study, machine))
-    free = shutil.disk_usage(_existing_folder(out)).free
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
         ("Evaluation", f"{way}; {study.precision}; saved after every {block} variants"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
-        ("File", f"{layout.bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free"),
+        *_file_sections(study, machine, out),
     ]
+
+
+def _uncompiled_text(machine: Machine | ElementsAlone) -> str:
+    """Why a machine isn't evaluated for a check; "" where it is."""
+    lines = 0 if isinstance(machine, ElementsAlone) else len(machine.source().splitlines())
+    if lines <= MOST_COMPILED:
+        return ""
+    return (
+        "not evaluated here, so that whether it assembles and how long a variant takes isn't known:\n"
+        f"its functions have {lines} lines, which take minutes to compile; `sweeps run` does it once and keeps them"
+    )
+
+
+def _file_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
+    """What is known of a study's cost without evaluating anything."""
+    free = shutil.disk_usage(_existing_folder(out)).free
+    return [("File", f"{layout_of(study, machine).bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free")]
 
 
 def _existing_folder(out: Path) -> Path:
@@ -289,9 +309,7 @@ def _required_text(study: Study) -> list[str]:
     whole = size <= MOST_COUNTED
     starts = range(0, size, block) if whole else np.linspace(0, size - block, MOST_COUNTED // block).astype(np.int64)
     found = [study.values_and_misses(int(start), min(int(start) + block, size))[1] for start in starts]
-    missed = np.concatenate(found, axis=1)
-    texts = [condition.text for condition in study.require]
-    lines = drop_lines(list(zip(texts, missed, strict=True)), None if whole else size)
-    dropped = missed.any(axis=0).sum() / missed.shape[1]
-    share = f"{int(dropped * size)}" if whole else f"about {100 * dropped:.3g} %"
+    lines = drop_lines([condition.text for condition in study.require], found, None if whole else size)
+    dropped = np.concatenate([part.any(axis=0) for part in found]).mean()
+    share = f"{round(dropped * size)}" if whole else f"about {100 * dropped:.3g} %"
     return [f"required, {share} of {size} dropped:", *(f"  {line}" for line in lines)]

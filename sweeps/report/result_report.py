@@ -58,38 +58,39 @@ def meeting_text(result: SweepResult, where: str | None) -> str:
 
 def counts_text(result: SweepResult) -> str:
     """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
-    status = result.columns["status"]
     rows = []
-    # Counting makes whole numbers of eight bytes of the verdicts.
-    there = sum(np.bincount(status[part], minlength=256) for part in result.parts())
-    for verdict in Verdict:
-        if there[verdict]:
-            sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
-            rows.append((f"{there[verdict]}", verdict.name.lower().replace("_", " "), sentence))
-            lines = drop_lines(list(result.missed().items())) if verdict == Verdict.DROPPED else _blame(result, verdict)
-            if verdict in MOTION_VERDICTS and status.size > 1:
-                shown = f"sweeps plot {result.path} --variant {int(np.argmax(status == verdict))}"
-                lines = [f"the motion of the first of them, as far as it goes: {shown}"]
-            rows += [("", "", line) for line in lines]
+    for verdict, count in result.verdict_counts().items():
+        sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
+        rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
+        dropped = verdict == Verdict.DROPPED
+        lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
+        if verdict in MOTION_VERDICTS and result.description.variants > 1:
+            shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
+            lines = [f"the motion of the first of them, as far as it goes: {shown}"]
+        rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
 
 
-def drop_lines(missed: Sequence[tuple[str, np.ndarray]], variants: int | None = None) -> list[str]:
+def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants: int | None = None) -> list[str]:
     """For each condition how many variants fail it, and how many of them fail no other.
 
     Parameters
     ----------
-    missed : sequence of (str, ndarray of bool)
-        Condition and whether each variant fails it.
+    conditions : sequence of str
+    missed : iterable of ndarray of bool (conditions, variants)
+        Which conditions some variants fail, and others, and others.
     variants : int, optional
         Number of all variants, where those looked at are a sample.
     """
-    total = np.sum([m for _, m in missed], axis=0)
+    counts, alone, seen = np.zeros(len(conditions), int), np.zeros(len(conditions), int), 0
+    for part in missed:
+        counts += part.sum(axis=1)
+        alone += (part & (part.sum(axis=0) == 1)).sum(axis=1)
+        seen += part.shape[1]
     lines = []
-    for text, m in missed:
-        counts = [int(m.sum()), int((m & (total == 1)).sum())]
-        first, alone = (f"{c}" if variants is None else f"about {c * variants // m.size}" for c in counts)
-        lines.append(f"{text}: {first}" + (f", {alone} by this alone" if len(missed) > 1 else ""))
+    for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
+        first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
+        lines.append(f"{text}: {first}" + (f", {only} by this alone" if len(conditions) > 1 else ""))
     return lines
 
 

@@ -53,6 +53,12 @@ class SweepResult:
     def _mapped(self) -> MappedResult:
         return mapped_columns(self.path)
 
+    @cached_property
+    def _mapped_fields(self) -> MappedResult:
+        mapped = MappedResult(self.path)
+        mapped.refuse_damage(("fields",))
+        return mapped
+
     @property
     def columns(self) -> dict[str, np.ndarray]:
         """All columns over variants, in the file: of many variants, go through `parts`."""
@@ -131,6 +137,21 @@ class SweepResult:
         status = self.columns["status"]
         return sum(int(np.count_nonzero(status[part] != Verdict.NOT_COMPUTED)) for part in self.parts())
 
+    def verdict_counts(self) -> dict[Verdict, int]:
+        """How many variants got each verdict, of those that any got."""
+        status = self.columns["status"]
+        # Counting makes whole numbers of eight bytes of the verdicts.
+        there = sum(np.bincount(status[part], minlength=256) for part in self.parts())
+        return {verdict: int(there[verdict]) for verdict in Verdict if there[verdict]}
+
+    def first_with(self, verdict: Verdict) -> int | None:
+        """Number of the first variant with a verdict; None where none has it."""
+        status = self.columns["status"]
+        for part in self.parts():
+            if (found := status[part] == verdict).any():
+                return part.start + int(np.argmax(found))
+        return None
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Sizes of the axes of the design, the last fastest; the candidates of a search form none."""
@@ -191,7 +212,7 @@ class SweepResult:
         InputError
             The condition can't be read, or names a column that isn't there.
         """
-        met, sign = self._met(where), -1.0 if descending else 1.0
+        met, sign = self.meets(where), -1.0 if descending else 1.0
         if sort is not None and sort not in self.columns:
             raise InputError(str(self.path), [(None, "sort", unknown_name_message(sort, self.columns))])
         found: list[tuple[np.ndarray, np.ndarray]] = []
@@ -204,14 +225,14 @@ class SweepResult:
 
     def meeting(self, where: str | None) -> np.ndarray:
         """Which variants were computed and meet a condition for sure (variants,); the condition as for `select`."""
-        met, found = self._met(where), np.zeros(self.description.variants, bool)
+        met, found = self.meets(where), np.zeros(self.description.variants, bool)
         for part in self.parts():
             found[part] = met(part)
         return found
 
     def count_meeting(self, where: str | None) -> int:
         """How many variants were computed and meet a condition for sure; the condition as for `select`."""
-        met = self._met(where)
+        met = self.meets(where)
         return sum(int(np.count_nonzero(met(part))) for part in self.parts())
 
     def undecided(self, where: str) -> int:
@@ -231,8 +252,14 @@ class SweepResult:
         parts = ((status[part] == Verdict.OK) & judged(part).undecided for part in self.parts())
         return sum(int(np.count_nonzero(part)) for part in parts)
 
-    def _met(self, where: str | None) -> Callable[[slice | np.ndarray], np.ndarray]:
-        """Which of some variants were computed and meet a condition for sure."""
+    def meets(self, where: str | None) -> Callable[[slice | np.ndarray], np.ndarray]:
+        """What tells which of some variants were computed and meet a condition for sure; the condition as for `select`.
+
+        Raises
+        ------
+        InputError
+            As for `select`.
+        """
         status = self.columns["status"]
         if not where:
             return lambda part: status[part] == Verdict.OK
@@ -251,6 +278,38 @@ class SweepResult:
             return condition.judged(here, errors_in(here), self.columns["status"][part].size)
 
         return judged
+
+    def chosen_parts(self, met: Callable[[slice | np.ndarray], np.ndarray] | None, most: int) -> Iterator[np.ndarray]:
+        """Numbers of the variants that meet a condition, no more than so many after another; none, if none do.
+
+        Parameters
+        ----------
+        met : callable or None
+            Of `meets`; None for all variants.
+        most : int
+        """
+        empty = True
+        for part in self.parts():
+            here = np.arange(part.start, part.stop)
+            here = here if met is None else here[met(part)]
+            for start in range(0, here.size, most):
+                yield here[start : start + most]
+                self.release()
+                empty = False
+        if empty:
+            yield np.zeros(0, int)
+
+    def field_rows(self, name: str, chosen: np.ndarray) -> np.ndarray:
+        """Rows of a field (chosen, places) of some variants, in memory.
+
+        Raises
+        ------
+        StoreError
+            The fields of the file are damaged.
+        """
+        rows = self._mapped_fields.columns[name][chosen]
+        self._mapped_fields.release()
+        return rows
 
     def taken(self, chosen: np.ndarray | slice) -> dict[str, np.ndarray]:
         """All columns of some variants, in memory."""
@@ -280,25 +339,22 @@ class SweepResult:
         where = self.goal.where if self.goal else None
         if isinstance(chosen, slice):
             return self.meeting(where)[chosen]
-        met = self._met(where)
+        met = self.meets(where)
         return np.concatenate([met(piece) for piece in self._pieces(chosen)])
 
-    def missed(self) -> dict[str, np.ndarray]:
-        """For each condition of `require`, which variants fail it (variants,); those not yet computed not counted.
+    def missed(self) -> Iterator[np.ndarray]:
+        """Which variants fail which condition of `require` (conditions, variants), some variants after the others.
 
-        Found anew from the parameters, as the file holds only whether a variant was dropped.
+        Those not yet computed aren't counted. Found anew from the parameters, as the file holds only whether a variant
+        was dropped.
         """
-        if not self.record["require"]:
-            return {}
         fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
         conditions = [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]]
-        found = np.zeros((len(conditions), self.description.variants), bool)
         names = {name for condition in conditions for name in condition.names}
         for part in self.parts():
             known = fixed | self.rows(part, names)
-            found[:, part] = misses(conditions, known, part.stop - part.start)
-        found &= self.columns["status"] != Verdict.NOT_COMPUTED
-        return {condition.text: row for condition, row in zip(conditions, found, strict=True)}
+            found = misses(conditions, known, part.stop - part.start)
+            yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)
 
     def best(self) -> int | None:
         """Number of the variant that answers the study's question; None without a goal or without candidates."""
@@ -311,7 +367,7 @@ class SweepResult:
     def rivals(self, best: int) -> int:
         """How many other variants may be as good as the best one, within both error figures."""
         goal, count = self.goal, 0
-        met = self._met(goal.where)
+        met = self.meets(goal.where)
         values, errors = self.columns[goal.goal], self.columns[f"{goal.goal}_error"]
         for part in self.parts():
             gap = goal.sign * (values[part] - values[best])

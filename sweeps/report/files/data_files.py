@@ -3,7 +3,8 @@
 import csv
 import json
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +16,8 @@ from sweeps.text.whole_files import whole_file
 
 # MATLAB's names are this long at most.
 _LONGEST_NAME = 63
+# Numbers in a MAT file, which is made in memory as a whole: some hundred megabytes.
+MOST_IN_MEMORY = 20_000_000
 
 
 class DataTable(NamedTuple):
@@ -33,20 +36,53 @@ class DataTable(NamedTuple):
     units: dict[str, str]
     title: str = ""
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(self.columns)
 
-def write_table(out: Path, table: DataTable) -> None:
+    def parts(self, names: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
+        """Some columns, in one part."""
+        yield {name: self.columns[name] for name in names}
+
+
+class PartedTable(NamedTuple):
+    """Columns of equal length that aren't in memory as a whole.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the columns.
+    units : dict of str to str
+        Unit of each column of numbers, as CF spells it.
+    title : str
+    parts : callable
+        Yields some columns, named by its argument, some rows after the others; an empty part where there is no row.
+    """
+
+    names: tuple[str, ...]
+    units: dict[str, str]
+    title: str
+    parts: Callable[[Sequence[str]], Iterator[dict[str, np.ndarray]]]
+
+
+Table = DataTable | PartedTable
+
+
+def write_table(out: Path, table: Table) -> None:
     """Write a table in the format that the file's ending says.
 
     Parameters
     ----------
     out : Path
         Ending as in `TABLE_ENDINGS`.
-    table : DataTable
+    table : DataTable or PartedTable
 
     Raises
     ------
     InputError
-        The ending is another one, the file can't be written, or Parquet's library isn't installed.
+        The ending is another one, the file can't be written, the table is too long for its format, or Parquet's
+        library isn't installed.
     """
     if out.suffix not in _WRITERS:
         message = f"ending {out.suffix!r} isn't a table's; allowed are {', '.join(TABLE_ENDINGS)}"
@@ -68,20 +104,17 @@ def _header(name: str, units: str) -> str:
     return name if units in ("", "1") else f"{name} [{units}]"
 
 
-def _write_csv(out: Path, table: DataTable) -> None:
-    columns = [_cells(column) for column in table.columns.values()]
+def _headers(table: Table) -> list[str]:
+    return [_header(name, table.units.get(name, "1")) for name in table.names]
+
+
+def _write_csv(out: Path, table: Table) -> None:
     with out.open("w", newline="", encoding="utf8") as file:
         writer = csv.writer(file)
-        writer.writerow([_header(name, table.units.get(name, "1")) for name in table.columns])
-        writer.writerows(zip(*columns, strict=True))
-
-
-def _cells(column: np.ndarray) -> Iterable[str]:
-    """Numbers to all their digits, nothing for what is infinite or undefined."""
-    if column.dtype.kind != "f":
-        return map(str, column.tolist())
-    known = np.isfinite(column).tolist()
-    return (repr(number) if is_known else "" for number, is_known in zip(column.tolist(), known, strict=True))
+        writer.writerow(_headers(table))
+        for part in table.parts(table.names):
+            # Numbers are written to all their digits, and nothing for None.
+            writer.writerows(zip(*(_plain(part[name]) for name in table.names), strict=True))
 
 
 def table_data(table: DataTable) -> dict[str, Any]:
@@ -91,31 +124,69 @@ def table_data(table: DataTable) -> dict[str, Any]:
     }
 
 
-def _write_json(out: Path, table: DataTable) -> None:
-    content = {"title": table.title, "columns": table_data(table)}
-    out.write_text(json.dumps(content, ensure_ascii=False), encoding="utf8")
+def _write_json(out: Path, table: Table) -> None:
+    """Column by column, as `table_data` has them."""
+
+    def text(value: object) -> str:
+        return json.dumps(value, ensure_ascii=False)
+
+    with out.open("w", encoding="utf8") as file:
+        file.write(f'{{"title": {text(table.title)}, "columns": {{')
+        for i, name in enumerate(table.names):
+            unit = text(table.units.get(name, "1"))
+            file.write(f'{", " if i else ""}{text(name)}: {{"unit": {unit}, "values": [')
+            for k, part in enumerate(table.parts((name,))):
+                file.write((", " if k else "") + text(_plain(part[name]))[1:-1])
+            file.write("]}")
+        file.write("}}")
 
 
 def _plain(column: np.ndarray) -> list:
-    return column.tolist() if column.dtype.kind != "f" else [plain_number(value) for value in column.tolist()]
+    """A column in Python's types; None for what is infinite or undefined."""
+    if column.dtype.kind == "f" and not (known := np.isfinite(column)).all():
+        column = np.where(known, column, None)
+    return column.tolist()
 
 
-def _write_parquet(out: Path, table: DataTable) -> None:
+def _write_parquet(out: Path, table: Table) -> None:
+    """A group of rows for each part."""
     pyarrow, parquet = parquet_library(str(out))
-    headers = {_header(name, table.units.get(name, "1")): column for name, column in table.columns.items()}
-    made = pyarrow.table(headers).replace_schema_metadata({"title": table.title})
-    parquet.write_table(made, out)
+    headers = _headers(table)
+
+    def rows_of(part: dict[str, np.ndarray]) -> Any:
+        columns = (part[name] for name in table.names)
+        made = pyarrow.table(dict(zip(headers, columns, strict=True)))
+        return made.replace_schema_metadata({"title": table.title})
+
+    parts = map(rows_of, table.parts(table.names))
+    first = next(parts)
+    with parquet.ParquetWriter(out, first.schema) as writer:
+        for rows in chain((first,), parts):
+            writer.write_table(rows)
 
 
-def _write_mat(out: Path, table: DataTable) -> None:
+def _write_mat(out: Path, table: Table) -> None:
     from scipy.io import savemat
 
-    names = _matlab_names(table.columns)
-    columns = {names[name]: _for_matlab(column) for name, column in table.columns.items()}
-    of_each = {names[name]: table.units.get(name, "1") for name in table.columns}
-    told = {names[name]: name for name in table.columns}
+    names = _matlab_names(table.names)
+    columns = {names[name]: _for_matlab(column) for name, column in _whole(out, table).items()}
+    of_each = {names[name]: table.units.get(name, "1") for name in table.names}
+    told = {names[name]: name for name in table.names}
     content = {"data": columns, "units": of_each, "names": told, "title": table.title}
     savemat(out, content, long_field_names=True, oned_as="column")
+
+
+def _whole(out: Path, table: Table) -> dict[str, np.ndarray]:
+    """All columns as a whole, if there aren't too many numbers in them."""
+    found, rows = [], 0
+    for part in table.parts(table.names):
+        found.append(part)
+        rows += next(iter(part.values())).size
+        if rows * len(part) > MOST_IN_MEMORY:
+            message = f"a MAT file holds {MOST_IN_MEMORY:.3g} numbers at most, these are more; choose variants with"
+            message += " --where, columns with --columns, or write .parquet or .csv"
+            raise InputError(str(out), [(None, "", message)])
+    return {name: np.concatenate([part[name] for part in found]) for name in table.names}
 
 
 def _for_matlab(column: np.ndarray) -> np.ndarray:

@@ -1,26 +1,25 @@
 """Results, positions and histories as tables, and scenes as texts, for other programs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from engine import InputUnits, Machine, Scene, Verdict, did_you_mean, history, history_fields
-from sweeps.report.files.data_files import DataTable, write_table
+from sweeps.report.files.data_files import DataTable, PartedTable, write_table
 from sweeps.report.readings import Readings, fields_at_uniform_speed
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
-from sweeps.store import read_columns
 from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
 from sweeps.text.whole_files import whole_file
 
-# Rows of a table with fields: its columns take some gigabytes of memory.
-MOST_ROWS = 50_000_000
+# Rows of a table that are in memory together.
+ROWS_AT_A_TIME = 1 << 16
 
 
-def result_table(path: Path, where: str | None = None) -> DataTable:
+def result_table(path: Path, where: str | None = None) -> PartedTable:
     """Everything that a result holds of its variants, but for fields: parameters, verdicts, summaries, derivatives.
 
     Parameters
@@ -28,18 +27,27 @@ def result_table(path: Path, where: str | None = None) -> DataTable:
     path : Path
     where : str, optional
         Only computed variants that meet a condition; without it all variants, failed ones too.
+
+    Raises
+    ------
+    InputError
+        The condition can't be read.
     """
     result = SweepResult(path)
-    chosen = np.arange(result.description.variants) if where is None else result.select(where)
     errors = [f"{name}_error" for name in result.summaries]
     named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
     others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
-    found = result.taken(chosen)
-    columns = {name: found[name] for name in (*named, *others) if name in found}
-    return DataTable({"variant": chosen} | columns, dict(result.units), result.description.title)
+    known = [name for name in (*named, *others) if name in result.columns]
+    chosen = None if where is None else result.meets(where)
+
+    def parts(wanted: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
+        for here in result.chosen_parts(chosen, ROWS_AT_A_TIME):
+            yield {name: here if name == "variant" else result.columns[name][here] for name in wanted}
+
+    return PartedTable(("variant", *known), dict(result.units), result.description.title, parts)
 
 
-def result_columns(path: Path, names: Sequence[str], where: str | None = None) -> DataTable:
+def result_columns(path: Path, names: Sequence[str], where: str | None = None) -> PartedTable:
     """Some columns of a result beside its parameters; with a field among them, a row for each variant and place.
 
     Parameters
@@ -53,32 +61,35 @@ def result_columns(path: Path, names: Sequence[str], where: str | None = None) -
     Raises
     ------
     InputError
-        There is no such column, fields don't run along the same, or there are too many rows.
+        There is no such column, fields don't run along the same, or the condition can't be read.
     """
     result = SweepResult(path)
     known = [c.name for c in result.description.columns]
     for name in names:
         if name not in known:
             raise InputError(str(path), [(None, "--columns", f"{name!r} isn't in it; {did_you_mean(name, known)}")])
-    chosen, fields = result.select(where), [name for name in dict.fromkeys(names) if name in result.fields]
-    found = result.taken(chosen)
-    asked = [name for name in dict.fromkeys((*result.parameters, *names)) if name not in fields]
-    columns = {"variant": chosen} | {name: found[name] for name in asked}
-    if not fields:
-        return DataTable(columns, dict(result.units), result.description.title)
+    met, fields = result.meets(where), [name for name in dict.fromkeys(names) if name in result.fields]
+    asked = [name for name in dict.fromkeys(("variant", *result.parameters, *names)) if name not in fields]
     axes = {axis.name: axis for axis in map(result.along, fields)}
     if len(axes) > 1:
         message = f"run along {' and '.join(axes)}; export those of each by themselves"
         raise InputError("--columns", [(None, ", ".join(fields), message)])
-    axis = next(iter(axes.values()))
-    places = axis.values.size
-    if (rows := chosen.size * places) > MOST_ROWS:
-        message = f"{rows:.3g} rows, a row for each variant and place, are too many; choose variants with --where"
-        raise InputError(str(path), [(None, "--columns", message)])
-    columns = {name: np.repeat(column, places) for name, column in columns.items()}
-    columns[axis.name] = np.tile(axis.values, chosen.size)
-    columns |= {name: read_columns(path, [name])[name][chosen].ravel() for name in fields}
-    return DataTable(columns, dict(result.units) | {axis.name: axis.units}, result.description.title)
+    axis = next(iter(axes.values()), None)
+    places = axis.values.size if axis else 1
+
+    def column(name: str, here: np.ndarray) -> np.ndarray:
+        if name in fields:
+            return result.field_rows(name, here).ravel()
+        if axis and name == axis.name:
+            return np.tile(axis.values, here.size)
+        return np.repeat(here if name == "variant" else result.columns[name][here], places)
+
+    def parts(wanted: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
+        for here in result.chosen_parts(met, max(ROWS_AT_A_TIME // places, 1)):
+            yield {name: column(name, here) for name in wanted}
+
+    along = {axis.name: axis.units} if axis else {}
+    return PartedTable((*asked, *along, *fields), dict(result.units) | along, result.description.title, parts)
 
 
 def position_table(

@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import numpy as np
-
 from engine import Verdict
 from sweeps.report.files.data_files import plain_number
 from sweeps.report.sweep_result import SweepResult
@@ -21,9 +19,7 @@ def result_data(result: SweepResult, variants: Iterable[int], names: Sequence[st
     names : sequence of str
         Summaries; all unless given.
     """
-    status = result.columns["status"]
-    there = np.bincount(status, minlength=256)
-    counts = {verdict.name.lower(): int(there[verdict]) for verdict in Verdict if there[verdict]}
+    counts = {verdict.name.lower(): count for verdict, count in result.verdict_counts().items()}
     shown = [*result.parameters, *(names or result.summaries)]
     return {
         "title": result.description.title,

@@ -11,7 +11,8 @@ from pyarrow import parquet
 from scipy.io import loadmat
 
 from sweeps import read
-from sweeps.report.files import exports
+from sweeps.report import sweep_result
+from sweeps.report.files import data_files, exports
 
 STUDY = """\
 scene = "press.toml"
@@ -74,10 +75,37 @@ def test_columns_without_a_field__have_a_row_for_each_variant(result):
     assert len(lines) == 4
 
 
+def test_table_in_parts__is_the_table_as_a_whole(result, monkeypatch):
+    endings = ("csv", "json", "parquet")
+    for ending in endings:
+        exported(f"whole.{ending}")
+        assert said("export", "r.h5", "--to", f"all.{ending}").exit_code == 0
+    # A part for each variant, of two groups of variants of which the second has one that failed.
+    monkeypatch.setattr(exports, "ROWS_AT_A_TIME", 16)
+    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 2)
+    for ending in endings:
+        exported(f"t.{ending}")
+        exported(f"none.{ending}", "--where", "ram.stroke < '1 mm'")
+        assert said("export", "r.h5", "--to", f"parts.{ending}").exit_code == 0
+    for whole, parts in (("whole", "t"), ("all", "parts")):
+        assert Path(f"{whole}.csv").read_text() == Path(f"{parts}.csv").read_text()
+        assert json.loads(Path(f"{whole}.json").read_text()) == json.loads(Path(f"{parts}.json").read_text())
+        tables = [parquet.read_table(f"{name}.parquet") for name in (whole, parts)]
+        assert tables[0].schema == tables[1].schema
+        for columns in zip(*(table.columns for table in tables), strict=True):
+            np.testing.assert_array_equal(*(column.to_numpy() for column in columns))
+    assert parquet.ParquetFile("t.parquet").num_row_groups == 3
+    assert Path("none.csv").read_text().splitlines() == [",".join(HEADS)]
+    assert parquet.read_table("none.parquet").schema == parquet.read_table("t.parquet").schema
+    assert json.loads(Path("none.json").read_text())["columns"]["B.y"] == {"unit": "m", "values": []}
+
+
 def test_what_cannot_be_listed__is_refused_in_words(result, monkeypatch):
     assert "did you mean 'B.y'?" in refused("export", "r.h5", "--columns", "B.yy", "--to", "t.csv")
-    monkeypatch.setattr(exports, "MOST_ROWS", 40)
-    answer = refused("export", "r.h5", "--columns", "B.y", "--to", "t.csv")
-    assert "48 rows" in answer
+    assert "where" in refused("export", "r.h5", "--where", "ram.strok < 1", "--to", "t.csv")
+    monkeypatch.setattr(data_files, "MOST_IN_MEMORY", 48 * len(HEADS) - 1)
+    exported("t.csv")
+    answer = refused("export", "r.h5", "--columns", "B.y, ram.stroke", "--to", "t.mat")
+    assert "239 numbers at most" in answer
     assert "--where" in answer
-    assert not Path("t.csv").exists()
+    assert not Path("t.mat").exists()

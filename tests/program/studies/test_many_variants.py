@@ -55,17 +55,30 @@ def test_choosing_piece_by_piece__is_that_of_all_at_once(path, in_pieces):
 def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, monkeypatch):
     (tmp_path / "scene.toml").write_text(template_text("slider_crank"))
     study = 'scene = "scene.toml"\n[vary]\n'
+    study += "free = { values = [1, 2, 3] }\n"
     study += '"groups.drive.first.length" = { from = "30 mm", to = "90 mm", count = 11 }\n'
     study += '"input.length" = { from = "40 mm", to = "80 mm", count = 9 }\n[outputs]\nsummaries = ["piston.stroke"]\n'
+    study = f"""require = ["free < 2.5", "free * input.length < '132 mm'"]\n{study}"""
     (tmp_path / "study.toml").write_text(study)
     path = run_study(read_study(str(tmp_path / "study.toml")), tmp_path / "study.h5")
     whole = counts_text(SweepResult(path))
     # A rod shorter than the crank assembles up to where the crank's pin is farther from the way than the rod is long.
     columns = SweepResult(path).columns
     failed = columns["groups.drive.first.length"] < columns["input.length"]
-    assert f"group drive: {failed.sum()}, first at " in whole
+    missed = np.array([columns["free"] > 2.5, columns["free"] * columns["input.length"] > 0.132])
+    assert f"group drive: {(failed & ~missed.any(axis=0)).sum()}, first at " in whole
+    alone = missed & (missed.sum(axis=0) == 1)
+    for condition, fails, only in zip(("free < 2.5", "free * input.length"), missed, alone, strict=True):
+        told = next(line for line in whole.splitlines() if line.strip().startswith(condition))
+        assert told.endswith(f": {fails.sum()}, {only.sum()} by this alone")
+    counts = dict(zip(*np.unique(columns["status"], return_counts=True), strict=True))
     monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 7)
-    assert counts_text(SweepResult(path)) == whole
+    result = SweepResult(path)
+    assert counts_text(result) == whole
+    assert result.verdict_counts() == {Verdict(int(code)): count for code, count in counts.items()}
+    for code in counts:
+        assert result.first_with(Verdict(int(code))) == np.flatnonzero(columns["status"] == code)[0]
+    assert result.first_with(Verdict.NOT_COMPUTED) is None
 
 
 def test_picture_of_many__holds_the_best_among_variants_chosen_evenly(path, monkeypatch):
