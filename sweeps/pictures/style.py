@@ -131,3 +131,28 @@ def save(figure: Figure, path: Path | str) -> None:
             figure.savefig(draft, metadata=undated, **packed)
     except OSError as error:
         raise PictureError(f"{path} can't be written: {error.strerror}") from None
+
+
+@contextmanager
+def sheet(target: Path | str | Figure, width: float, height: float, title: str = "") -> Iterator[Figure]:
+    """A figure of a size on paper [mm] to draw on, in the house's style, then titled and saved.
+
+    Parameters
+    ----------
+    target : path or Figure
+        File to write (.svg, .pdf, .png), or an empty figure that is drawn on instead, and not saved.
+    width, height : float
+    title : str
+
+    Raises
+    ------
+    PictureError
+        As for `save`.
+    """
+    with house_style():
+        figure = target if isinstance(target, Figure) else new_figure(width, height)
+        yield figure
+        if title:
+            figure.suptitle(title, fontweight="bold")
+    if figure is not target:
+        save(figure, target)

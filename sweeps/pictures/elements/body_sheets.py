@@ -20,7 +20,7 @@ from engine import (
     wound_stresses,
 )
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 PLACES = 721
@@ -51,8 +51,7 @@ def rotating_guide_sheet(element: RotatingGuide, target: Path | str | Figure, ti
     time = np.linspace(0.0, end, PLACES)
     motion = element.speed, element.start_radius, element.start_velocity, element.friction
     radius, rate = slides_out(*(np.full(time.shape, value) for value in motion), time)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 90)
+    with sheet(target, 180, 90, title) as figure:
         drawn = figure.subplot_mosaic([["plan", "distance"], ["plan", "reaction"]])
         _plan(drawn["plan"], element, time, radius, rate)
         curves = (
@@ -65,10 +64,6 @@ def rotating_guide_sheet(element: RotatingGuide, target: Path | str | Figure, ti
             drawn[name].plot(end, factor * values[-1], "o", color=VERMILION, markersize=4)
             drawn[name].set(ylabel=f"{label}, {unit}", xlim=(0, 1.03 * end), ylim=(0, None))
         drawn["reaction"].set_xlabel("time, s")
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -119,8 +114,7 @@ def tethered_body_sheet(element: TetheredBody, target: Path | str | Figure, titl
     speeds = np.linspace(fastest / PLACES, fastest, PLACES)
     pulls = alone.evaluate({"elements.it.speed": speeds}).summaries
     factor, unit = engineer_unit("N", np.array([element.strength]))
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 85)
+    with sheet(target, 180, 85, title) as figure:
         plan, pull = figure.subplots(1, 2)
         _tethered_plan(plan, element, own)
         for kind, colour, label in kinds:
@@ -132,10 +126,6 @@ def tethered_body_sheet(element: TetheredBody, target: Path | str | Figure, titl
         pull.set(xlabel="speed, m/s", ylabel=f"greatest pull, {unit}", xlim=(0, fastest))
         pull.set_ylim(0, 2.2 * factor * element.strength)
         pull.legend(loc="upper left")
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -202,8 +192,7 @@ def wound_flywheel_sheet(element: WoundFlywheel, target: Path | str | Figure, ti
     found = [(wound_stresses(numbers, radius, speed), colour, label) for speed, colour, label in speeds]
     factor, unit = engineer_unit("Pa", np.concatenate([np.ravel(stresses) for stresses, _, _ in found]))
     wide, length_unit = engineer_unit("m", radius)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 80)
+    with sheet(target, 180, 80, title) as figure:
         axes = figure.subplots(1, 2)
         for ax, which, words in zip(axes, (1, 0), ("hoop", "radial"), strict=True):
             for stresses, colour, label in found:
@@ -215,10 +204,6 @@ def wound_flywheel_sheet(element: WoundFlywheel, target: Path | str | Figure, ti
             axes[0].axhline(factor * element.strength, color=VERMILION, linewidth=0.8, label="strength")
         axes[0].legend(loc="best")
         axes[1].set_title("Broken line: where the winding begins")
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -246,8 +231,7 @@ def tilted_body_sheet(element: TiltedBody, target: Path | str | Figure, title: s
     factor, unit = engineer_unit("m", np.append(semi_axes, centre))
     # Which of x, y and z lie across and upwards on the paper.
     views = (("the front", 0, 2), ("the side", 1, 2), ("above", 0, 1))
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+    with sheet(target, 180, 130, title) as figure:
         drawn = figure.subplot_mosaic([["the front", "the side"], ["above", "told"]])
         for name, across, up in views:
             ax = drawn[name]
@@ -258,10 +242,6 @@ def tilted_body_sheet(element: TiltedBody, target: Path | str | Figure, title: s
             ax.set(aspect="equal", adjustable="datalim", title=f"From {name}")
             ax.set(xlabel=f"{'xyz'[across]}, {unit}", ylabel=f"{'xyz'[up]}, {unit}")
         _tell(drawn["told"], element)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

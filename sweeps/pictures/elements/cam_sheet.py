@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from engine import CamCurves, CamElement, cam_curves
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 DEGREES = 180 / np.pi
@@ -34,15 +34,10 @@ def cam_sheet(cam: CamElement, target: Path | str | Figure, title: str = "") -> 
     curves = cam_curves(cam)
     if not curves.angle.size:
         raise PictureError(f"{title or 'the cam'}: its follower doesn't reach the base circle; enlarge base_radius")
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 125)
+    with sheet(target, 180, 125, title) as figure:
         left, right = figure.subfigures(1, 2, width_ratios=(1, 1.15))
         _cam_with_follower(left.subplots(), cam, curves)
         _courses(right, cam, curves)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import ChainDrive
-from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 PLACES = 241
@@ -33,15 +33,10 @@ def chain_sheet(drive: ChainDrive, target: Path | str | Figure, title: str = "")
     PictureError
         The file's ending isn't a picture's, or it can't be written.
     """
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 75)
+    with sheet(target, 180, 75, title) as figure:
         layout, speed = figure.subplots(1, 2, width_ratios=(1.4, 1.0))
         _layout(layout, drive)
         _speed(speed, drive)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

@@ -25,7 +25,7 @@ from engine import (
     run_through_motion,
 )
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREY, ORANGE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 INSTANTS = 2001
@@ -61,14 +61,9 @@ def oscillator_sheet(element: OscillatorElement, target: Path | str | Figure, ti
     drawn = [draw for draw, given in (
         (_free, element.start), (_forced, element.excitation), (_run_through, element.run_through)
     ) if given is not None]  # fmt: skip
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(max(90, 60 * len(drawn) + 30), 75)
+    with sheet(target, max(90, 60 * len(drawn) + 30), 75, title) as figure:
         for ax, draw in zip(figure.subplots(1, len(drawn), squeeze=False)[0], drawn, strict=True):
             draw(ax, element)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -77,8 +72,7 @@ def _over_time_sheet(element: OscillatorElement, target: Path | str | Figure, ti
     own = oscillator_columns(element, numbers)
     history = oscillator_history(element, numbers, own, 2 * INSTANTS)
     supported = isinstance(element.excitation, SupportOverTime)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+    with sheet(target, 180, 130, title) as figure:
         top, middle, bottom = figure.subplots(3, 1, sharex=True)
         peaks = {middle: "greatest_displacement_at", bottom: "spring_force_at"}
         curves = (
@@ -95,10 +89,6 @@ def _over_time_sheet(element: OscillatorElement, target: Path | str | Figure, ti
                 at = own[peaks[ax]][0]
                 ax.plot(at, factor * np.interp(at, history.time, values), "o", color=VERMILION, markersize=4)
         bottom.set(xlabel="time, s", xlim=(0, history.time[-1]))
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -196,8 +186,7 @@ def drive_sheet(drive: TwoMassDrive, target: Path | str | Figure, title: str = "
         The file's ending isn't a picture's, or it can't be written.
     """
     history = drive_history(drive, 4 * INSTANTS)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+    with sheet(target, 180, 130, title) as figure:
         top, middle, bottom = figure.subplots(3, 1, sharex=True)
         factor, unit = engineer_unit("N m", history.moment)
         top.plot(history.time, factor * history.moment, color=BLUE, label="of the shaft")
@@ -217,10 +206,6 @@ def drive_sheet(drive: TwoMassDrive, target: Path | str | Figure, title: str = "
         bottom.plot(history.time, degrees, color=BLUE)
         bottom.set(ylabel="motor ahead of load, °", xlabel="time, s", xlim=(0, drive.time))
         bottom.legend(loc="best")
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -245,8 +230,7 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
     if cycle is None:
         raise PictureError(f"elements.{name}: the machine has no steady motion on this shaft; sweeps run says why")
     degrees = np.degrees(cycle.angle)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+    with sheet(target, 180, 130, title) as figure:
         top, middle, bottom = figure.subplots(3, 1, sharex=True)
         factor, unit = engineer_unit("N m", cycle.moment)
         top.plot(degrees, factor * cycle.rigid_moment, color=GREY, linewidth=0.8, label="rigid")
@@ -262,10 +246,6 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
         bottom.set(ylabel="crank behind, °", xlabel="crank angle, °", xlim=(0, degrees[-1]))
         for ax in (top, middle):
             ax.legend(loc="best")
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -290,8 +270,7 @@ def compliance_sheet(element: ComplianceElement, target: Path | str | Figure, ti
     shares = {name.removesuffix(".share"): value for name, value in own.items() if name.endswith(".share")}
     parts = sorted(shares, key=shares.get)
     told = [f"{100 * shares[part]:.3g} %, {_stiffness(own[f'{part}.stiffness'])}" for part in parts]
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(140, 25 + 9 * len(parts))
+    with sheet(target, 140, 25 + 9 * len(parts), title) as figure:
         ax = figure.subplots()
         bars = ax.barh([part.replace(".", " · ") for part in parts], [100 * shares[part] for part in parts], color=BLUE)
         ax.bar_label(bars, told, padding=3, fontsize=7)
@@ -301,10 +280,6 @@ def compliance_sheet(element: ComplianceElement, target: Path | str | Figure, ti
         if "twist" in own:
             words += f", {math.degrees(own['twist']):.3g}° under {element.moment:g} N·m"
         ax.set_title(words)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -333,8 +308,7 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
     run = drive_run(scene, name)
     if run is None:
         raise PictureError(f"elements.{name}: the machine has no steady motion on this shaft; sweeps run says why")
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+    with sheet(target, 180, 130, title) as figure:
         top, middle, bottom = figure.subplots(3, 1, sharex=True)
         factor, unit = engineer_unit("N m", run.moment)
         top.plot(run.time, factor * run.moment, color=BLUE)
@@ -351,8 +325,4 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
             bottom.legend(loc="best")
         bottom.plot(run.time, np.degrees(run.twist), color=BLUE)
         bottom.set(ylabel="crank behind, °", xlabel="time, s", xlim=(0, run.time[-1]))
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure

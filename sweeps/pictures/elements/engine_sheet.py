@@ -23,7 +23,7 @@ from engine import (
     made_engine,
     remaining_shaking,
 )
-from sweeps.pictures.style import BLUE, GREY, PALE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREY, PALE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 from sweeps.text.tables import table
 
@@ -136,8 +136,7 @@ def engine_sheet(engine: EngineElement, target: Path | str | Figure, title: str 
     """
     found = shaken(engine)
     rows = 1 + (engine.spacing is not None) + (engine.gas is not None)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 10 + 62 * rows)
+    with sheet(target, 180, 10 + 62 * rows, title) as figure:
         axes = iter(figure.subplots(rows, 3, squeeze=False, width_ratios=(0.9, 1, 1.1)))
         front, loop, bars = next(axes)
         _front(front, engine)
@@ -151,10 +150,6 @@ def engine_sheet(engine: EngineElement, target: Path | str | Figure, title: str 
         figure.legend(*front.figure.axes[2].get_legend_handles_labels(), loc="outside lower right", ncols=2)
         if engine.gas is not None:
             _torque(next(axes), engine)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

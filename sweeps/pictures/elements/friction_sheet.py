@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene
-from sweeps.pictures.style import GREY, PALETTE, house_style, new_figure, save
+from sweeps.pictures.style import GREY, PALETTE, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 PLACES = 201
@@ -52,16 +52,13 @@ def friction_sheet(element: Any, target: Path | str | Figure, title: str = "") -
     alone = ElementsAlone(Scene(elements={"it": element}), asked, varied=["elements.it.friction"])
     found = alone.evaluate({"elements.it.friction": friction}).summaries
     given = int(np.abs(friction - element.friction).argmin())
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 80)
+    with sheet(target, 180, 80) as figure:
         for ax, names in zip(figure.subplots(1, 2), sides, strict=True):
             rows = {name: found[f"it.{name}"] for name in names}
             _panel(ax, friction, rows, given, alone.available_summaries[f"it.{names[0]}"].units)
             ax.axvline(element.friction, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
         if title:
             figure.suptitle(f"{title}, over its friction (upright line: as given)", fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

@@ -17,7 +17,7 @@ from engine import (
     gear_results,
     velocity_picture,
 )
-from sweeps.pictures.style import GREY, PALE, PALETTE, house_style, new_figure, save
+from sweeps.pictures.style import GREY, PALE, PALETTE, sheet
 
 RPM = 30 / math.pi
 # Speeds nearer than this, of the greatest, share a ray.
@@ -43,8 +43,7 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
     """
     picture = velocity_picture(train)
     colours = {name: PALETTE[i % len(PALETTE)] for i, name in enumerate(picture.lines)}
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 105)
+    with sheet(target, 180, 105) as figure:
         scheme, linear, angular = figure.subplots(1, 3, width_ratios=(1, 1.25, 1.25))
         unit, factor = ("mm", 1e3) if train.has_modules else ("modules", 1.0)
         _scheme(scheme, train, picture, colours, factor)
@@ -60,8 +59,6 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
         if not picture.fits:
             words.append(SENTENCES[Verdict.DOES_NOT_FIT])
         figure.suptitle("\n".join(words), fontweight="bold" if picture.fits else None, wrap=True)
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

@@ -18,7 +18,7 @@ from engine import (
     load_change,
     stability_point,
 )
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 RPM = 30 / math.pi
@@ -46,9 +46,8 @@ def governor_sheet(
         The file's ending isn't a picture's, or it can't be written.
     """
     curve, point, change = governor_curves(governor), stability_point(governor), load_change(governor, cycle)
-    with house_style():
-        rows = 1 + (point is not None or change is not None)
-        figure = target if isinstance(target, Figure) else new_figure(180, 12 + 80 * rows)
+    rows = 1 + (point is not None or change is not None)
+    with sheet(target, 180, 12 + 80 * rows) as figure:
         if curve.radius.size:
             axes = figure.subplots(rows, 2, squeeze=False, width_ratios=(1.15, 1))
             _characteristic(axes[0, 0], curve)
@@ -64,8 +63,6 @@ def governor_sheet(
         if curve.verdict != Verdict.OK:
             words.append(SENTENCES[curve.verdict])
         figure.suptitle("\n".join(words), fontweight="bold" if len(words) < 2 else None, wrap=True)
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

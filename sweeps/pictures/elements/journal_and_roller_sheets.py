@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle
 
 from engine import ElementsAlone, Scene
-from sweeps.pictures.style import GREY, PALETTE, house_style, new_figure, save
+from sweeps.pictures.style import GREY, PALETTE, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 PLACES = 101
@@ -46,8 +46,8 @@ def journal_sheet(element: Any, target: Path | str | Figure, title: str = "") ->
         _varied(element, name, "friction", np.array([element.friction]))[0]
         for name in ("friction_circle", "friction_moment")
     )
-    with house_style():
-        figure, body, curves = _figure(target, title, (-2.6, 2.1))
+    with sheet(target, 180, 90, title) as figure:
+        body, curves = _body_and_curves(figure, (-2.6, 2.1))
         share = RADIUS * circle / (element.diameter / 2)
         body.add_patch(Circle((0, 0), RADIUS, fill=False, color="black", linewidth=1.0))
         body.add_patch(Arc((0, 0), 2.1 * RADIUS, 2.1 * RADIUS, theta1=180, theta2=360, color=GREY, linewidth=3))
@@ -60,8 +60,6 @@ def journal_sheet(element: Any, target: Path | str | Figure, title: str = "") ->
         body.text(-0.15, -RADIUS - 0.7, told, color=PALETTE[1], ha="right", va="center")
         _over(curves, friction, moments, "N m", "coefficient of friction", element.friction)
         curves.set_title("moment of friction, by contact", fontsize="medium")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -86,8 +84,8 @@ def roller_sheet(element: Any, target: Path | str | Figure, title: str = "") -> 
     force, rolls = (
         _varied(element, name, "rolling_arm", np.array([element.rolling_arm]))[0] for name in ("pull_force", "rolls")
     )
-    with house_style():
-        figure, body, curves = _figure(target, title, (-1.2, 3.2))
+    with sheet(target, 180, 90, title) as figure:
+        body, curves = _body_and_curves(figure, (-1.2, 3.2))
         at = RADIUS * height / (element.diameter / 2)
         body.add_patch(Circle((0, RADIUS), RADIUS, fill=False, color="black", linewidth=1.0))
         body.plot([-2.2, 2.2], [0, 0], color="black", linewidth=1.4)
@@ -100,8 +98,6 @@ def roller_sheet(element: Any, target: Path | str | Figure, title: str = "") -> 
         body.text(-0.1, -0.9, slides if rolls > 0 else "it slides", ha="right", color=GREY)
         _over(curves, arm, pulls, "N", "arm of rolling friction", element.rolling_arm, "m")
         curves.set_title("pull, by the arm of rolling friction", fontsize="medium")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -112,15 +108,12 @@ def _varied(element: Any, name: str, key: str, values: np.ndarray) -> np.ndarray
     return alone.evaluate({path: values}).summaries[f"it.{name}"]
 
 
-def _figure(target: Path | str | Figure, title: str, extent: tuple[float, float]) -> tuple[Figure, Axes, Axes]:
-    figure = target if isinstance(target, Figure) else new_figure(180, 90)
+def _body_and_curves(figure: Figure, extent: tuple[float, float]) -> tuple[Axes, Axes]:
     body, curves = figure.subplots(1, 2)
     body.set_aspect("equal")
     body.set_axis_off()
     body.set(xlim=(-2.4, 2.4), ylim=extent)
-    if title:
-        figure.suptitle(title, fontweight="bold")
-    return figure, body, curves
+    return body, curves
 
 
 def _told(value: float, units: str) -> str:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import Hodograph
-from sweeps.pictures.style import BLUE, GREY, ORANGE, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREY, ORANGE, sheet
 from sweeps.report.order_table import (
     BALANCED,
     ORDER_HEADS,
@@ -37,8 +37,7 @@ def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow] | None 
         The file's ending isn't a picture's, or it can't be written.
     """
     rows = well_known_engines() if rows is None else rows
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 12 + 12 * len(rows))
+    with sheet(target, 180, 12 + 12 * len(rows)) as figure:
         axes = figure.subplots(len(rows), 4, squeeze=False)
         for row, line in zip(rows, axes, strict=True):
             found = remaining_orders(row)
@@ -50,8 +49,6 @@ def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow] | None 
             ax.set_title(
                 f"{head}\nin {'m r ω² A' if 'force' in head else 'm r ω² a A'}{subscript_of(1 + ('sec' in head))}"
             )
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

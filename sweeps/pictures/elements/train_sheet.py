@@ -25,7 +25,7 @@ from engine import (
     train_numbers,
     train_speed,
 )
-from sweeps.pictures.style import GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import GREY, PALE, PALETTE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 from sweeps.text.tables import table
 
@@ -61,8 +61,7 @@ def train_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str
     train, numbers = scene.elements[name], _numbers(scene, name)
     reduced = reduced_train(train, numbers)
     natural = natural_vibration(reduced, train.reported_modes)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 170 if is_excited(train) else 90)
+    with sheet(target, 180, 170 if is_excited(train) else 90, title) as figure:
         if is_excited(train):
             grid = figure.add_gridspec(2, 2)
             _modes(figure.add_subplot(grid[0, :]), train, reduced, natural)
@@ -70,10 +69,6 @@ def train_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str
             _moments(figure.add_subplot(grid[1, 1]), scene, name, float(train_speed(train, numbers)[0]))
         else:
             _modes(figure.add_subplot(), train, reduced, natural)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

@@ -19,7 +19,7 @@ from engine import (
     tolerance_shares,
     unbalance_in_two_planes,
 )
-from sweeps.pictures.style import BLUE, GREEN, GREY, PALE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREEN, GREY, PALE, VERMILION, sheet
 
 # From SI: kg m to kg mm and to g mm.
 KG_MM, G_MM = 1e3, 1e6
@@ -89,8 +89,7 @@ def unbalance_plan(rotor: RotorElement, target: Path | str | Figure, title: str 
         The file's ending isn't a picture's.
     """
     plan = plan_of(rotor)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 78)
+    with sheet(target, 180, 78, title) as figure:
         axes = figure.subplots(1, 3, width_ratios=(1, 1, 0.7))
         _polygon(axes[0], plan, plan.unbalances * KG_MM, "Unbalances, kg·mm")
         arms = plan.positions - plan.positions[-plan.corrections]
@@ -102,10 +101,6 @@ def unbalance_plan(rotor: RotorElement, target: Path | str | Figure, title: str 
         )
         _bearings(axes[2], plan)
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -127,15 +122,10 @@ def static_plan(rotor: StaticRotor, target: Path | str | Figure, title: str = ""
     given = np.array([u.mass * u.radius * np.exp(1j * u.angle) for u in rotor.unbalances.values()])
     vectors = np.append(given, -given.sum())
     plan = RotorPlan((*rotor.unbalances, "correction"), vectors, np.zeros(vectors.size), 1, np.zeros((3, 2)))
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(110, 112)
+    with sheet(target, 110, 112, title) as figure:
         ax = figure.subplots()
         _polygon(ax, plan, vectors * KG_MM, "Unbalances, kg·mm")
         figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

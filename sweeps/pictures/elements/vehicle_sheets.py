@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import CarElement, ElementsAlone, LocomotiveElement, Scene
-from sweeps.pictures.style import BLUE, GREY, ORANGE, PALETTE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREY, ORANGE, PALETTE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 PLACES = 361
@@ -37,8 +37,7 @@ def locomotive_sheet(element: LocomotiveElement, target: Path | str | Figure, ti
     angle = np.linspace(0.0, math.tau, PLACES)
     asked = ("tractive_force", "left_rail_force", "right_rail_force", "swaying_moment")
     turn = _swept(turning, asked, crank_angle=angle)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 130)
+    with sheet(target, 180, 130, title) as figure:
         drawn = figure.subplot_mosaic([["forces", "blows"], ["couple", "blows"]])
         forces, couple, blows = (drawn[name] for name in ("forces", "couple", "blows"))
         factor, unit = engineer_unit("N", np.concatenate([turn[name] for name in asked[:3]]))
@@ -53,10 +52,6 @@ def locomotive_sheet(element: LocomotiveElement, target: Path | str | Figure, ti
         for ax in (forces, couple):
             ax.set(xlim=(0, 360), xticks=range(0, 361, 90))
         _blows(blows, element)
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -98,8 +93,7 @@ def car_sheet(element: CarElement, target: Path | str | Figure, title: str = "")
         The file's ending isn't a picture's, or it can't be written.
     """
     speed = np.linspace(1e-3, FASTEST, PLACES) * element.speed
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 75)
+    with sheet(target, 180, 75, title) as figure:
         over_speed, along = figure.subplots(1, 2)
         for colour, brakes in zip(PALETTE, ("front", "rear", "all"), strict=False):
             braked = element.model_copy(update={"brakes": brakes})
@@ -118,10 +112,6 @@ def car_sheet(element: CarElement, target: Path | str | Figure, title: str = "")
         over_speed.set_title("Over the speed (upright line: as given)")
         over_speed.legend(loc="upper left")
         along.set(xlabel="way, m", ylabel="speed, km/h", xlim=(0, None), ylim=(0, None), title="Along the way")
-        if title:
-            figure.suptitle(title, fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

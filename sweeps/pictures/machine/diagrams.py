@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from engine import FRAME, SENTENCES, CrankInput, Machine, Scene, Verdict, has_cycle, sliders_of
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 # Beyond this the ends of an axis overflow.
@@ -140,8 +140,7 @@ def diagrams(
         The machine can't be computed, or the file's ending isn't a picture's.
     """
     cycle = cycle_curves(scene, values, fields)
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 115)
+    with sheet(target, 180, 115) as figure:
         if has_cycle(scene):
             _sheet_of_cycle(figure, scene, dict(values or {}), cycle)
         else:
@@ -150,8 +149,6 @@ def diagrams(
             figure.suptitle(scene.title, fontweight="bold")
         if cycle.dead_centres:
             figure.supxlabel(f"Dotted lines: dead centres of {cycle.main}.", fontsize=7, x=0.01, ha="left")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from engine import SENTENCES, Machine, Scene, Verdict, has_cycle
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import PALETTE, house_style, new_figure, save
+from sweeps.pictures.style import PALETTE, sheet
 from sweeps.text.engineer_units import engineer_unit
 
 ORDERS = np.arange(1, 9)
@@ -34,16 +34,13 @@ def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figu
     """
     forces = {name: shaking_force(scene) for name, scene in scenes.items()}
     factor, unit = engineer_unit("N", np.abs(np.concatenate(list(forces.values()))))
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 85)
+    with sheet(target, 180, 85) as figure:
         left, right = figure.subplots(1, 2)
         _hodographs(left, forces, factor, unit)
         _orders(right, {n: order_sizes(f, scenes[n].input.revolutions) for n, f in forces.items()}, factor, unit)
         titles = {scene.title for scene in scenes.values()}
         title = titles.pop() if len(titles) == 1 else ""
         figure.suptitle(f"{title}: shaking force" if title else "Shaking force", fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 

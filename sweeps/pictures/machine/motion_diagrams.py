@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from engine import History, InputUnits, Machine, Scene, SteadyRegime, Verdict
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
 from sweeps.report.regime_words import failure_text
 from sweeps.text.engineer_units import engineer_unit
 
@@ -118,16 +118,13 @@ def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -
         The file's ending isn't a picture's.
     """
     parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 190 if parts else 30)
+    with sheet(target, 180, 190 if parts else 30) as figure:
         if parts:
             _history_sheet(figure, scene, parts)
         if seen.verdict == Verdict.OK:
             figure.suptitle(title, fontweight="bold")
         else:
             figure.suptitle(f"{title}\n{textwrap.fill(failure_text(scene, seen.verdict, seen), 110)}", fontsize=8)
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
@@ -231,8 +228,7 @@ def cycle_diagrams(scene: Scene, seen: History, regime: str, target: Path | str 
         failed = seen.verdict != Verdict.OK
         why = failure_text(scene, seen.verdict, seen) if failed else f"the regimes are {', '.join(scene.regimes)}"
         raise PictureError(f"no steady motion {regime!r}: {why}")
-    with house_style():
-        figure = target if isinstance(target, Figure) else new_figure(180, 125)
+    with sheet(target, 180, 125) as figure:
         axes = figure.subplots(2, 2, sharex=True)
         _speed_panel(axes[0, 0], scene, part)
         _panel(axes[1, 0], part, "Angular acceleration", "ε", "rad s-2", {"acceleration": part.acceleration})
@@ -242,8 +238,6 @@ def cycle_diagrams(scene: Scene, seen: History, regime: str, target: Path | str 
             ax.set_xlabel("crank angle φ, °")
         _legend(figure, axes)
         figure.suptitle(f"{scene.title or 'Machine'}: {regime}", fontweight="bold")
-    if not isinstance(target, Figure):
-        save(figure, target)
     return figure
 
 
