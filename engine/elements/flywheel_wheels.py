@@ -12,7 +12,8 @@ The inertia I asked for is reduced to the input link; on a shaft that turns i ti
 The stress is that of a thin free rim, σ = ρv² at the outer radius; arms bend a rim and add to it, and a solid disc's
 greatest stress is (3 + ν)/8 of it, about 0.41. Spun up, a ductile wheel yields before it bursts, until all of its
 section bears alike: it bursts when the mean hoop stress, ρω²(R² + Rr + r²)/3, is the material's strength (Robinson).
-Arms count as bearing nothing and weighing nothing there.
+Arms count as bearing nothing and weighing nothing there. Until then a moment M that drives the wheel beyond its
+greatest speed takes the time H/M, with the angular impulse H = J(ω_b − ω_max), and leaves Jω_b²/2 in it to be caught.
 
 Sources: S. P. Timoshenko, Strength of Materials, Part II (rotating rims and discs); R. S. Khurmi and J. K. Gupta,
 Theory of Machines, ch. 16 (dimensions of the flywheel rim); E. L. Robinson, Bursting tests of steam-turbine disk
@@ -58,6 +59,11 @@ class Wheel(NamedTuple):
     burst_speed, burst_margin : ndarray
         Speed of the input link, by magnitude, at which the wheel bursts [rad/s], and how many times that is its
         greatest; NaN without a strength.
+    burst_energy : ndarray
+        Kinetic energy of the wheel when it bursts [J].
+    burst_impulse : ndarray
+        Angular impulse about the input link that takes the wheel alone from its greatest speed to bursting [N·m·s];
+        below 0 where it has burst.
     """
 
     diameter: np.ndarray
@@ -70,6 +76,8 @@ class Wheel(NamedTuple):
     energy: np.ndarray
     burst_speed: np.ndarray
     burst_margin: np.ndarray
+    burst_energy: np.ndarray
+    burst_impulse: np.ndarray
 
 
 class _Section(NamedTuple):
@@ -123,6 +131,9 @@ def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[s
             energy=made * shaft_speed**2 / 2,
             burst_speed=burst / ratio,
             burst_margin=burst / shaft_speed,
+            burst_energy=made * burst**2 / 2,
+            # A moment on the input link is 1/i of that on the wheel's shaft.
+            burst_impulse=made * (burst - shaft_speed) * ratio,
         )
         # No number may look right beside a width that doesn't exist.
         defined = np.isfinite(sizes.energy) & np.isfinite(sizes.mass) & (shaft_speed > 0.0)

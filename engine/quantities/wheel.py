@@ -25,6 +25,8 @@ _SIZES = {
 _BURSTING = {
     "burst_speed": ("speed of the input at which the flywheel bursts", "rad s-1"),
     "burst_margin": ("speed at which the flywheel bursts over its greatest speed", "1"),
+    "burst_energy": ("kinetic energy of the flywheel when it bursts", "J"),
+    "burst_impulse": ("angular impulse at the input from the flywheel's greatest speed to its bursting", "N m s"),
 }
 
 

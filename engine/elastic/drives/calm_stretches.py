@@ -20,11 +20,11 @@ from engine.compiling.decorators import inlined, routine
 
 # A stretch that is leapt over has more turns of the vibration than these.
 LEAST_TURNS = 6
+# How often a time that isn't calm is halved, and what is nothing beside the slow moment.
+HALVINGS, NOTHING = 40, 1e-13
 _ITERATIONS = 60
-_HALVINGS = 40
 # The slow motion counts as one where its rate is this share of the vibration's frequency.
 _SLOW = 0.1
-_NOTHING = 1e-13
 _HIGHER = 1.0 + 1e-11
 
 
@@ -120,7 +120,7 @@ def calm_stretch(
     decay, frequency = 0.5 * p, math.sqrt(max(q - 0.25 * p * p, 0.0))
     if not frequency > 0.0:
         # Damped beyond vibration: there is none once that is over.
-        if not k * abs(y) + b * abs(w) <= _NOTHING * (abs(level_moment) + abs(slope_moment * z)):
+        if not k * abs(y) + b * abs(w) <= NOTHING * (abs(level_moment) + abs(slope_moment * z)):
             return 0.0, twist, v, speed
         y, w, decay, frequency = 0.0, 0.0, 0.0, math.sqrt(q)
     turn = math.tau / frequency
@@ -134,7 +134,7 @@ def calm_stretch(
     swing_motor = swing_load + size_rate
     # A moment that grows is greatest in the last turn.
     time = most - 1.5 * turn
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         if time < LEAST_TURNS * turn:
             break
         grown = math.exp(-decay * time)

@@ -5,7 +5,8 @@ between the rows of a table (a DC motor has two), or Kloss' formula. Within a ph
 Taylor series of high order: all that occurs is sums, products and one quotient, so that every coefficient follows from
 those before. The time is counted in 1/ω_n of the drive in touch. A step is as long as its last terms allow, by which it
 is exact but for rounding; what ends a phase is sought on the polynomials themselves, between their turning points.
-Under straight lines, many vibrations in which nothing ends a phase are one step (`calm_stretches`).
+Many vibrations in which nothing ends a phase are few steps: one under straight lines (`calm_stretches`), and of a shaft
+stiff enough under Kloss' formula, as many as its slow motion needs (`averaged_stretches`).
 
 Sources: K. V. Frolov et al., Theory of Mechanisms and Machines (drives with elastic links and clearances); E. Hairer,
 S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.8 (Taylor series).
@@ -16,6 +17,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
+from engine.elastic.drives.averaged_stretches import averaged_stretch
 from engine.elastic.drives.backlash_phases import (
     CLOSINGS,
     GREATEST,
@@ -51,6 +53,8 @@ MOST_STEPS = 200_000
 _LAST_TERMS = 1e-16
 # Steps in touch, in 1/ω_n, and parts of a step between which signs are compared.
 _LONGEST, _PARTS = 1.5, 6
+# Turns of the vibration from one look for a stretch to leap over under Kloss' formula to the next.
+_BETWEEN_TRIES = 10
 # Shares of what is watched that count as rounding.
 _ROUNDED = 1e-12
 _HIGHER = 1.0 + 1e-11
@@ -258,23 +262,29 @@ def follow_motor_drives(
         followed, fresh = 0.0, True
         while now < horizon and steps < MOST_STEPS:
             steps += 1
-            level, slope = 0.0, 0.0
+            level, slope, below, above = 0.0, 0.0, -math.inf, math.inf
             if curve.size == 0:
                 slope = (lines[i, row + 1, 1] - lines[i, row, 1]) / (lines[i, row + 1, 0] - lines[i, row, 0])
                 level = lines[i, row, 1] - slope * lines[i, row, 0]
-                most = horizon
-                if instant < shown.shape[1]:
-                    most = horizon * instant / max(shown.shape[1] - 1, 1)
-                if touch != 0 and most - now > LEAST_TURNS * math.tau * unit:
-                    behind = backlash if touch < 0 else 0.0
-                    below = lines[i, row, 0] if row > 0 else -math.inf
-                    above = lines[i, row + 1, 0] if row + 2 < lines.shape[1] else math.inf
-                    line = level, slope, load, moves, touch if backlash > 0.0 else 0, below, above
+                below = lines[i, row, 0] if row > 0 else -math.inf
+                above = lines[i, row + 1, 0] if row + 2 < lines.shape[1] else math.inf
+            most = horizon
+            if instant < shown.shape[1]:
+                most = horizon * instant / max(shown.shape[1] - 1, 1)
+            if touch != 0 and most - now > LEAST_TURNS * math.tau * unit:
+                behind, held = backlash if touch < 0 else 0.0, touch if backlash > 0.0 else 0
+                state, shaft, limits = (e + behind, v, speed), (first, second, k, b), (greatest, followed, most - now)
+                if curve.size == 0:
                     leap, twist, v, speed = calm_stretch(
-                        e + behind, v, speed, first, second, k, b, *line, greatest, followed, most - now
+                        *state, *shaft, level, slope, load, moves, held, below, above, *limits
                     )
-                    if leap > 0.0:
-                        e, now, followed = twist - behind, now + leap, 0.0
+                else:
+                    leap, twist, v, speed = averaged_stretch(*state, *shaft, curve, load, moves, held, *limits, s)
+                if leap > 0.0:
+                    e, now, followed = twist - behind, now + leap, 0.0
+                elif curve.size > 0 and followed > math.tau * unit:
+                    # Trying costs more than following a turn.
+                    followed = -_BETWEEN_TRIES * math.tau * unit
             s[_E, 0], s[_V, 0], s[_LOAD, 0] = e, v, speed
             if steps == 1:
                 _expand(s, own, curve, level, slope, unit, 0, moves)

@@ -279,6 +279,22 @@ def test_statistics_of_what_is_followed__are_those_of_dense_rows(uneven, field):
 # The wheel it is made as
 
 
+def test_wheel_that_bursts__has_taken_the_work_of_the_moment_that_drove_it_there():
+    ratio, strength, inertia = 3.0, 2e8, 40.0
+    given = {"type": "disc", "diameter": 0.5, "strength": strength, "density": 7200.0, "ratio": ratio}
+    names = [f"wheel_{key}" for key in ("burst_speed", "burst_energy", "burst_impulse", "energy", "mass")]
+    machine = Machine(press({"inertia": inertia, "wheel": given}, DRAG), ["speed_max", *names])
+    fastest, burst, energy, impulse, before, mass = (float(v[0]) for v in machine.evaluate({}).summaries.values())
+    # A disc bursts at ρω²R²/3 = strength; on the input its inertia is i² times mR²/2.
+    assert burst == pytest.approx(math.sqrt(3 * strength / 7200) / 0.25 / ratio, rel=1e-13)
+    assert mass * 0.25**2 / 2 * ratio**2 == pytest.approx(inertia, rel=1e-13)
+    # Under a constant moment of 50 N m on the input: its work is what the energy grows by.
+    time = impulse / 50.0
+    work = 50.0 * (fastest * time + 0.5 * 50.0 / inertia * time**2)
+    assert work == pytest.approx(energy - before, rel=1e-12)
+    assert fastest + 50.0 / inertia * time == pytest.approx(burst, rel=1e-12)
+
+
 def test_machine__has_the_textbooks_rim_and_its_speed_of_bursting():
     wheel = {"type": "mean rim", "mean_diameter": 0.4, "width_ratio": 2.0, "density": 7200.0, "strength": 2e8}
     names = ["flywheel_wittenbauer", "speed_max", "wheel_thickness", "wheel_mass", "wheel_burst_margin"]
