@@ -15,7 +15,7 @@ from engine.quantities.expressions import (
     unresolved_peak,
 )
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
-from engine.scene.pairs import contact_pairs, driver_of, has_friction, lossy_meshes, pairs
+from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, mesh_driver, pairs
 from engine.scene.scene import Scene
 
 
@@ -55,7 +55,7 @@ def declare(mechanics: Mechanics) -> Declared:
             lambda name=pair.name: abs(Integral(m.reactions.lost[name])),
         )
     for name in lossy_meshes(scene):
-        where = f"between the teeth of {name} and of {driver_of(scene, name)}"
+        where = f"between the teeth of {name} and of {mesh_driver(scene, name)}"
         yield variable(f"{name}.mesh_loss", f"power lost {where}", "W")
         yield Summary(
             f"{name}.mesh_work",

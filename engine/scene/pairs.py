@@ -76,7 +76,7 @@ def lossy_meshes(scene: Scene) -> list[str]:
     return [name for name, part in driven.items() if part.efficiency is not None]
 
 
-def driver_of(scene: Scene, name: str) -> str:
+def mesh_driver(scene: Scene, name: str) -> str:
     """What drives a shaft, non-circular wheel, rack or pinion by its teeth; of a fixed rack the link it is on."""
     if name in scene.racks:
         return scene.racks[name].pinion

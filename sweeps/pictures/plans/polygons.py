@@ -247,9 +247,13 @@ class _Composer:
         if contact is not None:
             self._rolling(contact)
         if not self._carried_by(name) and by_law and guide_of(self.pose.scene, name) is not None:
-            label = lettered(self.pose, "A", name)
-            self.places[label] = self.pose.origin(name).place
-            self._to(name, label)
+            self._origin_of(name)
+
+    def _origin_of(self, slider: str) -> None:
+        """The way to the origin of a slider that has no points."""
+        name = lettered(self.pose, "A", slider)
+        self.places[name] = self.pose.origin(slider).place
+        self._to(slider, name)
 
     def _carried_by(self, link: str) -> bool:
         """The way to the first of a link's own points; whether it has one."""
@@ -323,9 +327,12 @@ class _Composer:
             for pair in turning[1:] if link not in drawn else ():
                 self._bar(link, joint_of(turning[0]), joint_of(pair))
         for pair in group.pairs:
-            if pair.kind == "prismatic":
-                guide = self.pose.scene.links[pair.link].guide
-                self._along_guide(pair.link, guide, self.pose.motion.members(pair.link)[0])
+            if pair.kind != "prismatic":
+                continue
+            if points := self.pose.motion.members(pair.link):
+                self._along_guide(pair.link, self.pose.scene.links[pair.link].guide, points[0])
+            else:
+                self._origin_of(pair.link)
 
     def _from_special_point(self, special: SpecialPoint) -> None:
         """Two ways to the special point, the way from it to the third joint, and the bars that led to it."""

@@ -239,10 +239,11 @@ class Pose:
         return self._beside(link, point, complex(self.motion.axes(link)[0][self.k]))
 
     def _is_where_it_slides(self, link: str) -> bool:
-        """Whether the origin of a slider's axes lies on its guide, where no joint need be."""
+        """Whether the origin of a slider's axes goes by its guide, where no joint need be."""
         yokes = (group.second for group in self.scene.groups.values() if isinstance(group.second, Yoke))
         followers = (cam.follower for cam in self.scene.cams.values())
-        return link in {*self.scene.inputs, *self.scene.racks, *(part.link for part in (*yokes, *followers))}
+        known = {*self.scene.inputs, *self.scene.racks, *self.scene.links}
+        return link in known or any(part.link == link for part in (*yokes, *followers))
 
     def slid(self, slider: str, guide: str, place: complex) -> Movement:
         """Movement of the place of a slider that is at `place` [m] at the moment, by its motion along its guide."""

@@ -100,7 +100,7 @@ _PLACES = {
     "P": "pitch points",
     "B": "centres of rollers, or edges",
     "C": "centres of curvature of profiles",
-    "A": "origins of links that laws move",
+    "A": "origins of sliders without points",
 }
 
 

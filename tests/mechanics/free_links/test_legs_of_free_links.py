@@ -8,6 +8,7 @@ from engine import Near, Scene, SceneError, assembly_modes
 from engine.mechanism.assembly import Slide
 from engine.mechanism.groups.closure_of_free import Direction
 from engine.scene.structure.ordering import order
+from sweeps.pictures.plans import MachineCycle, accelerations, loads_on_links, velocities
 
 EPS = np.finfo(float).eps
 ROUNDINGS = 1000
@@ -51,17 +52,17 @@ def plate_on(legs: tuple[str, ...]) -> dict:
     return data
 
 
-def in_best_mode(legs: tuple[str, ...]) -> ReactionValues:
+def in_best_mode(legs: tuple[str, ...]) -> Scene:
     scene = Scene.model_validate(plate_on(legs))
     (modes,) = assembly_modes(scene).values()
     best = max(modes, key=lambda mode: abs(mode.transmission))
     near = {name: Near(x=x, y=y) for name, (x, y) in best.points.items()}
-    return ReactionValues(scene.model_copy(update={"near": near}))
+    return scene.model_copy(update={"near": near})
 
 
 @pytest.mark.parametrize("legs", LEGS)
 def test_plate_on_legs_of_every_kind__is_in_equilibrium_and_its_proof_holds(legs):
-    of, q = in_best_mode(legs), np.linspace(0.3, 6.0, 6)
+    of, q = ReactionValues(in_best_mode(legs)), np.linspace(0.3, 6.0, 6)
     # Reactions, inertia forces and rates agree, or virtual power wouldn't.
     one, other = of(["input_moment_by_equilibrium", "input_moment_by_power"], q).values()
     assert one == pytest.approx(other, rel=0, abs=ROUNDINGS * EPS * np.abs(one).max())
@@ -101,3 +102,21 @@ def test_loop_of_sliding_pairs__is_refused():
     }
     with pytest.raises(SceneError, match=r"a loop of sliding pairs alone, which c\.on_a closes"):
         order(Scene.model_validate(data | {"bodies": {}}))
+
+
+def test_leg_of_two_sliding_pairs__has_its_place_in_plans():
+    """It has no joint: its plans go by its own origin, and close; it is in equilibrium under its loads."""
+    pose = MachineCycle(in_best_mode(("RP", "PP", "RR"))).at(2.2)
+    for plan in (velocities(pose), accelerations(pose)):
+        (name,) = plan.places
+        size = max(map(abs, plan.images.values()))
+        for leg in plan.legs:
+            end = plan.images.get(leg.start, 0j) + sum(step.vector for step in leg.steps)
+            assert abs(end - plan.images.get(leg.end, 0j)) < 100 * EPS * size
+        # The leg slides along a guide of the frame, as that lies.
+        assert abs((plan.images[name].conjugate() * pose.guide("way1")).imag) < 100 * EPS * size
+    on_links = loads_on_links(pose)
+    scale = max(abs(load.force) for loads in on_links.values() for load in loads)
+    for link, loads in on_links.items():
+        assert abs(sum(load.force for load in loads)) < 100 * EPS * scale
+        assert abs(sum(load.moment_about(pose.origin(link).place) for load in loads)) < 100 * EPS * scale
