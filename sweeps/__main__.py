@@ -21,7 +21,9 @@ def start() -> None:
         # Whoever read has seen enough.
         _leave("", 1)
     except OSError as error:
-        where = error.filename or "what is shown, or a file that nothing names,"
+        from sweeps.cli.shared import shown_message
+
+        where = shown_message(str(error.filename or "what is shown, or a file that nothing names,"))
         _leave(f"Error: {where} can't be written or read: {error.strerror}\n", 2)
     finally:
         finish()

@@ -22,7 +22,7 @@ ALL_FAILED = 1
 NOT_ALL_DONE = 1
 DIFFERENT = 1
 
-LONGEST_MESSAGE = 2900
+LONGEST_MESSAGE, LONGEST_WORD = 2900, 200
 # All but line breaks and tabs.
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
@@ -32,14 +32,27 @@ Command = Callable[..., None]
 def tell(text: str, err: bool = False) -> None:
     """Write a text to the terminal; control characters in it, which may come from files, are spelt out."""
     clear_the_line()
-    click.echo(_CONTROL.sub(lambda found: repr(found[0])[1:-1], text), err=err)
+    click.echo(_spelt_out(text), err=err)
+
+
+def _spelt_out(text: str) -> str:
+    return _CONTROL.sub(lambda found: repr(found[0])[1:-1], text)
+
+
+def shown_message(message: str) -> str:
+    """What a terminal is shown of a message: control characters are spelt out, a long one ends early."""
+    message = _spelt_out(message)
+    if len(message) <= LONGEST_MESSAGE:
+        return message
+    begin, _, cut_word = message[:LONGEST_MESSAGE].rpartition(" ")
+    # Of a word as long as a message, its beginning is told too.
+    begin = begin if len(cut_word) <= LONGEST_WORD else f"{begin} {cut_word[:LONGEST_WORD]}"
+    return f"{begin.strip()} … (cut: {len(message)} characters)"
 
 
 def fail(message: str, code: int = WRONG_INPUT) -> None:
     """Say what is wrong on standard error and stop."""
-    if len(message) > LONGEST_MESSAGE:
-        message = f"{message[:LONGEST_MESSAGE].rsplit(' ', 1)[0]} … (cut: {len(message)} characters)"
-    tell(f"Error: {message}", err=True)
+    tell(f"Error: {shown_message(message)}", err=True)
     sys.exit(code)
 
 

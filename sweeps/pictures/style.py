@@ -128,7 +128,10 @@ def save(figure: Figure, path: Path | str) -> None:
         with house_style(), whole_file(path) as draft:
             # Half the time of the usual level 6, files that are 1 % larger.
             packed = {"pil_kwargs": {"compress_level": 4}} if ending == ".png" else {}
-            figure.savefig(draft, metadata=undated, **packed)
+            # Made in memory: on a full disk, a file of Matplotlib's own ends in another error than the disk's.
+            made = BytesIO()
+            figure.savefig(made, format=ending[1:], metadata=undated, **packed)
+            draft.write_bytes(made.getbuffer())
     except OSError as error:
         raise PictureError(f"{path} can't be written: {error.strerror}") from None
 

@@ -424,6 +424,9 @@ def _existing(path: Path) -> Path:
         if part.exists():
             raise StoreError(f"{path} is not finished: run its sweep again to go on, or look at {part}.")
         raise StoreError(f"cannot read {path}: there is no such file. Results are .h5 files, made by `sweeps run`.")
+    if not path.is_file():
+        # Whoever opens a pipe waits for its other end.
+        raise StoreError(f"cannot read {path}: it is a device or a pipe, no result of a sweep.")
     with explained(path, "read"), path.open("rb") as file:
         start = file.read(len(HDF5_SIGNATURE))
     if start != HDF5_SIGNATURE:

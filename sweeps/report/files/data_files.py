@@ -46,6 +46,10 @@ class DataTable(NamedTuple):
         yield {name: self.columns[name] for name in names}
 
 
+class _TooLongError(Exception):
+    """A table has more numbers than a file of its format can be made of."""
+
+
 class PartedTable(NamedTuple):
     """Columns of equal length that aren't in memory as a whole.
 
@@ -90,6 +94,8 @@ def write_table(out: Path, table: Table) -> None:
     try:
         with whole_file(out) as draft:
             _WRITERS[out.suffix](draft, table)
+    except _TooLongError as error:
+        raise InputError(str(out), [(None, "", str(error))]) from None
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
 
@@ -169,14 +175,14 @@ def _write_mat(out: Path, table: Table) -> None:
     from scipy.io import savemat
 
     names = _matlab_names(table.names)
-    columns = {names[name]: _for_matlab(column) for name, column in _whole(out, table).items()}
+    columns = {names[name]: _for_matlab(column) for name, column in _whole(table).items()}
     of_each = {names[name]: table.units.get(name, "1") for name in table.names}
     told = {names[name]: name for name in table.names}
     content = {"data": columns, "units": of_each, "names": told, "title": table.title}
     savemat(out, content, long_field_names=True, oned_as="column")
 
 
-def _whole(out: Path, table: Table) -> dict[str, np.ndarray]:
+def _whole(table: Table) -> dict[str, np.ndarray]:
     """All columns as a whole, if there aren't too many numbers in them."""
     found, rows = [], 0
     for part in table.parts(table.names):
@@ -185,7 +191,7 @@ def _whole(out: Path, table: Table) -> dict[str, np.ndarray]:
         if rows * len(part) > MOST_IN_MEMORY:
             message = f"a MAT file holds {MOST_IN_MEMORY:.3g} numbers at most, these are more; choose variants with"
             message += " --where, columns with --columns, or write .parquet or .csv"
-            raise InputError(str(out), [(None, "", message)])
+            raise _TooLongError(message)
     return {name: np.concatenate([part[name] for part in found]) for name in table.names}
 
 

@@ -1,5 +1,6 @@
 """What readers see in a result file: plain h5py, xarray, and the functions of the store."""
 
+import os
 import sys
 import tracemalloc
 from pathlib import Path
@@ -118,6 +119,13 @@ def test_describe__columns_attributes_and_progress_of_open_part_and_of_final_fil
     assert shown.attributes["study"] == "steps = 3\nload = 12 kN"
     complete(path, layout())
     assert describe_result(path).blocks_done == 6
+
+
+def test_pipe__is_refused_without_waiting_for_its_other_end(path: Path) -> None:
+    os.mkfifo(path)
+    for reader in (MappedResult, describe_result, mapped_columns, open_dataset):
+        with pytest.raises(StoreError, match="device or a pipe"):
+            reader(path)
 
 
 def test_final_file_missing__part_file_named(path: Path) -> None:

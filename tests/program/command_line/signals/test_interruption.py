@@ -96,6 +96,16 @@ def test_reader_that_goes_away__nothing_said():
     assert errors == ""
 
 
+def test_name_longer_than_a_disk_takes__is_told_in_part_and_spelt_out():
+    line = [sys.executable, "-m", "sweeps", "check", "\x1b[2J" + 5000 * "a"]
+    answer = subprocess.run(line, capture_output=True, text=True, timeout=60)
+    assert answer.returncode == 2
+    assert answer.stderr.startswith("Error: \\x1b[2Jaaaa")
+    assert "too long" in answer.stderr
+    assert len(answer.stderr) < 3000
+    assert "\x1b" not in answer.stderr
+
+
 # Files written whole
 
 
@@ -136,6 +146,7 @@ WRITES = [
     ("animate", "press.toml", "--frames", "4", "--out", "out.gif"),
     ("new", "rotor", "--out", "new.toml"),
 ]
+SMALL_FILES = ("pdf", "svg", "png", "csv", "dxf")
 
 
 @pytest.mark.parametrize("arguments", WRITES, ids=lambda a: " ".join(a[:2] + a[-1:]))
@@ -159,3 +170,23 @@ def test_full_disk_under_a_file__one_sentence_and_the_earlier_file_stays(argumen
     assert sorted(press_folder.rglob("*")) == before
     if arguments[0] != "new":
         assert earlier.read_text() == "earlier"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a limit of files' sizes")
+@pytest.mark.parametrize("ending", SMALL_FILES)
+def test_disk_that_fills_up_while_a_file_is_written__one_sentence(ending, press_folder):
+    import resource
+
+    before, limits = sorted(press_folder.rglob("*")), resource.getrlimit(resource.RLIMIT_FSIZE)
+    former = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
+        verb = ("plot", "press.toml", "--out") if ending in ("pdf", "png") else ("export", "press.toml", "--to")
+        answer = said(*verb, f"out.{ending}")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, former)
+    assert answer.exit_code == 2
+    assert "File too large" in answer.stderr
+    assert answer.stderr.count("\n") == 1
+    assert sorted(press_folder.rglob("*")) == before
