@@ -20,6 +20,8 @@ from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
 NOUGHT = np.zeros(1)
+# Nodes of a history whose fields are found in one go.
+MOST_TOGETHER = 50_000
 # What power comes from, and goes to.
 SOURCES = ("motors", *CHANNELS, "coupling")
 
@@ -224,11 +226,10 @@ def _gathered(parts: list[_Part | _CoupledPart], fields: Iterable[str], verdict:
 
 
 def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
-    """Columns of a regime, piece by piece."""
+    """Columns of a regime, some pieces after the others."""
     name, begun, along, pieces, sides = part
     way = along.variants.direction[0]
-    for before, piece in zip([None, *pieces], pieces, strict=False):
-        new = _new_nodes(piece, before)
+    for piece, new in _joined(pieces):
         rows = {key: row[new, 0] for key, row in along(np.zeros(1, int), piece).items()}
         none = np.full(new.sum(), np.nan)
         own = {
@@ -246,6 +247,27 @@ def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndar
         own |= {f"{source} power": power for source, power in zip(SOURCES, powers, strict=True)}
         kept = ("acceleration", "motor_moment", *CHANNELS, *fields)
         yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}
+
+
+def _joined(pieces: list[Piece]) -> Iterator[tuple[Piece, np.ndarray]]:
+    """Pieces one after another, as many in one as go the same way, and which of their nodes are new."""
+    news = (_new_nodes(piece, before) for before, piece in zip([None, *pieces], pieces, strict=False))
+    own: list[Piece] = []
+    new: list[np.ndarray] = []
+    for piece, its in zip(pieces, news, strict=True):
+        if own and (piece.facing[0] != own[0].facing[0] or sum(each.size for each in new) + its.size > MOST_TOGETHER):
+            yield _as_one(own), np.concatenate(new)
+            own, new = [], []
+        own.append(piece)
+        new.append(its)
+    yield _as_one(own), np.concatenate(new)
+
+
+def _as_one(pieces: list[Piece]) -> Piece:
+    time, turned, omega, moment = (
+        np.concatenate(rows) for rows in zip(*((p.time, p.turned, p.omega, p.moment) for p in pieces), strict=True)
+    )
+    return Piece(time, turned, omega, pieces[0].facing, np.empty((0, 1)), moment)
 
 
 def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
