@@ -12,7 +12,7 @@ from engine import FRAME, CrankInput, Pair, did_you_mean, pairs_of
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_panel
-from sweeps.pictures.plans.sheets import heading, place, sheet, write
+from sweeps.pictures.plans.sheets import blank_sheet, heading, place, write
 from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, house_style
 from sweeps.text.engineer_units import engineer_unit
 
@@ -180,7 +180,7 @@ def bearing_sheet(cycle: MachineCycle, pair: str) -> Figure:
     frame = bearing_load(cycle, pair)
     link, other = frame.pair.link, frame.pair.other
     with house_style():
-        figure = sheet(180, 185)
+        figure = blank_sheet(180, 185)
         heading(figure, cycle.scene, f"load of {pair} ({frame.pair.place})")
         corners = [(14, 101), (104, 101), (14, 16), (104, 16)]
         polar = [place(figure, *corner, 62, 62, projection="polar") for corner in corners[:2] + corners[3:]]

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from engine import CrankInput, Pair, pairs_of
 from sweeps.pictures.plans.pose import MachineCycle
-from sweeps.pictures.plans.sheets import heading, place, sheet
+from sweeps.pictures.plans.sheets import blank_sheet, heading, place
 from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style
 from sweeps.text.engineer_units import engineer_unit
 
@@ -83,7 +83,7 @@ def reaction_sheet(cycle: MachineCycle) -> Figure:
     rows = math.ceil((len(shown) + 1) / COLUMNS)
     right = OF_MOMENTS if any(_bears_moment(cycle, pair) for pair in shown) else RIGHT
     with house_style():
-        figure = sheet(180, 16 + PANEL_HEIGHT * rows)
+        figure = blank_sheet(180, 16 + PANEL_HEIGHT * rows)
         heading(figure, cycle.scene, "reactions at uniform speed")
         axes = []
         for i in range(len(shown) + 1):

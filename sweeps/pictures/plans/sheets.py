@@ -23,7 +23,7 @@ HEADING = 8.0
 LINE = 150
 
 
-def sheet(width: float = WIDTH, height: float = HEIGHT) -> Figure:
+def blank_sheet(width: float = WIDTH, height: float = HEIGHT) -> Figure:
     """An empty sheet of paper [mm]; its axes keep the places they are given."""
     return Sheet(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
 
@@ -85,7 +85,7 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         few = len(lines) <= 33
         rows = 11 if few else -(-len(lines) // 6)
         strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9 + 3.4 * rows)
-        figure = sheet(height=HEIGHT + strip)
+        figure = blank_sheet(height=HEIGHT + strip)
         heading(figure, pose.scene, f"{which} plan at {pose.title}")
         mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), special, plan.places)
         draw(pose, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
@@ -128,7 +128,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
     strip = 40 * -(-len(links) // columns_of_text) if len(links) > 2 else 0
     top = 98 + strip + 77 * rows
     with house_style():
-        figure = sheet(WIDTH, top + 10)
+        figure = blank_sheet(WIDTH, top + 10)
         heading(figure, pose.scene, f"forces on {of} at {pose.title}")
         for i, link in enumerate(links):
             left, bottom = 2 + i % 2 * width, top - 77 * (i // 2 + 1)
