@@ -536,7 +536,8 @@ def campaign(kind: str, count: int, seed: int, folder: Path, keep: Path | None, 
                 case = told[1]
                 continue
             case, how, content, took, memory = told
-            row["long"] = row.get("long", 0) + (took > LONG)
+            if kind == "numbers":
+                row["long"] = row.get("long", 0) + (took > LONG)
             row["longest"], row["memory"] = max(row["longest"], took), max(row["memory"], memory)
             if how.startswith(f"run: {UNDEFINED}"):
                 data["undefined"] = sorted({*data["undefined"], *how.removeprefix(f"run: {UNDEFINED}").split(", ")})
@@ -611,7 +612,7 @@ def table(data: dict[str, Any]) -> str:
         ways = sorted(row["ways"].items(), key=lambda pair: -pair[1])
         told = ", ".join(f"{count} {way}" for way, count in ways)
         times = sum(count for way, count in ways if kind == "numbers" or not way.startswith("run: "))
-        figures = f"{row['longest']:.1f} | {row.get('long', 0)} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
+        figures = f"{row['longest']:.1f} | {row.get('long', '')} | {row['memory'] / 1e6:.0f} | {row['wrong']}"
         rows.append(f"| {NAMES[kind]} | {times} | {told} | {figures} |")
     slices = [f"- `mutations.py {s['line']}`, {s['minutes']:.0f} minutes, {s['turns']}" for s in data["slices"]]
     wrong = [f"- {text}" for text in data["wrong"]]
