@@ -56,7 +56,8 @@ SENTENCES = {
     Verdict.RUNS_AWAY: "the machine runs away: at no speed do the loads hold the drive; check signs, or add a load",
     Verdict.NO_END: (
         "a regime doesn't end: the state at which it should end is never reached; change the end or the drive, or "
-        "raise at_most. Or a governor is too stiffly damped for its change of load to be followed: damp it less"
+        "raise at_most. Or a governor is too stiffly damped, or a shaft too stiff for so long a run, to be "
+        "followed: damp it less, follow a shorter time"
     ),
     Verdict.JAMS: (
         "friction jams: no force or moment, however great, moves an element; less friction, a smaller angle or a "

@@ -126,6 +126,8 @@ class ElasticDrives:
             np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
             for run in (fine, coarse)
         )
+        # What hasn't come to its end has none.
+        rows[:, fine.verdict != Verdict.OK] = np.nan
         values[len(RESULTS) :, part.which] = rows
         errors[len(RESULTS) :, part.which] = np.abs(rows - rough) + ROUNDING * np.abs(rows)
         verdict[part.which] = fine.verdict

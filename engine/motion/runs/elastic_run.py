@@ -181,8 +181,10 @@ def run_on_shaft(
     greatest, greatest_at = np.abs(going.moment(y)), time.copy()
     slope = going.rates(y, time, sense)
     history = [np.array([0.0, *y[:, 0], going.moment(y)[0]])]
+    # No steps are lost on what so many can't follow.
+    hopeless = duration > MOST_STEPS * longest
     for _ in range(MOST_STEPS):
-        left = duration - time
+        left = np.where(hopeless, 0.0, duration - time)
         if not (left > 0.0).any():
             break
         whole = h >= left

@@ -413,6 +413,13 @@ def test_start_of_a_mechanism__is_that_of_integration_in_time():
     assert found["stops"] == 0
 
 
+def test_shaft_too_stiff_for_its_run__is_told_at_once():
+    # 1 s at 2.6e6 rad/s: steps of 0.3 rad would take hours.
+    status, values, _ = asked(yoke({"stiffness": 1e12, "run": {"time": 1.0}}), RUN_NAMES)
+    assert status[0] == Verdict.NO_END
+    assert all(np.isnan(values[name][0]) for name in RUN_NAMES)
+
+
 def test_run_out_of_steady_motion__goes_on_in_it():
     scene = yoke({"run": {"begin": "steady", "time": 1.0}})
     names = ["period", "greatest_moment", "mean_speed"]
