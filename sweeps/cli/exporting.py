@@ -30,6 +30,7 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
     default="",
     help="With commas: columns of a result (its fields too), fields of a machine, loads for --history.",
 )
+@click.option("--as-written", is_flag=True, help="Tables in the units that the scene is written in, not in SI.")
 @click.option("--overwrite", is_flag=True, help="Write over a scene that is there already.")
 @POSITIONS
 @SET
@@ -43,6 +44,7 @@ def export(
     history: bool,
     element: str | None,
     columns: str,
+    as_written: bool,
     overwrite: bool,
     positions: int | None,
     settings: tuple[str, ...],
@@ -57,16 +59,25 @@ def export(
     from sweeps.pictures import picture_files
     from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
     from sweeps.report.files import exports
-    from sweeps.report.files.data_files import write_table
+    from sweeps.report.files.data_files import Table, in_units
+    from sweeps.report.files.data_files import write_table as write
+    from sweeps.text.engineer_units import units_written
     from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
     if to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
         allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
         raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are {allowed}")])
+    if as_written and to.suffix not in TABLES:
+        message = f"is for tables, {', '.join(TABLES)}, not {to.suffix!r}"
+        raise InputError(str(to), [(None, "--as-written", message)])
     if history and to.suffix not in TABLES:
         message = f"writes a table, {', '.join(TABLES)}, not {to.suffix!r}"
         raise InputError(str(to), [(None, "--history", message)])
+
+    def write_table(out: Path, table: Table) -> None:
+        write(out, in_units(table, units_written()) if as_written else table)
+
     if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
         make_folder(to)
         asked, source = names_in(columns), Path(file)

@@ -171,7 +171,7 @@ class SweepResult:
 
     def show_own_units(self) -> None:
         """Show numbers in the units of other systems that the scene was written in, as for `show_units`."""
-        show_units(self.record.get("units", {}))
+        show_units(self.record.get("units", {}), self.record.get("units_written", {}))
 
     def variant_values(self, variant: int) -> dict[str, float]:
         """Numbers of the scene (SI) that a variant has in place of the scene's own.

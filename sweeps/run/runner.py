@@ -32,7 +32,7 @@ from sweeps.store import (
 )
 from sweeps.study.study import Study
 from sweeps.study.study_record import numbers_record, study_record
-from sweeps.text.engineer_units import units_shown
+from sweeps.text.engineer_units import units_shown, units_written
 from sweeps.text.scene_text import write_scene
 
 if TYPE_CHECKING:
@@ -98,12 +98,13 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
     except PackageNotFoundError:
         package = "not installed"
     versions = {"machine-sweeps": package, "numba": numba.__version__, "llvmlite": llvmlite.__version__}
+    units = {"units": units_shown(), "units_written": units_written()}
     versions |= {"numpy": np.__version__, "h5py": h5py.__version__, "python": platform.python_version()}
     return {
         "title": study.title or study.name,
         "question": study.question,
         "study": study.text,
-        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups), "units": units_shown()}),
+        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups)} | units),
         "scene": write_scene(study.scene),
         "scene_text": study.scene_text,
         "study_hash": study.digest,

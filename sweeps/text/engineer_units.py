@@ -54,6 +54,8 @@ _OTHER_SYSTEMS = frozenset(
 )
 # Factor from SI and label by SI unit; of the scene that was read last.
 _as_given: ContextVar[Mapping[str, tuple[float, str]]] = ContextVar("units as given", default=MappingProxyType({}))
+# The same of all units, in their own spelling.
+_as_written: ContextVar[Mapping[str, tuple[float, str]]] = ContextVar("units as written", default=MappingProxyType({}))
 
 
 def show_in_units(given: Iterable[tuple[str, str]]) -> None:
@@ -69,6 +71,7 @@ def show_in_units(given: Iterable[tuple[str, str]]) -> None:
         if unit and dimension != "number":
             counts.setdefault(dimension, Counter())[unit] += 1
     usual = {dimension: units.most_common(1)[0][0] for dimension, units in counts.items()}
+    _as_written.set({described_dimension(d).unit: (1.0 / in_text(f"1 {unit}", d), unit) for d, unit in usual.items()})
     usual = {d: unit for d, unit in usual.items() if _OTHER_SYSTEMS.intersection(re.findall("[A-Za-z]+", unit))}
     length, force = usual.get("length"), usual.get("force")
     derived = {"speed": f"{length}/s", "acceleration": f"{length}/s2"} if length else {}
@@ -85,9 +88,15 @@ def units_shown() -> Mapping[str, tuple[float, str]]:
     return dict(_as_given.get())
 
 
-def show_units(shown: Mapping[str, tuple[float, str]]) -> None:
-    """Show numbers in units that `units_shown` told, those of a result's scene for instance."""
-    _as_given.set({units: (float(factor), label) for units, (factor, label) in shown.items()})
+def units_written() -> Mapping[str, tuple[float, str]]:
+    """Factor from SI and spelling of the units that a scene has for most of its numbers of a kind, by SI unit."""
+    return dict(_as_written.get())
+
+
+def show_units(shown: Mapping[str, tuple[float, str]], written: Mapping[str, tuple[float, str]]) -> None:
+    """Show numbers in units that `units_shown` and `units_written` told, those of a result's scene for instance."""
+    for kept, told in ((_as_given, shown), (_as_written, written)):
+        kept.set({units: (float(factor), label) for units, (factor, label) in told.items()})
 
 
 def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:

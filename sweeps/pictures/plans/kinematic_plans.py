@@ -10,6 +10,8 @@ from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
+# Share of the greatest vector, or turn, of a plan below which another one is rounding.
+ROUNDED = 1e-12
 COLOURS = {"whole": BLUE, "normal": GREEN, "tangential": VERMILION, "coriolis": PURPLE, "relative": ORANGE}
 
 
@@ -88,21 +90,29 @@ def velocity_lines(pose: Pose, plan: VectorPlan) -> list[str]:
 def acceleration_lines(pose: Pose, plan: VectorPlan) -> list[str]:
     """Values of a plan of accelerations, line by line."""
     steps = [step for leg in plan.legs if len(leg.steps) > 1 for step in leg.steps]
-    parts = [f"{step.text} = {abs(step.vector):.4g} m/s²" for step in steps if step.vector and step.text]
+    sizes = [(step.text, _size(plan, step.vector)) for step in steps if step.text]
+    parts = [f"{text} = {size:.4g} m/s²" for text, size in sizes if size]
     return [*_values(plan, "a", "m/s²"), *parts, *_turns(pose, r"\varepsilon", 1, "rad/s²")]
 
 
 def _values(plan: VectorPlan, letter: str, unit: str) -> list[str]:
-    found = [f"{symbol(letter, subscript(name))} = {abs(image):.4g} {unit}" for name, image in plan.images.items()]
+    images = [(symbol(letter, subscript(name)), image) for name, image in plan.images.items()]
     whole = [step for leg in plan.legs if len(leg.steps) == 1 and leg.start in plan.images for step in leg.steps]
-    return found + [f"{step.text} = {abs(step.vector):.4g} {unit}" for step in whole]
+    told = [*images, *((step.text, step.vector) for step in whole)]
+    return [f"{text} = {_size(plan, vector):.4g} {unit}" for text, vector in told]
+
+
+def _size(plan: VectorPlan, vector: complex) -> float:
+    """Magnitude of a vector of a plan; 0 where it is rounding beside the greatest."""
+    every = [*plan.images.values(), *(step.vector for leg in plan.legs for step in leg.steps)]
+    return abs(vector) if abs(vector) > ROUNDED * max(map(abs, every)) else 0.0
 
 
 def _turns(pose: Pose, letter: str, which: int, unit: str) -> list[str]:
-    found = []
-    for link in pose.cycle.structure.links:
-        value = pose.turn(link)[which]
-        if value:
+    turns = {link: pose.turn(link)[which] for link in pose.cycle.structure.links}
+    least, found = ROUNDED * max(map(abs, turns.values()), default=0.0), []
+    for link, value in turns.items():
+        if abs(value) > least:
             shown = f"{value:.4g}".replace("-", "\N{MINUS SIGN}")
             found.append(f"{symbol(letter, str(pose.number(link)))} = {shown} {unit}")
     return found

@@ -3,7 +3,7 @@
 import csv
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -71,6 +71,25 @@ class PartedTable(NamedTuple):
 
 
 Table = DataTable | PartedTable
+
+
+def in_units(table: Table, units: Mapping[str, tuple[float, str]]) -> PartedTable:
+    """A table with its numbers in other units.
+
+    Parameters
+    ----------
+    table : DataTable or PartedTable
+    units : mapping of str to (float, str)
+        Factor and name of the unit to take, by the unit of the table; numbers in others stay as they are.
+    """
+    taken = {name: units[unit] for name, unit in table.units.items() if unit in units}
+
+    def parts(names: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
+        for part in table.parts(names):
+            yield {name: row * taken[name][0] if name in taken else row for name, row in part.items()}
+
+    named = dict(table.units) | {name: label for name, (_, label) in taken.items()}
+    return PartedTable(table.names, named, table.title, parts)
 
 
 def write_table(out: Path, table: Table) -> None:

@@ -34,6 +34,7 @@ def result_table(path: Path, where: str | None = None) -> PartedTable:
         The condition can't be read.
     """
     result = SweepResult(path)
+    result.show_own_units()
     errors = [f"{name}_error" for name in result.summaries]
     named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
     others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
@@ -64,6 +65,7 @@ def result_columns(path: Path, names: Sequence[str], where: str | None = None) -
         There is no such column, fields don't run along the same, or the condition can't be read.
     """
     result = SweepResult(path)
+    result.show_own_units()
     known = [c.name for c in result.description.columns]
     for name in names:
         if name not in known:

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
-from commands import said
+from commands import refused, said
 from press_texts import PRESS
 
 from sweeps.text.engineer_units import show_in_units
@@ -50,3 +51,30 @@ def test_result_of_a_scene_in_inches__is_shown_so_later_and_others_are_not(inche
 def test_scene_mostly_in_millimetres__is_shown_in_them(press_folder):
     Path("press.toml").write_text(PRESS.replace("200 mm", "8 in"))
     assert row(said("run", "press.toml", "--no-plots").stdout, "ram.stroke")[-1] == "mm"
+
+
+def table_of(path: str) -> dict[str, list[str]]:
+    header, *rows = (line.split(",") for line in Path(path).read_text(encoding="utf8").splitlines())
+    return dict(zip(header, zip(*rows, strict=True), strict=True))
+
+
+def test_tables__come_in_the_units_that_the_scene_is_written_in_where_that_is_wanted(inches, press_folder):
+    Path("study.toml").write_text('scene = "inches.toml"\n[vary]\n"input.length" = "50 mm to 4 in, 2"\n')
+    assert said("run", "study.toml", "--no-plots").exit_code == 0
+    show_in_units([])
+    assert said("export", "results/study.h5", "--to", "si.csv").exit_code == 0
+    assert said("export", "results/study.h5", "--to", "own.csv", "--as-written").exit_code == 0
+    si, own = table_of("si.csv"), table_of("own.csv")
+    # In line, the stroke is twice the crank; one rounding of 1/0.0254, one of the product.
+    assert [float(x) for x in own["ram.stroke [in]"]] == pytest.approx([100 / 25.4, 8.0], rel=1e-12)
+    assert [float(x) for x in own["input.length [in]"]] == pytest.approx([50 / 25.4, 4.0], rel=4e-16)
+    assert [float(x) for x in si["input.length [m]"]] == [0.05, 0.1016]
+    assert own["ram.stroke_error [in]"] != si["ram.stroke_error [m]"]
+    assert said("export", "inches.toml", "--to", "own.csv", "--as-written", "--columns", "B.y").exit_code == 0
+    place, height = (np.array(column, float) for column in table_of("own.csv").values())
+    assert list(table_of("own.csv")) == ["phi [deg]", "B.y [in]"]
+    assert height[place == 90.0] == pytest.approx(-6.0, rel=1e-12)
+
+
+def test_units_as_written__are_for_tables(inches):
+    assert "--as-written" in refused("export", inches, "--to", "a.svg", "--as-written")
