@@ -74,7 +74,7 @@ def test_engine_of_a_train_with_throws__is_written_with_their_units():
     assert scene_numbers(again) == scene_numbers(scene)
 
 
-def test_pictures__are_made_where_there_is_something_to_draw(tmp_path):
+def test_pictures__are_made_of_every_oscillator_and_drive(tmp_path):
     elements = {
         "plain": OSCILLATOR,
         "free": OSCILLATOR | {"damping_ratio": 2.0, "start": {"displacement": 0.01}},
@@ -83,8 +83,8 @@ def test_pictures__are_made_where_there_is_something_to_draw(tmp_path):
         "start": DRIVE,
     }
     made = element_pictures(Scene.model_validate({"elements": elements}), tmp_path / "s.png")
-    named = ["s_free_vibration.png", "s_sharp_vibration.png", "s_away_vibration.png", "s_start_transient.png"]
-    assert [path.name for path in made] == named
+    vibrating = [f"s_{name}_vibration.png" for name in ("plain", "free", "sharp", "away")]
+    assert [path.name for path in made] == [*vibrating, "s_start_transient.png"]
 
 
 def test_sheets__show_what_is_computed():
