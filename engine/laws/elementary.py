@@ -69,6 +69,33 @@ def _number_of(typing: object, bits: object) -> tuple:
     return types.float64(types.int64), generate
 
 
+class _Freeze(ir.Instruction):
+    """LLVM's `freeze`, which llvmlite's builder doesn't know."""
+
+    def __init__(self, parent: object, value: object) -> None:
+        super().__init__(parent, value.type, "freeze", [value])
+
+    def descr(self, lines: list) -> None:
+        """Write it down."""
+        lines.append(f"freeze {self.operands[0].type} {self.operands[0].get_reference()}\n")
+
+
+@intrinsic
+def held(typing: object, x: object) -> tuple:
+    """A float64 itself, from wherever it was read.
+
+    Where what is stored is either something new or what was there, LLVM stores under a mask, which takes some
+    processors twenty times as long as storing everything; of a held number it doesn't know that it was there.
+    """
+
+    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
+        found = _Freeze(builder.block, arguments[0])
+        builder._insert(found)
+        return found
+
+    return types.float64(types.float64), generate
+
+
 @intrinsic
 def chosen(typing: object, condition: object, a: object, b: object) -> tuple:
     """One of two float64, a where the condition is true, both of them read.

@@ -72,10 +72,11 @@ def induction_motor(
     damping = rotor_ratio * breakdown_slip
     denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
     factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
-    torque = factor * breakdown_slip * slip / denominator
-    # NaN in the arguments' own precision, and without a branch: motors of many variants go side by side.
+    # Nothing over nothing is NaN in the arguments' own precision, and without a branch: motors of many variants go side
+    # by side.
     nothing = slip - slip
-    return torque + (nothing / nothing if (slip < 0.0) & (denominator <= 0.0) else nothing)
+    between = (slip < 0.0) & (denominator <= 0.0)
+    return (nothing if between else factor * breakdown_slip * slip) / (nothing if between else denominator)
 
 
 @scalar

@@ -12,6 +12,7 @@ from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
 from engine.cycle.panels.lanes import Memory, memory
+from engine.laws.elementary import held
 
 # Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
 # of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).
@@ -32,12 +33,14 @@ TINY = 1e-300
 @inlined
 def larger(a: float, b: float) -> float:
     """The larger of two numbers in one instruction; b where either is NaN."""
+    a, b = held(a), held(b)
     return a if a > b else b
 
 
 @inlined
 def smaller(a: float, b: float) -> float:
     """The smaller of two numbers in one instruction; b where either is NaN."""
+    a, b = held(a), held(b)
     return a if a < b else b
 
 

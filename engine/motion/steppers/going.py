@@ -14,6 +14,7 @@ from engine.compiling.tiles import LANES
 from engine.cycle.driver import gather
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
+from engine.laws.elementary import chosen, held
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power_slope, polynomial_slope
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF
 from engine.motion.steppers.energy_form import TIME as TIME_OVER
@@ -626,12 +627,11 @@ def go_on_to_end(
             decide(wide, method, times, places, row, steps, state, stages)
             for s in range(method.stages):
                 for lane in range(wide):
-                    motors = stages[FROM_MOTORS + s, lane]
-                    stages[SQUARE + s, lane] = motors * motors * stages[SLOWNESS + s, lane]
                     # A step that isn't taken may have led nowhere.
-                    taken = step[lane] > 0.0
-                    stages[SQUARE + s, lane] = stages[SQUARE + s, lane] if taken else 0.0
-                    stages[FROM_MOTORS + s, lane] = motors if taken else 0.0
+                    motors = chosen(step[lane] > 0.0, held(stages[FROM_MOTORS + s, lane]), 0.0)
+                    slowness = chosen(step[lane] > 0.0, stages[SLOWNESS + s, lane], 0.0)
+                    stages[FROM_MOTORS + s, lane] = motors
+                    stages[SQUARE + s, lane] = motors * motors * slowness
             add_weighted(wide, method.weights, step, stages, ROW_OF[FROM_MOTORS], state[MOTOR])
             add_weighted(wide, method.weights, step, stages, ROW_OF[SQUARE], state[SQUARES])
             if corrected and not doubtful:
@@ -684,8 +684,8 @@ def go_on_to_end(
                     look_for_extremes(wide, 0, method, form, drive, exponents, places, 0, steps, state, stages, parts)
             for lane in range(wide):
                 taken = step[lane] > 0.0
-                state[E, lane] = state[E_AFTER, lane] if taken else state[E, lane]
-                state[TIME, lane] = state[T_AFTER, lane] if taken else state[TIME, lane]
+                state[E, lane] = chosen(taken, state[E_AFTER, lane], held(state[E, lane]))
+                state[TIME, lane] = chosen(taken, state[T_AFTER, lane], held(state[TIME, lane]))
             moving = move_on(wide, edges, count, state, steps)
         for lane in range(own):
             hand_over(lane, shorter, form.channels, works, state, found)

@@ -10,6 +10,7 @@ import numpy as np
 from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.lanes import Memory
 from engine.cycle.panels.series import larger, smaller
+from engine.laws.elementary import chosen, held
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import Form, add_share, moments_at_place, slopes_at_place
 from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
@@ -20,11 +21,11 @@ MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE, OR
 # by 1/ω, moment of a channel; then the linear equations of an implicit step, row by row with their right-hand sides.
 SPEED, FROM_MOTORS, MOMENT, MOTOR_SLOPE, SLOPE = (i * MOST_STAGES for i in range(5))
 ENERGY, SLOWNESS, SQUARE, CHANNEL, EQUATIONS = (i * MOST_STAGES for i in range(5, 10))
-STAGE_ROWS = EQUATIONS + ORDER_THIRTEEN.stages * (ORDER_THIRTEEN.stages + 1) + 3
+STAGE_ROWS = EQUATIONS + ORDER_THIRTEEN.stages * (ORDER_THIRTEEN.stages + 1) + 5
 
 # Rows of such corrections behind the last ones: how many there were, the greatest of the last ones, what is left to the
-# limit, and the factors of their linear equations.
-ROUNDS, CHANGE, LEFT, FACTORS = (EQUATIONS + ORDER_THIRTEEN.stages + i for i in range(4))
+# limit, how they converge, what will be left after the last, and the factors of their linear equations.
+ROUNDS, CHANGE, LEFT, RATIO, IN_THE_END, FACTORS = (EQUATIONS + ORDER_THIRTEEN.stages + i for i in range(6))
 
 # The same rows as numbers that the compiler doesn't know: what takes one is then compiled once, not for each.
 ROW_OF = np.arange(STAGE_ROWS)
@@ -188,30 +189,37 @@ def correct_stages(
             for lane in range(wide):
                 before, by, worst = stages[ENERGY + s, lane], stages[EQUATIONS + s, lane], stages[CHANNEL, lane]
                 # What isn't a number stays none.
-                stages[CHANNEL, lane] = worst if worst > abs(by) else abs(by)
+                stages[CHANNEL, lane] = larger(worst, abs(by))
                 stages[SQUARE, lane] = larger(abs(stages[MOMENT + s, lane]), stages[SQUARE, lane])
-                better = larger(before + by, LEAST_SHARE * before)
-                stages[ENERGY + s, lane] = better if stages[SLOWNESS, lane] == 0.0 else before
+                by = by if stages[SLOWNESS, lane] == 0.0 else 0.0
+                stages[ENERGY + s, lane] = larger(before + by, LEAST_SHARE * before)
             stage_moments(s, wide, method, form, drive, exponents, places, 0, stages)
-        pending = 0.0
+        ratios, in_the_end = stages[RATIO], stages[IN_THE_END]
         for lane in range(wide):
-            work, worst, before = step[lane] * stages[SQUARE, lane], stages[CHANNEL, lane], stages[CHANGE, lane]
+            worst, before = stages[CHANNEL, lane], stages[CHANGE, lane]
             # They converge geometrically, though the second one may be smaller than that by far.
-            ratio = smaller(larger(worst / before, LEAST_RATIO), SLOWEST_RATIO) if before > 0.0 else SLOWEST_RATIO
+            ratio = smaller(larger(worst / before, LEAST_RATIO), SLOWEST_RATIO)
+            ratios[lane] = ratio if before > 0.0 else SLOWEST_RATIO
+            in_the_end[lane] = worst * ratios[lane] / (1.0 - ratios[lane])
+        for _ in range(correction + 1, MOST_CORRECTIONS):
+            for lane in range(wide):
+                in_the_end[lane] *= ratios[lane]
+        pending = False
+        for lane in range(wide):
+            work, worst, ratio = step[lane] * stages[SQUARE, lane], stages[CHANNEL, lane], ratios[lane]
             left = worst * ratio / (1.0 - ratio)
             allowed = MAY_BE_LEFT * (tolerance[lane] if tolerance[lane] < 1.0 else SURE) * work
-            in_the_end = left
-            for _ in range(correction + 1, MOST_CORRECTIONS):
-                in_the_end *= ratio
             # Of slopes laid anew nothing is known before their second round.
-            hopeless = (correction > 1) & (in_the_end > allowed)
+            hopeless = (correction > 1) & (in_the_end[lane] > allowed)
             enough = (left <= allowed) | (worst <= ROUNDED_ENERGY * energy[lane])
             now = (1.0 if enough else (-1.0 if hopeless else 0.0)) if worst < math.inf else -1.0
-            if stages[SLOWNESS, lane] == 0.0:
-                stages[SLOWNESS, lane], stages[CHANGE, lane], stages[LEFT, lane] = now, worst, left
-                stages[ROUNDS, lane] += 1.0
-            pending += 1.0 if stages[SLOWNESS, lane] == 0.0 else 0.0
-        if pending == 0.0:
+            going = stages[SLOWNESS, lane] == 0.0
+            stages[CHANGE, lane] = chosen(going, worst, held(stages[CHANGE, lane]))
+            stages[LEFT, lane] = chosen(going, left, held(stages[LEFT, lane]))
+            stages[ROUNDS, lane] += chosen(going, 1.0, 0.0)
+            stages[SLOWNESS, lane] += chosen(going, now, 0.0)
+            pending |= stages[SLOWNESS, lane] == 0.0
+        if not pending:
             break
     for lane in range(wide):
         found = stages[SLOWNESS, lane] > 0.0
