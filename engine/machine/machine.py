@@ -20,6 +20,7 @@ from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.quantities import why_no_load
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
@@ -151,7 +152,11 @@ class Machine:
         return asked_text(self)
 
     def _check_asked(self) -> None:
-        """Refuse what doesn't exist, with the names that are near."""
+        """Refuse what doesn't exist, with the names that are near, and what isn't known at two speeds."""
+        for name in (*self.asked_summaries, *self.asked_fields):
+            why = why_no_load(self.mechanics, name)
+            if why is not None:
+                raise AskError(why)
         check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
         known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]

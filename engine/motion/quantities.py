@@ -243,6 +243,26 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
 
 
+def why_no_load(mechanics: Mechanics, name: str) -> str | None:
+    """Why a load that pairs have in other regimes isn't known under a name; None where it is no such name.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    name : str
+        Of a field, or of a statistic of one.
+    """
+    asked, scene = Asked.of(name), mechanics.scene
+    regime = scene.regimes.get(asked.regime)
+    if regime is None or asked.field not in load_fields(mechanics) or not _at_two_speeds(scene, regime):
+        return None
+    coupling = next(iter(scene.couplings))
+    return (
+        f"{name!r}: at the two speeds of couplings.{coupling} loads on pairs aren't known; ask for "
+        f"{asked.field!r} at uniform speed, or leave the coupling out"
+    )
+
+
 def cycle_statistics(field: Quantity) -> list[Quantity]:
     """Statistics of a field of a steady regime: means are over time."""
     over = {"mean": "mean over time of", "rms": "root mean square over time of"}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from motion_scenes import Found, ask, run, slider_crank, steady
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import AskError, Machine, Scene, SceneError, Verdict
 
 MASS, INERTIA, COEFFICIENT, DIAMETER, GRAVITY = 2.0, 0.05, 0.2, 0.04, 9.81
 # Radius of the friction circle: f r over the root of 1 + f².
@@ -141,3 +141,13 @@ def test_friction_beside_a_coupling__is_refused_where_regimes_are_asked():
         SceneError, match=r"friction: regimes don't know it beside \[couplings\].*leave one of them out"
     ):
         Machine(Scene.model_validate(scene), ["go.time"])
+
+
+@pytest.mark.parametrize("name", ["go.drive.inner.reaction.max", "go.input_moment_by_equilibrium.min"])
+def test_load_on_a_pair_at_two_speeds__is_refused_with_its_reason(name):
+    scene = slider_crank({"go": run("dc gravity", time=0.5)})
+    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
+    scene["shafts"]["motor_shaft"]["inertia"] = 0.01
+    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 5.0}}
+    with pytest.raises(AskError, match=r"two speeds of couplings.clutch loads on pairs aren't known; ask for"):
+        Machine(Scene.model_validate(scene), [name])
