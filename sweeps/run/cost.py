@@ -17,6 +17,8 @@ LONG_ENOUGH = 0.3
 MOST_TRIED, TRIED = 4096, 2048
 # Variants that aren't worth a trial.
 FEW = 8
+# So many times what was tried, a study is worth trying it again: that takes a tenth of its time at most.
+WORTH_TWO = 10
 # Places of a study that tried variants are from.
 PLACES = 16
 
@@ -60,17 +62,25 @@ def seconds_of_variant(study: Study, machine: Machine | ElementsAlone) -> float:
     Each takes its own time, and many together less than one.
     """
     most = min(most_at_once(study, machine), study.design.size, MOST_TRIED)
-    # What isn't compiled yet is.
-    evaluate_variants(study, machine, *_spread(study, 1))
+    # What isn't compiled yet is, or all but what the first variant, dropped or failing early, doesn't come to.
+    _seconds_of(study, machine, 1)
     count = min(4 * threads(), most)
     while True:
-        chosen = _spread(study, count)
-        start = time.perf_counter()
-        evaluate_variants(study, machine, *chosen)
-        seconds = time.perf_counter() - start
+        seconds = _seconds_of(study, machine, count)
+        if seconds > LONG_ENOUGH and study.design.size > WORTH_TWO * count:
+            # The rest may have been compiled meanwhile, or the processor been busy otherwise.
+            seconds = min(seconds, _seconds_of(study, machine, count))
         if count == most or seconds > LONG_ENOUGH:
             return seconds / count
         count = min(8 * count, most)
+
+
+def _seconds_of(study: Study, machine: Machine | ElementsAlone, count: int) -> float:
+    """What so many variants take together."""
+    chosen = _spread(study, count)
+    start = time.perf_counter()
+    evaluate_variants(study, machine, *chosen)
+    return time.perf_counter() - start
 
 
 def _peak_memory(machine: Machine, values: Mapping[str, np.ndarray], drop: np.ndarray) -> int:
