@@ -1,6 +1,7 @@
 """Two results beside each other: what differs in scene and study, and which values agree within their figures."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +15,8 @@ from sweeps.text.tables import table
 
 # What is rounding whatever the figures say, as a share of a value.
 ROUNDING = 4 * np.finfo(float).eps
+# Bytes that variants are looked for in at a time where they stand elsewhere.
+SOUGHT_IN = 300e6
 # Differences that are listed of a scene and study.
 MOST_LISTED = 40
 # Of a record what is told otherwise, or says nothing to a reader.
@@ -51,15 +54,18 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
     if len(told) > MOST_LISTED:
         parts.append(f"  and {len(told) - MOST_LISTED} more")
     shared = {name: _Gap(name, one, other) for name in one.summaries if name in other.summaries}
-    common, apart, first = 0, 0, (0, 0)
-    for here, there in _common(one, other):
-        differs = one.columns["status"][here] != other.columns["status"][there]
-        if not apart and differs.any():
+    common, apart, first = 0, 0, (one.description.variants, 0)
+    columns = ["status", *(name for gap in shared for name in (gap, f"{gap}_error"))]
+    for pairs in _common(one, other, columns):
+        here, there = pairs.here, pairs.there
+        differs = one.columns["status"][here] != pairs.values("status")
+        if differs.any():
             k = int(np.argmax(differs))
-            first = int(here[k]), int(there[k])
+            first = min(first, (int(here[k]), int(there[k])))
         common, apart = common + here.size, apart + int(differs.sum())
         for gap in shared.values():
-            gap.take(here, there)
+            gap.take(pairs)
+        one.release()
         other.release()
     if not common:
         raise InputError(str(one.path), [(None, "", f"has no variant in common with {other.path}")])
@@ -113,42 +119,87 @@ def _shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _common(one: SweepResult, other: SweepResult) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Variants with the same parameters, in each result: some at a time, as those of 1e8 would fill memory."""
+class _Pairs(NamedTuple):
+    """Variants with the same parameters: their numbers in two results, the first ascending, and what the other has."""
+
+    here: np.ndarray
+    there: np.ndarray
+    values: Callable[[str], np.ndarray]
+
+
+def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Iterator[_Pairs]:
+    """All variants with the same parameters, some at a time, as those of 1e8 would fill memory."""
     names = [name for name in one.parameters if name in other.parameters]
     of_same_numbers = set(one.parameters) ^ set(other.parameters) or not names
     if of_same_numbers and one.description.variants != other.description.variants:
         message = f"{other.path} varies other parameters, and has another number of variants: nothing to compare"
         raise InputError(str(one.path), [(None, "", message)])
-    found = None
+    elsewhere = []
     for part in one.parts():
-        here = np.arange(part.start, part.stop)
         if of_same_numbers or all(np.array_equal(one.columns[n][part], other.columns[n][part]) for n in names):
-            yield here, here
-            continue
-        # Other studies, or other ranges, have the same variants elsewhere.
-        found = found or _Places(other, names)
-        there = found.of(one, part)
-        yield here[there >= 0], there[there >= 0]
+            here = np.arange(part.start, part.stop)
+            yield _Pairs(here, here, lambda name, part=part: other.columns[name][part])
+        else:
+            elsewhere.append(part)
+    # Other studies, or other ranges, have the same variants elsewhere.
+    if elsewhere:
+        yield from _elsewhere(one, other, names, columns, elsewhere)
+
+
+def _elsewhere(
+    one: SweepResult, other: SweepResult, names: Sequence[str], columns: Sequence[str], parts: Sequence[slice]
+) -> Iterator[_Pairs]:
+    """Variants of some parts of a result that another one has anywhere.
+
+    Those of both whose keys leave one remainder are looked at together: so both files are read from end to end, once
+    for each remainder, and neither here and there nor all at once.
+    """
+    # Its key, its row and its place in their order besides.
+    bytes_each = 8 * (len(names) + len(columns) + 3)
+    shares = max(math.ceil(other.description.variants * bytes_each / SOUGHT_IN), 1)
+    for share in range(shares):
+        places = _Places(other, names, columns, (share, shares))
+        for part in parts:
+            yield places.of(one, part)
 
 
 class _Places:
-    """Where in a result variants stand, by their parameters."""
+    """Where in a result the variants of a share of all keys stand, and what it has of them."""
 
-    def __init__(self, result: SweepResult, names: list[str]) -> None:
-        self.result, self.names = result, names
-        keys = np.concatenate([variant_keys(result.columns, names, part) for part in result.parts()])
-        self.order = np.argsort(keys, kind="stable")
-        self.keys = keys[self.order]
+    def __init__(
+        self, result: SweepResult, names: Sequence[str], columns: Sequence[str], share: tuple[int, int]
+    ) -> None:
+        self.names, self.share = names, share
+        rows, keys, kept = [], [], {name: [] for name in (*names, *columns)}
+        for part in result.parts():
+            mine, found = self._shared(result, part)
+            rows.append(mine)
+            keys.append(found)
+            for name, values in kept.items():
+                values.append(result.columns[name][mine])
+        found = np.concatenate(keys)
+        self.order = np.argsort(found, kind="stable")
+        self.keys, self.rows = found[self.order], np.concatenate(rows)
+        self.kept = {name: np.concatenate(values) for name, values in kept.items()}
 
-    def of(self, other: SweepResult, part: slice) -> np.ndarray:
-        """The same variants as those of another result; −1 where there is none."""
-        wanted = variant_keys(other.columns, self.names, part)
-        at = np.minimum(np.searchsorted(self.keys, wanted), self.keys.size - 1)
-        rows = np.where(self.keys[at] == wanted, self.order[at], -1)
+    def _shared(self, result: SweepResult, part: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of a part of a result whose keys are of the share, and these keys."""
+        remainder, shares = self.share
+        keys = variant_keys(result.columns, self.names, part)
+        mine = np.flatnonzero(keys % np.uint64(shares) == remainder)
+        return part.start + mine, keys[mine]
+
+    def of(self, other: SweepResult, part: slice) -> _Pairs:
+        """Those of another result's part that are here too."""
+        here, wanted = self._shared(other, part)
+        at = np.searchsorted(self.keys, wanted)
+        known = at < self.keys.size
+        here, at = here[known], self.order[at[known]]
+        same = np.ones(here.size, bool)
         for name in self.names:
-            rows[self.result.columns[name][rows] != other.columns[name][part]] = -1
-        return rows
+            same &= self.kept[name][at] == other.columns[name][here]
+        here, at = here[same], at[same]
+        return _Pairs(here, self.rows[at], lambda name: self.kept[name][at])
 
 
 class _Gap:
@@ -158,11 +209,11 @@ class _Gap:
         self.name, self.results = name, (one, other)
         self.outside, self.widest, self.farthest = 0, -1.0, (0, 0)
 
-    def take(self, here: np.ndarray, there: np.ndarray) -> None:
+    def take(self, pairs: _Pairs) -> None:
         """Look at some variants more."""
-        one, other = self.results
-        a, b = one.columns[self.name][here], other.columns[self.name][there]
-        figures = one.columns[f"{self.name}_error"][here] + other.columns[f"{self.name}_error"][there]
+        one, here, there = self.results[0], pairs.here, pairs.there
+        a, b = one.columns[self.name][here], pairs.values(self.name)
+        figures = one.columns[f"{self.name}_error"][here] + pairs.values(f"{self.name}_error")
         with np.errstate(invalid="ignore"):
             gap = np.abs(a - b)
             within = gap <= np.nan_to_num(figures) + ROUNDING * np.maximum(np.abs(a), np.abs(b))
@@ -172,7 +223,7 @@ class _Gap:
         self.outside += int((~within).sum())
         gap = np.where(within, -1.0, np.nan_to_num(gap, nan=np.inf))
         k = int(np.argmax(gap))
-        if gap[k] > self.widest:
+        if (gap[k], -here[k]) > (self.widest, -self.farthest[0]):
             self.widest, self.farthest = float(gap[k]), (int(here[k]), int(there[k]))
 
     def row(self, common: int) -> tuple[str, ...]:

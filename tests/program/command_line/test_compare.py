@@ -7,6 +7,7 @@ import pytest
 from commands import STUDY, refused, said
 from press_texts import PRESS
 
+from sweeps.report import comparison as comparing
 from sweeps.report import sweep_result
 from sweeps.report.comparison import comparison
 from sweeps.report.sweep_result import SweepResult
@@ -50,8 +51,10 @@ def test_same_variants_in_another_order__each_beside_itself(press_result, monkey
     turned["status"][4] = 2
     vars(other)["_mapped"] = SimpleNamespace(columns=turned, release=lambda: None)
     turned["input.length"][7] *= 1.5
-    for at_a_time in (3, 100):
+    # Of eight variants in memory for one or two, some shares are empty.
+    for at_a_time, sought_in in ((3, 3e8), (100, 3e8), (3, 200.0), (100, 50.0)):
         monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", at_a_time)
+        monkeypatch.setattr(comparing, "SOUGHT_IN", sought_in)
         text = comparison(one, other).text
         assert "Variants: 8 and 8, 7 in common" in text
         assert "1 with another status, first variant 1: ok and singular" in text
