@@ -1,7 +1,7 @@
 """Two results beside each other: what differs in scene and study, and which values agree within their figures."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from sweeps.text.tables import table
 # What is rounding whatever the figures say, as a share of a value.
 ROUNDING = 4 * np.finfo(float).eps
 # Bytes that variants are looked for in at a time where they stand elsewhere.
-SOUGHT_IN = 300e6
+SOUGHT_IN = 200e6
 # Differences that are listed of a scene and study.
 MOST_LISTED = 40
 # Of a record what is told otherwise, or says nothing to a reader.
@@ -58,7 +58,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
     columns = ["status", *(name for gap in shared for name in (gap, f"{gap}_error"))]
     for pairs in _common(one, other, columns):
         here, there = pairs.here, pairs.there
-        differs = one.columns["status"][here] != pairs.values("status")
+        differs = one.columns["status"][here] != pairs.values["status"]
         if differs.any():
             k = int(np.argmax(differs))
             first = min(first, (int(here[k]), int(there[k])))
@@ -124,7 +124,7 @@ class _Pairs(NamedTuple):
 
     here: np.ndarray
     there: np.ndarray
-    values: Callable[[str], np.ndarray]
+    values: dict[str, np.ndarray]
 
 
 def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Iterator[_Pairs]:
@@ -138,7 +138,7 @@ def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Ite
     for part in one.parts():
         if of_same_numbers or all(np.array_equal(one.columns[n][part], other.columns[n][part]) for n in names):
             here = np.arange(part.start, part.stop)
-            yield _Pairs(here, here, lambda name, part=part: other.columns[name][part])
+            yield _Pairs(here, here, {name: other.columns[name][part] for name in columns})
         else:
             elsewhere.append(part)
     # Other studies, or other ranges, have the same variants elsewhere.
@@ -158,9 +158,7 @@ def _elsewhere(
     bytes_each = 8 * (len(names) + len(columns) + 3)
     shares = max(math.ceil(other.description.variants * bytes_each / SOUGHT_IN), 1)
     for share in range(shares):
-        places = _Places(other, names, columns, (share, shares))
-        for part in parts:
-            yield places.of(one, part)
+        yield from _Places(other, names, columns, (share, shares)).pairs(one, parts)
 
 
 class _Places:
@@ -169,18 +167,17 @@ class _Places:
     def __init__(
         self, result: SweepResult, names: Sequence[str], columns: Sequence[str], share: tuple[int, int]
     ) -> None:
-        self.names, self.share = names, share
-        rows, keys, kept = [], [], {name: [] for name in (*names, *columns)}
-        for part in result.parts():
-            mine, found = self._shared(result, part)
-            rows.append(mine)
-            keys.append(found)
-            for name, values in kept.items():
-                values.append(result.columns[name][mine])
-        found = np.concatenate(keys)
-        self.order = np.argsort(found, kind="stable")
-        self.keys, self.rows = found[self.order], np.concatenate(rows)
-        self.kept = {name: np.concatenate(values) for name, values in kept.items()}
+        self.names, self.columns, self.share = names, columns, share
+        rows, keys = zip(*(self._shared(result, part) for part in result.parts()), strict=True)
+        self.rows, unordered = np.concatenate(rows), np.concatenate(keys)
+        self.order = np.argsort(unordered, kind="stable")
+        self.keys, self.kept = unordered[self.order], {}
+        for name in {*names, *columns}:
+            column = result.columns[name]
+            self.kept[name] = np.empty(self.rows.size, column.dtype)
+            for part in result.parts():
+                some = slice(*np.searchsorted(self.rows, (part.start, part.stop)))
+                self.kept[name][some] = column[self.rows[some]]
 
     def _shared(self, result: SweepResult, part: slice) -> tuple[np.ndarray, np.ndarray]:
         """Rows of a part of a result whose keys are of the share, and these keys."""
@@ -189,8 +186,11 @@ class _Places:
         mine = np.flatnonzero(keys % np.uint64(shares) == remainder)
         return part.start + mine, keys[mine]
 
-    def of(self, other: SweepResult, part: slice) -> _Pairs:
-        """Those of another result's part that are here too."""
+    def pairs(self, other: SweepResult, parts: Sequence[slice]) -> Iterator[_Pairs]:
+        """Those of some parts of another result that are here too."""
+        return (self._pairs(other, part) for part in parts)
+
+    def _pairs(self, other: SweepResult, part: slice) -> _Pairs:
         here, wanted = self._shared(other, part)
         at = np.searchsorted(self.keys, wanted)
         known = at < self.keys.size
@@ -199,7 +199,7 @@ class _Places:
         for name in self.names:
             same &= self.kept[name][at] == other.columns[name][here]
         here, at = here[same], at[same]
-        return _Pairs(here, self.rows[at], lambda name: self.kept[name][at])
+        return _Pairs(here, self.rows[at], {name: self.kept[name][at] for name in self.columns})
 
 
 class _Gap:
@@ -212,8 +212,8 @@ class _Gap:
     def take(self, pairs: _Pairs) -> None:
         """Look at some variants more."""
         one, here, there = self.results[0], pairs.here, pairs.there
-        a, b = one.columns[self.name][here], pairs.values(self.name)
-        figures = one.columns[f"{self.name}_error"][here] + pairs.values(f"{self.name}_error")
+        a, b = one.columns[self.name][here], pairs.values[self.name]
+        figures = one.columns[f"{self.name}_error"][here] + pairs.values[f"{self.name}_error"]
         with np.errstate(invalid="ignore"):
             gap = np.abs(a - b)
             within = gap <= np.nan_to_num(figures) + ROUNDING * np.maximum(np.abs(a), np.abs(b))

@@ -14,7 +14,7 @@ DROPS = ("input.length > '20 mm'", "input.length > '59 mm'")
 
 
 class Clock:
-    """Seconds that evaluations are said to take: compiling once, where there is something to compute, and so many each."""
+    """Seconds that evaluations are said to take: compiling once, where anything is computed, and so many each."""
 
     def __init__(self, each: float) -> None:
         self.now, self.each, self.compiled = 0.0, each, False
