@@ -32,11 +32,11 @@ from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.sensitivity import RSS, WORST_CASE, AskedDerivative
 from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
+from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml, validate
-from sweeps.text.variant_tables import read_variant_table
 
 
 class StudyReader:

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sweeps.study.variant_tables import parquet_library
 from sweeps.text.input_files import InputError
-from sweeps.text.variant_tables import parquet_library
 from sweeps.text.whole_files import whole_file
 
 # MATLAB's names are this long at most.

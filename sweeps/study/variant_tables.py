@@ -1,12 +1,14 @@
 """Tables of variants: CSV, Parquet, HDF5; a number of the scene in each column, with one unit."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from sweeps.store import StoreError, describe_result, read_columns
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, check_file
 
@@ -51,43 +53,63 @@ def read_variant_table(path: Path) -> Columns:
 
 def _from_parquet(path: Path) -> dict[str, tuple[str, np.ndarray]]:
     pyarrow, parquet = parquet_library(path.name)
-    try:
-        with parquet.ParquetFile(path) as file:
-            _check_rows(path, file.metadata.num_rows, file.metadata.num_columns)
-            table = file.read()
-    except (pyarrow.ArrowException, OSError):
-        raise InputError(path.name, [(None, "", "is damaged, or not Parquet")]) from None
-    columns: dict[str, tuple[str, np.ndarray]] = {}
-    for title, column in zip(table.column_names, table.columns, strict=True):
-        name, _, unit = title.rstrip("]").partition("[")
-        if name.strip() in columns:
-            raise InputError(path.name, [(None, "", f"column {_shown(name.strip())} is given twice")])
-        columns[name.strip()] = unit, column.to_numpy()
-    return columns
+    with _damage_told(path, "Parquet", pyarrow.ArrowException), parquet.ParquetFile(path) as file:
+        _check_rows(path, file.metadata.num_rows, file.metadata.num_columns)
+        table = file.read()
+        columns: dict[str, tuple[str, np.ndarray]] = {}
+        for title, column in zip(table.column_names, table.columns, strict=True):
+            name, _, unit = title.rstrip("]").partition("[")
+            if name.strip() in columns:
+                raise InputError(path.name, [(None, "", f"column {_shown(name.strip())} is given twice")])
+            columns[name.strip()] = unit, column.to_numpy()
+        return columns
 
 
 def _from_hdf5(path: Path) -> dict[str, tuple[str, np.ndarray]]:
+    with _damage_told(path, "HDF5"), h5py.File(path) as file:
+        is_result = "study_json" in file.attrs
+        found = {} if is_result else {_text(n): c for n, c in file.items() if isinstance(c, h5py.Dataset)}
+        columns = {name: column for name, column in found.items() if column.ndim == 1}
+        _check_rows(path, max((column.size for column in columns.values()), default=1), len(columns))
+        if any(column.external or column.is_virtual for column in columns.values()):
+            raise InputError(path.name, [(None, "", "takes numbers from other files, which isn't allowed")])
+        if not is_result:
+            return {name: (_unit_of(column), column[()]) for name, column in columns.items()}
+    return _from_result(path)
+
+
+def _from_result(path: Path) -> dict[str, tuple[str, np.ndarray]]:
+    """The parameters of a finished result, once they agree with their checksums."""
     try:
-        with h5py.File(path) as file:
-            known = file.attrs.get("study_json")
-            names = list(json.loads(known)["parameters"]) if known else _columns_in(file)
-            _check_rows(path, max((file[name].size or 0 for name in names), default=1), len(names))
-            return {name: (_unit_of(file[name]), file[name][()]) for name in names}
-    except (OSError, KeyError, ValueError):
-        raise InputError(path.name, [(None, "", "is damaged, or no HDF5 file with columns")]) from None
+        result = describe_result(path)
+        if result.blocks_done < result.blocks:
+            raise InputError(path.name, [(None, "", "isn't finished: run its study again")])
+        with _damage_told(path, "a result"):
+            names = list(json.loads(result.attributes["study_json"])["parameters"])
+            units = {column.name: "" if column.units == "1" else column.units for column in result.columns}
+            return {name: (units[name], values) for name, values in read_columns(path, names).items()}
+    except StoreError as error:
+        raise InputError(path.name, [(None, "", str(error))]) from None
 
 
-def _columns_in(file: h5py.File) -> list[str]:
-    return [name for name, part in file.items() if isinstance(part, h5py.Dataset) and part.ndim == 1]
+@contextmanager
+def _damage_told(path: Path, kind: str, *errors: type[Exception]) -> Iterator[None]:
+    """Tell of a damaged file whatever a library raises of it."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError, *errors):
+        raise InputError(path.name, [(None, "", f"is damaged, or not {kind}")]) from None
 
 
 def _check_rows(path: Path, rows: int, columns: int) -> None:
     """See that a table has rows, and no more than fit in memory: what is packed may be a thousand times as long."""
-    if not rows:
+    if columns and not rows:
         raise InputError(path.name, [(None, "", "needs at least one row of numbers")])
     if 8 * rows * columns > LARGEST_BINARY:
-        message = f"has {rows} rows of {columns} numbers, more than the {LARGEST_BINARY / 8e6:.0f} million numbers allowed"
-        raise InputError(path.name, [(None, "", message)])
+        most = f"more than the {LARGEST_BINARY / 8e6:.0f} million numbers that a table may have"
+        raise InputError(path.name, [(None, "", f"has {rows} rows of {columns} columns, {most}")])
 
 
 def _shown(name: str) -> str:
@@ -95,9 +117,13 @@ def _shown(name: str) -> str:
 
 
 def _unit_of(column: h5py.Dataset) -> str:
-    unit = column.attrs.get("units", "")
-    unit = unit.decode() if isinstance(unit, bytes) else str(unit)
+    unit = _text(column.attrs.get("units", ""))
     return "" if unit == "1" else unit
+
+
+def _text(value: object) -> str:
+    """A text of HDF5, which may be bytes."""
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
 
 
 def parquet_library(source: str) -> tuple:
