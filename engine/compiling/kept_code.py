@@ -70,10 +70,15 @@ def cache_folder() -> Path | None:
     if not stat.S_ISDIR(found.st_mode):
         _say_once(f"the cache of machine code, {folder}, is no folder")
         return None
-    if hasattr(os, "geteuid") and (found.st_uid != os.geteuid() or found.st_mode & 0o022):
+    if not _is_own(found):
         _say_once(f"the cache of machine code, {folder}, isn't used, as others may write to it")
         return None
     return folder
+
+
+def _is_own(found: os.stat_result) -> bool:
+    """Whether a file or folder belongs to the user, and nobody else may write to it."""
+    return not hasattr(os, "geteuid") or (found.st_uid == os.geteuid() and not found.st_mode & 0o022)
 
 
 @cache
@@ -88,6 +93,8 @@ def folder_of(digest: str, within: Path) -> Path:
     """
     folder = within / digest[:32]
     with suppress(OSError):
+        if folder.exists() and not _is_own(folder.stat()):
+            shutil.rmtree(folder, ignore_errors=True)
         if not folder.exists():
             _forget_unused(within)
             folder.mkdir(mode=0o700, exist_ok=True)
@@ -180,12 +187,16 @@ class _VerifiedFiles(IndexDataCacheFile):
     def _write(self, path: str, content: object) -> None:
         payload = dumps(content)
         with self._open_for_write(path) as file:
+            # Whatever the user's mask lets others do.
+            os.chmod(file.name, 0o600)
             file.write(_DIGEST(payload).digest() + payload)
 
     def _verified(self, path: str) -> object:
-        """What a file holds; None if it isn't there, or isn't as it was written, and is removed."""
+        """What a file holds; None if it isn't there, or isn't as it was written or by the user, and is removed."""
         try:
-            content = Path(path).read_bytes()
+            with open(path, "rb") as file:
+                trusted = all(map(_is_own, (os.stat(self._cache_path), os.fstat(file.fileno()))))
+                content = file.read() if trusted else b""
         except OSError:
             return None
         payload = content[_DIGEST_SIZE:]

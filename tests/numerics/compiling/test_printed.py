@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import os
+import pickle
 import platform
 import re
 import shutil
@@ -185,6 +186,33 @@ def test_cache_that_others_may_write_to__is_not_believed(fresh_cache, caplog):
     assert_right("Another coupler.")
     assert sorted(fresh_cache.rglob("*")) == before
     assert len(caplog.records) == 1
+
+
+class Planted:
+    """What leaves a mark when it is unpickled."""
+
+    def __init__(self, mark: Path) -> None:
+        self.mark = mark
+
+    def __reduce__(self) -> tuple:
+        return Path.touch, (self.mark,)
+
+
+@pytest.mark.parametrize("where", ["folder", "entry"])
+def test_entry_that_others_may_have_written__is_neither_unpickled_nor_run(where, fresh_cache):
+    assert_right()
+    payload = pickle.dumps(Planted(fresh_cache.parent / "mark"))
+    entries = list(fresh_cache.rglob("*.nb?"))
+    for path in entries:
+        path.write_bytes(hashlib.sha256(payload).digest() + payload)
+        (path if where == "entry" else path.parent).chmod(0o770)
+    printed._load.cache_clear()
+    kept_code.folder_of.cache_clear()
+    assert_right()
+    assert not (fresh_cache.parent / "mark").exists()
+    # Made again, for the user alone.
+    assert all(path.stat().st_mode & 0o777 == 0o600 for path in entries)
+    assert all(path.parent.stat().st_mode & 0o777 == 0o700 for path in entries)
 
 
 def test_full_disk_under_the_cache__is_said_once_and_nothing_left(fresh_cache, monkeypatch, caplog):
