@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 LARGEST_TABLE = 500_000
+# Pieces from which on the square of a correction may overflow, and with it its distance from what pieces make.
+FARTHEST = 1e150
 
 
 class PatternError(ValueError):
@@ -92,7 +94,8 @@ def best_holes(
     pieces : ndarray of uint8 (..., holes)
         Number of pieces in every hole.
     made : ndarray of complex (...)
-        The unbalance they make [kg·m]; NaN where the correction is not finite or a piece weighs nothing.
+        The unbalance they make [kg·m]; NaN where the correction is not finite, or beyond 1e150
+        pieces, or a piece weighs nothing.
 
     Raises
     ------
@@ -103,7 +106,7 @@ def best_holes(
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = np.exp(1j * np.asarray(first, dtype=float))
         wanted = np.asarray(correction) / turn / piece
-        possible = np.isfinite(wanted)
+        possible = np.abs(wanted) < FARTHEST
     wanted = np.where(possible, wanted, 0.0)
     _, chosen = tree.query(np.stack([wanted.real, wanted.imag], axis=-1))
     made = np.where(possible, sums[chosen] * turn * piece, complex(math.nan, math.nan))

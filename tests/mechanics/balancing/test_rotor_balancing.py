@@ -297,6 +297,17 @@ def test_best_holes__of_many_rotors_and_none_for_what_is_no_number():
     assert np.isnan(best_holes(1.0, 4, 2, 2, 0.0)[1])
 
 
+@pytest.mark.parametrize("correction", [1e149, 1e150, 1e200, 1e308, -1e200j])
+def test_best_holes__of_corrections_beyond_all_pieces(correction):
+    pieces, made = best_holes(correction, 4, 2, 2, 1.0)
+    if abs(correction) < 1e150:
+        # Whatever points that way, as distances are the same to rounding.
+        assert np.isfinite(made)
+    else:
+        assert np.isnan(made)
+        assert not pieces.any()
+
+
 def test_best_holes__with_too_many_ways_says_so():
     with pytest.raises(PatternError, match="48 holes with up to 20 pieces in 4 of them"):
         best_holes(1.0, 48, 20, 4, 1.0)
