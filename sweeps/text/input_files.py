@@ -1,11 +1,14 @@
 """Files that a user names: their text, and what is wrong with it."""
 
+import errno
 import stat
 from collections.abc import Iterator
 from pathlib import Path
 
 # Bytes that a scene or study may have; a long one has some ten thousand.
 LARGEST_TEXT = 16_000_000
+# Characters of a name that is too long.
+_SHOWN = 60
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -37,7 +40,9 @@ def check_file(path: Path, largest: int | None = None) -> None:
     """
     try:
         found = path.stat()
-    except (OSError, ValueError):
+    except (OSError, ValueError) as error:
+        if getattr(error, "errno", None) == errno.ENAMETOOLONG:
+            raise InputError(f"{str(path)[:_SHOWN]}...", [(None, "", "is too long a name for a file")]) from None
         return
     if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
         raise InputError(str(path), [(None, "", "is a device or a pipe; name a file")])

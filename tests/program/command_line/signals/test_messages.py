@@ -153,6 +153,13 @@ def test_device_as_a_table__is_refused(press_folder):
     assert "is a device or a pipe" in refused("check", "study.toml")
 
 
+@pytest.mark.parametrize("command", ["check", "run", "plot", "show", "quantities"])
+def test_name_that_no_file_may_have__is_refused_and_not_repeated(command, press_folder):
+    text = refused(command, "(" * 3000)
+    assert "is too long a name for a file" in text
+    assert len(text) < 200
+
+
 def test_huge_file__is_refused_at_once(press_folder):
     with Path("huge.toml").open("wb") as file:
         file.truncate(10**11)
