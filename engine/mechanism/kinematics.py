@@ -73,8 +73,10 @@ class Kinematics(Assembly):
             "point": self._point,
             "guide": self._guide,
         }
+        known = {"point": self.points, "guide": self.guides}
         for element in structure.elements:
-            if element.name not in self.points and element.name not in self.guides:
+            # Of another kind, an element may have the name of a guide or a point.
+            if element.name not in known.get(element.kind, ()):
                 add[element.kind](element.name)
 
     def mass_centre(self, name: str) -> MovingPoint:
