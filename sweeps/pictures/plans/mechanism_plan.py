@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from engine import FRAME
 from sweeps.pictures.drawing import bounds, figures
+from sweeps.pictures.drawing.racks import rack_bar
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
@@ -79,8 +81,14 @@ def _laid_out(ax: Axes, drawn: list, further: Sequence[complex]) -> Paper:
 
 
 def _number(paper: Paper, pose: Pose, link: str) -> None:
-    """A link's number, beside its middle."""
+    """A link's number, beside its middle, of a rack that of its bar."""
     if link == FRAME:
+        return
+    if link in pose.scene.racks:
+        corners = np.array(rack_bar(pose.motion, pose.k, link)[-1].points)
+        # A bar may lie far from the axes of its link and from the middle between its points.
+        half_height = np.abs(np.diff(corners)).min() / 2
+        paper.name(complex(corners.mean()), str(pose.number(link)), BLUE, clear=half_height / paper.per_mm + 0.5)
         return
     places = [complex(pose.motion.points[n][pose.k]) for n in pose.motion.members(link)]
     if len(places) > 1:

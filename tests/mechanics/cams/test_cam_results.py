@@ -236,7 +236,9 @@ def test_uniform_motion__has_corners():
     assert cam_answers(ROLLER, **uniform)[2] == Verdict.UNDERCUT
     values, errors, status = cam_answers(KNIFE, **uniform)
     assert status == Verdict.OK
-    within(values["velocity_jump"], errors["velocity_jump"], 0.02 / math.radians(100) * OMEGA)
+    # On the slope it is the law's peak, 1; at its ends, on dwells, all of it is lost.
+    for name in ("greatest_velocity", "velocity_jump"):
+        within(values[name], errors[name], 0.02 / math.radians(100) * OMEGA)
     assert math.isnan(values["greatest_acceleration"])
 
 

@@ -22,6 +22,7 @@ from engine import Scene
 from engine.scene.pairs import pairs
 from engine.scene.parts import FRAME
 from sweeps.cli import main
+from sweeps.pictures.drawing.racks import rack_bar
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans import (
     MachineCycle,
@@ -38,10 +39,11 @@ from sweeps.pictures.plans import (
     velocity_plan,
 )
 from sweeps.pictures.plans.forces.free_body import LONGEST
+from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.paper import Paper, round_scale
 from sweeps.pictures.plans.sheets import kinematic_sheet
 from sweeps.pictures.plans.symbol_text import SymbolText, line_of_symbols
-from sweeps.pictures.style import MM_PER_INCH
+from sweeps.pictures.style import BLUE, MM_PER_INCH
 from sweeps.text.templates import bundled_templates
 
 # Bearings
@@ -151,6 +153,17 @@ def test_plans_of_every_template__drawn_with_letters_clear_of_each_other(name):
             high = min(one.y1, two.y1) - max(one.y0, two.y0)
             # Boxes hold the room of letters that aren't there, above and below: a third of a line may be shared.
             assert min(wide, high) < 4, (draw.__name__, one, two)
+
+
+def test_mechanism_plan__numbers_of_racks_stand_at_their_bars():
+    """However far the bar lies from the axes of its link: within the widest gap of letters, and their own size."""
+    ax = axes_on_paper()
+    pose = cycle_of("racks").at(0.6)
+    paper = mechanism_plan(pose, ax)
+    for rack in pose.scene.racks:
+        middle = np.mean(rack_bar(pose.motion, pose.k, rack)[-1].points)
+        (text,) = [t for t in ax.texts if t.get_text() == str(pose.number(rack)) and t.get_color() == BLUE]
+        assert abs(complex(*text.get_position()) - middle) < 10 * paper.per_mm
 
 
 def test_free_body__an_arrow_for_each_load_none_longer_than_the_longest():
