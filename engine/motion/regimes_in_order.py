@@ -87,8 +87,8 @@ def share_of_change(name: str) -> float:
     # Of an extreme that two places share, either may be the one; what else may be missed is a step.
     if last in ("min_at", "max_at", "min_time", "max_time"):
         return 0.0
-    # Means over time are of no order at all where a steep motor catches up with a jump within a step.
-    return 2.0 if last in ("mean", "rms") else 1.0
+    # Means over time and extremes are of no order at all where a steep motor catches up with a jump within a step.
+    return 2.0 if last in ("mean", "rms", "mean_speed", "speed_min", "speed_max") else 1.0
 
 
 class Standing(NamedTuple):

@@ -101,6 +101,8 @@ GIVEN_ROWS = (START, WAY, WHEEL, TOLERANCE, E, WHOLE, REST, UNTIL, ABOVE_ALL, BE
 # Too near to rest for the energy form: where loads take so many times the energy per radian 1/ω is a root of the
 # angle. A polynomial within a step follows it less far than what is found at its end.
 TIMES_PER_RADIAN, TIMES_TO_THE_END = 4.0, 40.0
+# Share of its energy that a machine may lose before it is near to rest.
+MUCH = 0.5
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # After so many corrections of its stages no step is longer than the last; where they don't come to an end, shorter.
 MANY_ROUNDS, SHORTER = 4.0, 0.5
@@ -365,8 +367,11 @@ def decide(
         shorter = slowly and share < 1.0 and length >= SHORTEST
         state[TRY, lane] = larger(length * share, state[TRY, lane]) if good and not shorter else length * share
         energy, speed = state[E_AFTER, lane], math.sqrt(state[E_AFTER, lane] * places[row + INVERSE, lane])
-        why = -1.0
-        if good and -stages[MOMENT, lane] > times * state[E, lane] and state[BELOW_ALL, lane] >= 0.0:
+        why, takes = -1.0, -stages[MOMENT, lane]
+        slows = takes > times * state[E, lane]
+        # A steep motor answers before much of the energy is gone.
+        slows &= not (method.newton and takes < -MUCH * state[E, lane] * stages[SLOPE, lane])
+        if good and slows and state[BELOW_ALL, lane] >= 0.0:
             why = float(NEAR_REST)
         elif not good:
             state[TAKEN, lane] += 1.0

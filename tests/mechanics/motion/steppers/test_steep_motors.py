@@ -114,3 +114,34 @@ def test_breakdown_slip_of_2_percent_and_less__as_radau(slip, wheel, ratio):
         room = 1e-7 * (2.0 / delta if name == "speed_fluctuation" else 1.0)
         assert abs(value - true) <= figure + room * true, (name, value, true, figure)
         assert figure <= 1e-6 * true, name
+
+
+def test_load_that_jumps_on_a_steep_motor__slows_it_down_to_their_balance():
+    inertia, stall, light, load, turns = 0.1, 20000.0, 12.5, 80.0, 200
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": light},
+        "bodies": {"rotor": {"link": "crank", "mass": 1.0, "inertia": inertia}},
+        "moments": {
+            "dc": {"type": "dc_motor", "on": "crank", "stall_moment": stall, "no_load_speed": light},
+            # More than four times what energy there is in a radian, as near to rest.
+            "load": {
+                "type": "table",
+                "on": "crank",
+                "over_angle": [1.0, 1.0, 4.0, 4.0],
+                "moment": [0.0, -load, -load, 0.0],
+                "interpolation": "linear",
+                "outside": "zero",
+            },
+        },
+        "regimes": {"go": {"type": "run", "from_speed": light, "cycles": turns}},
+    }
+    found = ask(scene, "go.speed_min go.speed_max go.time")
+    # Its time constant I ω₀/M₀ is worth a thousandth of a radian: ω = ω₀ (1 − M/M₀) after one radian.
+    slow = light * (1.0 - load / stall)
+    assert found["go.speed_min"] == pytest.approx(slow, rel=0, abs=found.figure("go.speed_min") + 1e-12)
+    # While the speed changes by δ = ω₀ − ω, the way gained or lost is its integral, ±δ·I ω₀/M₀ to first order, so that
+    # what both layers leave of a turn's time is of the order of δ/ω₀ more: 2·10⁻⁹ s of each turn.
+    period = 3.0 / slow + (2.0 * math.pi - 3.0) / light
+    assert found["go.time"] == pytest.approx(turns * period, rel=0, abs=turns * 4e-9 + found.figure("go.time"))
+    assert found.figure("go.speed_min") < 1e-3 * slow
