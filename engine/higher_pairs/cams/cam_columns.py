@@ -24,7 +24,9 @@ from engine.higher_pairs.cams.cam_extremes import (
     find_extremes,
 )
 from engine.higher_pairs.cams.cam_places import (
+    ARM,
     DISTANCE,
+    LIMIT_RADIUS,
     MODULUS,
     NEVER,
     POISSON,
@@ -32,6 +34,7 @@ from engine.higher_pairs.cams.cam_places import (
     ROLLER,
     WIDTH,
 )
+from engine.higher_pairs.cams.least_base_circle import least_arm_angles
 from engine.higher_pairs.cams.motion_programs import DwellSection, RiseSection
 from engine.higher_pairs.cams.pieces import (
     PIECE_NUMBERS,
@@ -46,6 +49,8 @@ from engine.verdicts import Verdict
 EPS = float(np.finfo(float).eps)
 # Sizes are what a rounding of EPS is multiplied by; figures are this many times that.
 ROUNDING = 16
+# An arm that is nearly in line with the line of centres; in line, its cam would have no room.
+_LEAST_ANGLE = 1e-9
 Found = tuple[np.ndarray, np.ndarray]
 
 
@@ -194,8 +199,10 @@ def _results(cam: CamElement) -> list[Result]:
         )
         made.append(Result(result, partial(_pressure, cam.closure == "form"), Lasting.WHILE_TOUCHING))
     if cam.limits is not None:
-        result = ElementResult("least_base_radius", "least base radius that keeps the limits", "m")
-        made.append(Result(result, partial(_least_base, cam.follower.contact == "flat"), Lasting.ALWAYS))
+        words = "least base radius that keeps the limits; none if no base circle does"
+        result = ElementResult("least_base_radius", words, "m", None, True)
+        make = _least_base if cam.translating else _least_base_of_arm
+        made.append(Result(result, partial(make, cam), Lasting.ALWAYS))
     return made
 
 
@@ -432,8 +439,46 @@ def _pressure(groove: bool, numbers: np.ndarray, seen: Sought) -> Found:
     return pressure, pressure * (4.0 + 0.5 * size / line)
 
 
-def _least_base(flat: bool, numbers: np.ndarray, seen: Sought) -> Found:
+def _least_base(cam: CamElement, numbers: np.ndarray, seen: Sought) -> Found:
+    """Least base circle under a follower that slides: from the greatest of the heights that the positions need."""
     height, size = _greatest((TurnExtreme.HEIGHT_FOR_ANGLE, TurnExtreme.HEIGHT_FOR_CURVATURE), numbers, seen)
-    offset = 0.0 if flat else np.abs(numbers[:, DISTANCE])
+    offset = 0.0 if cam.follower.contact == "flat" else np.abs(numbers[:, DISTANCE])
     base = np.hypot(np.maximum(height, 0.0), offset) - numbers[:, ROLLER]
-    return np.maximum(base, 0.0), size + np.abs(height) + offset + numbers[:, ROLLER]
+    return _without_corners(cam, numbers, seen, base), size + np.abs(height) + offset + numbers[:, ROLLER]
+
+
+def _least_base_of_arm(cam: CamElement, numbers: np.ndarray, seen: Sought) -> Found:
+    """Least base circle under a follower that swings."""
+    arm, d, roller = (numbers[:, k] for k in (ARM, DISTANCE, ROLLER))
+    flat = cam.follower.contact == "flat"
+    angle, size = np.full(numbers.shape[0], _LEAST_ANGLE), np.full(numbers.shape[0], _LEAST_ANGLE)
+    if not flat:
+        # The angle at which the base circle is a point, if the arm reaches so far.
+        near, far = roller**2 - (d - arm) ** 2, (d + arm) ** 2 - roller**2
+        angle = np.maximum(angle, 2.0 * np.arctan(np.sqrt(np.maximum(near, 0.0) / far)))
+    greatest = np.pi
+    if cam.limits.pressure_angle is not None:
+        needed, off = _most(TurnExtreme.HEIGHT_FOR_ANGLE, numbers, seen)
+        angle, size = np.where(needed > angle, needed, angle), np.where(needed > angle, off, size)
+        greatest = -seen.values[:, TurnExtreme.ARM_ANGLE_ABOVE]
+    angle[~(angle < np.minimum(greatest, np.pi))] = np.nan
+    if flat or _curved_limit(numbers).any():
+        angle, size = least_arm_angles(cam_sections(cam), cam_traits(cam), numbers, angle, size)
+    angle[~(angle <= greatest)] = np.nan
+    if flat:
+        base = np.where(angle <= np.pi / 2, d * np.sin(angle), np.nan)
+        return _without_corners(cam, numbers, seen, base), size * d * np.cos(angle) + d
+    prime = np.sqrt((d - arm) ** 2 + 4.0 * arm * d * np.sin(angle / 2) ** 2)
+    size = size * arm * d * np.sin(angle) / prime + 2.0 * prime + roller
+    return _without_corners(cam, numbers, seen, prime - roller), size
+
+
+def _curved_limit(numbers: np.ndarray) -> np.ndarray:
+    """Least radius of curvature of the pitch curve."""
+    return numbers[:, LIMIT_RADIUS] + numbers[:, ROLLER]
+
+
+def _without_corners(cam: CamElement, numbers: np.ndarray, seen: Sought, base: np.ndarray) -> np.ndarray:
+    """Radii of base circles, none where corners of the profile stay below the limit whatever the base circle."""
+    sharp = (_curved_limit(numbers) > 0.0) & (seen.values[:, VELOCITY_DROP] > 0.0)
+    return np.where(sharp, np.nan, np.maximum(base, 0.0))

@@ -132,8 +132,5 @@ class CamElement(CamProgram):
         if self.line_contact is not None and (self.follower.contact == "knife edge" or self.follower.moved is None):
             key = "mass" if self.translating else "inertia"
             raise ValueError(f"line_contact: the pressure is that of a roller or flat face of known follower.{key}")
-        if self.limits is not None:
-            if not self.translating:
-                raise ValueError("limits: the least base circle is that of a translating follower; leave limits out")
-            if self.follower.contact == "flat" and self.limits.pressure_angle is not None:
-                raise ValueError("limits.pressure_angle: a flat face has none; give limits.convex_radius alone")
+        if self.follower.contact == "flat" and self.limits is not None and self.limits.pressure_angle is not None:
+            raise ValueError("limits.pressure_angle: a flat face has none; give limits.convex_radius alone")

@@ -15,8 +15,10 @@ from engine.compiling.decorators import driver, routine
 from engine.higher_pairs.cams.cam_places import (
     ACCELERATION,
     ALPHA,
+    ARM_TOO_HIGH,
     CURVE,
     DYNAMIC,
+    EPS,
     FACE,
     FLAT,
     FORCE,
@@ -59,7 +61,6 @@ COARSE, HALVINGS = 1e-3, 6
 # Share of a piece to which a place is found: nearer, rounding hides the difference between values.
 NEAR = 1e-8
 GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
-EPS = 2.0**-52
 ROUNDING = 16
 # Values that differ by less than this many roundings are equal.
 EQUAL = 8
@@ -84,14 +85,15 @@ class TurnExtreme(IntEnum):
     FACE_FROM = 13
     HEIGHT_FOR_ANGLE = 14
     HEIGHT_FOR_CURVATURE = 15
-    PRESSED = 16
-    SLACK = 17
-    DRIVEN = 18
-    DRIVING = 19
-    INNER_FLANK = 20
-    OUTER_FLANK = 21
-    PRELOAD = 22
-    LIFT_OFF = 23
+    ARM_ANGLE_ABOVE = 16
+    PRESSED = 17
+    SLACK = 18
+    DRIVEN = 19
+    DRIVING = 20
+    INNER_FLANK = 21
+    OUTER_FLANK = 22
+    PRELOAD = 23
+    LIFT_OFF = 24
 
 
 # Of each a quantity, its sign (the greatest of it or of its negative), and in which sections: 1 for rises, −1 for
@@ -113,6 +115,7 @@ _OF = {
     TurnExtreme.FACE_FROM: (FACE, -1, 0),
     TurnExtreme.HEIGHT_FOR_ANGLE: (HEIGHT_RISING, 1, 0),
     TurnExtreme.HEIGHT_FOR_CURVATURE: (HEIGHT_CURVED, 1, 0),
+    TurnExtreme.ARM_ANGLE_ABOVE: (ARM_TOO_HIGH, 1, 0),
     TurnExtreme.PRESSED: (FORCE, 1, 0),
     TurnExtreme.SLACK: (FORCE, -1, 0),
     TurnExtreme.DRIVEN: (MOMENT, 1, 0),
@@ -194,23 +197,40 @@ def find_extremes(
         Room to work in.
     """
     for row in range(numbers.shape[0]):
-        if tabled.shape[0] > 0:
-            count = tabled.shape[0]
-            for i in range(count):
-                for k in range(PIECE_NUMBERS):
-                    pieces[i, k] = tabled[i, k]
-        else:
-            count = cut_sections(kinds, directions, numbers, row, NUMBERS, pieces)
-        verdicts[row] = _over_turn(traits, numbers, row, pieces, count, values, sizes, places, spreads, samples, stack)
+        count = pieces_of_turn(kinds, directions, numbers, row, tabled, pieces)
+        first, off = first_place(traits, numbers, row)
+        verdicts[row] = over_turn(
+            traits, numbers, row, pieces, count, first, off, values, sizes, places, spreads, samples, stack
+        )
 
 
 @routine
-def _over_turn(
+def pieces_of_turn(
+    kinds: np.ndarray,
+    directions: np.ndarray,
+    numbers: np.ndarray,
+    row: int,
+    tabled: np.ndarray,
+    pieces: np.ndarray,
+) -> int:
+    """Write a variant's pieces, of its sections or its table; how many, 0 where they don't make a turn."""
+    if tabled.shape[0] == 0:
+        return cut_sections(kinds, directions, numbers, row, NUMBERS, pieces)
+    for i in range(tabled.shape[0]):
+        for k in range(PIECE_NUMBERS):
+            pieces[i, k] = tabled[i, k]
+    return tabled.shape[0]
+
+
+@routine
+def over_turn(
     traits: np.ndarray,
     numbers: np.ndarray,
     row: int,
     pieces: np.ndarray,
     count: int,
+    first: float,
+    off: float,
     values: np.ndarray,
     sizes: np.ndarray,
     places: np.ndarray,
@@ -218,10 +238,9 @@ def _over_turn(
     samples: np.ndarray,
     stack: np.ndarray,
 ) -> int:
-    """Fill in the extremes of one variant; its verdict."""
+    """Fill in the extremes of one variant whose displacements begin at a height or arm angle `first`; its verdict."""
     if count == 0:
         return _OUTSIDE
-    first, off = first_place(traits, numbers, row)
     if not (first > 0.0 and first < math.inf):
         return _CANNOT_ASSEMBLE
     sought = EXTREMES if traits[DYNAMIC] == 1 else WITHOUT_FORCES

@@ -10,6 +10,7 @@ import numpy as np
 from engine.compiling.decorators import routine
 from engine.higher_pairs.cams.pieces import DIRECTION, motion_in, sizes_in
 from engine.laws.cams.profiles import (
+    arm_angles_for_pressure,
     flat_face_support,
     least_arm_angle,
     least_height,
@@ -46,10 +47,12 @@ SWINGS, FLAT, SENSE, DYNAMIC, LIMITED = range(5)
     FACE,
     HEIGHT_RISING,
     HEIGHT_CURVED,
-) = range(14)
-QUANTITIES = 14
+    ARM_TOO_HIGH,
+) = range(15)
+QUANTITIES = 15
 # Instead of infinity, which no polynomial follows.
 NEVER = 1e300
+EPS = 2.0**-52
 
 
 @routine
@@ -62,7 +65,8 @@ def first_place(traits: np.ndarray, numbers: np.ndarray, row: int) -> tuple[floa
         return y, 2.0 * r * r / y
     if traits[FLAT] == 1:
         psi = math.asin(r / d)
-        return psi, psi + 2.0 * math.tan(psi)
+        # A rounding of r/d near 1 turns the face by the root of it.
+        return psi, psi + min(2.0 * math.tan(psi), 2.0 / math.sqrt(EPS))
     psi = least_arm_angle(r, arm, d)
     return psi, psi + (arm * arm + d * d + r * r) / (arm * d * abs(math.sin(psi)))
 
@@ -161,8 +165,15 @@ def fill_cam_place(
         x1, y1, x2, y2 = rolled_back(where, sense)
         spread = (o1 * (abs(x2) + abs(y2)) + (abs(x1) + abs(y1)) * o2) / (long * square)
         _write(found, at, CURVE, kappa, spread + 3.0 * abs(kappa) * (o1 * (abs(x1) + abs(y1)) / square + 1.0))
-        if traits[LIMITED] == 1 and (wanted < 0 or wanted >= HEIGHT_RISING):
-            slope, radius = numbers[row, LIMIT_SLOPE], numbers[row, LIMIT_RADIUS] + numbers[row, ROLLER]
+        limited = traits[LIMITED] == 1 and (wanted < 0 or wanted >= HEIGHT_RISING)
+        slope, radius = numbers[row, LIMIT_SLOPE], numbers[row, LIMIT_RADIUS] + numbers[row, ROLLER]
+        if limited and traits[SWINGS] == 1 and slope > 0.0:
+            low, high = arm_angles_for_pressure(s1, arm, d, sense, slope)
+            part = arm * abs(1.0 + sense * s1) / (d * math.sqrt(1.0 + slope * slope))
+            steep = (part + arm * m1 / d) / math.sqrt(max(1.0 - part * part, EPS))
+            _write(found, at, HEIGHT_RISING, low - s if low < math.inf else NEVER, m0 + math.pi + steep)
+            _write(found, at, ARM_TOO_HIGH, s - high if high < math.inf else NEVER, m0 + math.pi + steep)
+        elif limited and traits[SWINGS] == 0:
             if slope > 0.0:
                 height = least_height_for_angle(s, s1, d, slope)
                 _write(found, at, HEIGHT_RISING, height, m0 + 2.0 * (m1 + abs(d)) / slope)

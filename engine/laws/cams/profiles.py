@@ -204,3 +204,53 @@ def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, ra
             break
         y = new
     return y - s
+
+
+@scalar
+def arm_angles_for_pressure(s1: float, arm: float, distance: float, sense: float, slope: float) -> tuple[float, float]:
+    """Least and greatest angle ψ of an arm at which its |tan α| is not above `slope`; NaN where there is none.
+
+    |a(1 ± s') − d cos ψ| ≤ d sin ψ tan δ means cos(ψ − δ) ≥ cos A ≥ cos(ψ + δ), where cos A = a(1 ± s') cos δ/d.
+    """
+    limit = math.atan(slope)
+    middle = math.acos(arm * (1.0 + sense * s1) * math.cos(limit) / distance)
+    return abs(middle - limit), math.pi - abs(math.pi - middle - limit)
+
+
+@scalar
+def curvature_room(
+    psi: float, s1: float, s2: float, arm: float, distance: float, sense: float, radius: float
+) -> tuple[float, float, float]:
+    """How far the pitch curve of an arm is from a curvature of 1/`radius`: f = |z'|³ − `radius`·κ|z'|³, ≥ 0 within.
+
+    With w = 1 ± s', |z'|² = a²w² + d² − 2adw cos ψ and κ|z'|³ = a²w³ + d² − ad((w + w²) cos ψ + s'' sin ψ).
+
+    Returns
+    -------
+    f, f_psi, bend : float
+        f, its derivative by ψ, and a bound of its second derivative for all ψ.
+    """
+    w = 1.0 + sense * s1
+    c, s = math.cos(psi), math.sin(psi)
+    both, reach = w + w * w, 2.0 * arm * distance * w
+    square = (arm * w - distance * c) ** 2 + (distance * s) ** 2
+    rate = math.sqrt(square)
+    bent = (arm * w) ** 2 * w + distance**2 - arm * distance * (both * c + s2 * s)
+    slope = 1.5 * rate * reach * s - radius * arm * distance * (both * s - s2 * c)
+    turning = radius * arm * distance * math.sqrt(both * both + s2 * s2)
+    return rate * square - radius * bent, slope, 3.0 * (abs(arm * w) + distance) * abs(reach) + turning
+
+
+@scalar
+def face_room(
+    psi: float, s1: float, s2: float, distance: float, sense: float, radius: float
+) -> tuple[float, float, float]:
+    """How far the radius of curvature under a flat face through its pivot is above `radius`, as `curvature_room`.
+
+    With t = 1 ± s' the radius is d((1 − (s'/t)²) sin ψ + s''/t³ cos ψ).
+    """
+    turn = 1.0 + sense * s1
+    straight, bent = 1.0 - (s1 / turn) ** 2, s2 / turn**3
+    c, s = math.cos(psi), math.sin(psi)
+    bound = distance * (abs(straight) + abs(bent))
+    return distance * (straight * s + bent * c) - radius, distance * (straight * c - bent * s), bound

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from engine import ElementsAlone, Verdict, cam_curves, scene_numbers
@@ -220,6 +220,68 @@ def test_least_base_circle_of_a_flat_face():
     values, _, _ = cam_answers(FLAT, limits=limits)
     found, off, _ = cam_answers(FLAT, base_radius=values["least_base_radius"])
     within(found["convex_radius"], off["convex_radius"], 0.004)
+
+
+@st.composite
+def swinging_cams(draw):
+    """Cams whose follower swings, with limits that may or may not be kept by some base circle."""
+    number = lambda a, b: draw(st.floats(a, b))  # noqa: E731
+    flat = draw(st.booleans())
+    d = 10 ** number(-2, 0)
+    arm, roller = d * number(0.3, 1.3), d * number(0.02, 0.2)
+    follower = {"type": "oscillating", "pivot_distance": d, "opens": draw(st.sampled_from(["with", "against"]))}
+    follower |= {"contact": "flat"} if flat else {"contact": "roller", "arm": arm, "roller_radius": roller}
+    limits = {"convex_radius": d * draw(st.sampled_from([0.0, number(0.0, 0.3)]))}
+    if not flat and draw(st.booleans()):
+        limits["pressure_angle"] = number(0.3, 1.2)
+    law = st.sampled_from(LAWS)
+    return {
+        "type": "cam",
+        "base_radius": d / 2 if flat else math.sqrt(arm**2 + d**2 - 2 * arm * d * math.cos(0.6)) - roller,
+        "speed": 10,
+        "follower": follower,
+        "limits": limits,
+        "sections": {
+            "out": {"type": "rise", "law": draw(law), "angle": number(0.6, 2.2), "swing": number(0.05, 0.6)},
+            "rest": {"type": "dwell", "angle": number(0.05, 1.0)},
+            "back": {"type": "return", "law": draw(law), "angle": number(0.6, 2.2)},
+            "low": {"type": "dwell"},
+        },
+    }
+
+
+@settings(max_examples=40, deadline=None)
+@given(swinging_cams())
+def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam):
+    """There the cam's own results keep the limits; from nothing up to it, dense samples of forty cams don't."""
+    assume(cam["base_radius"] > 0)
+    follower, limits = cam["follower"], cam["limits"]
+    d, arm, roller = follower["pivot_distance"], follower.get("arm", 0.0), follower.get("roller_radius", 0.0)
+    least = cam_answers(cam, "least_base_radius")[0]["least_base_radius"]
+    names = ["convex_radius"] + (["rise_pressure_angle", "return_pressure_angle"] if arm else [])
+
+    def kept(base, slack=0.0):
+        found = cam_answers(cam, *names, base_radius=base)[0]
+        steep = max((found[n] for n in names[1:]), default=0.0) - slack
+        return found["convex_radius"] >= limits["convex_radius"] - slack * d and steep <= limits.get(
+            "pressure_angle", math.pi
+        )
+
+    nothing = (max(abs(d - arm) - roller, 0.0) if arm else 0.0) + 1e-6 * d
+    if math.isfinite(least) and least > nothing:
+        # Limits may be kept at one circle alone: a parabolic law whose face is touched at infinity on both sides.
+        assert kept(least, 1e-7)
+        assert not kept(least * (1 - 1e-6))
+    up_to = least * (1 - 1e-6) if math.isfinite(least) else (d + arm - roller if arm else d)
+    for base in np.linspace(nothing, up_to, 40) if up_to > nothing else []:
+        curves = cam_curves(cam_of(cam, base_radius=base), 300)
+        # Undercut profiles have their curvatures too: of the roller's path less the roller.
+        pitch = curves.curvature / (1 + roller * curves.curvature)
+        fine = curves.angle.size > 0 and pitch.max() * (roller + limits["convex_radius"]) <= 1
+        if arm and "pressure_angle" in limits:
+            fine = fine and np.abs(curves.pressure_angle).max() <= limits["pressure_angle"]
+        # Samples may miss an extreme; the cam's results don't.
+        assert not (fine and kept(base)), f"{base} keeps the limits, {least} was told"
 
 
 def test_roller_as_large_as_the_radius_of_curvature__undercuts():
