@@ -333,7 +333,8 @@ def _resolved(row: int, samples: np.ndarray, values: np.ndarray) -> bool:
         for k in range(SAMPLES):
             low, high = min(low, samples[k, q]), max(high, samples[k, q])
             great = max(great, samples[k, QUANTITIES + q])
-        if q >= HEIGHT_RISING and high + 0.25 * (high - low) < values[row, _HEIGHTS + q - HEIGHT_RISING]:
+        so_far = values[row, _HEIGHTS + q - HEIGHT_RISING] if q >= HEIGHT_RISING else -math.inf
+        if high + 0.25 * (high - low) < so_far or high == NEVER:
             continue
         allowed = COARSE * (high - low) + 1e3 * EPS * great
         for b in range(LAST // 2):
