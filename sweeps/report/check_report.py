@@ -246,10 +246,11 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     block = block_size(study, machine, cost.seconds)
     memory = block * (numbers + bytes_of_fields(study, machine))
+    saved = "saved after each variant" if block == 1 else f"saved after every {block} variants"
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
-        ("Evaluation", f"{way}; {study.precision}; saved after every {block} variants"),
+        ("Evaluation", f"{way}; {study.precision}; {saved}"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
         *_file_sections(study, machine, out),

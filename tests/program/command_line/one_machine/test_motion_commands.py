@@ -2,6 +2,7 @@
 
 import csv
 import itertools
+import re
 from pathlib import Path
 
 import numpy as np
@@ -119,8 +120,7 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
     assert 0 < found.seconds < 1
     text = said("check", "study.toml").stdout
     # How many depends on how fast the machine is just now.
-    every = int(text.partition("saved after every ")[2].split()[0])
-    assert 1 <= every <= study.design.size
+    assert re.search(r"saved after (each variant|every \d+ variants)\n", text)
     assert "the first time up to a minute more, to compile" in text
 
 
