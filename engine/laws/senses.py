@@ -5,6 +5,9 @@ import math
 from engine.compiling.decorators import scalar
 from engine.laws.elementary import angle_of, chosen
 
+# Places nearer to a zero than this [rad or m] can't be told from it; so much beyond, what vanishes with it is small.
+_NEAR_ZERO, _NEAR_TOO = 1e-12, 1e-9
+
 
 @scalar
 def sense(v: float) -> float:
@@ -103,3 +106,22 @@ def either(condition: float, a: float, b: float) -> float:
     """
     found = chosen(condition > 0.5, a, b)
     return found if condition == condition else condition
+
+
+@scalar
+def quotient(on: float, a: float, a_rate: float, b: float, b_rate: float) -> float:
+    """a/b along a motion; NaN at a pole, where b vanishes and a doesn't.
+
+    At a zero of b a place is known to so many digits that b may be any value up to its derivative times their
+    rounding. Where a vanishes with b, as in v/|v|, the quotient is that of the derivatives.
+
+    Parameters
+    ----------
+    on : float
+        Sign of b beside the place.
+    a, b : float
+    a_rate, b_rate : float
+        Their derivatives by the place [1/rad or 1/m].
+    """
+    beside = chosen(abs(a) <= _NEAR_TOO * abs(a_rate), a_rate / b_rate, math.nan)
+    return chosen(on * b <= _NEAR_ZERO * abs(b_rate), beside, a / b)

@@ -14,7 +14,7 @@ import numpy as np
 
 from engine.graph.nodes import Node, Stage
 from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
-from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, sense, side
+from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, quotient, sense, side
 from engine.laws.tables import cycles_before
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
@@ -84,7 +84,7 @@ class _Curves:
         # Parts are shared, so that each is followed once; and they must live as long as their place in memory counts.
         self._known: dict[int, tuple[Tree, Differentiated]] = {}
         self._names: dict[str, Differentiated] = {}
-        # Curves with the same zeros, without a number that they are multiplied by.
+        # Curves with the same zeros, without a number that they are multiplied by or a power.
         self._bare: dict[Node, Differentiated] = {}
         # Distances from an end of a stroke: the slide, the sense in which they grow with it, and the end.
         self._distances: dict[Node, tuple[Differentiated, float, Node]] = {}
@@ -134,7 +134,11 @@ class _Curves:
         return found
 
     def _quotient(self, a: Differentiated, b: Differentiated) -> Differentiated:
-        found = a.value / b.value
+        if b.value.stage < Stage.POSITION:
+            found = a.value / b.value
+        else:
+            # A pole is where a panel ends: it can't pass unseen between two positions.
+            found = self.graph.apply(quotient, self._held_sign(sense, b, 0), *a, *b)
         return Differentiated(found, (a.rate - found * b.rate) / b.value)
 
     def _negative(self, a: Differentiated) -> Differentiated:
@@ -149,9 +153,14 @@ class _Curves:
         if n != int(n) or abs(n) > LARGEST_PRODUCT:
             return self._varying_power(base, self._constant(n))
         x = self.of(base)
-        value = self._multiplied(x.value, abs(int(n)))
+        if n == 0:
+            return self._constant(1.0)
         if n < 0:
-            value = 1.0 / value
+            inverse = self._quotient(self._constant(1.0), x).value
+            value = self._multiplied(inverse, abs(int(n)))
+            return Differentiated(value, n * (value * inverse) * x.rate)
+        value = self._multiplied(x.value, int(n))
+        self._bare[value] = self._bare.get(x.value, x)
         return Differentiated(value, n * (value / x.value) * x.rate)
 
     def _multiplied(self, x: Node, times: int) -> Node:
@@ -203,7 +212,7 @@ class _Curves:
             return Differentiated(sine, cosine * x.rate)
         if name == "cos":
             return Differentiated(cosine, -sine * x.rate)
-        return Differentiated(sine / cosine, x.rate / (cosine * cosine))
+        return self._quotient(Differentiated(sine, cosine * x.rate), Differentiated(cosine, -sine * x.rate))
 
     def _turns_wholly(self, angle: Tree) -> bool:
         slope = self._slope(angle) if "phi" in names_in_tree(angle) else None

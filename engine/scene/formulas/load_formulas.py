@@ -50,6 +50,8 @@ _OF_POINT = {"x": "m", "y": "m", "vx": "m s-1", "vy": "m s-1"}
 _OF_LINK = {"angle": "rad", "angular_velocity": "rad s-1"}
 _OF_SLIDER = {"slide": "m", "velocity": "m s-1", "stroke": "m", "stroke_low": "m", "stroke_high": "m"}
 _OF_SLIDER |= {"from_low": "m", "from_high": "m"}
+# Of how many sets of values some have to be finite.
+_DRAWS = 32
 # Accelerations follow from the loads.
 _ACCELERATIONS = {"ax", "ay", "acceleration", "angular_acceleration"}
 
@@ -161,7 +163,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
         wanted = dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
         check_yields(expression, wanted, known)
         _check_curves(expression)
-        _check_constants(expression, expression.tree)
+        _check_finite(expression, expression.tree)
         _check_turns(scene, formula)
     except ExpressionError as error:
         yield formula.key, str(error)
@@ -216,16 +218,19 @@ def _check_turns(scene: Scene, formula: LoadFormula) -> None:
             raise _refused(expression, tree, what)
 
 
-def _check_constants(expression: TextExpression, tree: Tree) -> None:
-    """Refuse numbers without names that aren't finite, such as 1 / 0."""
+def _check_finite(expression: TextExpression, tree: Tree) -> None:
+    """Refuse what isn't finite whatever the values of its names, such as 1 / 0 or 1 / (phi - phi)."""
     if isinstance(tree, TextOperation):
         for operand in tree.operands:
-            _check_constants(expression, operand)
-        if not names_in_tree(tree):
-            with np.errstate(all="ignore"):
-                value = evaluate_tree(tree, {})
-            if not np.isfinite(value):
-                raise _refused(expression, tree, "this is no finite number")
+            _check_finite(expression, operand)
+        draws = np.random.default_rng(0)
+        names = names_in_tree(tree)
+        values = {name: draws.choice((-1.0, 1.0), _DRAWS) * 10.0 ** draws.uniform(-3.0, 2.0, _DRAWS) for name in names}
+        with np.errstate(all="ignore"):
+            value = evaluate_tree(tree, values)
+        if not np.isfinite(value).any():
+            ever = ", whatever its names mean" if names else ""
+            raise _refused(expression, tree, f"this is no finite number{ever}")
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:

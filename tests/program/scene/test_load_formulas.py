@@ -104,6 +104,8 @@ def test_formula_that_is_a_force__is_taken(tmp_path, force):
         ("1 N * (ram.slide / (1 m))^phi + 1 N * ram.slide^phi", "the power of a length must be a fixed number"),
         ("1 N / 0", "this is no finite number"),
         ("1 N * sqrt(1 - 2)", "this is no finite number"),
+        ("1 N / (phi - phi)", "this is no finite number, whatever its names mean"),
+        ("1 N * log(0 * v / (1 m/s))", "this is no finite number, whatever its names mean"),
         ("1 N if phi == 0 else 0", "== holds in single places at most; compare by < or >"),
         ("1 N * ram.slied / (1 mm)", "unknown name 'ram.slied'; did you mean 'ram.slide'"),
         ("1 N * x", "a formula may use k, n, phi, v, omega, t, gravity, numbers given in [forces.cut.numbers]"),

@@ -274,6 +274,38 @@ def test_number_that_makes_it_infinite__is_a_status():
     assert outcome.summaries["m.moment.mean"][0] == 1.5
 
 
+@pytest.mark.parametrize("formula", ["1 N m / (phi - n)", "1 N m * (phi - n)^-2"])
+def test_pole_within_the_cycle__is_a_status_wherever_it_is(formula):
+    scene = slider_crank(moments={"m": moment(formula, numbers={"n": 1})})
+    machine = Machine(scene, summaries=["m.moment.mean"], varied=["moments.m.numbers.n"])
+    outcome = machine.evaluate({"moments.m.numbers.n": np.array([-1.0, 0.001, 2.0, 3.7, 6.2831, 7.0])})
+    met = Verdict.NOT_FINITE
+    assert outcome.status.tolist() == [Verdict.OK, met, met, met, met, Verdict.OK]
+    turn = 2 * math.pi
+    expected = [math.log((turn - n) / -n if n < 0 else (n - turn) / n) for n in (-1.0, 7.0)]
+    if "^" in formula:
+        expected = [1 / -n + 1 / (n - turn) for n in (-1.0, 7.0)]
+    off = outcome.summaries["m.moment.mean"][[0, -1]] - np.array(expected) / turn
+    assert (np.abs(off) <= outcome.errors["m.moment.mean"][[0, -1]]).all()
+    assert (outcome.errors["m.moment.mean"][[0, -1]] < 1e-11).all()
+
+
+def test_quotient_of_what_vanishes_together__has_its_limit():
+    """What many write for a sign; and one whose limit is that of the rates."""
+    loads = {
+        "sign": force("5 N * v / abs(v)", on="B"),
+        "other": force("5 N * sign(v)", on="B"),
+        "flat": force("4 N * sin(phi - 2) / (phi - 2)", on="B"),
+    }
+    scene = slider_crank(loads)
+    names = [f"{name}.moment.rms" for name in loads]
+    outcome = Machine(scene, summaries=names, fields=["flat.moment"], positions=8).evaluate({})
+    assert outcome.status[0] == Verdict.OK
+    sign, other = (outcome.summaries[name][0] for name in names[:2])
+    assert abs(sign - other) <= 40 * EPS * other
+    assert np.isfinite(outcome.fields["flat.moment"]).all()
+
+
 def test_machine_that_cannot_be_assembled__isn_t_helped_by_a_piece_that_holds_without_it():
     scene = slider_crank(
         {"f": force("max(0, 3 N * (ram.slide - 0.3 m) / (1 m))")}, {"m": moment("1 N m if ram.slide > 1 m else 2 N m")}
