@@ -20,6 +20,8 @@ STEPS = 240
 MANY_CYCLES = 1000
 # So near to an end of its range, as a share of it, an input is there.
 _AT_END = 1e-9
+# A machine that has so small a share of its greatest speed left only fades away.
+_NEXT_TO_NOTHING = 1e-6
 
 
 def regime_words(scene: Scene, name: str) -> str:
@@ -136,18 +138,22 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
         swings = (along[(along < 0.0).argmax() :] > 0.0).any()
         doing = f"swings back and forth between φ = {span}" if swings else "turns backwards, ever faster"
         return f"the machine {doing}: what drives it doesn't carry its loads; a stronger motor or a lower load helps"
-    if regime.rest and angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES):
+    if regime.rest and (angle[-1] < turn or speed[-1] < _NEXT_TO_NOTHING * speed.max()):
         return "it doesn't come to rest: all that slows it vanishes with the speed; brake it"
-    if angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES):
+    if angle[-1] < turn * (1.0 - _NEXT_TO_NOTHING):
         after = quantity_text(float(np.ptp(seen.time[chosen])), "s")
         return f"it neither ends nor gets going: after {after} {goes}; change its end, or what drives and loads it"
-    goes += f" after {regime.at_most:g} cycles"
+    early = angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES)
+    goes += f" after {angle[-1] / turn:.3g} cycles" if early else f" after {regime.at_most:g} cycles"
+    raising = "" if early else f", or raise {key}.at_most"
     if regime.speed is not None:
-        asked = quantity_text(regime.speed, "rad s-1")
-        mend = "ask for a speed that its motors reach with these loads" if last.max() < regime.speed else "brake it"
-        return f"the speed of {asked} isn't reached: {goes}; {mend}, or raise {key}.at_most"
+        asked, slow = quantity_text(regime.speed, "rad s-1"), last.max() < regime.speed
+        goes += f", and a machine nearer to it gets {'slower' if slow else 'faster'}" if early else ""
+        mend = "ask for a speed that its motors reach with these loads" if slow else "brake it"
+        return f"the speed of {asked} isn't reached: {goes}; {mend}{raising}"
     if regime.rest:
-        return f"it doesn't come to rest: {goes}; switch off what drives it, brake it, or raise {key}.at_most"
+        goes += ", and a slower machine gets faster" if early else ""
+        return f"it doesn't come to rest: {goes}; switch off what drives it or brake it{raising}"
     return f"{key}.at_most comes before its end: {goes}; raise it"
 
 

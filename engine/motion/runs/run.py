@@ -46,12 +46,12 @@ def _run(runs: Progress) -> RunOutcome:
     while not runs.done.all():
         fast = np.flatnonzero(brisk & ~runs.done)
         if fast.size:
-            stretch(runs, fast)
+            stretch(runs, fast, run_to_end)
             brisk[fast] = False
         set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
         slow = np.flatnonzero(~brisk & ~runs.done & (runs.facing != 0.0))
         if slow.size:
-            step(runs, slow)
+            step(runs, slow, run_to_end)
             brisk[slow] = _brisk(runs, slow)
             gained = runs.state.turned > reached + runs.dynamics.cycle
             reached[gained], time_steps[gained] = runs.state.turned[gained], 0

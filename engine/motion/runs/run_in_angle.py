@@ -11,6 +11,7 @@ from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import COARSER, Progress
+from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.motion.steppers.classical import ORDER_FOUR
 from engine.motion.steppers.dormand_prince import ORDER_EIGHT
@@ -28,6 +29,8 @@ LOOKED_WITHIN, TO_THE_END = (ORDER_EIGHT, ORDER_NINE), (ORDER_THIRTEEN, ORDER_NI
 FEWER = [0, 2, 5]
 # Steps of the order thirteen may turn so many times as far.
 FARTHER = 4.0
+# Cycles after which it is first looked whether a run comes nearer to a speed; then twice as many each time.
+FIRST_CYCLES = 8
 # What a single step may miss: anything.
 WHATEVER = 1e30
 
@@ -62,19 +65,24 @@ class Stretch(NamedTuple):
     doubts: np.ndarray
 
 
-def stretch(runs: Progress, who: np.ndarray) -> None:
+def stretch(runs: Progress, who: np.ndarray, carry: Carry) -> None:
     """A stretch in the energy form, up to an end of the run or to where the machine slows down."""
-    steep = np.zeros(who.size, bool)
+    steep, many = np.zeros(who.size, bool), np.full(who.size, FIRST_CYCLES)
+    runs.begin_cycles(who)
     while who.size:
         goal = np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]) - runs.state.turned[who]
         # What is looked at is looked at cycle by cycle.
-        near = np.minimum(goal, runs.dynamics.cycle) if runs.observers else goal
+        cycles = np.ones_like(many) if runs.observers else many
+        to_mark = runs.mark[who] - runs.state.turned[who] + (cycles - 1) * runs.dynamics.cycle
+        marked = runs.by_speed[who]
+        near = np.minimum(goal, np.where(marked, to_mark, runs.dynamics.cycle if runs.observers else np.inf))
         ends = Limits(
             near, runs.ends.time[who] - runs.state.time[who], runs.above[who], np.maximum(runs.below[who], 0.0)
         )
         before, after = runs.part(who), _gone(runs, who, steep, ends, runs.tolerance, look=True)
         _take(runs, who, after)
         onward = (after.stop == ANGLE) & (near < goal)
+        pass_mark(runs, who[onward & marked], carry)
         becomes_steep = after.stop == STIFF
         over = ~onward & ~becomes_steep
         _finish(
@@ -85,8 +93,9 @@ def stretch(runs: Progress, who: np.ndarray) -> None:
             State(*(x[..., over] for x in before)),
             goal[over],
         )
-        steep = (steep | becomes_steep)[~over]
-        who = who[~over]
+        runs.set_marks(who[over & marked])
+        goes_on = ~over & ~runs.done[who]
+        steep, many, who = (steep | becomes_steep)[goes_on], np.where(onward, 2 * many, many)[goes_on], who[goes_on]
 
 
 def _gone(

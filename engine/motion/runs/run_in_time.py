@@ -5,6 +5,7 @@ import numpy as np
 from engine.motion.moments.grid import JUMP
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
+from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, piece_in_time
 from engine.motion.steppers.time_form import State, Step, TimeForm
 from engine.verdicts import Verdict
@@ -59,7 +60,7 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
         runs.give_up(stays[~waits], Verdict.STALLS)
 
 
-def step(runs: Progress, who: np.ndarray) -> None:
+def step(runs: Progress, who: np.ndarray, carry: Carry) -> None:
     """One step in time of some variants, or less of it where an end is met."""
     form, state, facing = runs.form(who), runs.absolute(runs.part(who), who), runs.facing[who]
     end = runs.clock[who] + runs.ends.time[who]
@@ -68,6 +69,7 @@ def step(runs: Progress, who: np.ndarray) -> None:
     if runs.dynamics.changing:
         longest = np.minimum(longest, STRIDE * (_span(runs, who) / WAITS))
     goal = _next_break(runs, who, state.turned, facing)
+    goal = np.where(facing > 0.0, np.fmin(goal, runs.mark[who]), goal)
     h, step = _good_step(runs, form, who, state, goal, longest)
     after, slowest, fastest = step.after, step.slowest, step.fastest
     lost = ~np.isfinite(after.omega)
@@ -91,6 +93,9 @@ def step(runs: Progress, who: np.ndarray) -> None:
     runs.fastest[who[kept]] = np.maximum(runs.fastest[who[kept]], fastest[kept])
     runs.put(who[kept], State(*(x[..., kept] for x in after))._replace(time=(after.time - runs.clock[who])[kept]))
     _after_step(runs, who[kept], which[kept])
+    marked = runs.at_mark(who[kept & ~runs.done[who]])
+    if marked.size:
+        pass_mark(runs, marked, carry)
 
 
 def _within(runs: Progress, who: np.ndarray, before: State, facing: np.ndarray, goal: np.ndarray) -> BetweenNodes:

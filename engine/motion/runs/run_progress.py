@@ -14,6 +14,8 @@ from engine.verdicts import Verdict
 TOLERANCE, FARTHEST_STEP = 1e-10, 0.25 * np.pi
 # For comparison, steps of nearly twice the length.
 COARSER = 2.0**6
+# So much of a cycle before a mark it is passed: all that rounding leaves.
+AT_MARK = 1e-9
 # Energy, time and the motors' moment squared over time, beside works.
 DOUBTFUL = 3
 
@@ -173,6 +175,13 @@ class Progress:
         step is changed by what it may be off by; NaN where that isn't known before a run for comparison.
     turned_round, farthest : ndarray
         Angle turned where a machine stood last, and where it last turned round on its way forward [rad].
+    by_speed : ndarray of bool
+        Whether a speed or rest alone ends the run, and comparing cycles may tell that none of them does.
+    mark, omega_at_mark : ndarray
+        Angle turned at which the speed is next compared with that of cycles ago [rad], and that speed, NaN where
+        it says nothing of what follows [rad/s].
+    marks : ndarray of int
+        At how many marks it was.
     """
 
     def __init__(
@@ -217,6 +226,11 @@ class Progress:
         self.facing = np.sign(self.state.omega)
         self.done |= ends.speed == omega
         self.turned_round, self.farthest = np.zeros(count), np.full(count, np.nan)
+        endless = np.isinf(ends.turned) & np.isinf(ends.time)
+        self.by_speed = endless & dynamics.reduction.has_cycle & (not dynamics.changing)
+        self.mark = np.where(self.by_speed, dynamics.cycle, np.inf)
+        self.omega_at_mark = np.full(count, np.nan) if dynamics.timed else self.state.omega.copy()
+        self.marks = np.zeros(count, int)
         self._last_inertia = np.zeros(0, int), np.zeros(0), np.zeros(0)
         self.arrive(np.flatnonzero((self.facing != 0.0) & (self.ahead(np.arange(count)) <= 0.0)))
 
@@ -271,6 +285,26 @@ class Progress:
     def give_up(self, who: np.ndarray, verdict: Verdict) -> None:
         """End the runs of some variants with a verdict."""
         self.verdict[who], self.done[who] = verdict, True
+
+    def begin_cycles(self, who: np.ndarray) -> None:
+        """Count the cycles of some variants that haven't gone through one from where they are."""
+        first = who[self.by_speed[who] & (self.mark[who] <= self.dynamics.cycle)]
+        self.mark[first] = self.state.turned[first] + self.dynamics.cycle
+        self.omega_at_mark[first] = self.state.omega[first]
+
+    def at_mark(self, who: np.ndarray) -> np.ndarray:
+        """Which of some variants are at their marks, by index."""
+        return who[self.state.turned[who] >= self.mark[who] - AT_MARK * self.dynamics.cycle]
+
+    def past_tables(self, who: np.ndarray) -> np.ndarray:
+        """Where the last instant is over after which no table makes anything depend on time."""
+        last = np.fmax.reduce(self.variants.instants[:, who], axis=0, initial=-np.inf)
+        return self.clock[who] + self.state.time[who] > last
+
+    def set_marks(self, who: np.ndarray) -> None:
+        """Set the marks of some variants ahead of them, whole cycles on."""
+        behind = np.floor((self.state.turned[who] - self.mark[who]) / self.dynamics.cycle + AT_MARK)
+        self.mark[who] += np.maximum(behind + 1.0, 0.0) * self.dynamics.cycle
 
     def put(self, who: np.ndarray, state: State) -> None:
         """Take over the new state of some variants."""

@@ -60,6 +60,36 @@ def test_what_vanishes_with_the_speed__stops_no_machine(only):
     assert "all that slows it vanishes with the speed" in told(scene)
 
 
+# Where a motor of 20 N·m at rest and none at 100 rad/s carries a drag of 0.05 N·m·s, but for what the ram makes of it.
+SETTLED = 20.0 / (20.0 / 100.0 + 0.05)
+
+
+@pytest.mark.parametrize(
+    ("only", "end", "words"),
+    [
+        ("dc oil", {"speed": 1.05 * SETTLED}, "isn't reached: it goes at"),
+        ("dc oil nothing", {"speed": 1.05 * SETTLED}, "isn't reached: it goes at"),
+        ("dc oil", {"from_speed": 1.5 * SETTLED, "speed": 0.95 * SETTLED}, "isn't reached: it goes at"),
+        ("dc oil", {"from_speed": 0.5 * SETTLED, "rest": True}, "doesn't come to rest: it goes at"),
+    ],
+    ids=["from below", "in time", "from above", "rest"],
+)
+def test_end_that_a_settled_machine_never_meets__is_known_long_before_it_has_settled(only, end, words):
+    scene = slider_crank({"go": run(only, **end)}, flywheel=0.2)
+    assert ask(scene, "go.time").status == [Verdict.NO_END]
+    # By I/(0.2 N·m·s + 0.05 N·m·s) it forgets within 13 cycles all but a share of 1/e.
+    assert history(Scene.model_validate(scene)).angle[-1] < 26.0 * TURN
+    assert words in told(scene)
+    assert "at_most" not in told(scene)
+
+
+def test_speed_that_is_come_to_slowly__is_waited_for():
+    # From I ω' = M (1 − ω/ω₀) − c ω: ω = s (1 − e^(−t/T)), with T = I/(M/ω₀ + c).
+    scene = rotor({"go": run("dc oil", speed=0.9999 * SETTLED)})
+    found = ask(scene, "go.time")
+    assert found["go.time"] == pytest.approx(INERTIA / 0.25 * math.log(1e4), rel=1e-9)
+
+
 def test_end_by_time__is_waited_for():
     scene = pendulum(
         {"go": run("gravity", from_angle=-math.pi / 2 - 0.6, from_speed=0.0, time=4 * PERIOD)}, MASS, ARM, OWN
