@@ -148,7 +148,8 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     raising = "" if early else f", or raise {key}.at_most"
     if regime.speed is not None:
         asked, slow = quantity_text(regime.speed, "rad s-1"), last.max() < regime.speed
-        goes += f", and a machine nearer to it gets {'slower' if slow else 'faster'}" if early else ""
+        nearer = f"and a machine nearer to it gets {'slower' if slow else 'faster'}"
+        goes += f", {'as in the cycle before' if scene.couplings else nearer}" if early else ""
         mend = "ask for a speed that its motors reach with these loads" if slow else "brake it"
         return f"the speed of {asked} isn't reached: {goes}; {mend}{raising}"
     if regime.rest:

@@ -283,7 +283,7 @@ class CoupledRuns:
         nearest = np.fmin.reduce(np.where(ahead > 0.0, ahead, np.inf), axis=0, initial=np.inf)
         way = np.where(self.joined.crank_way[who] < 0.0, -1.0, 1.0)
         # What may go on for ever is compared with itself from cycle to cycle.
-        cycles = (np.floor(way * self.state[CRANK, who] / self.cycle + NO_STEP) + 1.0) * self.cycle
+        cycles = (np.floor((way * self.state[CRANK, who] + LANDED) / self.cycle) + 1.0) * self.cycle
         compared = np.isinf(self.ends.turned[who]) & np.isinf(self.ends.time[who])
         nearest = np.where(compared, np.fmin(nearest, cycles - way * self.state[CRANK, who]), nearest)
         return self.state[CRANK, who] + way * nearest

@@ -233,6 +233,15 @@ def test_capacity_below_the_load__never_brings_the_sides_together():
     assert found.status == [Verdict.SLIPS, Verdict.OK]
 
 
+def test_clutch_that_slips_on__is_told_of_a_crank_that_slows_down_where_its_cycles_begin():
+    # The motor's side slips at 0.8 N·m · 7.5, which carries the drag at 7.5 rad/s; the eccentric rises from φ = 0 on.
+    scene = slider_crank({"go": run("dc oil gravity", speed=10.0)}, oil={"coefficient": 0.8})
+    scene = coupled(scene, capacity=0.8)
+    assert ask(scene, "go.time").status == [Verdict.SLIPS]
+    # By I/(0.8 N·m·s) < 0.1 s the crank forgets within an eighth of a turn all but a share of 1/e.
+    assert history(Scene.model_validate(scene)).angle[-1] < math.log(1e16) / 8.0 * 2.0 * math.pi
+
+
 def test_steady_motion__slips_where_the_clutch_holds_less_than_it_takes():
     scene = coupled(slider_crank({"work": steady("dc oil")}))
     most = ask(scene, "work.clutch_moment_peak work.mean_speed")
