@@ -8,7 +8,7 @@ from engine.scene.scene import Scene
 def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...] | None]:
     """The real assembly modes of every group of free links, of groups that hang on others after these.
 
-    None stands for those of a group that hangs on one whose mode the scene doesn't tell: where it begins isn't known yet.
+    None stands for those of a group that hangs on one whose mode the scene doesn't tell.
 
     Parameters
     ----------
