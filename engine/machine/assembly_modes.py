@@ -1,12 +1,14 @@
 """All ways to put a mechanism of free links together at the first position of its input."""
 
-from engine.mechanism.groups.seed_tables import AssemblyMode
+from engine.mechanism.groups.seed_tables import AssemblyMode, ModeNotTold
 from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Scene
 
 
-def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...]]:
+def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...] | None]:
     """The real assembly modes of every group of free links, of groups that hang on others after these.
+
+    None stands for those of a group that hangs on one whose mode the scene doesn't tell.
 
     Parameters
     ----------
@@ -15,6 +17,12 @@ def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...]]:
     Raises
     ------
     SceneError
-        The scene can't be ordered, or a group hangs on one whose mode it doesn't tell.
+        The scene can't be ordered.
     """
-    return {name: tables.modes for name, tables in Mechanics(scene).kinematics.seed_tables.items()}
+    found: dict[str, tuple[AssemblyMode, ...] | None] = {}
+    for name, tables in Mechanics(scene).kinematics.seed_tables.items():
+        try:
+            found[name] = tables.modes
+        except ModeNotTold:
+            found[name] = None
+    return found

@@ -59,7 +59,8 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     click.echo(mode_table(machine, found))
     if found and not no_plots:
         made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
-        click.echo("\n".join(f"Wrote {path}" for path in made))
+        for path, refusal in made.items():
+            tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}, as {refusal}")
 
 
 @click.command("guide")

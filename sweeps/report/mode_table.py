@@ -5,19 +5,24 @@ from sweeps.text.engineer_units import quantity_text
 from sweeps.text.tables import table
 
 
-def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...]]) -> str:
+def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) -> str:
     """All real modes at the first position: where points lie, the quality of transmission, which one the scene means.
 
     Parameters
     ----------
     scene : Scene
     modes : dict of str to tuple of AssemblyMode
-        Of each group of free links.
+        Of each group of free links; None of one that hangs on a group whose mode isn't told.
     """
     if not modes:
         return "no group of free links, [links], whose assembly mode had to be told: dyads have mode = 1 and mode = -1"
     parts = []
     for group, found in modes.items():
+        if found is None:
+            parts.append(
+                f"{group}: hangs on a group whose mode the scene doesn't tell; told that one, its own are listed"
+            )
+            continue
         count = f"{len(found)} real assembly mode{'' if len(found) == 1 else 's'}"
         parts.append(f"{group}: {count if found else 'no assembly'} at the first position")
         if not found:
@@ -28,6 +33,10 @@ def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...]]) -> str:
             places = [", ".join(quantity_text(value, "m") for value in mode.points[name]) for name in points]
             rows.append([str(number), *places, f"{mode.transmission:.3f}", "the scene's" if mode.chosen else ""])
         parts.append(table(rows, "  "))
-        if not any(mode.chosen for mode in found):
+        if not any(mode.chosen for mode in found) and not points:
+            parts.append(
+                "  the scene tells none of them: near does, by a point of one of the group's links, away from joints"
+            )
+        elif not any(mode.chosen for mode in found):
             parts.append(f'  the scene tells none of them: near.{points[0]} = {{ x = "…", y = "…" }} does')
     return "\n".join(parts)

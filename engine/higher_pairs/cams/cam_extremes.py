@@ -409,10 +409,13 @@ def _see(
         beta = pieces[i, BETA]
         found = pieces[i, ORIGIN] + beta * u
         near = abs(places[row, e] - found) <= beta * half * (high - low)
-        if value > values[row, e] + margin or (near and value > values[row, e] - margin):
-            values[row, e], sizes[row, e], places[row, e] = value, size, found
+        higher = value > values[row, e] + margin
+        if higher or (near and value > values[row, e] - margin):
             flat = half * math.sqrt(ROUNDING * EPS * size / -bend)
-            spreads[row, e] = beta * (2.0 * flat + 4.0 * NEAR * (pieces[i, TO] - pieces[i, FROM]))
+            spread = beta * (2.0 * flat + 4.0 * NEAR * (pieces[i, TO] - pieces[i, FROM]))
+            # Between two places of equal height, as at the end of a rise that begins very gently, either may be it.
+            spreads[row, e] = spread if higher else spread + abs(found - places[row, e])
+            values[row, e], sizes[row, e], places[row, e] = value, size, found
 
 
 @routine

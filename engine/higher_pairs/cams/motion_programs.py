@@ -197,7 +197,9 @@ def check_roller(contact: str, radius: float | None) -> None:
     Raises
     ------
     ValueError
-        One of the two is missing.
+        A roller has none, or what is no roller has one.
     """
-    if (contact == "roller") != (radius is not None):
+    if contact == "roller" and radius is None:
+        raise ValueError("roller_radius is missing: contact = 'roller' needs it")
+    if contact != "roller" and radius is not None:
         raise ValueError(f"roller_radius goes with contact = 'roller'; the contact is {contact!r}")

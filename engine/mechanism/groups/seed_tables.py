@@ -75,6 +75,10 @@ class AssemblyMode(NamedTuple):
     chosen: bool
 
 
+class ModeNotTold(SceneError):
+    """A scene doesn't tell the assembly mode of a group that has several."""
+
+
 class SeedTables:
     """Tables of seeds of a group of free links.
 
@@ -252,19 +256,22 @@ class SeedTables:
 
         Raises
         ------
-        SceneError
+        ModeNotTold
             It has several, and `near` tells none of them.
         """
         if self.modes and not any(mode.chosen for mode in self.modes):
             words = f"{', '.join(self.group.links)} have {len(self.modes)} assembly modes at the first position"
             if not self._points:
-                mend = f'points.NAME = {{ link = "{self.group.links[0]}", x = 0, y = 0 }}'
-                raise SceneError([("near", f"{words}, and they have no point that could tell which: give them {mend}")])
+                mend = f'points.NAME = {{ link = "{self.group.links[0]}", x = "…", y = "…" }}, away from its joints'
+                raise ModeNotTold(
+                    [("near", f"{words}, and they have no point that could tell which: give them {mend}")]
+                )
             point = max(self._points, key=lambda name: _least_distance([m.points[name] for m in self.modes]))
             listed = "; ".join(f"({x:.4g} m, {y:.4g} m)" for x, y in (mode.points[point] for mode in self.modes))
             mend = f'near.{point} = {{ x = "…", y = "…" }}'
-            told = "and what near tells is as far from two of them" if self.scene.near else "and nothing tells which"
-            raise SceneError([("near", f"{words}, {told}: give {mend}; {point} may lie at {listed}")])
+            pointed = any(name in self.scene.near for name in self._points)
+            told = "and what near tells is as far from two of them" if pointed else "and nothing tells which"
+            raise ModeNotTold([("near", f"{words}, {told}: give {mend}; {point} may lie at {listed}")])
 
     # Tables
 

@@ -284,6 +284,19 @@ def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam)
         assert not (fine and kept(base)), f"{base} keeps the limits, {least} was told"
 
 
+def test_place_on_a_gentle_begin_of_a_rise__is_told_no_better_than_its_height_tells_it():
+    # With an offset greater than s′ ever is, |α| falls from the begin of the rise on, by less than a rounding at first.
+    values, errors, _ = cam_answers(
+        ROLLER,
+        "rise_pressure_angle_at",
+        follower__offset="12 mm",
+        sections__out__law="4-5-6-7",
+        sections__out__angle="150 deg",
+        sections__out__lift="12 mm",
+    )
+    within(values["rise_pressure_angle_at"], errors["rise_pressure_angle_at"], 0.0)
+
+
 def test_roller_as_large_as_the_radius_of_curvature__undercuts():
     steep = {"sections__out__angle": "40 deg", "follower__preload": "2 kN"}
     radius = cam_answers(ROLLER, "undercut_radius", **steep)[0]["undercut_radius"]

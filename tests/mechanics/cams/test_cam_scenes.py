@@ -32,7 +32,7 @@ from sweeps.text.scene_text import read_scene, write_scene
         (ARM, {"sections__out__lift": "5 mm"}, "what moves here turns; give swing instead"),
         (ROLLER, {"sections__out__law": "sine"}, "'modified sine'"),
         (ROLLER, {"sections": {}}, "give sections, or a table"),
-        (ROLLER, {"follower__roller_radius": None}, "roller_radius goes with contact = 'roller'"),
+        (ROLLER, {"follower__roller_radius": None}, "roller_radius is missing: contact = 'roller' needs it"),
         (KNIFE, {"closure": "form"}, "give contact = 'roller'"),
         (KNIFE, {"line_contact": {"width": "5 mm"}}, "line_contact"),
         (FLAT, {"follower__offset": "2 mm"}, "offset = 0 for a flat face"),
