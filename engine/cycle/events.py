@@ -189,6 +189,15 @@ def find_landmarks(
             landmarks[function, GREATEST_AT, lane] = place if higher else landmarks[function, GREATEST_AT, lane]
             at_error = landmarks[function, GREATEST_AT_ERROR, lane]
             landmarks[function, GREATEST_AT_ERROR, lane] = aside if higher else at_error
+    # Where a function stands still at its end, the end is anywhere there.
+    for k in range(last):
+        for lane in range(LANES):
+            here, there = samples.values[f_row + k, lane], samples.values[f_row + k + 1, lane]
+            near, width = ROUNDING * landmarks[function, SCALE, lane], samples.q[k + 1, lane] - samples.q[k, lane]
+            low = larger(here, there) <= landmarks[function, LEAST, lane] + near
+            high = smaller(here, there) >= landmarks[function, GREATEST, lane] - near
+            landmarks[function, LEAST_AT_ERROR, lane] += 2.0 * width if low else 0.0
+            landmarks[function, GREATEST_AT_ERROR, lane] += 2.0 * width if high else 0.0
     for lane in range(LANES):
         aside = ROUNDING * larger(abs(samples.q[0, lane]), abs(samples.q[last, lane]))
         landmarks[function, VALUE_ERROR, lane] = ROUNDING * landmarks[function, SCALE, lane]

@@ -1,11 +1,13 @@
 """Strokes of sliders and swings of links: their ends, the dead centres, and the quick-return ratio."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 
 import numpy as np
 
 from engine.cycle.measured import Measured
+from engine.graph.nodes import Node, reached
 from engine.mechanism.higher_pairs.rack_motion import angle_of_link
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
@@ -28,9 +30,10 @@ def declare(mechanics: Mechanics) -> Declared:
     k = mechanics.kinematics
     for name in mechanics.structure.sliders:
         slide = k.slides[name]
-        yield from _ends(mechanics, name, "stroke", "m", lambda which, s=slide: StrokeEnd(s.d, s.v, which))
+        yield from _ends(mechanics, name, "stroke", "m", lambda which, s=slide: StrokeEnd(s.d, s.v, which), (slide.d,))
     for name in swinging_links(mechanics):
-        yield from _ends(mechanics, name, "swing", "rad", lambda which, n=name: _swing_end(mechanics, n, which))
+        end, axis = partial(_swing_end, mechanics, name), k.links[name].u
+        yield from _ends(mechanics, name, "swing", "rad", end, (axis.x, axis.y))
 
 
 def swinging_links(mechanics: Mechanics) -> list[str]:
@@ -55,7 +58,19 @@ def _unless_turning(value: Measured, turned: Measured) -> Measured:
     return Measured(np.where(turns, np.nan, value.value), np.where(turns, np.nan, value.error))
 
 
-def _ends(mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[str], Expression]) -> Declared:
+def _repeats_each_turn(mechanics: Mechanics, motion: Iterable[Node]) -> bool:
+    """Whether a motion is known to repeat itself with each turn of the crank, not only with the cycle."""
+    return mechanics.scene.input.revolutions == 1 or mechanics.graph.q not in reached(motion)
+
+
+def _ends(
+    mechanics: Mechanics,
+    name: str,
+    kind: str,
+    unit: str,
+    end: Callable[[str], Expression],
+    motion: Iterable[Node],
+) -> Declared:
     of = f"{'slider' if kind == 'stroke' else 'link'} {name}"
     q = InputUnits.of(mechanics.scene).q
     swings = kind == "swing"
@@ -66,7 +81,7 @@ def _ends(mechanics: Mechanics, name: str, kind: str, unit: str, end: Callable[[
         yield Summary(f"{name}.{kind}_{side}", words, unit, lambda side=side: end(side), swings)
         words = f"input position at the {side} end of the {kind} of {name}"
         yield Summary(f"{name}.{kind}_{side}_at", words, q, lambda side=side: end(f"{side}_at"), swings)
-    if mechanics.has_cycle:
+    if mechanics.has_cycle and _repeats_each_turn(mechanics, motion):
         yield Summary(
             f"{name}.{kind}_time_ratio",
             f"quick-return ratio of the {kind} of {name}",

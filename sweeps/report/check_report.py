@@ -115,7 +115,8 @@ def nominal_text(study: Study) -> str:
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
     verdict = Verdict(outcome.status[0])
-    lines = [assembly_text(study.scene)]
+    # In which mode a position is found depends there on the way to it, and ranges would mean nothing.
+    lines = [] if verdict == Verdict.OTHER_MODE else [assembly_text(study.scene)]
     if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
         lines.append(SENTENCES[verdict])
     return "\n".join([*lines, table(rows)] if rows else lines)

@@ -207,6 +207,48 @@ def test_oscillating_slotted_lever__has_the_time_ratio_of_its_tangents():
     within_figures(outcome, "g.transmission_angle", np.pi / 2, 8 * EPS)
 
 
+SECTIONS = {
+    "out": {"type": "rise", "law": "3-4-5", "angle": 1.3, "lift": 0.02},
+    "stay": {"type": "dwell", "angle": 1.1},
+    "back": {"type": "return", "law": "3-4-5", "angle": 1.7},
+    "rest": {"type": "dwell"},
+}
+
+
+def test_end_of_a_stroke_that_is_a_dwell__may_be_anywhere_in_it():
+    slide = {"type": "slider", "guide": "way", "start": 0.1, "begin": 0.4, "sections": SECTIONS}
+    machine = scene({}, {}, 0.05, {"way": {}}, inputs={"ram": slide}).model_dump(exclude_none=True)
+    del machine["input"]["revolutions"]
+    names = ["ram.stroke", "ram.stroke_high_at", "ram.stroke_low_at"]
+    outcome = Machine(Scene.model_validate(machine), names).evaluate({})
+    within_figures(outcome, "ram.stroke", 0.02, 4 * EPS)
+    dwells = {"high": (0.4 + 1.3, 0.4 + 2.4), "low": (0.4 + 4.1, 0.4 + TURN)}
+    for side, (begin, end) in dwells.items():
+        at, figure = outcome.summaries[f"ram.stroke_{side}_at"][0], outcome.errors[f"ram.stroke_{side}_at"][0]
+        # Laws begin so gently that a few degrees of them are flat to rounding: sixteen EPS are 10u³ at u = 7e-6.
+        assert all(apart(at, place) <= figure + 1e-4 for place in (begin, end))
+        assert figure < 2 * (end - begin)
+
+
+def test_time_ratio_of_what_repeats_with_the_cycle_alone__is_not_told():
+    """On a shaft that turns once in two turns of the crank there is a way out and a way back in two turns."""
+    groups = {
+        "g": SLIDER_CRANK,
+        "h": SLIDER_CRANK
+        | {
+            "inner": "E",
+            "first": {"link": "bar", "joint": "D", "length": 0.2},
+            "second": {"link": "valve", "guide": "way"},
+        },
+    }
+    points = {"C": {"x": 0.0, "y": 0.02}, "D": {"link": "half", "x": 0.03, "y": 0.0}}
+    shafts = {"half": {"geared_to": "crank", "ratio": -0.5, "pivot": "C"}}
+    machine = Machine(scene(groups, points, 0.05, {"way": {}}, shafts=shafts))
+    assert "ram.stroke_time_ratio" in machine.available_summaries
+    assert "valve.stroke" in machine.available_summaries
+    assert not {"valve.stroke_time_ratio", "bar.swing_time_ratio"} & set(machine.available_summaries)
+
+
 # Ranges of the input that aren't a cycle
 
 
