@@ -304,6 +304,11 @@ class BandBrake(Brake):
     def _holds_an_end(self) -> "BandBrake":
         if self.slack_arm == 0.0 and self.tight_arm == 0.0:
             raise ValueError("give slack_arm or tight_arm: the lever must pull an end of the band")
+        if not self.slack_arm + self.tight_arm > 0.0:
+            raise ValueError(
+                "slack_arm + tight_arm must be above 0, or the force on the lever slackens the band: turn a sign "
+                "round, or give the end that the lever draws the longer arm"
+            )
         if (self.blocks is None) != (self.block_angle is None):
             raise ValueError("blocks and block_angle belong together: give both, or neither")
         if (self.wrap is None) == (self.blocks is None):
