@@ -84,8 +84,9 @@ SENTENCES = {
         "no bound; change the speed, a stiffness or a mass, or give it its damping"
     ),
     Verdict.DOES_NOT_FIT: (
-        "wheels don't fit: teeth aren't whole numbers, axes that should be one lie apart, planets can't be spaced "
-        "equally or touch each other, or a bore cuts the teeth; change numbers of teeth or of planets, modules or bores"
+        "wheels don't fit: teeth aren't whole numbers, axes that should be one lie apart, wheels overlap or are larger "
+        "than the ring they run in, planets can't be spaced equally or touch each other, or a bore cuts the teeth; "
+        "change numbers of teeth or of planets, modules, bores, diameters or the distance of the axes"
     ),
     Verdict.SELF_LOCKS: (
         "a gear train locks by itself: the load can't drive it, as its meshes lose all power; another basic ratio or "

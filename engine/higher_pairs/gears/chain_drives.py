@@ -46,6 +46,9 @@ def chain_drive_law(drive: ChainDrive) -> LawOfArrays:
         # Links are counted: the number that is nearest stays the same where error figures are made.
         even = 2.0 * np.rint(0.5 * _links(n)) if "distance" in n else None
         values, sizes = with_nudges(partial(_rows, keys, even))(table)
+        if "distance" in n:
+            # A link less may bring them together.
+            fits &= values[[r.name for r in _RESULTS].index("fitted_distance")] > radii
         values = np.where(fits, values, np.nan)
         return values, sizes, np.where(fits, Verdict.OK, Verdict.DOES_NOT_FIT).astype(np.uint8)
 

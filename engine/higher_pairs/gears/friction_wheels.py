@@ -22,7 +22,7 @@ _RESULTS = (
 
 
 def friction_drive_law(drive: FrictionDrive) -> LawOfArrays:
-    """The law of friction wheels; they slide, which is a verdict, where less presses them than just suffices.
+    """The law of friction wheels: verdicts where less presses them than just suffices, and on rings that are too small.
 
     Parameters
     ----------
@@ -38,7 +38,12 @@ def friction_drive_law(drive: FrictionDrive) -> LawOfArrays:
         # What the wheels would need is still told.
         told = [r.name in ("tangential_force", "needed_press_force", "traction_share") for r in _RESULTS]
         values = np.where(np.array(told)[:, None], values, values * hidden)
-        return values, sizes, np.where(slides, Verdict.SLIDES, Verdict.OK).astype(np.uint8)
+        status = np.where(slides, Verdict.SLIDES, Verdict.OK)
+        if drive.internal:
+            driving, driven = (table[keys.index(key)] for key in ("driving_diameter", "driven_diameter"))
+            values = np.where(driven > driving, values, np.nan)
+            status = np.where(driven > driving, status, Verdict.DOES_NOT_FIT)
+        return values, sizes, status.astype(np.uint8)
 
     return LawOfArrays(judged, lambda element, given: tuple(given(key) for key in keys), _RESULTS)
 

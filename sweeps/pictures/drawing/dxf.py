@@ -116,8 +116,14 @@ def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:
         space.add_solid([*corners, corners[-1]][:4], dxfattribs=look)
     else:
         ends = p.points + p.points[:1] if p.kind == "polygon" else p.points
-        for piece in _visible(pairwise(ends), covers):
-            space.add_line(*(_point(c) for c in piece), dxfattribs=look)
+        for run in _joined(_visible(pairwise(ends), covers)):
+            if len(run) == 2:
+                space.add_line(*(_point(c) for c in run), dxfattribs=look)
+            else:
+                # An outline in one piece, such as a cam's, can be taken over whole.
+                closed = run[0] == run[-1]
+                corners = run[:-1] if closed else run
+                space.add_lwpolyline([_point(c) for c in corners], close=closed, dxfattribs=look)
 
 
 def _point(c: complex) -> tuple[float, float]:
@@ -141,6 +147,17 @@ def _visible(segments: Iterable[tuple[complex, complex]], covers: list[np.ndarra
     for cover in covers:
         left = [piece for segment in left for piece in _outside(*segment, cover)]
     return left
+
+
+def _joined(segments: Iterable[tuple[complex, complex]]) -> list[list[complex]]:
+    """Chains of segments that each begin where the last one ends."""
+    runs: list[list[complex]] = []
+    for a, b in segments:
+        if runs and runs[-1][-1] == a:
+            runs[-1].append(b)
+        else:
+            runs.append([a, b])
+    return runs
 
 
 def _outside(a: complex, b: complex, cover: np.ndarray) -> list[tuple[complex, complex]]:

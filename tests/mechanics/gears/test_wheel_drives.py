@@ -53,6 +53,13 @@ def test_friction_wheels__slide_where_less_presses_them_than_suffices():
     near(grooved["needed_press_force"], 600.0)
 
 
+def test_wheel_in_a_ring__is_smaller_than_the_ring():
+    varied = {"driven_diameter": np.array([0.09, 0.1, 0.11])}
+    found, status = found_of(FRICTION | {"internal": True}, varied)
+    assert list(status) == [Verdict.DOES_NOT_FIT, Verdict.DOES_NOT_FIT, Verdict.OK]
+    assert list(np.isnan(found["tangential_force"][0])) == [True, True, False]
+
+
 @given(z=st.integers(5, 60), ratio=st.floats(1, 5), speed=st.floats(1, 500))
 @settings(max_examples=30, deadline=None)
 def test_chain_speed__is_that_of_a_polygon_that_turns(z, ratio, speed):
@@ -102,6 +109,9 @@ def test_sprockets__have_whole_teeth_and_room():
     varied = {"driving_teeth": [17, 17.5], "distance": [0.4, 0.4]}
     assert list(found_of(CHAIN | {"distance": 0.4}, varied)[1]) == [Verdict.OK, Verdict.DOES_NOT_FIT]
     assert found_of(CHAIN | {"distance": 0.12})[1] == Verdict.DOES_NOT_FIT
+    # Their radii are 137.7 mm together. At 140 mm the chain has 58.7 links; with 58 they would overlap.
+    found = found_of(CHAIN | {"distance": 0.14}, {"distance": [0.14, 0.144]})
+    assert list(found[1]) == [Verdict.DOES_NOT_FIT, Verdict.OK]
 
 
 @pytest.mark.parametrize("speed", [50.0, -50.0])

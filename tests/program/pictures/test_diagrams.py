@@ -45,6 +45,18 @@ def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
     assert f"δ = {outcome.summaries['speed_fluctuation'][0]:.3g}" in figure.axes[5].get_title()
 
 
+def test_mean_moment__is_that_of_the_cycle_where_the_load_jumps():
+    """10 N m over 100.2 of 360 degrees; the mean of rows half a degree apart would be that of 100 or 100.5."""
+    load = {
+        "type": "formula",
+        "on": "crank",
+        "moment": "-m if phi > begin and phi < end else 0 * m",
+        "numbers": {"m": "10 N m", "begin": "100.1 deg", "end": "200.3 deg"},
+    }
+    figure = diagrams(four_bar(moments={"load": load}), Figure())
+    assert f"mean \N{MINUS SIGN}{10 * 100.2 / 360:.4g} N" in figure.axes[2].get_title()
+
+
 def test_tangents__touch_the_loop_from_outside_with_the_slopes_of_the_speeds():
     axes = diagrams(COMPRESSOR, Figure()).axes[4]
     loop, _, upper, _, lower, _ = axes.lines

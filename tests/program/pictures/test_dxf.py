@@ -10,7 +10,9 @@ import ezdxf
 import numpy as np
 import pytest
 from drawn_machines import GALLERY, slider_crank
+from driving_cams import CIRCLE, SLIDING, changed
 
+from engine import Scene
 from sweeps.pictures.drawing import DrawnMotion, primitives
 from sweeps.pictures.drawing.dxf import write_dxf
 from sweeps.pictures.picture_error import PictureError
@@ -42,13 +44,29 @@ def test_dxf__no_link_seen_through_a_hinge(name, tmp_path):
     scene = GALLERY[name]
     write_dxf(file, scene, DrawnMotion(scene).q[120])
     space = ezdxf.readfile(file).modelspace()
+    drawn = []
+    for figure in space.query("LINE LWPOLYLINE[layer=='links' | layer=='frame' | layer=='hatching']"):
+        lines = [figure] if figure.dxftype() == "LINE" else figure.virtual_entities()
+        drawn += [(complex(*line.dxf.start.xyz[:2]), complex(*line.dxf.end.xyz[:2])) for line in lines]
     for hinge in space.query("CIRCLE[layer=='joints']"):
         centre, radius = complex(*hinge.dxf.center.xyz[:2]), hinge.dxf.radius
-        for line in space.query("LINE[layer=='links' | layer=='frame' | layer=='hatching']"):
-            a, b = complex(*line.dxf.start.xyz[:2]), complex(*line.dxf.end.xyz[:2])
+        for a, b in drawn:
             share = np.clip((((centre - a) / (b - a)).real), 0, 1)
             # Circles hide by the polygon of 24 sides inside them, which leaves 1 − cos 7.5° = 0.9 % of the radius.
             assert abs(a + share * (b - a) - centre) > 0.99 * radius
+
+
+def test_cam_in_a_mechanism__is_one_closed_outline(tmp_path):
+    """An eccentric circle of 50 mm, its centre 20 mm from the crank's axis and away from the face at φ = 0."""
+    file, phi = tmp_path / "a.dxf", math.pi / 3
+    flat = {"type": "translating", "link": "tappet", "guide": "way", "contact": "flat"}
+    machine = changed(SLIDING, cams__cam__sections=CIRCLE, cams__cam__follower=flat)
+    write_dxf(file, Scene.model_validate(machine), phi)
+    (outline,) = (p for p in ezdxf.readfile(file).modelspace().query("LWPOLYLINE[layer=='links']") if p.closed)
+    points = np.array([complex(x, y) for x, y in outline.get_points("xy")])
+    centre = -20j * complex(math.cos(phi), math.sin(phi))
+    np.testing.assert_allclose(np.abs(points - centre), 50.0, atol=1000 * EXACT)
+    assert abs(np.angle((np.roll(points, -1) - centre) / (points - centre)).sum()) == pytest.approx(math.tau)
 
 
 def test_dxf_without_its_package__says_what_to_install(tmp_path, monkeypatch):
