@@ -87,7 +87,7 @@ def _ends(
             f"quick-return ratio of the {kind} of {name}",
             "1",
             lambda: Formula(quick_return_ratio, (end("low_at"), end("high_at"))),
-            swings,
+            True,
             "K",
         )
 

@@ -124,11 +124,10 @@ def test_template__says_first_what_to_change(name):
     assert "# Change first: " in opening
 
 
-# Links that rest at an end of their swing with a follower, or whose guide lies midway in the arc of their joint.
+# Links that rest at an end of their swing or stroke, or whose guide lies midway in the arc of their joint.
 TIED_ENDS = {
-    "cam_roller_follower": ("rod", "rocker"),
     "crank_shaper": ("drag_link",),
-    "dwell_slide": ("rod", "lever"),
+    "dwell_slide": ("slide", "rod", "lever"),
 }
 
 
@@ -143,7 +142,7 @@ def test_template__assembles_with_every_summary_finite(name):
         link, _, kind = summary.partition(".")
         # Nothing drives a press that is braked: its stop has no efficiency. An end of a swing that is held for a while,
         # or taken twice a turn, divides the turn anywhere: its ratio of times is undefined.
-        undivided = kind == "swing_time_ratio" and link in TIED_ENDS.get(name, ())
+        undivided = kind.endswith("_time_ratio") and link in TIED_ENDS.get(name, ())
         if (link in turning and kind.startswith("swing")) or summary == "stop.efficiency" or undivided:
             assert math.isnan(value)
         else:
