@@ -42,7 +42,7 @@ from engine.higher_pairs.cams.pieces import (
     cut_table,
 )
 from engine.laws.cams.motion_laws import DWELL, LAW_KINDS
-from engine.laws.cams.profiles import pressure_of_lines
+from engine.laws.cams.profiles import least_arm_angle, pressure_of_lines
 from engine.laws.tables import make_table
 from engine.verdicts import Verdict
 
@@ -454,8 +454,8 @@ def _least_base_of_arm(cam: CamElement, numbers: np.ndarray, seen: Sought) -> Fo
     angle, size = np.full(numbers.shape[0], _LEAST_ANGLE), np.full(numbers.shape[0], _LEAST_ANGLE)
     if not flat:
         # The angle at which the base circle is a point, if the arm reaches so far.
-        near, far = roller**2 - (d - arm) ** 2, (d + arm) ** 2 - roller**2
-        angle = np.maximum(angle, 2.0 * np.arctan(np.sqrt(np.maximum(near, 0.0) / far)))
+        point = np.vectorize(least_arm_angle, otypes=[float])(roller, arm, d)
+        angle = np.where(roller > np.abs(d - arm), np.maximum(angle, point), angle)
     greatest = np.pi
     if cam.limits.pressure_angle is not None:
         needed, off = _most(TurnExtreme.HEIGHT_FOR_ANGLE, numbers, seen)
