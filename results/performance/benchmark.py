@@ -201,20 +201,6 @@ def cycle_time(name: str) -> float:
     return float(np.median(times)) * 1e6 / VARIANTS
 
 
-def studied() -> dict[str, tuple[Scene, Sequence[str], dict[str, np.ndarray]]]:
-    """Machines of the benchmark and bundled ones: scene, what is asked, what varies."""
-    from sweeps import read_study
-    from sweeps.study.bundled import bundled_studies
-
-    found = {title(name): (case.scene, asked(name), geometry_and_loads(name)) for name, case in CASES.items()}
-    for name in ("crank_press", "four_stroke_engine", "compressor"):
-        study = read_study(bundled_studies()[name])
-        values, dropped = study.values(0, min(VARIANTS, study.design.size))
-        varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
-        found[name.replace("_", " ")] = (study.scene, study.summaries, varied)
-    return found
-
-
 def race_reactions(baseline: ctypes.CDLL) -> Contest:
     """Reactions in all pairs of the six-bar, kept at 720 positions."""
     name, varied = "six_bar", geometry_and_loads("six_bar")
@@ -428,8 +414,6 @@ that the error figures cover.
 
 def report(before: Path | None) -> str:
     """All tables."""
-    from shared_geometry import SHAPE_TEXT, shape_lines
-
     load = os.getloadavg()[0]
     with tempfile.TemporaryDirectory() as folder:
         baseline = build_baseline(folder)
@@ -459,7 +443,6 @@ def report(before: Path | None) -> str:
     lines += ["", f"| fields | {head}", "|---|---|---|---|---|", *(race.row() for race in fields), ""]
     lines += ["The engine's times hold the evaluation of each variant's cycle, from which its verdict follows:", cycles]
     lines += ["for I, dI/dφ and M. The C++ judges nothing and checks nothing.", ""]
-    lines += ["## Masses and loads on one geometry", "", SHAPE_TEXT, "", *shape_lines(studied())]
     lines += [
         "## Compiling",
         "",
