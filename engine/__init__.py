@@ -6,34 +6,42 @@ All that others use of this package is imported from here: `from engine import S
 """
 
 import ast
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
 
-def _offered() -> dict[str, tuple[str, str]]:
-    """Module, and name in it, of every name that the stub beside this file lists."""
-    stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf8"))
-    return {
+def door(file: str, names: dict[str, object]) -> tuple[list[str], Callable[[str], object]]:
+    """The names that a package offers, and its `__getattr__`, which loads a module with the first of its names.
+
+    Parameters
+    ----------
+    file : str
+        Path of the package's `__init__.py`; the stub beside it lists the names and their modules.
+    names : dict of str to object
+        The package's globals, in which names are kept once loaded.
+    """
+    stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf8"))
+    homes = {
         alias.asname or alias.name: (node.module, alias.name)
         for node in stub.body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
 
+    def load(name: str) -> object:
+        if name == "__version__":
+            return import_module("importlib.metadata").version("machine-sweeps")
+        if name not in homes:
+            raise AttributeError(f"module {names['__name__']!r} has no attribute {name!r}")
+        module, own = homes[name]
+        names[name] = getattr(import_module(module), own)
+        return names[name]
 
-_OFFERED = _offered()
-__all__ = sorted(_OFFERED)
+    return sorted(homes), load
 
 
-def __getattr__(name: str) -> object:
-    if name == "__version__":
-        return import_module("importlib.metadata").version("machine-sweeps")
-    if name not in _OFFERED:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, own = _OFFERED[name]
-    value = getattr(import_module(module), own)
-    globals()[name] = value
-    return value
+__all__, __getattr__ = door(__file__, globals())
 
 
 def __dir__() -> list[str]:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import engine
+import sweeps
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("engine", "sweeps")
@@ -121,8 +122,9 @@ def test_start__loads_nothing_slow(start):
 
 
 def test_names_at_the_door__are_those_of_their_modules():
-    for name in engine.__all__:
-        assert getattr(engine, name) is not None
+    for package in (engine, sweeps):
+        for name in package.__all__:
+            assert getattr(package, name) is not None
     assert engine.Scene is importlib.import_module("engine.scene.scene").Scene
     assert engine.v_engine is importlib.import_module("engine.elements.engines.engine_layout").v_engine
 
@@ -148,10 +150,11 @@ def test_sweeps__uses_the_engine_through_its_door_only(module):
     assert passed_by == []
 
 
-def test_door__offers_nothing_under_two_names():
-    stub = ast.parse((ROOT / "engine" / "__init__.pyi").read_text(encoding="utf8"))
+@pytest.mark.parametrize("package", [engine, sweeps])
+def test_door__offers_nothing_under_two_names(package):
+    stub = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text(encoding="utf8"))
     offered = [(node.module, a.name) for node in stub.body if isinstance(node, ast.ImportFrom) for a in node.names]
-    assert len(set(offered)) == len(offered) == len(engine.__all__)
+    assert len(set(offered)) == len(offered) == len(package.__all__)
 
 
 # Rooms
