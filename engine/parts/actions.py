@@ -25,10 +25,12 @@ from engine.parts.skeleton import (
     Area,
     Density,
     Length,
+    LinkRef,
     Mass,
     Name,
     Number,
     Part,
+    PointRef,
     Time,
     quantity,
 )
@@ -51,9 +53,9 @@ Interpolation = Literal["linear", "pchip", "spline"]
 class OnPoint(Part):
     """A force at a point, along a fixed direction of the frame or of a link."""
 
-    on: Name
+    on: PointRef
     angle: Angle
-    turns_with: Name = FRAME
+    turns_with: LinkRef = FRAME
     acts: Literal["always", "along", "against"] = "always"
     role: Role = "useful"
 
@@ -61,9 +63,9 @@ class OnPoint(Part):
 class ResistingOnPoint(Part):
     """A force that opposes the velocity of a point: all of it, or its component along `angle` when given."""
 
-    on: Name
+    on: PointRef
     angle: Angle | None = None
-    turns_with: Name = FRAME
+    turns_with: LinkRef = FRAME
     acts: Literal["always", "along", "against"] = "always"
     role: Role = "harmful"
 
@@ -77,7 +79,7 @@ class ResistingOnPoint(Part):
 class OnLink(Part):
     """A moment on a link or shaft."""
 
-    on: Name
+    on: LinkRef
     acts: Literal["always", "along", "against"] = "always"
     role: Role = "useful"
 
@@ -99,7 +101,7 @@ class Tabled(Part):
     over_angle: list[Angle] | None = None
     over_stroke: list[Length] | None = None
     over_time: list[Time] | None = None
-    slider: Name | None = None
+    slider: LinkRef | None = None
     measured_from: Literal["guide", "low end", "high end"] = "guide"
     interpolation: Interpolation
     outside: Literal["hold", "zero"] = "hold"
@@ -241,7 +243,7 @@ class PowerDragMoment(ResistingOnLink):
 class Brake(Part):
     """A brake on a link or shaft, against the rotation: in regimes that don't name it as `off`, and only there."""
 
-    on: Name
+    on: LinkRef
 
     @property
     def role(self) -> str:
@@ -320,7 +322,7 @@ class TorsionSpring(Part):
     """A torsion spring between a link and the frame: −k (θ − free_angle), θ in (−π, π]."""
 
     type: Literal["torsion_spring"]
-    on: Name
+    on: LinkRef
     stiffness: TorsionalStiffness
     free_angle: Angle = 0.0
 
@@ -334,7 +336,7 @@ class Carried(Part):
 
     masses: ClassVar[tuple[str, ...]] = ("mass",)
     radius: ClassVar[str] = "drum_radius"
-    on: Name
+    on: LinkRef
     forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
     gravity: Annotated[Acceleration, Field(gt=0)] | None = None
     role: Role = "useful"
@@ -412,7 +414,7 @@ class DCMotor(DCCharacteristic):
     """
 
     type: Literal["dc_motor"]
-    on: Name
+    on: LinkRef
 
 
 class InductionCharacteristic(Part):
@@ -449,7 +451,7 @@ class InductionMotor(InductionCharacteristic):
     """An induction motor by Kloss or by its nameplate, on the crank or a shaft geared to it."""
 
     type: Literal["induction_motor"]
-    on: Name
+    on: LinkRef
 
 
 ForceAction = Annotated[
@@ -486,7 +488,7 @@ MomentAction = Annotated[
 class Spring(Part):
     """A spring with an optional damper between two points: pulls with k (L − free_length) + c dL/dt."""
 
-    between: tuple[Name, Name]
+    between: tuple[PointRef, PointRef]
     stiffness: Stiffness = 0.0
     free_length: Annotated[Length, Field(ge=0)] = 0.0
     damping: Annotated[Damping, Field(ge=0)] = 0.0

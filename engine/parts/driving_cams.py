@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.motion_programs import CamProgram, Positive, check_roller
-from engine.parts.skeleton import Angle, Mode, Name, Part
+from engine.parts.skeleton import Angle, GuideRef, LinkRef, Mode, Name, Part, PointRef
 
 
 class SlidingFollower(Part):
@@ -17,7 +17,7 @@ class SlidingFollower(Part):
 
     type: Literal["translating"]
     link: Name
-    guide: Name
+    guide: GuideRef
     contact: Literal["roller", "flat", "knife edge"]
     roller_radius: Positive | None = None
 
@@ -36,7 +36,7 @@ class SwingingFollower(Part):
 
     type: Literal["oscillating"]
     link: Name
-    pivot: Name
+    pivot: PointRef
     contact: Literal["roller", "flat", "knife edge"]
     roller_radius: Positive | None = None
     arm: Positive | None = None
@@ -59,7 +59,7 @@ class DrivingCam(CamProgram):
     ways.
     """
 
-    on: Name
+    on: LinkRef
     begin: Angle = 0.0
     base_radius: Positive
     follower: Annotated[SlidingFollower | SwingingFollower, Field(discriminator="type")]

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from engine.laws.tables import Table, TableError, make_table
-from engine.parts.skeleton import Angle, Length, Name, Number, Part
+from engine.parts.skeleton import Angle, GuideRef, Length, LinkRef, Name, Number, Part, PointRef
 
 # Lobes of a wheel, and harmonics of a law: more would be teeth.
 MOST_LOBES, MOST_HARMONICS = 8, 12
@@ -22,7 +22,7 @@ class ToothedBar(Part):
     is that of the mesh, the pinion's axis held, whichever drives.
     """
 
-    pivot: Name
+    pivot: PointRef
     radius: Length
     pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = 0.0
     efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
@@ -42,8 +42,8 @@ class Rack(ToothedBar):
     guide is zero; its x axis lies along the guide.
     """
 
-    pinion: Name
-    guide: Name
+    pinion: LinkRef
+    guide: GuideRef
     start: Length = 0.0
 
 
@@ -54,8 +54,8 @@ class Pinion(ToothedBar):
     what carries the guide is `phase` where the rack's origin, or the guide's point, is beside the axis.
     """
 
-    rack: Name | None = None
-    guide: Name | None = None
+    rack: LinkRef | None = None
+    guide: GuideRef | None = None
     phase: Angle = 0.0
 
     @model_validator(mode="after")
@@ -176,8 +176,8 @@ class NoncircularWheel(Part):
     `efficiency` is that of the mesh, whichever wheel drives.
     """
 
-    geared_to: Name
-    pivot: Name
+    geared_to: LinkRef
+    pivot: PointRef
     law: Annotated[EllipticalLaw | HarmonicLaw | TabledLaw, Field(discriminator="type")]
     lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
     driver_lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1

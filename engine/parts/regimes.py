@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from engine.parts.actions import Time
-from engine.parts.skeleton import Angle, AngularSpeed, CrankInput, Length, Name, Number, Part, SliderInput, Speed
+from engine.parts.skeleton import ActionRef, Angle, AngularSpeed, CrankInput, Length, Number, Part, SliderInput, Speed
 from engine.parts.units import even_steps, first_last_count, in_text
 
 ENDS = ("cycles", "time", "speed", "velocity", "rest", "end_of_range", "lock_up")
@@ -79,7 +79,7 @@ class SteadyRegime(Part):
     """The motion that repeats itself every cycle, found directly."""
 
     type: Literal["steady"]
-    off: tuple[Name, ...] = ()
+    off: tuple[ActionRef, ...] = ()
 
 
 class RunRegime(Part):
@@ -99,7 +99,7 @@ class RunRegime(Part):
     """
 
     type: Literal["run"]
-    off: tuple[Name, ...] = ()
+    off: tuple[ActionRef, ...] = ()
     from_speed: Annotated[AngularSpeed, Field(ge=0)] | None = None
     from_angle: Angle | None = None
     from_velocity: Annotated[Speed, Field(ge=0)] | None = None

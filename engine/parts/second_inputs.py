@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.motion_programs import MotionProgram
-from engine.parts.skeleton import Angle, AngularSpeed, Length, Name, Number, Part, Time
+from engine.parts.skeleton import Angle, AngularSpeed, GuideRef, Length, Name, Number, Part, PointRef, Time
 
 # Beyond this a harmonic of a drive's law is vibration.
 _MOST_ORDER = 24
@@ -72,7 +72,7 @@ class SecondCrank(MovedByLaw):
     """
 
     type: Literal["crank"]
-    pivot: Name
+    pivot: PointRef
     ratio: Number = 0.0
     speed: AngularSpeed = 0.0
     phase: Angle = 0.0
@@ -114,7 +114,7 @@ class SecondSlider(MovedByLaw):
     """
 
     type: Literal["slider"]
-    guide: Name
+    guide: GuideRef
     start: Length = 0.0
     harmonics: dict[Name, SlideHarmonic] = {}
 

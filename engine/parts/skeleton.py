@@ -16,7 +16,7 @@ Numbers are SI when given as numbers and take units when given as text ("80 mm")
 """
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import (
     AfterValidator,
@@ -35,6 +35,16 @@ from engine.parts.units import in_text, to_si, unit_in
 FRAME = "frame"
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
+
+
+class Refers(NamedTuple):
+    """Mark of a name that refers to a "point", "guide", "link" or "action" of the scene."""
+
+    kind: str
+
+
+PointRef, GuideRef = Annotated[Name, Refers("point")], Annotated[Name, Refers("guide")]
+LinkRef, ActionRef = Annotated[Name, Refers("link")], Annotated[Name, Refers("action")]
 
 
 def _printable(text: str) -> str:
@@ -88,7 +98,7 @@ class Part(BaseModel):
 class Point(Part):
     """A point of a link (of the frame when no link is named), in the link's axes."""
 
-    link: Name = FRAME
+    link: LinkRef = FRAME
     x: Length
     y: Length
 
@@ -96,7 +106,7 @@ class Point(Part):
 class Guide(Part):
     """A straight guide on a link (the frame when none is named), through a point, at an angle to the link's x axis."""
 
-    link: Name = FRAME
+    link: LinkRef = FRAME
     x: Length = 0.0
     y: Length = 0.0
     angle: Angle = 0.0
@@ -120,7 +130,7 @@ class CrankInput(Part):
 
     type: Literal["crank"]
     link: Name = "crank"
-    pivot: Name
+    pivot: PointRef
     pin: Name
     length: Annotated[Length, Field(gt=0)]
     speed: AngularSpeed
@@ -147,7 +157,7 @@ class SliderInput(Part):
 
     type: Literal["slider"]
     link: Name
-    guide: Name
+    guide: GuideRef
     point: Name
     start: Length
     stop: Length
@@ -169,7 +179,7 @@ class Hinged(Part):
     """A link of a group between its outer joint (a known point) and the inner joint, at a distance of `length`."""
 
     link: Name
-    joint: Name
+    joint: PointRef
     length: Annotated[Length, Field(gt=0)]
 
 
@@ -177,7 +187,7 @@ class Sliding(Part):
     """A slider of a group on a known guide, its joint at `offset` to the left of the guide."""
 
     link: Name
-    guide: Name
+    guide: GuideRef
     offset: Length = 0.0
 
 
@@ -185,14 +195,14 @@ class Block(Part):
     """A sliding block of a group, pivoted at a known point."""
 
     link: Name
-    joint: Name
+    joint: PointRef
 
 
 class Rocker(Part):
     """The slotted link of RPR, pivoted at a known point; the block's pivot lies `offset` to the left of the slot."""
 
     link: Name
-    joint: Name
+    joint: PointRef
     offset: Length = 0.0
 
 
@@ -200,7 +210,7 @@ class Yoke(Part):
     """The slotted link of RPP: slides on a known guide, its slot at `slot_angle` to that guide."""
 
     link: Name
-    guide: Name
+    guide: GuideRef
     slot_angle: Angle
 
 
@@ -264,7 +274,7 @@ class FreeLink(Part):
 
     joints: tuple[Name, ...] = ()
     length: Annotated[Length, Field(gt=0)] | None = None
-    guide: Name | None = None
+    guide: GuideRef | None = None
     offset: Length = 0.0
 
     @model_validator(mode="after")
@@ -419,7 +429,7 @@ class Body(Part):
     about an upright axis through its centre of mass that is normal to that plane in the machine.
     """
 
-    link: Name
+    link: LinkRef
     mass: Annotated[Mass, Field(ge=0)] | None = None
     x: Length | None = None
     y: Length = 0.0
@@ -464,7 +474,7 @@ class AcceleratedBase(Part):
 class Balance(Part):
     """What the shaking of the machine refers to: the point of the frame about which its moment is taken."""
 
-    about: Name
+    about: PointRef
 
 
 class Shaft(Part):
@@ -480,13 +490,13 @@ class Shaft(Part):
     `efficiency` is that of the mesh, the carrier held, whichever wheel drives.
     """
 
-    geared_to: Name
+    geared_to: LinkRef
     ratio: Number
-    carrier: Name | None = None
+    carrier: LinkRef | None = None
     pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None
     efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
-    pivot: Name | None = None
+    pivot: PointRef | None = None
     phase: Angle = 0.0
     around: Angle = 0.0
 

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Interpolation
-from engine.parts.skeleton import Angle, CrankInput, Length, Name, Part, SliderInput
+from engine.parts.skeleton import Angle, CrankInput, Length, LinkRef, Part, PointRef, SliderInput
 
 # Each place is a curve of its own, whose least value is sought.
 MOST_PLACES = 100
@@ -20,7 +20,7 @@ class WantedPath(Part):
     """
 
     type: Literal["path"]
-    point: Name
+    point: PointRef
     x: list[Length]
     y: list[Length]
 
@@ -62,7 +62,7 @@ class WantedSlide(_OverAngle):
 
     rows: ClassVar[str] = "slide"
     type: Literal["slider"]
-    of: Name
+    of: LinkRef
     slide: list[Length]
     offset: Length = 0.0
 
@@ -72,7 +72,7 @@ class WantedAngle(_OverAngle):
 
     rows: ClassVar[str] = "angle"
     type: Literal["link"]
-    of: Name
+    of: LinkRef
     angle: list[Angle]
     offset: Angle = 0.0
 

@@ -11,7 +11,7 @@ from engine.parts.actions import Carried, DCMotor, InductionMotor, Tabled, Torsi
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
 from engine.parts.wanted_motion import wrong_angles
-from engine.scene.scene import Scene, SceneError
+from engine.scene.scene import Scene, SceneError, once
 from engine.scene.structure.input_laws import drive_turns, law_rate
 
 Problem = tuple[str, str]
@@ -40,6 +40,7 @@ def input_point(scene: Scene) -> str:
     return scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point
 
 
+@once
 def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
     """Where each point, guide and link is defined.
 
@@ -100,86 +101,12 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
     return points, guides, links
 
 
-def references(scene: Scene) -> list[tuple[str, str, str]]:
-    """Every name a scene refers to, as (path, kind, name)."""
-    refs: list[tuple[str, str, str]] = []
-    drive = scene.input
-    if isinstance(drive, CrankInput):
-        refs.append(("input.pivot", "point", drive.pivot))
-    else:
-        refs.append(("input.guide", "guide", drive.guide))
-    for name, second in scene.inputs.items():
-        slides = second.type == "slider"
-        held = ("guide", "guide", second.guide) if slides else ("pivot", "point", second.pivot)
-        refs.append((f"inputs.{name}.{held[0]}", *held[1:]))
-    for name, group in scene.groups.items():
-        for side in ("first", "second"):
-            part, path = getattr(group, side), f"groups.{name}.{side}"
-            if isinstance(part, (Sliding, Yoke)):
-                refs.append((f"{path}.guide", "guide", part.guide))
-            else:
-                refs.append((f"{path}.joint", "point", part.joint))
-    for name, link in scene.links.items():
-        if link.guide is not None:
-            refs.append((f"links.{name}.guide", "guide", link.guide))
-    refs += [(f"near.{name}", "point", name) for name in scene.near]
-    for table in ("points", "guides", "bodies"):
-        for name, part in getattr(scene, table).items():
-            refs.append((f"{table}.{name}.link", "link", part.link))
-    for name, shaft in scene.shafts.items():
-        refs.append((f"shafts.{name}.geared_to", "link", shaft.geared_to))
-        if shaft.carrier is not None:
-            refs.append((f"shafts.{name}.carrier", "link", shaft.carrier))
-        if shaft.pivot is not None:
-            refs.append((f"shafts.{name}.pivot", "point", shaft.pivot))
-    for name, wheel in scene.noncircular_wheels.items():
-        refs.append((f"noncircular_wheels.{name}.geared_to", "link", wheel.geared_to))
-        refs.append((f"noncircular_wheels.{name}.pivot", "point", wheel.pivot))
-    for table, keys in (("racks", ("pinion", "pivot", "guide")), ("pinions", ("rack", "pivot", "guide"))):
-        kinds = {"pivot": "point", "guide": "guide"}
-        for name, part in getattr(scene, table).items():
-            given = [key for key in keys if getattr(part, key) is not None]
-            refs += [(f"{table}.{name}.{key}", kinds.get(key, "link"), getattr(part, key)) for key in given]
-    for name, cam in scene.cams.items():
-        refs.append((f"cams.{name}.on", "link", cam.on))
-        kind = "guide" if cam.translating else "pivot"
-        refs.append((f"cams.{name}.follower.{kind}", kind.replace("pivot", "point"), getattr(cam.follower, kind)))
-    refs += [(f"couplings.{name}.shaft", "link", coupling.shaft) for name, coupling in scene.couplings.items()]
-    for name, force in scene.forces.items():
-        refs.append((f"forces.{name}.on", "point", force.on))
-        refs.append((f"forces.{name}.turns_with", "link", force.turns_with))
-    for name, moment in scene.moments.items():
-        refs.append((f"moments.{name}.on", "link", moment.on))
-    for table in ("forces", "moments"):
-        for name, action in getattr(scene, table).items():
-            if isinstance(action, Tabled) and action.slider is not None:
-                refs.append((f"{table}.{name}.slider", "link", action.slider))
-    for name, spring in scene.springs.items():
-        refs += [(f"springs.{name}.between", "point", end) for end in spring.between]
-    for name, cylinder in scene.cylinders.items():
-        refs.append((f"cylinders.{name}.piston", "link", cylinder.piston))
-    if scene.balance is not None:
-        refs.append(("balance.about", "point", scene.balance.about))
-    for name, wanted in scene.wanted.items():
-        key, kind = ("point", "point") if wanted.type == "path" else ("of", "link")
-        refs.append((f"wanted.{name}.{key}", kind, getattr(wanted, key)))
-    for name, regime in scene.regimes.items():
-        refs += [(f"regimes.{name}.off", "action", action) for action in regime.off]
-    for name, element in scene.elements.items():
-        if governs_machine(element):
-            refs += [(f"elements.{name}.engine.throttled", "action", action) for action in element.engine.throttled]
-        if isinstance(element, MachineDrive):
-            refs += [(f"elements.{name}.off", "action", action) for action in element.off]
-            if element.run is not None:
-                refs += [(f"elements.{name}.run.off", "action", action) for action in element.run.off]
-    return refs
-
-
 def acting(scene: Scene) -> set[str]:
     """Names of everything that acts on the machine and that a regime may switch off."""
     return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders, *scene.couplings}
 
 
+@once
 def sliders(scene: Scene) -> tuple[str, ...]:
     """Links with a slide coordinate: on a guide, or (a block) in the slot of the other link of its group."""
     found = [] if isinstance(scene.input, CrankInput) else [scene.input.link]
@@ -207,6 +134,7 @@ def guide_of(scene: Scene, link: str) -> str | None:
     return getattr({**scene.links, **scene.racks, **scene.inputs}.get(link), "guide", None)
 
 
+@once
 def joint_owners(scene: Scene) -> dict[str, str]:
     """Of each joint that free links name the link that carries it: the one whose point it is, or the first of them."""
     owners = {input_point(scene): scene.input.link}
@@ -240,6 +168,7 @@ def _geared_to_input(scene: Scene) -> set[str]:
     return {n for n, s in scene.shafts.items() if s.geared_to == scene.input.link and s.carrier is None}
 
 
+@once
 def turning_evenly(scene: Scene) -> set[str]:
     """Links whose angle is a multiple of the crank's: the crank, and shafts with pivots that all gears lead back to it.
 
@@ -412,6 +341,7 @@ def _wrong_bodies(scene: Scene) -> list[Problem]:
     return problems
 
 
+@once
 def still_links(scene: Scene) -> set[str]:
     """Links that never turn: the frame, and what slides on guides of links that never turn.
 

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 from engine.parts.pair_friction import PairFriction
 from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.names import Problem, did_you_mean, guide_of, joint_owners
-from engine.scene.scene import Scene
+from engine.scene.scene import Scene, once
 
 OF_JOURNALS = ("diameter", "contact", "above_prismatic")
 OF_GUIDES = ("form", "vee_angle", "length")
@@ -70,6 +70,7 @@ def own_drives(scene: Scene) -> list[str]:
     return [name for name, second in scene.inputs.items() if second.drive == "own"]
 
 
+@once
 def lossy_meshes(scene: Scene) -> list[str]:
     """Shafts, non-circular wheels, racks and pinions whose teeth lose power."""
     driven = {**scene.shafts, **scene.noncircular_wheels, **scene.racks, **scene.pinions}
@@ -96,6 +97,7 @@ def driving_field(scene: Scene, name: str) -> str:
     return f"{name}.driving_force" if scene.inputs[name].type == "slider" else f"{name}.driving_moment"
 
 
+@once
 def pairs(scene: Scene) -> list[Pair]:
     """All pairs of a scene: those of inputs, of shafts, and those of groups."""
     drive = scene.input
@@ -126,12 +128,14 @@ def follower_pair(scene: Scene, cam: str) -> Pair:
     return _joint(scene, f"{cam}.pivot", follower.link, follower.pivot)
 
 
+@once
 def contact_pairs(scene: Scene) -> list[Pair]:
     """Contacts of cams with their followers, `CAM.contact`: no lower pairs, but they may rub like such."""
     found = ((name, cam.follower.link, cam.on) for name, cam in scene.cams.items())
     return [Pair(f"{name}.contact", "contact", link, on, f"the contact of cam {name}") for name, link, on in found]
 
 
+@once
 def free_pairs(scene: Scene) -> list[Pair]:
     """The pairs of free links, `LINK.JOINT` and `LINK.GUIDE`, each with the link that names it first."""
     owners, found = joint_owners(scene), []

@@ -1,8 +1,9 @@
 """A scene: one machine, whole, and the numbers in it by their paths."""
 
-from collections.abc import Iterator, Mapping
-from functools import cache
-from typing import Annotated, NamedTuple, get_args
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, wraps
+from typing import Annotated, NamedTuple, TypeVar, get_args, get_origin
+from weakref import finalize
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
@@ -38,6 +39,8 @@ from engine.parts.skeleton import (
     Part,
     PlainText,
     Point,
+    PointRef,
+    Refers,
     Shaft,
     SliderInput,
 )
@@ -78,7 +81,7 @@ class Scene(Part):
     inputs: dict[Name, SecondInput] = {}
     groups: dict[Name, Group] = {}
     links: dict[Name, FreeLink] = {}
-    near: dict[Name, Near] = {}
+    near: dict[PointRef, Near] = {}
     shafts: dict[Name, Shaft] = {}
     noncircular_wheels: dict[Name, NoncircularWheel] = {}
     racks: dict[Name, Rack] = {}
@@ -190,6 +193,58 @@ def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
                 yield here, SceneNumber(float(value), "number", (), get_args(Mode))
 
 
+Found = TypeVar("Found")
+
+
+def once(function: Callable[[Scene], Found]) -> Callable[[Scene], Found]:
+    """Keep what a function finds of a scene as long as the scene lives: a scene never changes, and is asked often."""
+    found: dict[int, Found] = {}
+
+    @wraps(function)
+    def kept(scene: Scene) -> Found:
+        key = id(scene)
+        if key not in found:
+            found[key] = function(scene)
+            finalize(scene, found.pop, key, None)
+        return found[key]
+
+    return kept
+
+
+@cache
+def _referred(kind: type[Part], key: str) -> str | None:
+    """Kind of name that a field of a part refers to; that of its keys for a field of named parts."""
+    field = kind.model_fields[key]
+    named = get_args(field.annotation)[:1] if get_origin(field.annotation) is dict else None
+    marks = _marks(field.annotation, field.metadata) if named is None else _marks(tuple[named], [])
+    return next((mark.kind for mark in marks if isinstance(mark, Refers)), None)
+
+
+def references(part: Part, path: str = "") -> Iterator[tuple[str, str, str]]:
+    """Every name that a part of a scene refers to, as (path, kind, name).
+
+    Parameters
+    ----------
+    part : Part
+        A scene, or what lies at `path` in it.
+    path : str
+    """
+    for key in type(part).model_fields:
+        value, here = getattr(part, key), f"{path}.{key}" if path else key
+        kind = _referred(type(part), key)
+        if isinstance(value, dict):
+            if kind is not None:
+                yield from ((f"{here}.{name}", kind, name) for name in value)
+            for name, inner in value.items():
+                if isinstance(inner, Part):
+                    yield from references(inner, f"{here}.{name}")
+        elif isinstance(value, Part):
+            yield from references(value, here)
+        elif kind is not None and value is not None:
+            yield from ((here, kind, name) for name in ([value] if isinstance(value, str) else value))
+
+
+@once
 def scene_numbers(scene: Scene) -> dict[str, SceneNumber]:
     """Every number of a scene that a study may vary, by its path, such as "groups.rod.first.length".
 

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
 from engine.parts.actions import Time
-from engine.parts.skeleton import Angle, Inertia, Name, Part
+from engine.parts.skeleton import ActionRef, Angle, Inertia, Name, Part
 
 
 class MachineRun(Part):
@@ -20,7 +20,7 @@ class MachineRun(Part):
     begin: Literal["at rest", "steady"] = "at rest"
     angle: Angle = 0.0
     time: Annotated[Time, Field(gt=0)]
-    off: tuple[Name, ...] = ()
+    off: tuple[ActionRef, ...] = ()
     backlash: Annotated[Angle, Field(ge=0)] = 0.0
 
     @model_validator(mode="after")
@@ -41,7 +41,7 @@ class MachineDrive(ElasticShaft):
     type: Literal["machine_drive"]
     driver: Name | None = None
     motor_inertia: Annotated[Inertia, Field(gt=0)] | None = None
-    off: tuple[Name, ...] = ()
+    off: tuple[ActionRef, ...] = ()
     run: MachineRun | None = None
 
     @model_validator(mode="after")

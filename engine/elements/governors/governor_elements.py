@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from engine.elements.rotors.bearings import STANDARD_GRAVITY
 from engine.laws.tables import TableError, make_table
-from engine.parts.skeleton import Acceleration, Inertia, Length, Mass, Name, Number, Part, quantity
+from engine.parts.skeleton import Acceleration, ActionRef, Inertia, Length, Mass, Number, Part, quantity
 
 Positive = Annotated[Length, Field(gt=0)]
 Force = quantity("force")
@@ -98,7 +98,7 @@ class GovernedEngine(Part):
     """
 
     machine: bool = False
-    throttled: tuple[Name, ...] = ()
+    throttled: tuple[ActionRef, ...] = ()
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     throttle: Throttle

@@ -19,11 +19,10 @@ from engine.scene.names import (
     input_point,
     joint_owners,
     misplaced,
-    references,
     sliders,
 )
 from engine.scene.pairs import friction_problems, pairs
-from engine.scene.scene import Scene, SceneError
+from engine.scene.scene import Scene, SceneError, once, references
 from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
 from engine.scene.structure.meshes import mesh_problems, rides_along
 from engine.scene.structure.trains import train_problems
@@ -276,6 +275,7 @@ def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: 
     return problems
 
 
+@once
 def order(scene: Scene) -> Structure:
     """Order a scene into its input link and structural groups, whatever order they are written in.
 
