@@ -104,9 +104,10 @@ class Kinematics(Assembly):
         place = Vector(self.number(f"points.{name}.x"), self.number(f"points.{name}.y"))
         if part.link == FRAME:
             self.points[name] = self.at_rest(place)
-        else:
-            link = self.links[part.link]
-            self.points[name] = link.at(place.in_axes(link.u)).called(name)
+            return
+        link, varied = self.links[part.link], {f"points.{name}.x", f"points.{name}.y"} & self.varied
+        on_axis = part.x == part.y == 0.0 and not varied
+        self.points[name] = link.origin if on_axis else link.at(place.in_axes(link.u)).called(name)
 
     def _guide(self, name: str) -> None:
         carrier = self.links[self.scene.guides[name].link]
