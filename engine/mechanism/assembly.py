@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.graph.nodes import Graph, Node
 from engine.mechanism.vectors import Vector, named
-from engine.scene.parts import FRAME, CrankInput
+from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure.meshes import net_turns
 

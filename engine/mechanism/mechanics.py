@@ -18,8 +18,8 @@ from engine.mechanism.input_motion import InputMotion, input_span
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.mechanism.reactions import Reactions
-from engine.scene.actions import TorsionSpring
-from engine.scene.formulas.load_formulas import TIME
+from engine.parts.actions import TorsionSpring
+from engine.scene.load_formulas import TIME
 from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure.closing import how_to_close, is_whole
 from engine.scene.structure.ordering import Structure, order

@@ -21,8 +21,8 @@ from engine.laws.tables import (
     table_segment,
 )
 from engine.mechanism.kinematics import Kinematics
-from engine.scene.actions import Tabled
-from engine.scene.formulas.load_formulas import TIME
+from engine.parts.actions import Tabled
+from engine.scene.load_formulas import TIME
 
 # A table with more pieces is searched.
 MOST_LOOKED_THROUGH = 16

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from engine.scene.parts import MOST_REVOLUTIONS
+from engine.parts.skeleton import MOST_REVOLUTIONS
 
 # Roundings of a number of turns that follows from ratios, relative to it.
 _ROUNDING = 64.0 * np.finfo(float).eps

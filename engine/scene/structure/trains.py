@@ -4,9 +4,9 @@ By Willis the speeds of both relative to the carrier have a constant ratio, howe
 crank and carried by what turns evenly itself turns evenly.
 """
 
+from engine.parts.skeleton import FRAME, Shaft
 from engine.scene.masses import places_on
 from engine.scene.names import Problem, did_you_mean, still_links
-from engine.scene.parts import FRAME, Shaft
 from engine.scene.scene import Scene
 
 

@@ -17,7 +17,7 @@ from machines import crank, four_bar, frame, on
 
 from engine import Machine, Mechanics, Scene, SceneError, Verdict
 from engine.machine.results import AskError
-from engine.scene.parts import MOST_REVOLUTIONS
+from engine.parts.skeleton import MOST_REVOLUTIONS
 from engine.scene.structure.closing import closing_revolutions
 
 some = settings(deadline=None, max_examples=60)
