@@ -134,8 +134,8 @@ SENTENCES = {
         "as under a steep motor; raise steps_per_turn, or leave method and steps_per_turn"
     ),
     Verdict.DOES_NOT_CLOSE: (
-        "a cycle doesn't close: what hangs on a geared shaft isn't in its place again after input.revolutions turns of "
-        "the crank; give ratios whose turns in a cycle are whole"
+        "a cycle doesn't close: a part isn't in its place again after input.revolutions turns of the crank, a load "
+        "over time isn't what it was, or a torsion spring is wound up; take ratios and periods that are whole in it"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

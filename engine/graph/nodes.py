@@ -12,7 +12,7 @@ import operator
 from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
 from functools import cache
-from typing import Literal, get_args, get_type_hints
+from typing import Literal, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
@@ -266,6 +266,24 @@ class Crossing:
         self.curve, self.rate, self.level, self.kink = curve, rate, level, kink
 
 
+class Return(NamedTuple):
+    """A condition on which something has its first value again at the end of a cycle.
+
+    Attributes
+    ----------
+    of : str
+        Path of the part of the scene that it belongs to.
+    turns : Node
+        Number of the variant: turns, or periods, over the cycle.
+    none : bool
+        Whether there must be none of them; otherwise they must be whole.
+    """
+
+    of: str
+    turns: Node
+    none: bool = False
+
+
 _ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
 _FUNCTIONS = {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
 
@@ -301,6 +319,7 @@ class Graph:
         self.tables: list[np.ndarray] = []
         self._crossings: dict[tuple[Node, Node], Crossing] = {}
         self._bends: dict[Node, set[Node]] = {}
+        self._returns: dict[Node, Return] = {}
 
     def _once(self, key: tuple, make: Callable[[], Node]) -> Node:
         node = self._made.get(key)
@@ -438,6 +457,24 @@ class Graph:
         """Curves at whose zeros something bends that some nodes depend on."""
         behind = set(reached(nodes))
         return [curve for curve, bent in self._bends.items() if not bent.isdisjoint(behind)]
+
+    def returns(self, nodes: Iterable[Node], condition: Return) -> None:
+        """Say on which condition nodes have their first values again at the end of a cycle."""
+        self._returns |= {node: condition for node in nodes if node.stage == Stage.POSITION}
+
+    def returns_behind(self, nodes: Iterable[Node]) -> list[Return]:
+        """Conditions on which some nodes have their first values again at the end of a cycle, each once."""
+        pending, found, known = list(nodes), {}, set()
+        while pending:
+            behind = [node for node in reached(pending, self._settled) if node not in known]
+            known.update(behind)
+            found |= {self._returns[node]: None for node in behind if node in self._returns}
+            pending = [curve for node in behind if isinstance(node, Found) for curve in (node.curve, node.rate)]
+        return list(found)
+
+    def _settled(self, node: Node) -> bool:
+        """Whether a node has its first value again though what it is computed from goes on from cycle to cycle."""
+        return node in self._returns and not self._returns[node].none
 
     @property
     def crossings(self) -> list[Crossing]:

@@ -24,13 +24,13 @@ from engine.motion.quantities import why_no_load
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
 from engine.parts.skeleton import CrankInput
-from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
+from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work, nodes_of
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
+from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.input_laws import fixed_by_laws
-from engine.scene.structure.trains import comes_back
 from engine.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
@@ -162,6 +162,29 @@ class Machine:
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
         if unknown:
             check_names(unknown, self.available_summaries, "summary")
+        for name in (*self.asked_summaries, *self.asked_fields):
+            why = self.why_not(name)
+            if why is not None:
+                raise AskError(why)
+
+    def why_not(self, name: str) -> str | None:
+        """Why a summary or field can't be asked of the cycle, as a load in it depends on time; None where it can.
+
+        Parameters
+        ----------
+        name : str
+            From `available_summaries`, `available_fields` or a statistic of a field.
+        """
+        timed = time_dependent(self.scene) if self.has_cycle else []
+        field, summary = self.register.fields.get(name), self.register.summary(name)
+        if not timed or (field is None and summary is None):
+            return None
+        if not self.mechanics.depends_on_time(nodes_of(field.curve() if summary is None else summary.expression())):
+            return None
+        return (
+            f"{name!r}: a load depends on time ({', '.join(timed)}), so at constant speed {NOTHING_REPEATS}; ask for "
+            "results of a run, or give the load over the crank's angle"
+        )
 
     # What may be asked
 
@@ -313,7 +336,8 @@ class Machine:
         """
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
         variants, whole = status.size, Numbers(self._limits, arrays)
-        status[(status == Verdict.OK) & ~np.asarray(comes_back(self.scene, whole))] = Verdict.DOES_NOT_CLOSE
+        closes = self.mechanics.closes(whole, [*self.measuring.curves, *self._moving])
+        status[(status == Verdict.OK) & ~np.asarray(closes)] = Verdict.DOES_NOT_CLOSE
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
         # The rest is filled in only for variants without a complaint so far.
@@ -490,6 +514,9 @@ class Machine:
                 self._blame(outcome, keep[lost[here]], Verdict.CANNOT_ASSEMBLE, group, where[here])
         for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
             self._blame_margins(outcome, keep, table, answers, verdict)
+        for winding in self.measuring.windings:
+            wound = np.abs(answers.value_of(winding).value) > math.pi
+            outcome.status[keep[wound & (outcome.status[keep] == Verdict.OK)]] = Verdict.DOES_NOT_CLOSE
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
         outcome.status[blamed] = Verdict.NOT_FINITE
 

@@ -91,6 +91,8 @@ class Measuring:
         All that is computed at a position.
     margins : list of Margin
         Against jamming of groups on whose friction something depends, at cams that take part.
+    windings : list of Integral
+        Angles by which the cycle winds up torsion springs that something depends on.
     """
 
     def __init__(
@@ -119,6 +121,11 @@ class Measuring:
         ends = [a for a in of[StrokeEnd] if a.coordinate.stage == Stage.POSITION]
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
         parts = [*curves, *fields, *elsewhere, *(a.coordinate for a in of[StrokeEnd])]
+        behind = set(reached(parts)) if mechanics.sprung else set()
+        wound = [rate for spring, rate in mechanics.sprung if spring in behind and rate.stage == Stage.POSITION]
+        self.windings = [Integral(rate) for rate in dict.fromkeys(wound)]
+        of[Integral] += self.windings
+        curves += wound
         self.margins = [*self._against_jamming([*curves, *fields]), *self._at_cams(parts)]
         self.groups = self._taking_part([*parts, *(margin.curve for margin in self.margins)])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]

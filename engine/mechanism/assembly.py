@@ -10,8 +10,9 @@ import numpy as np
 
 from engine.graph.nodes import Graph, Node
 from engine.mechanism.vectors import Vector, named
-from engine.parts.skeleton import FRAME
+from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.scene import Scene
+from engine.scene.structure.meshes import net_turns
 
 if TYPE_CHECKING:
     from engine.mechanism.groups.seed_tables import SeedTables
@@ -127,6 +128,18 @@ class Assembly:
         self.certificates: dict[str, Node] = {}
         self.seed_tables: dict[str, SeedTables] = {}
         self.solutions: dict[str, tuple[Node, ...]] = {}
+
+    @property
+    def has_cycle(self) -> bool:
+        """Whether the input turns fully, so that there is a cycle to close."""
+        return isinstance(self.scene.input, CrankInput) and self.scene.input.start is None
+
+    def turns(self, link: str) -> Node:
+        """Turns of a link over the cycle, against that which its angle is known against; 0 where there is no cycle."""
+        if not self.has_cycle:
+            return self.graph.zero
+        scene, revolutions = self.scene, self.scene.input.revolutions
+        return self.graph.derived(f"turns of {link}", lambda n: revolutions * net_turns(scene, link, n))
 
     def at_rest(self, r: Vector) -> MovingPoint:
         """A point that doesn't move."""

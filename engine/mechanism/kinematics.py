@@ -3,7 +3,7 @@
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the kinematics of structural groups.
 """
 
-from engine.graph.nodes import Graph, Node
+from engine.graph.nodes import Graph, Node, Return
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.geared_links import geared_turn
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
@@ -104,9 +104,10 @@ class Kinematics(Assembly):
         place = Vector(self.number(f"points.{name}.x"), self.number(f"points.{name}.y"))
         if part.link == FRAME:
             self.points[name] = self.at_rest(place)
-        else:
-            link = self.links[part.link]
-            self.points[name] = link.at(place.in_axes(link.u)).called(name)
+            return
+        link, varied = self.links[part.link], {f"points.{name}.x", f"points.{name}.y"} & self.varied
+        on_axis = part.x == part.y == 0.0 and not varied
+        self.points[name] = link.origin if on_axis else link.at(place.in_axes(link.u)).called(name)
 
     def _guide(self, name: str) -> None:
         carrier = self.links[self.scene.guides[name].link]
@@ -129,9 +130,7 @@ class Kinematics(Assembly):
         self.slides[name] = Slide(g.q, g.one, g.zero)
 
     def _free_group(self, group: FreeGroup) -> None:
-        drive = self.scene.input
-        turns = isinstance(drive, CrankInput) and drive.start is None
-        self.free[group.name] = add_free_group(self, group, input_span(self.scene, self.graph), turns)
+        self.free[group.name] = add_free_group(self, group, input_span(self.scene, self.graph), self.has_cycle)
 
     def _noncircular_wheel(self, name: str) -> None:
         self.noncircular[name] = add_noncircular_wheel(self, name)
@@ -172,4 +171,6 @@ class Kinematics(Assembly):
             self.sines[name] = named(clear, f"{name}_clear")
             self.solutions[name] = (clear, turned)
             return Vector(*self.graph.apply(direction_of, turned + phase)).in_axes(carrier.u)
-        return Vector(*self.graph.apply(direction_of, self.angles[name]))
+        direction = Vector(*self.graph.apply(direction_of, self.angles[name]))
+        self.graph.returns(direction, Return(f"shafts.{name}.ratio", self.turns(name)))
+        return direction

@@ -19,7 +19,17 @@ import numpy as np
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from engine.parts.actions import Time
-from engine.parts.skeleton import ActionRef, Angle, AngularSpeed, CrankInput, Length, Number, Part, SliderInput, Speed
+from engine.parts.skeleton import (
+    ActionRef,
+    Angle,
+    AngularSpeed,
+    CrankInput,
+    Length,
+    Number,
+    Part,
+    SliderInput,
+    Speed,
+)
 from engine.parts.units import even_steps, first_last_count, in_text
 
 ENDS = ("cycles", "time", "speed", "velocity", "rest", "end_of_range", "lock_up")

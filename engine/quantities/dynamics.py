@@ -20,6 +20,7 @@ from engine.quantities.expressions import (
     hypot,
     peak,
     share,
+    unresolved_peak,
 )
 from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
@@ -129,6 +130,13 @@ def _drive(m: Mechanics) -> Declared:
         "1",
         lambda: share(Unbalanced(m.reduced.inertia, m.reduced.slope), peak(m.reduced.inertia)),
     )
+    if m.conservative_moment is not m.graph.zero:
+        yield Summary(
+            "conservative_work_residual",
+            "net work of gravity and springs over the cycle, relative to their peak moment times the angle",
+            "1",
+            lambda: share(abs(mean(m, m.conservative_moment)), unresolved_peak(m.conservative_moment)),
+        )
 
 
 def _flywheel(m: Mechanics) -> Declared:

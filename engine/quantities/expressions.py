@@ -5,7 +5,7 @@ leaves. Its value and its error figure follow together, as measured numbers carr
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -304,6 +304,24 @@ def measurements(expressions: Iterable[Expression]) -> list[Measurement]:
             seen.add(id(expression))
             pending.extend(expression.operands)
     return list(found)
+
+
+def nodes_of(asked: object) -> Iterator[Node]:
+    """All nodes that an expression, or a followed curve, is made of.
+
+    Parameters
+    ----------
+    asked : Expression, Followed, Node or tuple of such
+    """
+    if isinstance(asked, Node):
+        yield asked
+    elif isinstance(asked, Formula):
+        yield from nodes_of(tuple(measurements([asked])))
+    elif isinstance(asked, (Measurement, Followed)):
+        yield from nodes_of(tuple(vars(asked).values()))
+    elif isinstance(asked, tuple):
+        for part in asked:
+            yield from nodes_of(part)
 
 
 class Evaluation:

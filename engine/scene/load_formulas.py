@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elements.elastic_drives.machine_drive_element import MachineDrive, MachineRun
+from engine.elements.elastic_drives.machine_drive_element import MachineDrive
 from engine.parts.actions import FormulaForce, FormulaMoment
 from engine.parts.dimensions import described
 from engine.parts.formulas.expressions import (
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from pint.util import UnitsContainer
 
 TIME = "t"
+# Why nothing settles, and no cycle closes, under a load that depends on time.
+NOTHING_REPEATS = "no motion repeats itself"
 # Velocities: they grow with the input's speed.
 _RATES = {"v", "omega", "vx", "vy", "velocity", "angular_velocity"}
 _OF_POINT = {"x": "m", "y": "m", "vx": "m s-1", "vy": "m s-1"}
@@ -116,6 +118,13 @@ def load_formulas(scene: Scene) -> dict[str, LoadFormula]:
     }
 
 
+def time_dependent(scene: Scene) -> list[str]:
+    """Forces and moments that depend on time, by table or formula."""
+    tables = {**scene.forces, **scene.moments}.items()
+    tabled = [name for name, action in tables if getattr(action, "over_time", None) is not None]
+    return tabled + [name for name, formula in load_formulas(scene).items() if formula.depends_on_time]
+
+
 def units_of_names(scene: Scene, formula: LoadFormula) -> dict[str, str]:
     """SI units of all names that a formula may use, the plainest first."""
     crank = isinstance(scene.input, CrankInput)
@@ -141,7 +150,21 @@ def units_of_names(scene: Scene, formula: LoadFormula) -> dict[str, str]:
 def formula_problems(scene: Scene) -> list[Problem]:
     """What is wrong with the formulas of a scene: names, dimensions, and what true motion can't take."""
     formulas = load_formulas(scene)
-    return [problem for name, formula in formulas.items() for problem in _problems(scene, name, formula)]
+    found = [problem for name, formula in formulas.items() for problem in _problems(scene, name, formula)]
+    return found + _timed_where_motion_repeats(scene)
+
+
+def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
+    """Loads that depend on time, and are on in what motion settles to."""
+    settled = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if not isinstance(regime, RunRegime)}
+    settled |= {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
+    mend = "switch it off here, or use a run"
+    return [
+        (f"{path}.off", f"{name!r} depends on time: {NOTHING_REPEATS}; {mend}")
+        for name in time_dependent(scene)
+        for path, what in settled.items()
+        if name not in what.off
+    ]
 
 
 def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
@@ -234,16 +257,12 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """What true motion can't take: a steady one no time, none of them a speed but by its powers."""
+    """What true motion can't take: a speed but by its powers."""
     at_work = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
     drives = {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
     at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
     runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}
     at_work |= {path: run for path, run in runs.items() if name not in run.off}
-    for path, what in at_work.items():
-        if not isinstance(what, (RunRegime, MachineRun)) and formula.depends_on_time:
-            message = f"{name!r} depends on time: no motion repeats itself; switch it off here, or use a run"
-            yield f"{path}.off", message
     if not at_work:
         return
     try:

@@ -12,11 +12,10 @@ from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
 from engine.parts.wanted_motion import wrong_angles
 from engine.scene.scene import Scene, SceneError, once
+from engine.scene.structure.closing import how_to_close, is_whole
 from engine.scene.structure.input_laws import drive_turns, law_rate
 
 Problem = tuple[str, str]
-# Turns that texts give as quotients are whole within this.
-WHOLE = 1e-9
 
 
 def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
@@ -267,14 +266,16 @@ def _open_laws(scene: Scene) -> list[Problem]:
     drive, problems = scene.input, []
     if not isinstance(drive, CrankInput) or drive.start is not None:
         return []
-    mend = "set input.revolutions so that they are whole, or ask for a range of the crank, input.start … input.stop"
+    rates = {name: (law_rate(scene, name), drive_turns(scene, name)) for name in scene.inputs}
+    needed = [part for name, second in scene.inputs.items() for part in rates[name][not second.repeats :]]
+    mend = how_to_close(needed, drive.revolutions)
     cycle = f"in a cycle of {drive.revolutions} of the crank"
     for name, second in scene.inputs.items():
-        periods, turns = (rate * drive.revolutions for rate in (law_rate(scene, name), drive_turns(scene, name)))
-        if second.repeats and not _is_whole(periods):
+        periods, turns = (rate * drive.revolutions for rate in rates[name])
+        if second.repeats and not is_whole(periods):
             message = f"the law of {name!r} repeats itself {abs(periods):.9g} times {cycle}, and doesn't close: {mend}"
             problems.append((f"inputs.{name}.period", message))
-        elif not _is_whole(turns):
+        elif not is_whole(turns):
             key = "period" if second.period is not None else "sections" if second.advance else "ratio"
             key = "speed" if getattr(second, "speed", 0.0) != 0.0 else key
             message = f"{name!r} makes {turns:.9g} turns {cycle}, and doesn't come back to its place: {mend}"
@@ -309,20 +310,16 @@ def _wrong_cams(scene: Scene) -> list[Problem]:
             allowed = ", ".join(sorted(carriers)) or "none, as the input slides"
             message = f"a cam sits on the crank or on a shaft with a pivot that is geared to it; such are: {allowed}"
             problems.append((f"{at}.on", message))
-        elif drive.start is None and not _is_whole(carriers[cam.on] * drive.revolutions):
+        elif drive.start is None and not is_whole(carriers[cam.on] * drive.revolutions):
             message = (
                 f"{cam.on!r} makes {abs(carriers[cam.on] * drive.revolutions):g} turns in a cycle of "
-                f"{drive.revolutions} of the crank, and the cam's motion doesn't close: give another ratio or "
-                "other input.revolutions"
+                f"{drive.revolutions} of the crank, and the cam's motion doesn't close: "
             )
+            message += how_to_close([carriers[cam.on]], drive.revolutions)
             problems.append((f"{at}.on", message))
         if any(coupling.shaft == cam.on for coupling in scene.couplings.values()):
             problems.append((f"{at}.on", f"shaft {cam.on!r} turns at a speed of its own, by a coupling; name another"))
     return problems
-
-
-def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) <= WHOLE
 
 
 def _loose_shafts(scene: Scene) -> set[str]:
@@ -449,21 +446,10 @@ def _wrong_wanted(scene: Scene) -> list[Problem]:
     return problems
 
 
-def _timed(scene: Scene) -> set[str]:
-    """Forces and moments that are tabled over time."""
-    actions = {**scene.forces, **scene.moments}
-    return {name for name, action in actions.items() if getattr(action, "over_time", None) is not None}
-
-
 def _wrong_regimes(scene: Scene) -> list[Problem]:
     drive, problems = scene.input, []
-    timed = _timed(scene)
     for name, regime in scene.regimes.items():
         at = f"regimes.{name}"
-        left = sorted(timed - set(regime.off))
-        if regime.type == "steady" and left:
-            message = f"{left[0]!r} depends on time: no motion repeats itself; switch it off here, or use a run"
-            problems.append((f"{at}.off", message))
         problems += [
             (f"{at}.off", f"the mass of {action!r} always goes along: it can't be off")
             for action in regime.off
@@ -526,9 +512,6 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
         carried = [n for n, m in scene.moments.items() if isinstance(m, Carried) and m.on == element.driver]
         if carried:
             problems.append((f"{at}.driver", f"{carried[0]!r} moves masses of its own with this shaft; name another"))
-        left = sorted(_timed(scene) - off)
-        if left:
-            problems.append((f"{at}.off", f"{left[0]!r} depends on time: no motion repeats itself; switch it off here"))
     return problems
 
 

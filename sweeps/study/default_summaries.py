@@ -18,9 +18,11 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
     """What is asked of a machine where nothing is named: all of its cycle and its flywheel, strokes, its regimes."""
     if scene.input is None:
         return tuple(made_ready(scene).available_summaries)
-    left_out = ("first_kind_inertia", "power_balance_residual", "loop_closure_residual", *ACCURACY_SUMMARIES)
+    left_out = {"first_kind_inertia", "power_balance_residual", "conservative_work_residual", "loop_closure_residual"}
+    left_out |= set(ACCURACY_SUMMARIES)
     machine = Machine(scene)
-    names = {n: n.partition(".")[0] for n in machine.available_summaries if n not in left_out}
+    known = [n for n in machine.available_summaries if n not in left_out and machine.why_not(n) is None]
+    names = {n: n.partition(".")[0] for n in known}
     telling = (".stroke", "_angle", ".deviation_max")
     kept = (
         name

@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Node, Stage
+from engine.graph.nodes import Held, Node, Return, Stage, reached
 from engine.laws.elementary import angle_of, direction_of, exponential, logarithm, power
 from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, quotient, sense, side
 from engine.laws.tables import cycles_before
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
-from engine.mechanism.actions.tables import time_per_input
+from engine.mechanism.actions.tables import time_per_input, uniform_time
 from engine.mechanism.assembly import Slide
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
@@ -206,13 +206,22 @@ class _Curves:
         if angle == "phi":
             x, cosine, sine = Differentiated(graph.q, graph.one), graph.cos_q, graph.sin_q
         else:
-            x = self._unfolded(angle) if self._turns_wholly(angle) else self.of(angle)
+            timed = self._follows_time(angle)
+            x = self._unfolded(angle) if timed or self._turns_wholly(angle) else self.of(angle)
             cosine, sine = graph.apply(direction_of, x.value)
+            if timed and x.rate.stage == Stage.VARIANT and not any(isinstance(n, Held) for n in reached([x.value])):
+                # At a period that the cycle is a multiple of, it repeats itself.
+                graph.returns((cosine, sine), Return(TIME, x.rate * float(self._revolutions)))
         if name == "sin":
             return Differentiated(sine, cosine * x.rate)
         if name == "cos":
             return Differentiated(cosine, -sine * x.rate)
         return self._quotient(Differentiated(sine, cosine * x.rate), Differentiated(cosine, -sine * x.rate))
+
+    def _follows_time(self, angle: Tree) -> bool:
+        """Whether a part depends on the time of a cycle at uniform speed."""
+        uniform = self.kinematics.has_cycle and self.time is uniform_time(self.kinematics)
+        return uniform and TIME in names_in_tree(angle)
 
     def _turns_wholly(self, angle: Tree) -> bool:
         slope = self._slope(angle) if "phi" in names_in_tree(angle) else None

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from engine.graph.nodes import Node
+from engine.graph.nodes import Node, Return
 from engine.laws.loads import spring
 from engine.laws.senses import angle_on_side, side
 from engine.mechanism.acting import Characteristic, Grip, Load, load
@@ -44,7 +44,9 @@ def torsion_spring(kinematics: Kinematics, name: str) -> Characteristic:
         Of the moment.
     """
     graph, at = kinematics.graph, f"moments.{name}"
-    angle = _angle(kinematics, kinematics.scene.moments[name].on)
+    on = kinematics.scene.moments[name].on
+    angle = _angle(kinematics, on)
+    graph.returns((angle,), Return(f"{at}.on", kinematics.turns(on), none=True))
     moment = graph.apply(spring, 1.0, graph.number(f"{at}.free_angle"), angle)
     return Characteristic(graph.number(f"{at}.stiffness", "load"), moment)
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Graph, Node
+from engine.graph.nodes import Graph, Node, Return
 from engine.laws.tables import (
     HEAD,
     Table,
@@ -22,7 +22,7 @@ from engine.laws.tables import (
 )
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.actions import Tabled
-from engine.parts.skeleton import CrankInput
+from engine.scene.load_formulas import TIME
 
 # A table with more pieces is searched.
 MOST_LOOKED_THROUGH = 16
@@ -112,9 +112,8 @@ def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
 
 def _period(kinematics: Kinematics, action: Tabled) -> float:
     """Period of a table: that of the cycle over the angle of a crank that turns fully, 0 otherwise."""
-    drive = kinematics.scene.input
-    full = isinstance(drive, CrankInput) and drive.start is None
-    return 2.0 * math.pi * drive.revolutions if full and action.over_angle is not None else 0.0
+    closed = kinematics.has_cycle and action.over_angle is not None
+    return 2.0 * math.pi * kinematics.scene.input.revolutions if closed else 0.0
 
 
 def kinks_of(action: Tabled, periodic: bool = False) -> dict[float, int]:
@@ -167,9 +166,11 @@ def _within_cycle(rows: list[tuple[float, int]], period: float) -> list[tuple[fl
 
 
 def uniform_time(kinematics: Kinematics) -> Node:
-    """Time since the begin of the cycle [s], in the direction in which the input moves, at uniform speed."""
-    drive = kinematics.scene.input
-    full = isinstance(drive, CrankInput) and drive.start is None
+    """Time since the begin of the cycle [s], in the direction in which the input moves, at uniform speed.
+
+    It goes on from cycle to cycle, so that what depends on it doesn't repeat itself.
+    """
+    full, drive = kinematics.has_cycle, kinematics.scene.input
 
     def begin(numbers: dict) -> float | np.ndarray:
         first = 0.0 if full else numbers["input.start"]
@@ -178,7 +179,10 @@ def uniform_time(kinematics: Kinematics) -> Node:
         return np.where(forward, np.minimum(first, last), np.maximum(first, last))
 
     graph = kinematics.graph
-    return (graph.q - graph.derived("position at the begin", begin)) * time_per_input(kinematics)
+    time = (graph.q - graph.derived("position at the begin", begin)) * time_per_input(kinematics)
+    if full:
+        graph.returns((time,), Return(TIME, graph.constant(math.nan)))
+    return time
 
 
 def time_per_input(kinematics: Kinematics) -> Node:

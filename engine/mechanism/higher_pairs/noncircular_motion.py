@@ -6,7 +6,7 @@ The piece of a table that holds in the middle of a panel holds throughout it; pa
 import math
 from typing import NamedTuple
 
-from engine.graph.nodes import Graph, Node
+from engine.graph.nodes import Graph, Node, Return
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.noncircular_wheels import (
     driven_pitch_curve,
@@ -70,6 +70,7 @@ def add_noncircular_wheel(assembly: Assembly, name: str) -> NoncircularMotion:
     angle = assembly.number(f"{at}.phase") - mean * (turned + lead * (1.0 / lobes))
     assembly.angles[name] = angle
     u = Vector(*graph.apply(direction_of, angle))
+    graph.returns((*u, lead, *rates), Return(f"{at}.lobes", assembly.turns(name)))
     w, e = -(rate * driver.w), -(slope * (driver.w * driver.w) + rate * driver.e)
     assembly.link(name, Turning(pivot, u, w, e))
     # Where the driven wheel would stand, velocities of what drives it the other way are infinite: a dead centre.

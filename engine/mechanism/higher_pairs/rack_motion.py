@@ -12,7 +12,7 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on geari
 
 from typing import NamedTuple
 
-from engine.graph.nodes import Node
+from engine.graph.nodes import Node, Return
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.racks import pinion_turn, rack_slide
 from engine.mechanism.assembly import Assembly, Slide, Turning
@@ -81,6 +81,8 @@ def add_rack(assembly: Assembly, name: str) -> None:
     radius, start = (assembly.number(f"racks.{name}.{key}") for key in ("radius", "start"))
     axis, pinion = _axis_along(assembly, rack.pivot, rack.guide), assembly.links[rack.pinion]
     turned = angle_of_link(assembly, rack.pinion) - angle_of_link(assembly, carrier)
+    turns = assembly.turns(rack.pinion) - assembly.turns(carrier)
+    assembly.graph.returns((turned,), Return(f"racks.{name}.pinion", turns, none=True))
     slide = Slide(
         assembly.graph.apply(rack_slide, axis.d, start, radius, turned),
         axis.v + radius * (pinion.w - line.carrier.w),

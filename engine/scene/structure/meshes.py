@@ -14,9 +14,6 @@ from engine.scene.pairs import drive_base
 from engine.scene.scene import Numbers, Scene
 from engine.scene.structure.input_laws import drive_turns
 
-# Turns over a cycle below this come from rounded ratios.
-_NO_TURN = 1e-9
-
 
 def rides_along(scene: Scene, point: str, guide: str) -> str | None:
     """Slider on a guide that a point belongs to; None for a point that rides on none."""
@@ -42,7 +39,6 @@ def mesh_problems(scene: Scene) -> list[Problem]:
             message = f"{rack.pivot!r} is no point of {rack.pinion!r}; name the axis that this pinion turns about"
             problems.append((f"{at}.pivot", message))
         problems += _unknown_angle(scene, name) or _unheld(scene, f"{at}.pivot", rack.pivot, rack.guide)
-        problems += [] if problems else _runs_away(scene, name)
     return problems
 
 
@@ -57,12 +53,6 @@ def _wrong_wheel(scene: Scene, name: str) -> list[Problem]:
     axis = axes[wheel.geared_to]
     if scene.points[wheel.pivot] == scene.points[axis]:
         return [(f"{at}.pivot", f"lies on the axis of {wheel.geared_to!r}: wheels in mesh have two axes; move it")]
-    turns = net_turns(scene, name) * drive.revolutions
-    if drive.start is None and abs(turns - round(turns)) > _NO_TURN:
-        message = (
-            f"{name!r} makes {turns:g} turns in a cycle of {drive.revolutions} of the crank, and doesn't come back "
-        )
-        return [(f"{at}.lobes", f"{message}to its place: set input.revolutions so that its turns are whole")]
     return []
 
 
@@ -106,20 +96,6 @@ def _unheld(scene: Scene, path: str, pivot: str, guide: str) -> list[Problem]:
         return []
     message = f"{pivot!r} doesn't keep its distance from guide {guide!r}: name a point of {carrier!r}, which carries "
     return [(path, f"{message}that guide, or the joint of a slider on it")]
-
-
-def _runs_away(scene: Scene, name: str) -> list[Problem]:
-    rack, drive = scene.racks[name], scene.input
-    if not isinstance(drive, CrankInput) or drive.start is not None:
-        return []
-    turns = net_turns(scene, rack.pinion) - net_turns(scene, scene.guides[rack.guide].link)
-    if abs(turns) <= _NO_TURN:
-        return []
-    message = (
-        f"{rack.pinion!r} goes on turning, by {turns * drive.revolutions:g} turns in a cycle, and the rack would run "
-        "away: give input.start and input.stop, or drive it by a pinion that comes back"
-    )
-    return [(f"racks.{name}.pinion", message)]
 
 
 def _turning(scene: Scene) -> set[str]:

@@ -4,13 +4,10 @@ By Willis the speeds of both relative to the carrier have a constant ratio, howe
 crank and carried by what turns evenly itself turns evenly.
 """
 
-import numpy as np
-
-from engine.parts.skeleton import FRAME, CrankInput, Shaft
+from engine.parts.skeleton import FRAME, Shaft
 from engine.scene.masses import places_on
-from engine.scene.names import WHOLE, Problem, did_you_mean, still_links
-from engine.scene.scene import Numbers, Scene
-from engine.scene.structure.meshes import has_known_angle, net_turns
+from engine.scene.names import Problem, did_you_mean, still_links
+from engine.scene.scene import Scene
 
 
 def train_problems(scene: Scene) -> list[Problem]:
@@ -20,57 +17,7 @@ def train_problems(scene: Scene) -> list[Problem]:
     ----------
     scene : Scene
     """
-    found = [problem for name, shaft in scene.shafts.items() for problem in _wrong_train(scene, name, shaft)]
-    return found or _open_shafts(scene)
-
-
-def comes_back(scene: Scene, numbers: Numbers) -> bool | np.ndarray:
-    """Whether all shafts that joints or guides of groups lie on are in their place again after a cycle.
-
-    Parameters
-    ----------
-    scene : Scene
-    numbers : Numbers
-        Of variants.
-
-    Returns
-    -------
-    bool or ndarray (variants,) of bool
-    """
-    whole: bool | np.ndarray = True
-    for name in _bearing(scene):
-        turns = net_turns(scene, name, numbers) * scene.input.revolutions
-        whole = whole & (np.abs(turns - np.round(turns)) <= WHOLE)
-    return whole
-
-
-def _bearing(scene: Scene) -> list[str]:
-    """Shafts of known angle that joints or guides of groups lie on, under a crank that turns fully."""
-    drive = scene.input
-    if not isinstance(drive, CrankInput) or drive.start is not None:
-        return []
-    hung = [part for group in scene.groups.values() for part in (group.first, group.second)]
-    points = {part.joint for part in hung if hasattr(part, "joint")}
-    points |= {joint for link in scene.links.values() for joint in link.joints}
-    guides = {part.guide for part in hung if hasattr(part, "guide")} | {link.guide for link in scene.links.values()}
-    bearing = {part.link for name, part in scene.points.items() if name in points}
-    bearing |= {part.link for name, part in scene.guides.items() if name in guides}
-    return sorted(name for name in bearing & set(scene.shafts) if has_known_angle(scene, name))
-
-
-def _open_shafts(scene: Scene) -> list[Problem]:
-    """Shafts on which joints or guides of groups lie, and that don't come back to where they were in a cycle."""
-    problems = []
-    for name in _bearing(scene):
-        turns = net_turns(scene, name) * scene.input.revolutions
-        if abs(turns - round(turns)) > WHOLE:
-            message = (
-                f"{name!r} makes {turns:g} turns in a cycle of {scene.input.revolutions} of the crank, and what hangs "
-                "on it doesn't come back to its place: set input.revolutions to the denominator of its ratio to the "
-                "crank"
-            )
-            problems.append((f"shafts.{name}.ratio", message))
-    return problems
+    return [problem for name, shaft in scene.shafts.items() for problem in _wrong_train(scene, name, shaft)]
 
 
 def mesh_axis(scene: Scene, name: str) -> str | None:

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from noncircular_wheels import CHAIN, ELLIPSES
 
-from engine import Machine, Scene, SceneError, Verdict
-from engine.scene.structure.ordering import order
+from engine import Machine, Mechanics, Scene, SceneError, Verdict
 from sweeps.pictures.drawing import primitives
 
 EPS = np.finfo(float).eps
@@ -163,7 +162,7 @@ AT = "noncircular_wheels__second"
 )
 def test_wrong_wheels__are_refused_in_words(changes, told):
     with pytest.raises(SceneError) as caught:
-        order(Scene.model_validate(changed(ELLIPSES, **changes)))
+        Mechanics(Scene.model_validate(changed(ELLIPSES, **changes)))
     assert told in str(caught.value)
 
 

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from racks import DOUBLER, LIFT, ON_CRANK
 
-from engine import Machine, Scene, SceneError, Verdict
-from engine.scene.structure.ordering import order
+from engine import Machine, Mechanics, Scene, SceneError, Verdict
 from sweeps.pictures.drawing import primitives
 
 EPS = np.finfo(float).eps
@@ -161,7 +160,7 @@ def test_any_racks__balance(radius, pressure, other, angle, speed):
 )
 def test_wrong_racks__are_refused_in_words(data, changes, told):
     with pytest.raises(SceneError) as caught:
-        order(Scene.model_validate(changed(data, **changes)))
+        Mechanics(Scene.model_validate(changed(data, **changes)))
     assert told in str(caught.value)
 
 

@@ -6,8 +6,7 @@ from driving_cams import changed
 from geared_links import CRANK
 from mpmath import mp
 
-from engine import Machine, Scene, SceneError, Verdict
-from engine.scene.structure.ordering import order
+from engine import Machine, Mechanics, Scene, SceneError, Verdict
 
 EPS = np.finfo(float).eps
 BALANCE = ("input_moment_disagreement", "equilibrium_residual")
@@ -152,4 +151,4 @@ def test_rack_of_a_servo__takes_the_moment_that_lifts_it():
 
 def test_rack_of_a_servo_that_goes_on__runs_away():
     with pytest.raises(SceneError, match="the rack would run away"):
-        order(Scene.model_validate(changed(SERVO_RACK, inputs__servo__ratio=1)))
+        Mechanics(Scene.model_validate(changed(SERVO_RACK, inputs__servo__ratio=1)))

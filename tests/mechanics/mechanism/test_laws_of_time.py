@@ -218,7 +218,7 @@ TURNS = {"start": None, "stop": None}
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"input": CRANK}, "doesn't close: set input.revolutions"),
+        ({"input": CRANK}, "doesn't close: no cycle of up to 24"),
         (
             {"input": CRANK, "inputs__second": {"type": "crank", "pivot": "C", "speed": 1.0}},
             "inputs.second.speed: 'second' makes",

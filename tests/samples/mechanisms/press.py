@@ -114,19 +114,11 @@ def forces() -> dict:
             "force": [50.0, 90.0, -30.0],
             "interpolation": "linear",
         },
-        "by_time": {
-            "type": "table",
-            "on": "B",
-            "angle": 0.0,
-            "over_time": [0.1, 0.4, 0.9],
-            "force": [5.0, 90.0, 20.0],
-            "interpolation": "linear",
-        },
     }
 
 
 def actions() -> dict:
-    """Forces, moments, springs and cylinders of all kinds but motors."""
+    """Forces, moments, springs and cylinders of all kinds but motors, and nothing over time: it has a cycle."""
     return {
         "forces": forces(),
         "moments": {

@@ -239,10 +239,21 @@ def test_smooth_formula__has_mean_and_rms_in_closed_form():
     assert measured(scene, "m", statistic="rms")[0] == pytest.approx(math.sqrt(25 + 4.5 + 2), rel=1e-12)
 
 
-def test_force_that_depends_on_time__is_that_of_the_cycle_at_uniform_speed():
-    """∫ t dφ: 12 N m s⁻¹ · t over 0 … 2π/ω, after a second that is half over at twice the speed."""
+RAMP = {"over_time": [0.25, 2.0], "moment": [3.0, 24.0], "interpolation": "linear", "outside": "zero"}
+
+
+@pytest.mark.parametrize(
+    "load", [moment("12 N m * t / (1 s) if t > 0.25 s else 0"), {"type": "table", "on": "crank"} | RAMP]
+)
+def test_moment_that_depends_on_time__is_that_of_a_range_at_uniform_speed(load):
+    """∫ t dφ: 12 N m s⁻¹ · t over 0 … 2π/ω, after a second that is half over at twice the speed.
+
+    Over a range of the crank, as a cycle would have to repeat itself.
+    """
     speed = 2 * math.pi
-    scene = slider_crank(moments={"m": moment("12 N m * t / (1 s) if t > 0.25 s else 0")}, speed=speed)
+    scene = slider_crank(moments={"m": load}, speed=speed)
+    drive = scene.input.model_copy(update={"start": 0.0, "stop": 2 * math.pi})
+    scene = scene.model_copy(update={"input": drive})
     found = measured(scene, "m", {"input.speed": [speed, 2 * speed]})
     np.testing.assert_allclose(found, [12 * (1 - 1 / 16) / 2, 12 * (1 / 4 - 1 / 16)], rtol=1e-12)
 

@@ -79,11 +79,11 @@ def pressed(request) -> tuple[dict, dict]:
     parts["moments"]["motor"] = MOTOR
     scene = press(bodies=bodies(), **parts) | {"flywheel": {"inertia": 2.0}, "gravity": 9.81}
     scene["input"]["speed"] = request.param
-    scene["regimes"] = {"on": {"type": "steady", "off": ["by_time"]}}
+    scene["regimes"] = {"on": {"type": "steady"}}
     fields = [*loads_of(scene), "input_moment_by_equilibrium", "input_moment", "speed", "acceleration", "motor_moment"]
     found = ask(scene, "on.speed_fluctuation", 360, " ".join(f"on.{field}" for field in fields))
     assert found["on.speed_fluctuation"] > 0.02
-    return without(scene, {"motor", "by_time"}), rows_of(found)
+    return without(scene, {"motor"}), rows_of(found)
 
 
 def expected_rows(scene: Scene, rows: dict, some: slice) -> dict[str, np.ndarray]:

@@ -1,0 +1,63 @@
+"""Whether a cycle closes: turns of the parts of a machine must be whole in it; and how many of the crank that takes.
+
+A cycle is `input.revolutions` turns of the crank. All that is measured over it has to be in its place again at its end:
+otherwise gravity and springs would do work in every cycle.
+"""
+
+import math
+from collections.abc import Iterable
+from fractions import Fraction
+
+import numpy as np
+
+from engine.parts.skeleton import MOST_REVOLUTIONS
+
+# Roundings of a number of turns that follows from ratios, relative to it.
+_ROUNDING = 64.0 * np.finfo(float).eps
+
+
+def is_whole(turns: float | np.ndarray) -> bool | np.ndarray:
+    """Whether numbers of turns are whole but for rounding.
+
+    Parameters
+    ----------
+    turns : float or ndarray
+    """
+    return np.abs(turns - np.round(turns)) <= _ROUNDING * np.maximum(1.0, np.abs(turns))
+
+
+def closing_revolutions(turns: Iterable[float]) -> int | None:
+    """Fewest turns of the crank that close a cycle; None where that would be more than a cycle may have.
+
+    Parameters
+    ----------
+    turns : iterable of float
+        Of the parts, for each turn of the crank.
+    """
+    found = 1
+    for ratio in turns:
+        whole = Fraction(ratio).limit_denominator(MOST_REVOLUTIONS) if math.isfinite(ratio) else None
+        if whole is None or not is_whole(ratio * whole.denominator):
+            return None
+        found = math.lcm(found, whole.denominator)
+    return found if found <= MOST_REVOLUTIONS else None
+
+
+def how_to_close(turns: Iterable[float], revolutions: int) -> str:
+    """What to do about a cycle that doesn't close.
+
+    Parameters
+    ----------
+    turns : iterable of float
+        Of its parts, for each turn of the crank.
+    revolutions : int
+        Of the cycle so far: something else may need them.
+    """
+    turns = list(turns)
+    needed = closing_revolutions([*turns, 1.0 / revolutions]) or closing_revolutions(turns)
+    if needed is not None:
+        return f"set input.revolutions = {needed}"
+    return (
+        f"no cycle of up to {MOST_REVOLUTIONS} turns of the crank closes; take ratios of small whole numbers, written "
+        'exactly, as in "2/3", or a range of the crank, input.start … input.stop'
+    )
