@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
 # What a coefficient of speed fluctuation is: relative to the mean of both speeds, not to that over time.
