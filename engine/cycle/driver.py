@@ -13,7 +13,6 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.events import (
     LANDMARKS,
-    MOST_ROOTS,
     SCALE,
     find_crossings,
     find_landmarks,
@@ -89,6 +88,8 @@ class Task(NamedTuple):
         Positions at which switching functions are looked at.
     looks : int
         How many times: twice where some of them depend on landmarks of others.
+    roots : int
+        How often each may turn, or take one level.
     integrals : ndarray of int
         Curves to integrate.
     kept : ndarray of int
@@ -133,6 +134,7 @@ class Task(NamedTuple):
     kinks: np.ndarray
     scan: int
     looks: int
+    roots: int
     integrals: np.ndarray
     kept: np.ndarray
     works: np.ndarray
@@ -322,7 +324,7 @@ class Workspace(NamedTuple):
 def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     """Memory for a task, with room for so many steps of a walk."""
     functions, count = task.sizes[0] // 2, task.sizes[3]
-    turns, crossings = functions * MOST_ROOTS, len(task.crossings) * MOST_ROOTS
+    turns, crossings = functions * task.roots, len(task.crossings) * task.roots
     return Workspace(
         rows(numbers),
         rows(WALK, aside=ASIDE),
@@ -369,10 +371,10 @@ def fill(count: int, block: Memory, value: float) -> None:
 
 
 @routine
-def note_too_many(counts: Memory, scale: Memory, too_many: Memory) -> None:
+def note_too_many(counts: Memory, most: int, scale: Memory, too_many: Memory) -> None:
     """Note the lanes in which there is no room for all roots, but of functions that aren't finite everywhere."""
     for lane in range(LANES):
-        more = (counts[lane] > float(MOST_ROOTS)) & (abs(scale[lane]) < math.inf)
+        more = (counts[lane] > float(most)) & (abs(scale[lane]) < math.inf)
         too_many[lane] = 1.0 if more else too_many[lane]
 
 
@@ -407,7 +409,7 @@ def cut(
             scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
             sample(events, work.block, tables, task.scan, scan)
             for f in range(functions):
-                turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts)
+                turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts, task.roots)
             solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
             for f in range(functions):
                 find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
@@ -432,8 +434,9 @@ def cut(
             crossings,
             marks,
             counts,
+            task.roots,
         )
-        note_too_many(counts, landmarks[f, SCALE], too_many)
+        note_too_many(counts, task.roots, landmarks[f, SCALE], too_many)
     solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, crossed, crossings)
     return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
 

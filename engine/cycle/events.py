@@ -38,7 +38,7 @@ from engine.cycle.roots import (
 LEAST, GREATEST, LEAST_AT, GREATEST_AT, VALUE_ERROR, LEAST_AT_ERROR, GREATEST_AT_ERROR, SCALE = range(8)
 LANDMARKS = 8
 of_landmarks = memory(LANDMARKS, LANES)
-# Turns of one function, or places where it takes one level, at most.
+# Turns of one function, or places where it takes one level, at most: so many in each turn of the input.
 MOST_ROOTS = 12
 # A root beside a turn is off by no more than this share of the range.
 FLAT = 1e-7
@@ -76,6 +76,7 @@ def find_turns(
     roots: Memory,
     marks: Memory,
     counts: Memory,
+    most: int,
 ) -> int:
     """Enter the intervals in which a function turns as new rows of roots.
 
@@ -93,7 +94,9 @@ def find_turns(
     marks : row (LANES,)
         Used meanwhile.
     counts : row (LANES,)
-        Receives how many are entered: of what turns more often, by rounding as a rule, the first MOST_ROOTS.
+        Receives how many are entered.
+    most : int
+        Of what turns more often, by rounding as a rule, the first so many are entered.
 
     Returns
     -------
@@ -113,7 +116,7 @@ def find_turns(
             continue
         for lane in range(LANES):
             row = before + int(counts[lane])
-            if marks[lane] > 0.0 and counts[lane] < MOST_ROOTS:
+            if marks[lane] > 0.0 and counts[lane] < most:
                 counts[lane] += 1.0
                 used = open_row(row, used, function, TURN, sought, roots)
                 roots[row, LOW, lane] = roots[row, FIRST_LOW, lane] = q[k, lane]
@@ -235,6 +238,7 @@ def enter_crossings(
     roots: Memory,
     marks: Memory,
     counts: Memory,
+    most: int,
 ) -> int:
     """Enter the pieces of f marked as of `crosses` as new rows of roots.
 
@@ -242,7 +246,7 @@ def enter_crossings(
     ----------
     low, high, at_low, at_high : row (LANES,)
         Ends of the pieces and f there.
-    function, level_row, level, before, used, sought, roots, marks, counts
+    function, level_row, level, before, used, sought, roots, marks, counts, most
         As of `find_crossings`; `before` is the first row for this function and level.
 
     Returns
@@ -251,7 +255,7 @@ def enter_crossings(
         Rows of roots in use now.
     """
     for lane in range(LANES):
-        row, room = before + int(counts[lane]), counts[lane] < MOST_ROOTS
+        row, room = before + int(counts[lane]), counts[lane] < most
         # What lies on its level all along touches it at every position: of such, any may be left out.
         counts[lane] += 1.0 if (marks[lane] == 1.0) | (marks[lane] > 0.0) & room else 0.0
         if marks[lane] > 0.0 and room:
@@ -278,6 +282,7 @@ def find_crossings(
     roots: Memory,
     marks: Memory,
     counts: Memory,
+    most: int,
 ) -> int:
     """Enter the intervals in which a function takes a level as new rows of roots.
 
@@ -300,7 +305,9 @@ def find_crossings(
     marks : row (LANES,)
         Used meanwhile.
     counts : row (LANES,)
-        Receives how many there are, of which MOST_ROOTS are entered.
+        Receives how many there are.
+    most : int
+        How many of them are entered.
 
     Returns
     -------
@@ -320,7 +327,7 @@ def find_crossings(
         if any_positive(marks):
             low, high, at_low, at_high = q[k], q[k + 1], values[f_row + k], values[f_row + k + 1]
             used = enter_crossings(
-                low, high, at_low, at_high, function, level_row, level, before, used, sought, roots, marks, counts
+                low, high, at_low, at_high, function, level_row, level, before, used, sought, roots, marks, counts, most
             )
     for r in range(turns):
         if turn_sought[r, FUNCTION] != function:
@@ -333,7 +340,20 @@ def find_crossings(
                 # A turn that touches the level is entered once.
                 marks[lane] = 0.0 if (side == 1) & (mark == 2.0) else mark
             used = enter_crossings(
-                place, end, at_place, at_end, function, level_row, level, before, used, sought, roots, marks, counts
+                place,
+                end,
+                at_place,
+                at_end,
+                function,
+                level_row,
+                level,
+                before,
+                used,
+                sought,
+                roots,
+                marks,
+                counts,
+                most,
             )
     return used
 

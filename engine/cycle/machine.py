@@ -39,6 +39,7 @@ from engine.cycle.events import (
     LEAST,
     LEAST_AT,
     LEAST_AT_ERROR,
+    MOST_ROOTS,
     VALUE_ERROR,
 )
 from engine.cycle.measured import Measured, maximum
@@ -120,6 +121,8 @@ class Plan:
         Positions over the range at which switching functions are looked at.
     looks : int
         How many times they are: twice where some of them depend on landmarks of others.
+    turns : int
+        Turns of the input in the range, for each of which there is room for `MOST_ROOTS`.
     """
 
     ends: tuple[int, int]
@@ -149,6 +152,7 @@ class Plan:
     turn: float = math.inf
     scan: int = 36
     looks: int = 1
+    turns: int = 1
 
 
 @dataclass(frozen=True)
@@ -320,6 +324,7 @@ class CycleMachine:
             _integers(plan.kinks),
             plan.scan,
             plan.looks,
+            MOST_ROOTS * plan.turns,
             _integers(plan.integrals),
             _integers(kept),
             _integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),

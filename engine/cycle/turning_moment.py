@@ -39,7 +39,7 @@ class TurningMoment(NamedTuple):
     flywheel_inertia : float
         What must be added to the inertia that is there [kg·m²]; 0 or less: nothing.
     speed_fluctuation : float
-        δ that follows: the one asked for, or less where the inertia that is there gives less.
+        δ = (ω_max − ω_min)/ω_m that follows: the one asked for, or less where the inertia that is there gives less.
     """
 
     mean_moment: float

@@ -272,7 +272,9 @@ def _numbers(x: ArrayLike, y: ArrayLike, names: tuple[str, str]) -> tuple[np.nda
 def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
     """Rows over exactly one period, the last one repeating the first one's value."""
     end = x[0] + period
-    x = np.where(np.abs(x - end) <= CLOSING_TOLERANCE * period, end, x)
+    # Only the row that closes the table may be rounded: one a little before it is a row of its own.
+    closes = (x == x[-1]) & (np.abs(x - end) <= CLOSING_TOLERANCE * period)
+    x = np.where(closes, end, x)
     beyond = np.flatnonzero(x > end)
     if beyond.size:
         row = beyond[0]

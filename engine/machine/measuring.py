@@ -209,6 +209,7 @@ class Measuring:
         unresolved -= self._resolved(of)
         # An extreme that lasts, as in a cam's dwell, has no place of its own: figures then reach as far as it may be.
         closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
+        turns = getattr(self.mechanics.scene.input, "revolutions", 1)
         self.plan = cycle.Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
@@ -228,7 +229,8 @@ class Measuring:
             speeds=[self._fluctuations.index(self._cycle_of(s.steady).fluctuation) for s in self._speeds],
             averages=[self._place_of(a) for a in self._averages],
             spaced=[self._place_of(s) for s in self._spaced],
-            scan=SCANNED + SCANNED_PER_TURN * max(0, getattr(self.mechanics.scene.input, "revolutions", 1) - 2),
+            scan=SCANNED + SCANNED_PER_TURN * max(0, turns - 2),
+            turns=turns,
             period=FULL_TURN * self.mechanics.scene.input.revolutions if closes else math.inf,
             turn=FULL_TURN if closes else math.inf,
             intervals=self._grid[0],

@@ -9,7 +9,7 @@ from engine.parts.actions import InductionMotor
 from engine.parts.regimes import Regime
 from engine.parts.skeleton import CrankInput, SliderInput
 from engine.quantities import inertia, reactions
-from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
+from engine.quantities.quantity import OF_FLUCTUATION, STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Scene
@@ -38,8 +38,8 @@ COMMON = {
 }
 STEADY = {
     "period": ("time of a cycle in {name}", "s"),
-    "mean_speed": ("mean angular speed over a cycle in {name}", "rad s-1"),
-    "speed_fluctuation": ("coefficient of speed fluctuation of the true motion in {name}", "1"),
+    "mean_speed": ("mean angular speed over time of a cycle in {name}", "rad s-1"),
+    "speed_fluctuation": (f"coefficient of speed fluctuation in {{name}}: {OF_FLUCTUATION}", "1"),
     "multiplier": ("factor by which a small disturbance of the energy grows from cycle to cycle in {name}", "1"),
     "return_residual": ("relative difference of the energy after a cycle in {name}", "1"),
 }

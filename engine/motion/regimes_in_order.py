@@ -425,7 +425,9 @@ class Schedule:
             shaft = number("from_shaft_speed", 0.0)[ready] / sides.coupling.ratio
         turned, most = (number(key, np.inf)[ready] * cycle for key in ("cycles", "at_most"))
         time, speed = (number(key, np.inf)[ready] for key in ("time", "speed"))
-        ends = CoupledEnds(turned, time, speed, regime.rest is True, regime.lock_up is True, most)
+        ends = CoupledEnds(
+            turned, time, speed, regime.rest is True, regime.lock_up is True, most, regime.reversal is True
+        )
         gone = run_coupled(sides, (omega, shaft), clock, engaged, ends, loose, record).over_all(ready, variants.count)
         verdict = np.where(standing.verdict == Verdict.OK, gone.verdict, standing.verdict).astype(np.uint8)
         since = np.full(variants.count, np.nan)
@@ -507,6 +509,7 @@ class Schedule:
             regime.rest is True,
             number("at_most", np.inf) * dynamics.cycle,
             regime.end_of_range is True,
+            regime.reversal is True,
         )
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         part = variants.some(ready)

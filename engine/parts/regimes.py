@@ -32,7 +32,7 @@ from engine.parts.skeleton import (
 )
 from engine.parts.units import even_steps, first_last_count, in_text
 
-ENDS = ("cycles", "time", "speed", "velocity", "rest", "end_of_range", "lock_up")
+ENDS = ("cycles", "time", "speed", "velocity", "rest", "reversal", "end_of_range", "lock_up")
 MOST_INSTANTS = 100_000
 
 
@@ -95,6 +95,9 @@ class SteadyRegime(Part):
 class RunRegime(Part):
     """Motion until one of: a number of `cycles`, a `time`, a `speed` reached from below or above, `rest` = true.
 
+    At rest a machine stays where it is under all that acts, as friction or a brake holds it. Where it only turns back,
+    as a load does that swings, it first stands still for a moment: `reversal` = true ends a run there.
+
     With an input that doesn't turn fully, `end_of_range` = true: until it arrives at an end of its range. A sliding
     input has a `velocity` for its speed, and begins by `from_velocity` and `from_position`, its displacement.
 
@@ -120,6 +123,7 @@ class RunRegime(Part):
     speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
     velocity: Annotated[Speed, Field(gt=0)] | None = None
     rest: Literal[True] | None = None
+    reversal: Literal[True] | None = None
     end_of_range: Literal[True] | None = None
     lock_up: Literal[True] | None = None
     at_most: Annotated[Number, Field(gt=0)] = 10_000.0
@@ -140,8 +144,9 @@ class RunRegime(Part):
             what = "none is" if not given else f"{' and '.join(given)} are"
             raise ValueError(
                 f"a run ends after cycles, after a time, at a speed or at rest: {what} given; give exactly one of "
-                "cycles, time, speed, rest = true, velocity of a sliding input, end_of_range = true of an input that "
-                "doesn't turn fully, or with a clutch lock_up = true"
+                "cycles, time, speed, rest = true, reversal = true (where it first stands still, be it for a moment), "
+                "velocity of a sliding input, end_of_range = true of an input that doesn't turn fully, or with a "
+                "clutch lock_up = true"
             )
         return self
 

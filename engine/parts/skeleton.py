@@ -547,7 +547,10 @@ class WheelForm(Part):
 
 
 class Flywheel(Part):
-    """The flywheel: `inertia` on the input link if there is one, `speed_fluctuation` δ asked for, and its make."""
+    """The flywheel: `inertia` on the input link if there is one, `speed_fluctuation` asked for, and its make.
+
+    That is δ = (ω_max − ω_min)/ω_m, relative to the mean of both, ω_m = (ω_max + ω_min)/2, which is `input.speed`.
+    """
 
     inertia: Annotated[Inertia, Field(ge=0)] | None = None
     speed_fluctuation: Annotated[Number, Field(gt=0, lt=2)] | None = None

@@ -23,6 +23,7 @@ from engine.quantities.expressions import (
     unresolved_peak,
 )
 from engine.quantities.multiple_angles import multiple_angle
+from engine.quantities.quantity import OF_FLUCTUATION
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import has_friction
 
@@ -174,7 +175,7 @@ def _flywheel(m: Mechanics) -> Declared:
         )
         yield Summary(
             "speed_fluctuation",
-            "coefficient of speed fluctuation with the flywheel",
+            f"coefficient of speed fluctuation with the flywheel: {OF_FLUCTUATION}",
             "1",
             lambda: steady("speed_fluctuation"),
             symbol="δ",

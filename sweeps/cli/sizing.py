@@ -9,8 +9,12 @@ from sweeps.cli.shared import errors_as_messages, names_in, tell, write_text
 
 @click.command()
 @click.argument("table", type=click.Path(path_type=Path))
-@click.option("--speed", required=True, help="Mean speed, such as '250 rpm'.")
-@click.option("--fluctuation", required=True, help="Coefficient of speed fluctuation asked for, such as 1/50 or 2 %.")
+@click.option("--speed", required=True, help="Mean of the greatest and the least speed, such as '250 rpm'.")
+@click.option(
+    "--fluctuation",
+    required=True,
+    help="Coefficient of speed fluctuation asked for, (greatest - least) / mean speed, such as 1/50 or 2 %.",
+)
 @click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
 @click.option("--inertia", default="0", help="Inertia that the machine has already, such as '0.4 kg m2'.")
 @click.option("--area-energy", help="Energy that a unit of area stands for, '4.5 J': TABLE has areas then.")

@@ -69,6 +69,8 @@ def _end(scene: Scene, regime: RunRegime) -> str:
         return f"for {quantity_text(regime.time, 's')}"
     if regime.end_of_range:
         return "to an end of its range"
+    if regime.reversal:
+        return "until it first stands still"
     return "to rest" if regime.rest else f"until {quantity_text(_asked_speed(scene, regime), _units(scene).speed)}"
 
 
@@ -136,9 +138,11 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     if along.min() < 0.0:
         span = " … ".join(quantity_text(float(a), "rad") for a in (seen.angle[chosen].min(), seen.angle[chosen].max()))
         swings = (along[(along < 0.0).argmax() :] > 0.0).any()
+        if regime.rest and swings:
+            return f"it doesn't come to rest: it swings back and forth between φ = {span}; brake it"
         doing = f"swings back and forth between φ = {span}" if swings else "turns backwards, ever faster"
         return f"the machine {doing}: what drives it doesn't carry its loads; a stronger motor or a lower load helps"
-    if regime.rest and (angle[-1] < turn or speed[-1] < _NEXT_TO_NOTHING * speed.max()):
+    if (regime.rest or regime.reversal) and (angle[-1] < turn or speed[-1] < _NEXT_TO_NOTHING * speed.max()):
         return "it doesn't come to rest: all that slows it vanishes with the speed; brake it"
     if angle[-1] < turn * (1.0 - _NEXT_TO_NOTHING):
         after = quantity_text(float(np.ptp(seen.time[chosen])), "s")
@@ -152,7 +156,7 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
         goes += f", {'as in the cycle before' if scene.couplings else nearer}" if early else ""
         mend = "ask for a speed that its motors reach with these loads" if slow else "brake it"
         return f"the speed of {asked} isn't reached: {goes}; {mend}{raising}"
-    if regime.rest:
+    if regime.rest or regime.reversal:
         goes += ", and a slower machine gets faster" if early else ""
         return f"it doesn't come to rest: {goes}; switch off what drives it or brake it{raising}"
     return f"{key}.at_most comes before its end: {goes}; raise it"

@@ -33,6 +33,7 @@ from engine.elements.elastic_drives.elastic_cycle import (
 )
 from engine.elements.elastic_drives.machine_drive_element import MachineDrive
 from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays
+from engine.quantities.quantity import OF_FLUCTUATION
 from engine.verdicts import Verdict
 
 RESULTS = (
@@ -40,9 +41,9 @@ RESULTS = (
     ElementResult("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1"),
     ElementResult("natural_frequency", "natural frequency with the machine's mean inertia", "rad s-1"),
     ElementResult("period", "duration of a cycle", "s"),
-    ElementResult("mean_speed", "mean speed of the crank", "rad s-1"),
-    ElementResult("motor_fluctuation", "coefficient of speed fluctuation at the motors' end", "1"),
-    ElementResult("machine_fluctuation", "coefficient of speed fluctuation of the crank", "1"),
+    ElementResult("mean_speed", "mean speed of the crank over time", "rad s-1"),
+    ElementResult("motor_fluctuation", f"coefficient of speed fluctuation at the motors' end: {OF_FLUCTUATION}", "1"),
+    ElementResult("machine_fluctuation", f"coefficient of speed fluctuation of the crank: {OF_FLUCTUATION}", "1"),
     ElementResult("mean_moment", "mean moment of the shaft over time", "N m"),
     ElementResult("greatest_moment", "greatest moment of the shaft", "N m"),
     ElementResult("least_moment", "least moment of the shaft", "N m"),

@@ -105,7 +105,7 @@ def speed_motion(law: MomentLaw, balance: MotionEquation, omega: np.ndarray, end
 
 
 def _goal(ends: Ends) -> tuple[End, np.ndarray]:
-    if ends.rest:
+    if ends.standing:
         return End.SPEED, np.zeros_like(ends.speed)
     if np.isfinite(ends.time).all():
         return End.TIME, ends.time

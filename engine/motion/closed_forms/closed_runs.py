@@ -14,7 +14,8 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.tabulation import Sums
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import DOUBTFUL, Ends, Progress, RunOutcome, Stepping
-from engine.motion.steppers.time_form import State
+from engine.motion.steppers.rubbing_form import form_in_time
+from engine.motion.steppers.time_form import State, state_at
 from engine.verdicts import Verdict
 
 
@@ -54,6 +55,11 @@ def run_in_closed_form(
     numbers = (motion.time, motion.angle, motion.omega, motion.squares, *motion.works)
     found = np.isfinite(numbers).all(axis=0) & (motion.slowest >= 0.0)
     found &= (motion.time > 0.0) & (motion.angle <= ends.most_turned)
+    if ends.rest:
+        # What doesn't stay where it stops turns back.
+        form = form_in_time(dynamics, variants, start)
+        stopped = state_at(motion.angle, np.zeros_like(omega), clock + motion.time, len(dynamics.channels))
+        found &= form.at_rest(stopped) == 0.0
     outcome = _outcome(balance, omega, motion)
     left = np.flatnonzero(~found)
     if left.size:

@@ -62,8 +62,8 @@ LOCKS_UP, CRANK_RESTS, SHAFT_RESTS, AT_JUMP, AT_ANGLE, TOO_FAR, ABOVE, BELOW, BR
 class CoupledEnds(NamedTuple):
     """Where runs end, (variants,): angle turned [rad], time [s], speed of the crank [rad/s]; infinite for never.
 
-    `rest` says whether the run ends when the crank rests, `lock_up` whether it does when the clutch holds;
-    `most_turned` [rad] is where it is given up.
+    `rest` says whether the run ends when the crank rests, `reversal` whether where it stands, be it for a moment,
+    `lock_up` whether it does when the clutch holds; `most_turned` [rad] is where it is given up.
     """
 
     turned: np.ndarray
@@ -72,6 +72,7 @@ class CoupledEnds(NamedTuple):
     rest: bool
     lock_up: bool
     most_turned: np.ndarray
+    reversal: bool = False
 
     def some(self, who: np.ndarray) -> "CoupledEnds":
         """Of some of the variants, by index."""
@@ -194,13 +195,13 @@ class CoupledRuns:
         self.done[who[holds & (ways[0] != 0.0)]] |= self.ends.lock_up
         stands = who[ways[0] == 0.0]
         begun = self.state[CRANK, stands] != 0.0
-        self.done[stands] |= self.ends.rest & begun
+        self.done[stands] |= (self.ends.rest | self.ends.reversal) & begun
         # Both stand: until a moment over time or the clutch changes, or the time is over.
         both = who[(ways[0] == 0.0) & (ways[1] == 0.0)]
         both = both[~self.done[both]]
         for_ever = both[~np.isfinite(self._longest(both))]
         self.done[for_ever] = True
-        self.verdict[for_ever] = Verdict.OK if self.ends.rest else Verdict.STALLS
+        self.verdict[for_ever] = Verdict.OK if self.ends.rest or self.ends.reversal else Verdict.STALLS
         self._pass_jumps(who)
 
     def _holding(
@@ -511,6 +512,7 @@ class CoupledRuns:
         exact = met(AT_ANGLE)
         self.state[CRANK, exact] = self.ends.turned[exact]
         self.done[met(AT_ANGLE, ABOVE, BELOW)] = True
+        self.done[rest] |= self.ends.reversal
         self._give_up(met(TOO_FAR))
         mine = who[taken]
         self.done[mine[self.time[mine] >= self.ends.time[mine] * (1.0 - 1e-15)]] = True
@@ -526,6 +528,9 @@ class CoupledRuns:
         rest = rest[~self.done[rest] & self._never_changes(rest) & (self.joined.crank_way[rest] > 0.0)]
         turned = self.state[CRANK, rest]
         again = turned <= self.farthest_swing[rest] + SAME_SWING
+        if self.ends.rest:
+            # What is lost in each swing brings it to rest.
+            again &= turned >= self.farthest_swing[rest] - SAME_SWING
         self.farthest_swing[rest] = turned
         self._give_up(rest[again])
         speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_way != 0.0

@@ -3,7 +3,6 @@
 The steps over a cycle are equal but where a break cuts one in two: the nodes are wanted positions.
 """
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -85,19 +84,15 @@ def edges_of(
     Returns
     -------
     edges, sides : ndarray (edges, variants)
-        The angles, and how far from each the moments are taken [rad].
+        The angles, and how far from each the moments are taken, but no farther than the middle to the next [rad].
     """
     count = direction.size
     turned = np.nan_to_num(np.mod(direction * (breaks.angles - begin), cycle), nan=cycle)
+    # Rounding may put a break on the other side of the begin.
     at_begin = ((turned <= GAP) | (turned >= cycle - GAP)) & ~np.isnan(breaks.angles)
-    turned = np.sort(np.where(at_begin, cycle, turned), axis=0)
-    for before, here in pairwise(turned):
-        # What jumps in the same place is one edge.
-        here[:] = np.where(here - before < GAP, before, here)
     ends = np.where(at_begin.any(axis=0), JUMP, 0.0)
-    edges = np.concatenate((np.zeros((1, count)), turned, np.full((1, count), cycle)))
-    sides = np.where(edges < cycle, JUMP, ends)
-    sides[0] = ends
+    edges = np.concatenate((np.zeros((1, count)), np.sort(turned, axis=0), np.full((1, count), cycle)))
+    sides = np.where((edges > 0.0) & (edges < cycle), JUMP, ends)
     return edges, sides
 
 

@@ -12,7 +12,6 @@ from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
 from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
-from engine.cycle.events import MOST_ROOTS
 from engine.cycle.machine import CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.walk import of_edges, set_out
@@ -56,15 +55,15 @@ class Landmarks:
         self._unjudged = {load.action for load in loads if any(isinstance(n, Given) for n in reached([load.basis]))}
         self._unjudged |= set(self.actions) - {action for action, _ in moments}
         self._found = [node for node in functions.rows if isinstance(node, Found)]
-        self._task = self._asked(SCANNED_PER_TURN * turns + 1)
+        self._task = self._asked(turns)
 
-    def _asked(self, scan: int) -> Task:
+    def _asked(self, turns: int) -> Task:
         """What is asked of the cycle: its landmarks and crossings, and no curve."""
         functions = self.tabulation.functions
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
         crossings = [(events[w.crossing.curve], functions.rows[w.crossing.level]) for w in self.watches]
         marks = [mark[1:] for mark in functions.landmarks]
-        looked_at = {"scan": scan, "looks": functions.looks}
+        looked_at = {"scan": SCANNED_PER_TURN * turns + 1, "looks": functions.looks, "turns": turns}
         plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, **looked_at)
         return CycleMachine(plan, nothing).task
 
@@ -78,7 +77,7 @@ class Landmarks:
             +1 or −1, the sign of the crank's speed.
         """
         parameters = self.tabulation.parameters(numbers, direction)
-        found = np.full((len(self.watches), MOST_ROOTS, direction.size), np.nan)
+        found = np.full((len(self.watches), self._task.roots, direction.size), np.nan)
         if self._task.sizes[0]:
             self._find(parameters, found)
         some = np.isfinite(found).any(axis=2)

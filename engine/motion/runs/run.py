@@ -38,7 +38,7 @@ def _run(runs: Progress) -> RunOutcome:
     started, count = runs.energy(), runs.variants.count
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
     runs.see_begin()
-    if runs.ends.rest and runs.dynamics.fades:
+    if runs.ends.standing and runs.dynamics.fades:
         # What vanishes with the speed stops no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
     brisk = _brisk(runs, np.arange(count))

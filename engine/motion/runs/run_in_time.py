@@ -31,6 +31,8 @@ CLOSELY = 0.1
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # Widths of jumps that are gone through in one step [rad]; how far beyond a break a step may go, of the way to it.
 ACROSS, BEYOND = 4.0 * JUMP, 1.02
+# So many times the rounding of the angle ahead a break is passed; share of a step through it that counts as its end.
+MOST_ROUNDED, AT_END = 4.0, 0.25
 # Of the ends that a step in time may meet, the first and the last two.
 REST, RANGE, BREAK = 0, 4, 5
 
@@ -44,7 +46,7 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
     runs.facing[who[runs.ahead(who) <= 0.0]] = 0.0
     stays = who[runs.facing[who] == 0.0]
     begun = runs.state.turned[stays] != 0.0
-    if runs.ends.rest:
+    if runs.ends.standing:
         runs.done[stays[begun]] = True
         stays = stays[~begun]
     # It stands until a moment over time changes, or until the time is over.
@@ -54,7 +56,7 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
         later[waits] = _starts_by(runs, stays[waits], later[waits])
     runs.state.time[stays[waits]] = later[waits]
     runs.done[stays[waits & (later >= runs.ends.time[stays])]] = True
-    if runs.ends.rest:
+    if runs.ends.standing:
         runs.done[stays[~waits]] = True
     else:
         runs.give_up(stays[~waits], Verdict.STALLS)
@@ -169,12 +171,13 @@ def _good_step(
         farthest = np.fmin(runs.farthest_in_time, CLOSELY * (2.0 if runs.half else 1.0) if runs.observers else np.inf)
         farthest = farthest * runs.reach[who]
         h = np.fmin(np.fmin(h, farthest / speed), longest)
-        # Through a jump at once; for comparison to its middle first, so that figures tell what a work misses there.
+        # Through a jump at once.
         across = (ahead < ACROSS) & (speed * h > ahead)
-        half_way = across & runs.half & (ahead > 1.5 * JUMP)
-        h = np.where(across, np.where(half_way, 0.5, 1.0) * ahead / speed, h)
+        h = np.where(across, ahead / speed, h)
+    # What begins to hold at its end holds nowhere within it.
+    within = np.where(across, goal - AT_END * (goal - state.turned), goal)
     for _ in range(HALVINGS):
-        step = form.step(state, h, facing, goal, runs.time_tolerance)
+        step = form.step(state, h, facing, within, runs.time_tolerance)
         after, missed = step.after, step.missed
         with np.errstate(all="ignore"):
             share = np.clip(SAFETY * missed ** (-1.0 / 8.0), SHRINK, GROW)
@@ -192,25 +195,29 @@ def _good_step(
             h = np.where(again, h * np.where(beyond & ~back, np.fmin(share, BEYOND * ahead / far), share), h)
             h = np.where(back, np.fmin(h, 0.5 * h), h)
     runs.pace[who] = np.where(across, runs.pace[who], h * share)
-    whole = across & ~half_way
-    after.turned[whole] = goal[whole]
+    after.turned[across] = goal[across]
     return h, step
 
 
 def _next_break(runs: Progress, who: np.ndarray, turned: np.ndarray, facing: np.ndarray) -> np.ndarray:
-    """Angle turned at the next edge of a break of the moments, or at the end of the range: no step goes across one."""
+    """Angle turned at the next edge of a break of the moments, or at the end of the range: no step goes across one.
+
+    A break has an edge on either side, and itself; for comparison it is gone through at once, so that figures tell what
+    a work misses there.
+    """
     angles, cycle = runs.variants.breaks.angles[:, who], runs.dynamics.cycle
     end = np.where(facing < 0.0, *runs.bounds[:, who])
     if not angles.size:
         return end
     here = runs.start[who] + runs.variants.direction[who] * turned
     ahead = runs.variants.direction[who] * facing * (angles - here)
-    edges = np.concatenate((ahead - JUMP, ahead + JUMP))
-    if np.isfinite(cycle):
-        ahead = np.mod(ahead, cycle)
-        edges = np.concatenate((ahead - JUMP, ahead + JUMP, ahead - cycle + JUMP))
-    edges = np.nan_to_num(np.where(edges > 0.1 * JUMP, edges, np.inf), nan=np.inf)
-    return facing * np.fmin((turned * facing) + edges.min(axis=0), facing * end)
+    sides = (-JUMP, JUMP) if runs.half else (-JUMP, 0.0, JUMP)
+    ahead = np.concatenate([ahead + side for side in sides])
+    ahead = np.mod(ahead, cycle) if np.isfinite(cycle) else ahead
+    # What rounding leaves of an edge that was just passed is none ahead.
+    passed = MOST_ROUNDED * np.spacing(np.abs(here) + np.abs(turned))
+    ahead = np.nan_to_num(np.where(ahead > passed, ahead, np.inf), nan=np.inf)
+    return facing * np.fmin((turned * facing) + ahead.min(axis=0), facing * end)
 
 
 def _overshoot(runs: Progress, state: State, who: np.ndarray, facing: np.ndarray, goal: np.ndarray) -> np.ndarray:
@@ -262,7 +269,7 @@ def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
     runs.state.omega[rest] = 0.0
     # What rounding left of a speed.
     runs.slowest[rest] = np.where(np.abs(runs.slowest[rest]) < 1e-12 * runs.fastest[rest], 0.0, runs.slowest[rest])
-    if runs.ends.rest:
+    if runs.ends.reversal:
         runs.done[rest] = True
     else:
         runs.facing[rest] = 0.0
@@ -279,10 +286,18 @@ def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
 
 
 def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
-    """Note where machines turn round; those that come no farther forward than the last time never will."""
+    """Note where machines turn round; those that come no farther forward than the last time never will.
+
+    A run to rest goes on as long as its swings become smaller.
+    """
     turned = runs.state.turned[rest]
     runs.turned_round[rest] = turned
-    again = forward & (turned <= runs.farthest[rest] + SAME_SWING * runs.reach[rest])
+    same = SAME_SWING * runs.reach[rest]
+    again = turned <= runs.farthest[rest] + same
+    if runs.ends.rest:
+        # What is lost in each swing brings it to rest.
+        again &= turned >= runs.farthest[rest] - same
+    again &= forward
     runs.farthest[rest[forward]] = turned[forward]
     _give_up_endless(runs, rest[again])
 

@@ -23,8 +23,8 @@ DOUBTFUL = 3
 class Ends(NamedTuple):
     """Where runs end, (variants,): angle turned from the run's begin [rad], time [s], speed [rad/s]; inf for never.
 
-    `rest` says whether the run ends at rest, `arrival` whether only at an end of the input's range; `most_turned` [rad]
-    is where it is given up.
+    `rest` says whether the run ends at rest, `reversal` whether wherever it stands, be it for a moment, `arrival`
+    whether only at an end of the input's range; `most_turned` [rad] is where it is given up.
     """
 
     turned: np.ndarray
@@ -33,6 +33,12 @@ class Ends(NamedTuple):
     rest: bool
     most_turned: np.ndarray
     arrival: bool = False
+    reversal: bool = False
+
+    @property
+    def standing(self) -> bool:
+        """Whether a run ends where it stands, for good or for a moment."""
+        return self.rest or self.reversal
 
     def some(self, chosen: np.ndarray) -> "Ends":
         """Those of some variants, by index."""
@@ -245,7 +251,7 @@ class Progress:
         self.state.turned[who] = np.where(way < 0, *self.bounds[:, who])
         self.arrived[who] = way * self.variants.direction[who].astype(int)
         self.done[who] = True
-        if not (self.ends.arrival or self.ends.rest):
+        if not (self.ends.arrival or self.ends.standing):
             early = np.isfinite(self.ends.speed[who]) | np.isfinite(self.ends.turned[who])
             self.verdict[who[early]] = Verdict.NO_END
 

@@ -42,6 +42,7 @@ from engine.motion.steppers.mesh import (
     E,
     fill_step,
     judge_step,
+    stay_between,
 )
 from engine.motion.steppers.one_step import (
     ENERGY,
@@ -336,8 +337,7 @@ def choose_next(wide: int, edges: Memory, sides: Memory, state: Memory, steps: M
         steps[LENGTH, lane] = rest / parts if parts > 1.0 else rest
         steps[LENGTH, lane] = steps[LENGTH, lane] if state[MOVING, lane] > 0.0 else 0.0
         steps[FROM, lane] = turned
-        steps[LOW, lane] = edges[k - 1, lane] + sides[k - 1, lane]
-        steps[HIGH, lane] = edges[k, lane] - sides[k, lane]
+        stay_between(lane, k, edges, sides, steps, 0)
         state[PASSED, lane] = 1.0 if parts <= 1.0 else 0.0
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.compiling.decorators import routine
+from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.lanes import Memory, in_lanes
 from engine.cycle.panels.series import larger, smaller
@@ -67,6 +67,14 @@ def judge_step(wide: int, method: Method, cycle: float, state: Memory, steps: Me
         state[MISSED, lane] = larger(abs(state[ERROR, lane]) / allowed, of_time)
 
 
+@inlined
+def stay_between(lane: int, k: int, edges: Memory, sides: Memory, steps: Memory, at: int) -> None:
+    """Take the places of a step between edges k − 1 and k, a little beside both; between close ones in their middle."""
+    middle = 0.5 * (edges[k - 1, lane] + edges[k, lane])
+    steps[at + LOW, lane] = smaller(edges[k - 1, lane] + sides[k - 1, lane], middle)
+    steps[at + HIGH, lane] = larger(edges[k, lane] - sides[k, lane], middle)
+
+
 @routine
 def choose_steps(edges: Memory, sides: Memory, count: int, state: Memory, steps: Memory, at: int) -> None:
     """Length of each lane's next step: that to try, or an equal part of the way to the next edge."""
@@ -81,8 +89,7 @@ def choose_steps(edges: Memory, sides: Memory, count: int, state: Memory, steps:
         parts = math.ceil(rest / state[TRY, lane] * (1.0 - 1e-9))
         steps[at + LENGTH, lane] = rest / parts if parts > 1.0 else rest
         steps[at + FROM, lane] = turned
-        steps[at + LOW, lane] = edges[k - 1, lane] + sides[k - 1, lane]
-        steps[at + HIGH, lane] = edges[k, lane] - sides[k, lane]
+        stay_between(lane, k, edges, sides, steps, at)
 
 
 @routine
@@ -126,7 +133,8 @@ def go_on(wide: int, cycle: float, edges: Memory, count: int, state: Memory, ste
         share = SHRINK if lost else share
         if state[LAYING, lane] == 0.0:
             continue
-        state[TRY, lane] = length * share
+        # How far the next one goes follows from what was tried, were it cut short by an edge.
+        state[TRY, lane] = larger(length * share, state[TRY, lane]) if taken else length * share
         if not taken:
             steps[at + LENGTH, lane] = 0.0
             if lost & (length < SHORTEST * cycle):

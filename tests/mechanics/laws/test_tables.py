@@ -180,6 +180,14 @@ def test_periodic_step_at_the_seam__is_a_sawtooth(x, y):
     assert_array_equal(values(table, [0.0, 0.75, 1.0, 5.25, -0.25]), [0.0, 0.75, 0.0, 0.25, 0.75])
 
 
+@given(st.floats(-12.0, -5.0))
+def test_step_just_before_the_seam__stays_where_it_is(exponent):
+    period = 2 * math.pi
+    step = period - 10.0**exponent
+    table = make_table([0.0, step, step, period], [1.0, 1.0, 3.0, 1.0], "linear", period=period)
+    assert_array_equal(values(table, [np.nextafter(step, 0.0), step, 0.0]), [1.0, 3.0, 1.0])
+
+
 def test_rounded_period__closes():
     # 360 degrees written as 6.2832 rad is 1.2e-6 of a revolution too long.
     table = make_table([0.0, 3.1416, 6.2832], [1.0, -1.0, 1.0], "linear", period=2 * math.pi)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from motion_scenes import GRAVITY, INERTIA, ask, pendulum, rotor, run, slider_crank
+from scipy.integrate import quad
 
 from engine import Scene, Verdict
 from engine.motion.history import history
@@ -95,3 +96,40 @@ def test_end_by_time__is_waited_for():
         {"go": run("gravity", from_angle=-math.pi / 2 - 0.6, from_speed=0.0, time=4 * PERIOD)}, MASS, ARM, OWN
     )
     assert ask(scene, "go.time")["go.time"] == pytest.approx(4 * PERIOD, rel=1e-9)
+
+
+# Friction of 60 N·m against Kloss' moment 2 · 100 N·m/(s/0.2 + 0.2/s), s the slip below 100 rad/s: they are equal at
+# 40 rad/s, where the machine's speed is unstable, and at 93.3 rad/s, where it is stable.
+def loaded_motor(**regime: object) -> dict:
+    motor = {"type": "induction_motor", "on": "crank", "synchronous_speed": 100.0}
+    motor |= {"breakdown_moment": 100.0, "breakdown_slip": 0.2}
+    return {
+        "points": {"O": {"x": 0, "y": 0}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": 95.0},
+        "bodies": {"rotor": {"link": "crank", "inertia": 1.0, "mass": 1e-9}},
+        "moments": {"motor": motor, "friction": {"type": "against_motion", "on": "crank", "moment": 60.0}},
+        "regimes": {"go": {"type": "run", "from_angle": 0.0, **regime}},
+    }
+
+
+def excess(omega: float) -> float:
+    slip = 1.0 - omega / 100.0
+    return 200.0 / (slip / 0.2 + 0.2 / slip) - 60.0
+
+
+@pytest.mark.parametrize("end", [{"speed": 90.0}, {"cycles": 200.0}, {"rest": True}], ids=["speed", "angle", "rest"])
+@pytest.mark.parametrize("begin", [5.0, 30.0, 39.0, 39.9])
+def test_machine_that_its_motor_lets_stop__stalls_whatever_was_to_end_its_run(begin, end):
+    scene = loaded_motor(from_speed=begin, **end)
+    found, seen = ask(scene, "go.time"), history(Scene.model_validate(scene))
+    stops, _ = quad(lambda omega: 1.0 / excess(omega), begin, 0.0, epsrel=1e-11)
+    assert seen.time[-1] == pytest.approx(stops, rel=1e-6)
+    assert found.status == [seen.verdict] == [Verdict.OK if "rest" in end else Verdict.STALLS]
+
+
+@pytest.mark.parametrize(("begin", "speed"), [(99.0, 90.0), (99.0, 99.5), (60.0, 95.0), (60.0, 50.0)])
+def test_machine_that_settles_short_of_its_speed__has_no_end(begin, speed):
+    scene = loaded_motor(from_speed=begin, speed=speed)
+    seen = history(Scene.model_validate(scene))
+    assert ask(scene, "go.time").status == [seen.verdict] == [Verdict.NO_END]
+    assert seen.time[-1] < 20.0

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from motion_scenes import ECCENTRIC_MASS, ECCENTRICITY, GRAVITY, ask, pendulum, run, slider_crank, steady
+from motion_scenes import ECCENTRIC_MASS, ECCENTRICITY, GRAVITY, ask, pendulum, rotor, run, slider_crank, steady
+from motion_scenes import INERTIA as INERTIA_OF_ROTOR
 from mpmath import mp
 from scipy.optimize import brentq
 
@@ -96,8 +97,46 @@ def test_pendulum_with_friction__each_half_swing_loses_friction_times_way():
     assert found["go.harmful_work"] == pytest.approx(friction * way, rel=1e-6)
     assert found["go.final_speed"] == 0.0
     assert found["go.time"] == 60.0
-    first = ask(swing(1.2, "gravity rub", rest=True), "go.angle", 240)
+    first = ask(swing(1.2, "gravity rub", reversal=True), "go.angle", 240)
     assert first["go.angle"] == pytest.approx(-1.2 - reached[1], abs=1e-8)
+    last = ask(swing(1.2, "gravity rub", rest=True), "go.angle go.time", 240)
+    assert last["go.angle"] == pytest.approx(side * turning - 1.2, abs=1e-6)
+    # Friction of constant moment shifts the middle of small swings, not their period; wide ones take longer.
+    halves = len(reached) - 1
+    assert halves * math.pi / RATE < last["go.time"] < halves * period(1.2) / 2
+
+
+@pytest.mark.parametrize("only", ["gravity", "gravity oil"])
+def test_pendulum_that_nothing_holds__turns_back_and_never_rests(only):
+    # What vanishes with the speed holds it nowhere but at the bottom, where it arrives after an infinite time.
+    turned = ask(swing(1.2, only, reversal=True), "go.angle go.time go.final_speed")
+    assert turned["go.final_speed"] == 0.0
+    if only == "gravity":
+        assert turned["go.angle"] == pytest.approx(-2.4, abs=1e-8)
+        assert turned["go.time"] == pytest.approx(period(1.2) / 2, rel=1e-8)
+    assert ask(swing(1.2, only, rest=True), "go.angle").status == [Verdict.NO_END]
+
+
+@pytest.mark.parametrize("load", [-0.5, -1.5])
+@pytest.mark.parametrize("closed", [True, False])
+def test_brake_that_stops_a_load__brings_it_to_rest_where_it_holds_it(load, closed):
+    # 0.8 N·m of the brake; the rotor's inertia is constant by its structure, or only by its numbers.
+    ends = {"rests": {"rest": True}, "turns": {"reversal": True}}
+    regimes = {name: run("brake load", from_speed=10.0, from_angle=0.0, **end) for name, end in ends.items()}
+    scene = rotor(regimes, load={"moment": load})
+    if closed:
+        del scene["bodies"]["ram_body"]
+        scene["groups"], scene["guides"], scene["forces"] = {}, {}, {}
+        for regime in scene["regimes"].values():
+            regime["off"].remove("cut")
+    found = ask(scene, "turns.time turns.angle")
+    assert found["turns.time"] == pytest.approx(INERTIA_OF_ROTOR * 10.0 / (0.8 - load), rel=1e-9)
+    assert found["turns.angle"] == pytest.approx(0.5 * 10.0 * found["turns.time"], rel=1e-9)
+    rests = ask(scene, "rests.time")
+    if load > -0.8:
+        assert rests["rests.time"] == pytest.approx(found["turns.time"], rel=1e-9)
+    else:
+        assert rests.status == [Verdict.NO_END]
 
 
 def test_pendulum_held_by_friction__stays():

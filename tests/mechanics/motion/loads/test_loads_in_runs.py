@@ -60,7 +60,7 @@ def test_rotor_under_a_constant_moment__accelerates_evenly_and_loads_its_bearing
 def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
     mass, arm, inertia = 2.0, 0.25, 0.05
     # From the horizontal, until it comes to the same height again on the other side.
-    scene = pendulum({"go": run("gravity", from_angle=math.pi, from_speed=0.0, rest=True)}, mass, arm, inertia)
+    scene = pendulum({"go": run("gravity", from_angle=math.pi, from_speed=0.0, reversal=True)}, mass, arm, inertia)
     found = ask(scene, asked("go"), 240)
     whole = inertia + mass * arm**2
     # At the bottom: ½ I ω² = m g e, and R = m g + m ω² e; at the ends: ε = m g e/I, and R = m (g − ε e).

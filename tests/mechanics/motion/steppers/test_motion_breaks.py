@@ -1,10 +1,12 @@
 """Where moments jump and bend: places against the slider-crank's closed form."""
 
 import math
+from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
-from motion_scenes import CUT, RADIUS, ROD, ask, rotor, run, slider_crank, steady
+from motion_scenes import CUT, INERTIA, RADIUS, ROD, ask, rotor, run, slider_crank, steady
 
 from engine import Scene
 from engine.mechanism.mechanics import Mechanics
@@ -167,3 +169,51 @@ def test_tables__have_breaks_at_all_rows_however_smoothly_joined():
         scene = slider_crank({})
         scene["forces"]["cut"] = CUT | rows | {"interpolation": interpolation}
         assert len(of(landmarks(scene)[1], "cut")) == 4
+
+
+def area(angles: list[float], moments: list[float]) -> float:
+    """Of the straight lines between rows; differences of close angles are exact in fractions."""
+    rows = list(zip(map(Fraction, angles), map(Fraction, moments), strict=True))
+    return float(sum((m + n) / 2 * (b - a) for (a, m), (b, n) in pairwise(rows)))
+
+
+# Rows with a break by a distance from another one, or from where the cycle or the run begins.
+CLOSE = {
+    "after the begin of the cycle": lambda d: ([0, d, d, TURN, TURN], [50, 50, -2, -2, 50], 0.0),
+    "before the end of the cycle": lambda d: ([0, TURN - d, TURN - d, TURN, TURN], [50, 50, -2, -2, 50], 0.0),
+    "after another": lambda d: ([0, 1, 1, 1 + d, 1 + d, TURN], [5, 5, 1e3, 1e3, 5, 5], 0.0),
+    "after the begin of the run": lambda d: ([0, 1, 1, TURN, TURN], [50, 50, -2, -2, 50], 1 - d),
+    "before the begin of the run": lambda d: ([0, 1, 1, TURN, TURN], [50, 50, -2, -2, 50], 1 + d),
+}
+
+
+@pytest.mark.parametrize("place", CLOSE)
+def test_breaks_however_close__give_their_work(place):
+    distances = 10.0 ** np.random.default_rng(7).uniform(-13.0, -8.0, 8)
+    for d in distances:
+        angles, moments, begin = CLOSE[place](float(d))
+        # The second one goes in time, as something may depend on it.
+        regimes = {"angle": run("by_angle", from_speed=20.0, from_angle=begin, cycles=1.0)}
+        regimes["time"] = regimes["angle"] | {"only": "by_angle nothing"}
+        found = ask(
+            rotor(regimes, by_angle={"over_angle": angles, "moment": moments}), "angle.final_speed time.final_speed"
+        )
+        true = math.sqrt(20.0**2 + 2.0 * area(angles, moments) / INERTIA)
+        for name in ("angle.final_speed", "time.final_speed"):
+            assert abs(found[name] - true) <= found.figure(name), (name, d)
+
+
+def test_cycle_of_many_turns__cuts_as_often_as_one_of_one():
+    names = "required_power input_moment.max on.motor_work go.final_speed"
+    found = {}
+    for turns in (1, 7, 24):
+        regimes = {"on": steady("dc cut gravity"), "go": run("cut gravity", from_speed=30.0, cycles=2.0 / turns)}
+        scene = slider_crank(regimes, flywheel=0.4)
+        scene["input"]["revolutions"], scene["moments"] = turns, {"dc": scene["moments"]["dc"]}
+        scene["regimes"]["on"]["off"], scene["regimes"]["go"]["off"] = [], ["dc"]
+        found[turns] = ask(scene, names)
+    for turns in (7, 24):
+        assert found[turns]["on.motor_work"] == pytest.approx(turns * found[1]["on.motor_work"], rel=1e-8)
+        for name in names.split():
+            if name != "on.motor_work":
+                assert found[turns][name] == pytest.approx(found[1][name], rel=1e-9), name
