@@ -98,7 +98,7 @@ def _spread(
 def _misses(task: SearchTask, values: Mapping[str, np.ndarray]) -> np.ndarray:
     found = np.zeros(values["status"].shape, bool)
     for condition in (*task.study.require, *task.conditions):
-        found |= ~condition.met(values, found.size)
+        found |= ~condition.judged(values, {}, found.size).met
     return found
 
 

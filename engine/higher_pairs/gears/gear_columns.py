@@ -77,7 +77,11 @@ def _keys(train: GearTrain) -> Iterator[str]:
         "shafts": ("planets", "speed", "moment", "mass", "inertia"),
         "meshes": ("module", "efficiency", "friction"),
     }
-    always = {"wheels": ("teeth", "bore", "density", "profile_shift"), "shafts": (), "meshes": ("pressure_angle", "helix_angle")}
+    always = {
+        "wheels": ("teeth", "bore", "density", "profile_shift"),
+        "shafts": (),
+        "meshes": ("pressure_angle", "helix_angle"),
+    }
     for table in ("wheels", "shafts", "meshes"):
         for name, part in getattr(train, table).items():
             yield from (f"{table}.{name}.{key}" for key in always[table])

@@ -4,8 +4,8 @@ Arrays in, arrays out, element by element. Of an internal mesh the second wheel 
 module, profile shifts in modules; that of a ring counts outwards, as on a wheel with teeth outside. Lengths are in
 normal modules.
 
-Source: DIN 3960; Shigley, Mechanical Engineering Design, on interference; Schlenk's general form of Niemann and Winter's
-tooth loss.
+Source: DIN 3960; Shigley, Mechanical Engineering Design, on interference; Schlenk's general form of the tooth loss by
+Niemann and Winter.
 """
 
 import math

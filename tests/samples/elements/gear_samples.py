@@ -6,12 +6,12 @@ import numpy as np
 
 from engine import ElementsAlone, Scene
 
-
+STANDARD = math.radians(20)
 # A mesh in which a dozen teeth do not interfere.
 STEEP = {"pressure_angle": math.radians(28)}
 
 
-def tips_keep_clear(z1, z2, sense=1, angle=math.radians(20)):
+def tips_keep_clear(z1, z2, sense=1, angle=STANDARD):
     """Whether no tip reaches beyond where the line of action touches the other base circle; arrays, no shifts."""
     bases = z1 * np.cos(angle), z2 * np.cos(angle)
     line = (z2 + sense * z1) * np.sin(angle)
