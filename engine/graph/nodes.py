@@ -424,9 +424,7 @@ class Graph:
             return sum((c * b for c, b in kept), self.zero)
         return self._once(("sum", kept), lambda: Sum(self, kept))
 
-    def switches(
-        self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0, offset: float = 0.0
-    ) -> None:
+    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0, offset: float = 0.0) -> None:
         """Say that something switches where a curve crosses a level; `kink` and `offset` as for `Crossing`."""
         if curve.stage == Stage.POSITION:
             if not isinstance(level, Node) or isinstance(level, Constant):

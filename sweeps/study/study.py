@@ -89,7 +89,8 @@ class Study:
     summaries, fields : tuple of str
         What is asked.
     positions : int
-    precision : {"float64", "float32"}
+    field_precision : {"float64", "float32"}
+        In which kept fields are stored; all is computed in float64.
     accuracy : float or None
         Allowed error of every summary, as a share of its magnitude.
     name, title, question, text : str
@@ -113,7 +114,7 @@ class Study:
     summaries: tuple[str, ...] = ()
     fields: tuple[str, ...] = ()
     positions: int = 720
-    precision: str = "float64"
+    field_precision: str = "float64"
     accuracy: float | None = None
     name: str = "study"
     title: str = ""
@@ -186,7 +187,7 @@ class Study:
             self.fields,
             self.paths,
             self.positions,
-            np.dtype(self.precision).type,
+            np.dtype(self.field_precision).type,
             self.accuracy,
         )
 
