@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from engine import Verdict
-from engine.higher_pairs.gears.tooth_laws import TeethInMesh, mesh_geometry, minimum_teeth
+from engine.elements.gears.tooth_laws import TeethInMesh, mesh_geometry, minimum_teeth
 
 
 def teeth(z1, z2, sense=1, angle=20.0, helix=0.0, shifts=(0.0, 0.0)):

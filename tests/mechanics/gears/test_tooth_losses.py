@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from engine.higher_pairs.gears.tooth_laws import TeethInMesh, mesh_efficiency, mesh_geometry
+from engine.elements.gears.tooth_laws import TeethInMesh, mesh_efficiency, mesh_geometry
 
 
 def mesh(z1, z2, sense=1, angle=20.0, shifts=(0.0, 0.0)):
